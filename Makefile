@@ -1,0 +1,42 @@
+# `make demo` and `make test` need Python >= 3.11, make and git; no root, no compiler.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+INSTALLED := $(VENV)/.installed
+PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
+
+.PHONY: help demo test lint bench clean
+
+help:
+	@echo "make demo   the two-blade case: solve it and write demo/report.html"
+	@echo "make test   linters, type check and all tests"
+	@echo "make bench  timings against other programs (installs the extra [bench])"
+
+$(INSTALLED): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "stickslip needs Python 3.11 or newer, but $(PYTHON) is " + sys.version.split()[0] + "; name another one: make PYTHON=python3.12")'
+	@echo "Preparing $(VENV) (once)"
+	$(PYTHON) -m venv $(VENV)
+	$(PIP) install --upgrade pip --constraint constraints.txt
+	$(PIP) install --constraint constraints.txt --group dev --editable .
+	@touch $@
+
+demo: $(INSTALLED)
+	@mkdir -p demo
+	$(BIN)/stickslip new demo/study.toml --force
+	$(BIN)/stickslip run demo/study.toml --out demo
+	@echo "Open demo/report.html in a browser."
+
+lint: $(INSTALLED)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+test: lint
+	$(BIN)/python -m pytest
+
+bench: $(INSTALLED)
+	$(PIP) install --constraint constraints.txt --editable .[bench]
+	$(BIN)/python -m benchmarks
+
+clean:
+	rm -rf $(VENV) demo .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -1,0 +1,95 @@
+"""The joint as the solver sees it: an operator to relative displacements, and the constants of each contact pair."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse
+from numpy.typing import ArrayLike
+
+from stickslip.errors import InputError
+from stickslip.validation import FloatArray, finite_array, per_pair, require_positive
+
+
+@dataclass(frozen=True)
+class ContactPairs:
+    """Contact pairs with 3-D Coulomb friction, variable normal load and separation.
+
+    Relative displacement ``x = operator @ u`` (t1, t2, n of each pair; n > 0 closes). The force on the left-hand side
+    of the equation of motion is ``operator.T @ f`` with ``f = (T1, T2, N - preload)`` and
+    ``N = max(preload + normal_stiffness * n, 0)``, ``|T| <= friction_coefficient * N``.
+
+    Parameters
+    ----------
+    operator:
+        (3 * n_pairs, n), rows t1, t2, n of pair 0, then of pair 1, ...
+    normal_stiffness:
+        (n_pairs,) N/m, above zero; a number serves for all pairs.
+    tangential_stiffness:
+        (n_pairs,) N/m, above zero, or (n_pairs, 2) for different stiffness along t1 and t2.
+    friction_coefficient:
+        (n_pairs,), above zero.
+    preload:
+        (n_pairs,) N at rest; a negative value is an initial gap of ``-preload / normal_stiffness``.
+
+    Raises
+    ------
+    InputError
+        for a wrong shape, an entry that is not finite, zero stiffness, or a friction coefficient that is not positive.
+    """
+
+    operator: FloatArray
+    normal_stiffness: FloatArray
+    tangential_stiffness: FloatArray
+    friction_coefficient: FloatArray
+    preload: FloatArray
+
+    def __init__(
+        self,
+        operator: Any,
+        normal_stiffness: ArrayLike,
+        tangential_stiffness: ArrayLike,
+        friction_coefficient: ArrayLike,
+        preload: ArrayLike,
+    ) -> None:
+        matrix = finite_array("operator", operator.toarray() if scipy.sparse.issparse(operator) else operator)
+        if matrix.ndim != 2 or matrix.shape[0] % 3 or matrix.shape[0] == 0:
+            raise InputError(
+                f"operator must have shape (3 * n_pairs, n): rows t1, t2, n for each pair; found shape {matrix.shape}."
+            )
+        n_pairs = matrix.shape[0] // 3
+        tangential = finite_array("tangential_stiffness", tangential_stiffness)
+        if tangential.shape != (n_pairs, 2):
+            tangential = per_pair("tangential_stiffness", tangential, n_pairs)
+        normal = per_pair("normal_stiffness", normal_stiffness, n_pairs)
+        friction = per_pair("friction_coefficient", friction_coefficient, n_pairs)
+        advice = (
+            "A pair without stiffness carries no contact: leave it out of the operator, or check the roughness and the "
+            "load that gave the stiffness."
+        )
+        require_positive("normal_stiffness", normal, advice)
+        require_positive("tangential_stiffness", tangential, advice)
+        require_positive("friction_coefficient", friction, "Dry metal joints lie between 0.1 and 0.8.")
+        object.__setattr__(self, "operator", matrix)
+        object.__setattr__(self, "normal_stiffness", normal)
+        object.__setattr__(self, "tangential_stiffness", tangential)
+        object.__setattr__(self, "friction_coefficient", friction)
+        object.__setattr__(self, "preload", per_pair("preload", preload, n_pairs))
+
+    @property
+    def n_pairs(self) -> int:
+        """Number of contact pairs."""
+        return int(self.normal_stiffness.shape[0])
+
+    @property
+    def tangential_springs(self) -> FloatArray:
+        """(n_pairs, 2) N/m along t1 and t2, also where one number was given for both."""
+        if self.tangential_stiffness.ndim == 2:
+            return self.tangential_stiffness
+        return np.repeat(self.tangential_stiffness[:, None], 2, axis=1)
+
+    def stuck_stiffness(self) -> FloatArray:
+        """(3 * n_pairs,) N/m: k_t1, k_t2, k_n of each pair, the springs of a closed and stuck contact."""
+        return np.column_stack([self.tangential_springs, self.normal_stiffness]).ravel()

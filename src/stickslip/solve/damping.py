@@ -1,0 +1,74 @@
+"""Viscous damping: modal ratios, Rayleigh, or a full matrix, and which of them the stuck modes diagonalise."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg
+
+from stickslip.errors import InputError
+from stickslip.interface.contact_pairs import ContactPairs
+from stickslip.structure.superelement import Superelement
+from stickslip.validation import FloatArray, finite_array
+
+
+def stuck_stiffness_matrix(superelement: Superelement, pairs: ContactPairs) -> FloatArray:
+    """``K + B^T diag(k_t1, k_t2, k_n) B`` (n, n): every pair closed and stuck."""
+    operator = pairs.operator
+    return superelement.stiffness + operator.T @ (pairs.stuck_stiffness()[:, None] * operator)
+
+
+def modal_basis(mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """All modes of ``(K - w^2 M) phi = 0``: ``w`` (n,) rad/s ascending and mass-normalised ``phi`` (n, n).
+
+    Slightly negative eigenvalues of rigid-body modes (round-off) become zero. Raises InputError for a mass matrix that
+    is not positive definite, or a stiffness matrix with a clearly negative eigenvalue.
+    """
+    try:
+        squares, modes = scipy.linalg.eigh(stiffness, mass)
+    except scipy.linalg.LinAlgError as error:
+        raise InputError(
+            "the mass matrix is not positive definite, so the structure has no vibration modes. "
+            "Look for unknowns without mass and condense them, or for a wrong sign."
+        ) from error
+    largest = float(np.abs(squares).max())
+    if squares[0] < -1e-8 * largest:
+        raise InputError(
+            f"the stiffness matrix has the negative eigenvalue {squares[0]:.3g} (rad/s)^2; a structure at rest must be "
+            "positive semi-definite. Look for a wrong sign or for unknowns in another order than in the mass matrix."
+        )
+    return np.sqrt(np.maximum(squares, 0.0)), modes
+
+
+def modal_damping_matrix(
+    mass: FloatArray, circular_frequency: FloatArray, modes: FloatArray, ratio: float
+) -> FloatArray:
+    """``C = M phi diag(2 ratio w) phi^T M`` (n, n) N s/m: the same damping ratio for every stuck mode."""
+    weighted = mass @ modes
+    return (weighted * (2.0 * ratio * circular_frequency)) @ weighted.T
+
+
+def rayleigh_damping_matrix(
+    superelement: Superelement, pairs: ContactPairs, mass_factor: float, stiffness_factor: float
+) -> FloatArray:
+    """``C = mass_factor M + stiffness_factor (K + B^T k B)`` (n, n) N s/m, with the contact closed and stuck.
+
+    ``mass_factor`` in 1/s and ``stiffness_factor`` in s, both not negative; InputError otherwise.
+    """
+    factors = finite_array("Rayleigh damping factors", [mass_factor, stiffness_factor])
+    if (factors < 0).any():
+        raise InputError(
+            f"Rayleigh damping factors must not be negative, found mass_factor = {mass_factor:g} 1/s and "
+            f"stiffness_factor = {stiffness_factor:g} s."
+        )
+    return mass_factor * superelement.mass + stiffness_factor * stuck_stiffness_matrix(superelement, pairs)
+
+
+def diagonal_modal_damping(damping: FloatArray, modes: FloatArray, tolerance: float = 1e-9) -> FloatArray | None:
+    """Diagonal (n,) of ``phi^T C phi``, or None if the modes do not diagonalise ``damping`` to ``tolerance``."""
+    projected = modes.T @ damping @ modes
+    diagonal = np.diag(projected).copy()
+    scale = np.sqrt(np.outer(np.abs(diagonal), np.abs(diagonal))) + np.abs(diagonal).max(initial=0.0) * 1e-12
+    coupling = np.abs(projected - np.diag(diagonal))
+    if (coupling <= tolerance * scale + 1e-300).all():
+        return diagonal
+    return None

@@ -1,0 +1,313 @@
+"""The forced response of a structure with friction joints: one call from matrices to a labelled curve."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from threadpoolctl import threadpool_limits
+
+from stickslip.errors import InputError
+from stickslip.interface.contact_pairs import ContactPairs
+from stickslip.interface.friction import Update
+from stickslip.results.response import ForcedResponse
+from stickslip.solve.balance import Balance, Trial
+from stickslip.solve.checks import ResolutionCheck, check_resolution
+from stickslip.solve.compliance import StuckStructure, stuck_structure
+from stickslip.solve.continuation import Branch, BranchPoint, ContinuationSettings
+from stickslip.solve.linear import linear_curves
+from stickslip.solve.newton import NewtonSettings
+from stickslip.solve.start import first_point
+from stickslip.structure.superelement import Superelement
+from stickslip.validation import FloatArray, finite_array
+
+Orders = NDArray[np.int64]
+ProgressCallback = Callable[[float, str], None]
+
+
+@dataclass(frozen=True)
+class PointMeasures:
+    """What is kept of a converged point."""
+
+    displacement: FloatArray  # (2H+1, n) m
+    dissipated_energy: FloatArray  # (n_pairs,) J per cycle
+    input_energy: float
+    viscous_energy: float
+    residual: float
+
+
+def forced_response(
+    superelement: Superelement,
+    pairs: ContactPairs,
+    force_cos: ArrayLike,
+    force_sin: ArrayLike | None = None,
+    *,
+    frequency_hz: tuple[float, float],
+    harmonics: int = 5,
+    samples: int = 256,
+    modal_damping_ratio: float | None = None,
+    update: Update = "tractrix",
+    newton: NewtonSettings | None = None,
+    continuation: ContinuationSettings | None = None,
+    threads: int = 1,
+    progress: ProgressCallback | None = None,
+) -> ForcedResponse:
+    """Follow the periodic response to ``p(t) = sum_k force_cos[:, k-1] cos(k w t) + force_sin[:, k-1] sin(k w t)``.
+
+    Solves ``M u'' + C u' + K u + B^T f(B u) = p(t)`` by harmonic balance (mean and ``harmonics`` harmonics), with the
+    friction force of ``pairs`` sampled ``samples`` times a period in its periodic state, along the frequency by
+    pseudo-arc length. Theory: docs/theory.md.
+
+    Parameters
+    ----------
+    superelement:
+        (n, n) matrices in SI units, without contact stiffness.
+    pairs:
+        the joint, with ``operator`` of shape (3 * n_pairs, n).
+    force_cos, force_sin:
+        N, (n,) for the first harmonic or (n, n_harmonics) for several. ``force_sin`` None means zero.
+    frequency_hz:
+        (start, stop) of the first harmonic; start above stop sweeps downward.
+    harmonics, samples:
+        kept harmonics and time samples; ``samples >= 2 * harmonics + 1``, 256 for smooth curves, 512 with much
+        separation.
+    modal_damping_ratio:
+        the same ratio for every mode of the stuck structure, instead of a damping matrix in ``superelement``.
+    update:
+        "tractrix" (second order) or "radial" return of the friction law.
+    newton, continuation:
+        tolerances and step control.
+    threads:
+        threads of the linear algebra.
+    progress:
+        called with the share of the window that is done, and a sentence.
+
+    Returns
+    -------
+    ForcedResponse
+        also when the curve could not be followed to its end: ``converged`` is then False and ``message`` says where
+        and why; all points that it holds are converged.
+
+    Raises
+    ------
+    InputError
+        for inputs that cannot be used. ConvergenceError if not even the first point was found.
+    """
+    began = time.perf_counter()
+    window = _checked_window(frequency_hz)
+    _check_resolution_choice(harmonics, samples)
+    _check_update(update)
+    if modal_damping_ratio is not None and not modal_damping_ratio >= 0:
+        raise InputError(f"modal_damping_ratio is {modal_damping_ratio}, but it must be 0 or more, for example 0.001.")
+    force = _force_coefficients(force_cos, force_sin, superelement.size, harmonics)
+    newton = newton or NewtonSettings()
+    report = progress or (lambda fraction, detail: None)
+    omega_start, omega_stop = (2.0 * np.pi * f for f in window)
+    with threadpool_limits(limits=threads):
+        largest = max(omega_start, omega_stop)
+        stuck = stuck_structure(superelement, pairs, harmonics, largest, modal_damping_ratio)
+        balance = Balance(stuck.compliance, pairs, force, samples, update)
+
+        def simpler(count: int) -> Balance:
+            reduced = stuck_structure(superelement, pairs, count, largest, modal_damping_ratio)
+            return Balance(reduced.compliance, pairs, force[: 2 * count + 1], samples, update)
+
+        start, how = first_point(balance, omega_start, newton, simpler)
+        branch = Branch(balance, start, omega_stop, newton, continuation or ContinuationSettings())
+        points, measures = _follow(branch, balance, superelement, stuck, window, report)
+        trials = [point.trial for point in points]
+        fine = Balance(stuck.compliance, pairs, force, 2 * samples, update)
+        check = check_resolution(fine, trials, [m.displacement for m in measures], superelement.mass)
+        linear = linear_curves(superelement, pairs, stuck.damping, force, window)
+    return ForcedResponse(
+        frequency_hz=np.array([trial.omega for trial in trials]) / (2.0 * np.pi),
+        displacement=np.array([m.displacement.T for m in measures]),
+        contact_state=np.array([trial.contact.state for trial in trials], dtype=np.int8),
+        dissipated_energy=np.array([m.dissipated_energy for m in measures]),
+        closure=np.array([trial.contact.closure for trial in trials]),
+        residual=np.array([m.residual for m in measures]),
+        iterations=np.array([point.iterations for point in points]),
+        input_energy=np.array([m.input_energy for m in measures]),
+        viscous_energy=np.array([m.viscous_energy for m in measures]),
+        converged=branch.complete,
+        message=f"{how} {branch.message}",
+        warnings=_warnings(check, balance, trials),
+        harmonics=harmonics,
+        samples=samples,
+        pairs=pairs,
+        linear=linear,
+        force=np.ascontiguousarray(force.T),
+        settings=_settings(window, harmonics, samples, update, newton, modal_damping_ratio, check),
+        provenance={"solve_seconds": f"{time.perf_counter() - began:.2f}"},
+    )
+
+
+def _checked_window(frequency_hz: tuple[float, float]) -> tuple[float, float]:
+    values = finite_array("frequency_hz", frequency_hz)
+    if values.shape != (2,):
+        raise InputError(f"frequency_hz must be (start, stop), but its shape is {values.shape}.")
+    start, stop = float(values[0]), float(values[1])
+    if start <= 0 or stop <= 0:
+        raise InputError(f"frequency_hz is ({start:g}, {stop:g}); both ends must be above 0 Hz.")
+    if start == stop:
+        raise InputError(
+            f"frequency_hz is ({start:g}, {stop:g}), a range of zero width. Give two different frequencies; "
+            "a start above the stop sweeps downward."
+        )
+    return start, stop
+
+
+def _check_resolution_choice(harmonics: int, samples: int) -> None:
+    for name, value in (("harmonics", harmonics), ("samples", samples)):
+        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
+            raise InputError(f"{name} is {value!r}, but it must be a whole number of at least 1.")
+    if samples < 2 * harmonics + 1:
+        raise InputError(
+            f"samples is {samples}, but {harmonics} harmonics need at least {2 * harmonics + 1} samples a period. "
+            "Take 256 (512 with much separation): friction has kinks that few samples miss."
+        )
+
+
+def _check_update(update: Update) -> None:
+    if update not in ("tractrix", "radial"):
+        raise InputError(f'update is {update!r}, but it must be "tractrix" or "radial".')
+
+
+def _force_coefficients(force_cos: ArrayLike, force_sin: ArrayLike | None, size: int, harmonics: int) -> FloatArray:
+    """(2H+1, n) coefficients of the external force; raises InputError for a wrong shape or no force at all."""
+    coefficients = np.zeros((2 * harmonics + 1, size))
+    for offset, name, value in ((1, "force_cos", force_cos), (2, "force_sin", force_sin)):
+        if value is None:
+            continue
+        array = finite_array(name, value)
+        columns = array[:, None] if array.ndim == 1 else array
+        if columns.ndim != 2 or columns.shape[0] != size:
+            raise InputError(
+                f"{name} must have shape ({size},) for the first harmonic or ({size}, n_harmonics) for several, "
+                f"but its shape is {array.shape}."
+            )
+        if columns.shape[1] > harmonics:
+            raise InputError(
+                f"{name} has {columns.shape[1]} harmonics, but only harmonics = {harmonics} are kept. Raise harmonics."
+            )
+        coefficients[offset : offset + 2 * columns.shape[1] : 2] = columns.T
+    if not coefficients.any():
+        raise InputError("force_cos and force_sin are zero everywhere; without a force there is no forced response.")
+    return coefficients
+
+
+def _follow(
+    branch: Branch,
+    balance: Balance,
+    superelement: Superelement,
+    stuck: StuckStructure,
+    window: tuple[float, float],
+    report: ProgressCallback,
+) -> tuple[list[BranchPoint], list[PointMeasures]]:
+    """Walk the branch, measure each point, and tell the progress."""
+    points, measures = [], []
+    for point in branch:
+        points.append(point)
+        measures.append(_measure(point.trial, balance, superelement, stuck))
+        frequency = point.trial.omega / (2.0 * np.pi)
+        done = (frequency - window[0]) / (window[1] - window[0])
+        moving = int((point.trial.contact.state > 0).sum())
+        report(min(1.0, max(0.0, done)), f"{frequency:.2f} Hz, point {len(points)}, {moving} pairs moving")
+    return points, measures
+
+
+def _measure(trial: Trial, balance: Balance, superelement: Superelement, stuck: StuckStructure) -> PointMeasures:
+    """Displacement, energies per cycle, and the residual of the equation of motion itself."""
+    omega, force = trial.omega, balance.force
+    displacement = stuck.compliance.displacement(omega, force, trial.deviation)
+    contact = trial.contact.force.reshape(balance.rows, -1).T
+    order = np.arange(1, balance.harmonics + 1)[:, None]
+    # Work of a force on a motion in one period: pi * sum_h h (s_h . fc_h - c_h . fs_h).
+    work = _work(order, trial.relative, contact)
+    per_pair = work.reshape(-1, 3).sum(axis=1)
+    per_pair[~trial.contact.deviates] = 0.0
+    viscous = np.pi * omega * (order**2 * _damping_form(displacement, stuck.damping)).sum()
+    residual = _equation_residual(trial, displacement, contact, balance, superelement, stuck)
+    # The input is the work of the force; its sign convention makes it positive where energy goes in.
+    return PointMeasures(
+        displacement, per_pair, float(_work(order, displacement, force).sum()), float(viscous), residual
+    )
+
+
+def _work(order: Orders, motion: FloatArray, force: FloatArray) -> FloatArray:
+    """Work (m,) in one period of coefficients ``force`` on ``motion``, both (2H+1, m)."""
+    return np.asarray(np.pi * (order * (motion[2::2] * force[1::2] - motion[1::2] * force[2::2])).sum(axis=0))
+
+
+def _damping_form(displacement: FloatArray, damping: FloatArray) -> FloatArray:
+    """``c_h C c_h + s_h C s_h`` (H, 1)."""
+    quadratic: FloatArray = (displacement[1:] * (displacement[1:] @ damping)).sum(axis=1)
+    return (quadratic[0::2] + quadratic[1::2])[:, None]
+
+
+def _equation_residual(
+    trial: Trial,
+    displacement: FloatArray,
+    contact: FloatArray,
+    balance: Balance,
+    superelement: Superelement,
+    stuck: StuckStructure,
+) -> float:
+    """``|Z u + B^T f - p| / (|p| + |B^T f|)`` over all harmonics, in the unknowns of the superelement."""
+    omega, operator = trial.omega, balance.pairs.operator
+    restraint = stuck.compliance.mean_restraint * balance.pairs.tangential_springs
+    contact = contact.copy()
+    contact[0].reshape(-1, 3)[:, :2] += restraint * trial.relative[0].reshape(-1, 3)[:, :2]
+    joint = contact @ operator
+    order = np.arange(1, balance.harmonics + 1)[:, None] * omega
+    left = displacement @ superelement.stiffness + joint - trial.load * balance.force
+    inertia, viscous = displacement[1:] @ superelement.mass, displacement[1:] @ stuck.damping
+    left[1::2] += -(order**2) * inertia[0::2] + order * viscous[1::2]
+    left[2::2] += -(order**2) * inertia[1::2] - order * viscous[0::2]
+    return float(np.linalg.norm(left) / (np.linalg.norm(balance.force) + np.linalg.norm(joint)))
+
+
+def _warnings(check: ResolutionCheck, balance: Balance, trials: list[Trial]) -> tuple[str, ...]:
+    sentences = list(check.warnings(balance.harmonics, balance.samples))
+    closure = max(float(trial.contact.closure.max()) for trial in trials)
+    if closure > 1e-6:
+        sentences.append(
+            f"The slider of some pair did not come to a periodic state (closure error {closure:.1e} of the friction "
+            "limit); the force of that pair is uncertain by about this share."
+        )
+    if balance.compliance.mean_restraint > 0:
+        drift = max(float(np.abs(trial.relative[0].reshape(-1, 3)[:, :2]).max()) for trial in trials)
+        motion = max(float(np.abs(trial.relative[1:]).max()) for trial in trials)
+        if drift > 10.0 * motion:
+            sentences.append(
+                f"A body that only friction holds drifts: its mean position moves by {drift:.2e} m while it vibrates "
+                f"by {motion:.2e} m. Nothing in the model holds it there; add a restraint along its free direction."
+            )
+    return tuple(sentences)
+
+
+def _settings(
+    window: tuple[float, float],
+    harmonics: int,
+    samples: int,
+    update: Update,
+    newton: NewtonSettings,
+    modal_damping_ratio: float | None,
+    check: ResolutionCheck,
+) -> dict[str, str | float | int]:
+    settings: dict[str, str | float | int] = {
+        "frequency_start_hz": window[0],
+        "frequency_stop_hz": window[1],
+        "harmonics": harmonics,
+        "samples": samples,
+        "friction_update": update,
+        "newton_tolerance": newton.tolerance,
+        "residual_with_doubled_samples": check.sample_residual,
+        "energy_share_of_last_harmonics": check.last_harmonic_share,
+    }
+    if modal_damping_ratio is not None:
+        settings["modal_damping_ratio"] = modal_damping_ratio
+    return settings

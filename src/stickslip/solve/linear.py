@@ -1,0 +1,90 @@
+"""The two linear limits of a joint: every contact closed and stuck, and no contact at all."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg
+
+from stickslip.interface.contact_pairs import ContactPairs
+from stickslip.results.response import LinearCurves
+from stickslip.solve.compliance import to_complex
+from stickslip.solve.damping import modal_basis, stuck_stiffness_matrix
+from stickslip.structure.superelement import Superelement
+from stickslip.validation import FloatArray
+
+
+class LinearLimit:
+    """Harmonic response of ``M u'' + C u' + K u = p`` for many frequencies from one eigen-decomposition.
+
+    ``C`` may couple the modes: with the projected ``C = D + O`` (diagonal and rest) the modal amplitudes solve
+    ``(w^2 - x^2 + i x D) q = f - i x O q``, iterated to 1e-10; where the iteration does not settle the full complex
+    system is solved.
+    """
+
+    def __init__(self, mass: FloatArray, stiffness: FloatArray, damping: FloatArray) -> None:
+        self.circular_frequency, self._modes = modal_basis(mass, stiffness)
+        projected = self._modes.T @ damping @ self._modes
+        self._diagonal = np.diag(projected).copy()
+        self._rest = projected - np.diag(self._diagonal)
+
+    def response(self, omega: FloatArray, force: FloatArray) -> FloatArray:
+        """Displacement coefficients (n_frequencies, n, 2H+1) under ``force`` (2H+1, n); the mean is left at zero."""
+        amplitudes = to_complex(force)
+        answer = np.zeros((omega.size, force.shape[1], force.shape[0]))
+        for order in np.flatnonzero(np.abs(amplitudes).any(axis=1)) + 1:
+            motion = self._modes @ self._modal(order * omega, self._modes.T @ amplitudes[order - 1])
+            answer[:, :, 2 * order - 1] = motion.real.T
+            answer[:, :, 2 * order] = -motion.imag.T
+        return answer
+
+    def _modal(self, x: FloatArray, force: FloatArray) -> FloatArray:
+        """Modal amplitudes (n_modes, n_frequencies), complex."""
+        gain = 1.0 / (self.circular_frequency[:, None] ** 2 - x**2 + 1j * x * self._diagonal[:, None])
+        modal = gain * force[:, None]
+        if not self._rest.any():
+            return modal
+        for _ in range(40):
+            improved = gain * (force[:, None] - 1j * x * (self._rest @ modal))
+            change = np.abs(improved - modal).max(axis=0)
+            modal = improved
+            if (change <= 1e-10 * np.abs(modal).max(axis=0)).all():
+                return modal
+        for k in np.flatnonzero(~(change <= 1e-10 * np.abs(modal).max(axis=0))):
+            matrix = np.diag(1.0 / gain[:, k]) + 1j * x[k] * self._rest
+            modal[:, k] = scipy.linalg.solve(matrix, force)
+        return modal
+
+
+def linear_curves(
+    superelement: Superelement,
+    pairs: ContactPairs,
+    damping: FloatArray,
+    force: FloatArray,
+    window_hz: tuple[float, float],
+    shown_modes: int = 12,
+) -> LinearCurves:
+    """Stuck and free response over the window, refined around their natural frequencies.
+
+    ``damping`` (n, n) N s/m holds in both limits; ``force`` (2H+1, n) N.
+    """
+    stuck = LinearLimit(superelement.mass, stuck_stiffness_matrix(superelement, pairs), damping)
+    free = LinearLimit(superelement.mass, superelement.stiffness, damping)
+    natural = [limit.circular_frequency / (2.0 * np.pi) for limit in (stuck, free)]
+    frequency_hz = _refined_grid(window_hz, np.concatenate(natural))
+    omega = 2.0 * np.pi * frequency_hz
+    return LinearCurves(
+        frequency_hz=frequency_hz,
+        stuck=stuck.response(omega, force),
+        free=free.response(omega, force),
+        stuck_frequency_hz=natural[0][:shown_modes],
+        free_frequency_hz=natural[1][natural[1] > 1.0][:shown_modes],
+    )
+
+
+def _refined_grid(window_hz: tuple[float, float], natural_hz: FloatArray, uniform: int = 121) -> FloatArray:
+    """A uniform grid with extra points that crowd towards each natural frequency inside the window."""
+    low, high = min(window_hz), max(window_hz)
+    offsets = np.concatenate([-np.geomspace(2e-2, 5e-5, 16), [0.0], np.geomspace(5e-5, 2e-2, 16)])
+    inside = natural_hz[(natural_hz > low) & (natural_hz < high)]
+    grid = np.concatenate([np.linspace(low, high, uniform), *(centre * (1.0 + offsets) for centre in inside)])
+    return np.unique(grid[(grid >= low) & (grid <= high)])

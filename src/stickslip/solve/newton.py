@@ -1,0 +1,119 @@
+"""Newton's method for the balance with one parameter (frequency or load) and one scalar constraint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from stickslip.solve.balance import Balance, BorderedFactor, Trial
+from stickslip.validation import FloatArray
+
+
+@dataclass(frozen=True)
+class NewtonSettings:
+    """When to stop.
+
+    tolerance:
+        largest allowed norm of the residual ``x - r + A d`` relative to the norm of ``x``.
+    max_iterations:
+        iterations before the step is given up.
+    """
+
+    tolerance: float = 1e-9
+    max_iterations: int = 12
+
+
+class Parameter(Enum):
+    """The unknown that goes along with the displacements."""
+
+    FREQUENCY = "frequency"
+    LOAD = "load"
+
+    def value_of(self, trial: Trial) -> float:
+        """Its value in a trial."""
+        return trial.omega if self is Parameter.FREQUENCY else trial.load
+
+    def slope(self, balance: Balance, trial: Trial) -> FloatArray:
+        """dR/dp (2H+1, m)."""
+        return balance.frequency_slope(trial) if self is Parameter.FREQUENCY else balance.load_slope(trial)
+
+    def evaluate(self, balance: Balance, relative: FloatArray, value: float, base: Trial) -> Trial:
+        """A trial with this parameter at ``value`` and the other as in ``base``."""
+        if self is Parameter.FREQUENCY:
+            return balance.evaluate(relative, value, base.load)
+        return balance.evaluate(relative, base.omega, value)
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """``sum(weights * (x - x_target)) + weight * (p - p_target) = 0``."""
+
+    weights: FloatArray  # (2H+1, m)
+    weight: float
+    relative_target: FloatArray  # (2H+1, m)
+    parameter_target: float
+
+    @classmethod
+    def fixed(cls, relative: FloatArray, value: float) -> Constraint:
+        """The parameter stays at ``value``."""
+        return cls(np.zeros_like(relative), 1.0, relative, value)
+
+    def defect(self, relative: FloatArray, value: float) -> float:
+        """Left-hand side of the constraint."""
+        along = float((self.weights * (relative - self.relative_target)).sum())
+        return along + self.weight * (value - self.parameter_target)
+
+
+@dataclass(frozen=True)
+class Correction:
+    """Outcome of a Newton correction; ``factor`` belongs to the last system solved (None if none was needed)."""
+
+    trial: Trial
+    converged: bool
+    iterations: int
+    factor: BorderedFactor | None
+
+
+def bordered_factor(balance: Balance, trial: Trial, parameter: Parameter, constraint: Constraint) -> BorderedFactor:
+    """Factor of the Newton system of ``trial``, bordered by ``constraint``."""
+    slope = parameter.slope(balance, trial)
+    return balance.newton_system(trial).factor(slope, constraint.weights, constraint.weight)
+
+
+def correct(
+    balance: Balance, start: Trial, parameter: Parameter, constraint: Constraint, settings: NewtonSettings
+) -> Correction:
+    """Newton iteration from ``start`` until the residual is below the tolerance or the iterations are used up.
+
+    The law has kinks where a time sample switches state, so a full step can overshoot; a step that enlarges the
+    residual is halved up to three times and the best of them taken.
+    """
+    trial, factor = start, None
+    for iteration in range(settings.max_iterations + 1):
+        if trial.error <= settings.tolerance:
+            return Correction(trial, True, iteration, factor)
+        if iteration == settings.max_iterations or not np.isfinite(trial.error):
+            break
+        factor = bordered_factor(balance, trial, parameter, constraint)
+        value = parameter.value_of(trial)
+        step, change = factor.solve(trial.residual, -constraint.defect(trial.relative, value))
+        if not (np.isfinite(step).all() and np.isfinite(change)):
+            break
+        trial = _best_along(balance, trial, parameter, step, change)
+    return Correction(trial, False, settings.max_iterations, factor)
+
+
+def _best_along(balance: Balance, trial: Trial, parameter: Parameter, step: FloatArray, change: float) -> Trial:
+    """The trial after a full step, or the best of shortened ones where the full step enlarges the residual."""
+    best: Trial | None = None
+    value = parameter.value_of(trial)
+    for fraction in (1.0, 0.5, 0.25, 0.125):
+        candidate = parameter.evaluate(balance, trial.relative + fraction * step, value + fraction * change, trial)
+        if best is None or candidate.error < best.error:
+            best = candidate
+        if candidate.error < trial.error:
+            break
+    assert best is not None
+    return best

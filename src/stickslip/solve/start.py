@@ -1,0 +1,82 @@
+"""The first point of a curve: directly, then by an amplitude ramp, then with fewer harmonics, before giving up."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from stickslip.errors import ConvergenceError
+from stickslip.solve.balance import Balance, Trial
+from stickslip.solve.newton import Constraint, Correction, NewtonSettings, Parameter, correct
+from stickslip.validation import FloatArray
+
+
+def first_point(
+    balance: Balance,
+    omega: float,
+    settings: NewtonSettings,
+    simpler: Callable[[int], Balance] | None = None,
+) -> tuple[Trial, str]:
+    """A converged solution at ``omega`` (rad/s) under the full load, and a sentence on how it was reached.
+
+    ``simpler(h)`` gives the same balance with ``h`` harmonics; None leaves that way out. Raises ConvergenceError with
+    the relative residual of each attempt when none succeeds.
+    """
+    attempts = []
+    guess = balance.linear(omega)
+    direct = _at(balance, guess, omega, 1.0, settings)
+    if direct.converged:
+        return direct.trial, "The first point converged from the linear stuck response."
+    attempts.append(f"from the linear stuck response: relative residual {direct.trial.error:.1e}")
+    ramped, reached = _amplitude_ramp(balance, omega, settings)
+    if ramped is not None:
+        return ramped, "The first point was reached by an amplitude ramp."
+    attempts.append(f"amplitude ramp: stopped at {100 * reached:.1f} % of the force")
+    if simpler is not None:
+        for harmonics in (1, 3):
+            if harmonics >= balance.harmonics:
+                break
+            start = _few_harmonics(balance, simpler(harmonics), omega, settings)
+            if start.converged:
+                return start.trial, f"The first point was reached from a solution with {harmonics} harmonic(s)."
+            attempts.append(f"from {harmonics} harmonic(s): relative residual {start.trial.error:.1e}")
+    raise ConvergenceError(
+        f"no solution was found at the first frequency, {omega / (2 * math.pi):.3f} Hz ({'; '.join(attempts)}). "
+        "Start farther from the resonance, take more samples, or lower the force."
+    )
+
+
+def _at(balance: Balance, guess: FloatArray, omega: float, load: float, settings: NewtonSettings) -> Correction:
+    """Newton at fixed frequency and load."""
+    start = balance.evaluate(guess, omega, load)
+    return correct(balance, start, Parameter.LOAD, Constraint.fixed(guess, load), settings)
+
+
+def _amplitude_ramp(balance: Balance, omega: float, settings: NewtonSettings) -> tuple[Trial | None, float]:
+    """Raise the force from a hundredth in adaptive steps: solution at full force or None, and the share reached."""
+    load, increment = 0.01, 0.09
+    point = _at(balance, balance.linear(omega, load), omega, load, settings)
+    if not point.converged:
+        return None, 0.0
+    current = point.trial
+    while load < 1.0:
+        if increment < 1e-4:
+            return None, load
+        target = min(1.0, load + increment)
+        correction = _at(balance, current.relative * (target / load), omega, target, settings)
+        if correction.converged:
+            current, load = correction.trial, target
+            increment *= 1.6
+        else:
+            increment *= 0.5
+    return current, 1.0
+
+
+def _few_harmonics(balance: Balance, simple: Balance, omega: float, settings: NewtonSettings) -> Correction:
+    """Solve with fewer harmonics, then correct with all of them from there."""
+    coarse = _at(simple, simple.linear(omega), omega, 1.0, settings)
+    guess = np.zeros((2 * balance.harmonics + 1, balance.rows))
+    guess[: coarse.trial.relative.shape[0]] = coarse.trial.relative
+    return _at(balance, guess, omega, 1.0, settings)

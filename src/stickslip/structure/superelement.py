@@ -1,0 +1,74 @@
+"""The structure as the solver sees it: a few dense matrices, and where their unknowns came from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+from stickslip.validation import FloatArray, symmetric_matrix
+
+
+@dataclass(frozen=True)
+class Superelement:
+    """Dense matrices of ``M u'' + C u' + K u = p`` in SI units.
+
+    Parameters
+    ----------
+    mass, stiffness:
+        (n, n), symmetric, kg and N/m in the unknowns' own scaling. Contact stiffness is not in ``stiffness``.
+    damping:
+        (n, n) N s/m, or None for no damping matrix (modal damping is then given to the solver).
+    boundary_nodes:
+        (n_boundary,) node numbers of the mesh whose displacements are unknowns; node ``boundary_nodes[i]`` owns the
+        unknowns ``3*i, 3*i+1, 3*i+2`` (x, y, z). Empty for matrices that a user brings.
+    recovery:
+        (n_full, n) matrix that gives the displacements of the full mesh (3 per node, fixed ones zero), or None.
+
+    Raises
+    ------
+    InputError
+        for a matrix that is not square, symmetric, finite, or not of the size of the mass matrix.
+    """
+
+    mass: FloatArray
+    stiffness: FloatArray
+    damping: FloatArray | None = None
+    boundary_nodes: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    recovery: Any = None
+
+    def __post_init__(self) -> None:
+        mass = symmetric_matrix("mass", self.mass)
+        for name in ("stiffness", "damping"):
+            value = getattr(self, name)
+            if value is None:
+                continue
+            matrix = symmetric_matrix(name, value)
+            if matrix.shape != mass.shape:
+                raise InputError(
+                    f"{name} has shape {matrix.shape}, but mass has shape {mass.shape}; all matrices of one "
+                    "superelement must have the same size."
+                )
+            object.__setattr__(self, name, matrix)
+        object.__setattr__(self, "mass", mass)
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns n."""
+        return int(self.mass.shape[0])
+
+    def unknowns_of(self, node: int) -> NDArray[np.int64]:
+        """The three unknowns (x, y, z) of a boundary node given by its number in the mesh. Raises InputError."""
+        position = np.flatnonzero(self.boundary_nodes == node)
+        if position.size != 1:
+            raise InputError(f"node {node} is not one of the {self.boundary_nodes.size} boundary nodes.")
+        return np.asarray(3 * position[0] + np.arange(3), dtype=np.int64)
+
+    def selector(self, node: int, direction: tuple[float, float, float] | FloatArray) -> FloatArray:
+        """The row (n,) that reads the displacement of a boundary node along ``direction`` (unit vector x, y, z)."""
+        row = np.zeros(self.size)
+        row[self.unknowns_of(node)] = np.asarray(direction, dtype=float)
+        return row
