@@ -18,6 +18,10 @@ def finite_array(name: str, value: ArrayLike) -> FloatArray:
 
     Raises InputError that names the array and the first bad entry.
     """
+    if np.iscomplexobj(value):
+        raise InputError(
+            f"{name} must hold real numbers, but it is complex. Give structural damping as a viscous damping matrix."
+        )
     try:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError) as error:

@@ -44,13 +44,16 @@ class Compliance(Protocol):
     mean_restraint: float
 
     def block(self, omega: float, order: int, rows: IndexArray, columns: IndexArray) -> ComplexArray:
-        """``A_h`` for harmonic ``order`` >= 1 on the given rows and columns; may be approximate to about 1e-6."""
+        """``A_h`` for harmonic ``order`` >= 1 on the given rows and columns."""
 
     def mean_block(self, rows: IndexArray, columns: IndexArray) -> FloatArray:
         """``A_0`` on the given rows and columns."""
 
     def displacement(self, omega: float, force: FloatArray, deviation: FloatArray) -> FloatArray:
         """All unknowns (2H+1, n) under the external ``force`` (2H+1, n) and ``-B^T deviation``."""
+
+    def relative(self, omega: float, force: FloatArray | None, deviation: FloatArray) -> FloatArray:
+        """``B u`` (2H+1, m) of :meth:`displacement`; ``force`` None means none."""
 
     def displacement_slope(self, omega: float, force: FloatArray, deviation: FloatArray) -> FloatArray:
         """Derivative of :meth:`displacement` with respect to ``omega``."""
@@ -59,6 +62,15 @@ class Compliance(Protocol):
 def to_complex(coefficients: FloatArray) -> ComplexArray:
     """Complex amplitudes ``c - i s`` (H, m) of the harmonics of coefficients (2H+1, m)."""
     return np.asarray(coefficients[1::2] - 1j * coefficients[2::2])
+
+
+def times_gain(gain: ComplexArray, harmonics: FloatArray) -> FloatArray:
+    """Coefficients (2H, m) of the harmonics (cos 1, sin 1, ...) after complex gains (H, m), in real arithmetic."""
+    answer = np.empty_like(harmonics)
+    cosine, sine = harmonics[0::2], harmonics[1::2]
+    answer[0::2] = gain.real * cosine + gain.imag * sine
+    answer[1::2] = gain.real * sine - gain.imag * cosine
+    return answer
 
 
 def to_real(mean: FloatArray, amplitudes: ComplexArray) -> FloatArray:
@@ -107,7 +119,6 @@ class ModalCompliance:
         modes: FloatArray,
         modal_damping: FloatArray,
         harmonics: int,
-        largest_omega: float,
     ) -> None:
         self.harmonics = harmonics
         self.mean_restraint = mean.restraint
@@ -118,60 +129,45 @@ class ModalCompliance:
         self._operator = pairs.operator
         self._contact_modes = pairs.operator @ modes
         self._mean_contact = pairs.operator @ mean.inverse @ pairs.operator.T
-        self._near = int(np.searchsorted(circular_frequency, 4.0 * harmonics * largest_omega))
-        self._far_terms = self._power_series(circular_frequency)
-
-    def _power_series(self, circular_frequency: FloatArray, terms: int = 8) -> list[FloatArray]:
-        """Matrices R_k (m, m) of ``sum_k R_k (i x)^k``: all modes far above the highest harmonic x = h w.
-
-        1/(w^2 - x^2 + 2 i zeta w x) = sum_k U_k(-zeta) (i x)^k / w^(k+2), U_k the Chebyshev polynomials of the second
-        kind. Used only in Newton matrices, so eight terms at a quarter of the frequency (1e-5) are plenty.
-        """
-        far = self._contact_modes[:, self._near :]
-        frequency = circular_frequency[self._near :]
-        if far.shape[1] == 0:
-            return []
-        ratio = self._damping[self._near :] / (2.0 * frequency)
-        previous, current = np.zeros_like(ratio), np.ones_like(ratio)
-        matrices = []
-        for k in range(terms):
-            matrices.append((far * (current / frequency ** (k + 2))) @ far.T)
-            previous, current = current, -2.0 * ratio * current - previous
-        return matrices
 
     def _gain(self, omega: float) -> ComplexArray:
         """(H, n_modes) modal gains 1/(w_j^2 - (h w)^2 + i h w c_j)."""
         x = np.arange(1, self.harmonics + 1)[:, None] * omega
         return np.asarray(1.0 / (self._squares - x**2 + 1j * x * self._damping))
 
+    def _modal_force(self, force: FloatArray | None, deviation: FloatArray) -> FloatArray:
+        """(2H, n_modes) coefficients of the harmonics of the modal forces."""
+        modal = -(deviation[1:] @ self._contact_modes)
+        if force is not None:
+            loaded = np.flatnonzero(force[1:].any(axis=1))
+            modal[loaded] += force[1 + loaded] @ self._modes
+        return modal
+
     def block(self, omega: float, order: int, rows: IndexArray, columns: IndexArray) -> ComplexArray:
-        x = order * omega
-        near = slice(0, self._near)
-        gain = 1.0 / (self._squares[near] - x**2 + 1j * x * self._damping[near])
-        left, right = self._contact_modes[rows, near], self._contact_modes[columns, near].T
-        grid = np.ix_(rows, columns)
-        real, imaginary = (left * gain.real) @ right, (left * gain.imag) @ right
-        for k, matrix in enumerate(self._far_terms):
-            part = real if k % 2 == 0 else imaginary
-            part += ((-1.0) ** (k // 2) * x**k) * matrix[grid]
-        return np.asarray(real + 1j * imaginary)
+        gain = self._gain(omega)[order - 1]
+        left, right = self._contact_modes[rows], self._contact_modes[columns].T
+        return np.asarray((left * gain.real) @ right + 1j * ((left * gain.imag) @ right))
 
     def mean_block(self, rows: IndexArray, columns: IndexArray) -> FloatArray:
         return self._mean_contact[np.ix_(rows, columns)]
 
-    def _modal_force(self, force: FloatArray, deviation: FloatArray) -> ComplexArray:
-        return to_complex(force) @ self._modes - to_complex(deviation) @ self._contact_modes
-
     def displacement(self, omega: float, force: FloatArray, deviation: FloatArray) -> FloatArray:
+        modal = times_gain(self._gain(omega), self._modal_force(force, deviation))
         mean = self._mean @ (force[0] - deviation[0] @ self._operator)
-        amplitudes = self._gain(omega) * self._modal_force(force, deviation)
-        return to_real(mean, amplitudes @ self._modes.T)
+        return np.vstack([mean, modal @ self._modes.T])
+
+    def relative(self, omega: float, force: FloatArray | None, deviation: FloatArray) -> FloatArray:
+        modal = times_gain(self._gain(omega), self._modal_force(force, deviation))
+        mean = -self._mean_contact @ deviation[0]
+        if force is not None and force[0].any():
+            mean += self._operator @ (self._mean @ force[0])
+        return np.vstack([mean, modal @ self._contact_modes.T])
 
     def displacement_slope(self, omega: float, force: FloatArray, deviation: FloatArray) -> FloatArray:
         order = np.arange(1, self.harmonics + 1)[:, None]
         slope = -(self._gain(omega) ** 2) * (-2.0 * order**2 * omega + 1j * order * self._damping)
-        amplitudes = slope * self._modal_force(force, deviation)
-        return to_real(np.zeros(self._modes.shape[0]), amplitudes @ self._modes.T)
+        modal = times_gain(slope, self._modal_force(force, deviation))
+        return np.vstack([np.zeros(self._modes.shape[0]), modal @ self._modes.T])
 
 
 class DirectCompliance:
@@ -222,6 +218,11 @@ class DirectCompliance:
         )
         return to_real(self._mean @ load[0], amplitudes)
 
+    def relative(self, omega: float, force: FloatArray | None, deviation: FloatArray) -> FloatArray:
+        if force is None:
+            force = np.zeros((deviation.shape[0], self._mass.shape[0]))
+        return np.asarray(self.displacement(omega, force, deviation) @ self._operator.T)
+
     def displacement_slope(self, omega: float, force: FloatArray, deviation: FloatArray) -> FloatArray:
         displacement = to_complex(self.displacement(omega, force, deviation))
         slopes = np.empty_like(displacement)
@@ -244,10 +245,9 @@ def stuck_structure(
     superelement: Superelement,
     pairs: ContactPairs,
     harmonics: int,
-    largest_omega: float,
     modal_damping_ratio: float | None,
 ) -> StuckStructure:
-    """Build the compliance of the stuck structure for ``harmonics`` up to ``largest_omega`` (rad/s).
+    """Build the compliance of the stuck structure for a number of harmonics.
 
     ``modal_damping_ratio`` gives every stuck mode the same ratio; None uses ``superelement.damping`` (zero if absent).
     Raises InputError for an operator of another size, for both kinds of damping at once, or a singular structure.
@@ -274,7 +274,7 @@ def stuck_structure(
         modal = diagonal_modal_damping(damping, modes)
     compliance: Compliance
     if modal is not None:
-        compliance = ModalCompliance(pairs, mean, frequency, modes, modal, harmonics, largest_omega)
+        compliance = ModalCompliance(pairs, mean, frequency, modes, modal, harmonics)
     else:
         compliance = DirectCompliance(superelement, pairs, mean, stiffness, damping, harmonics)
     return StuckStructure(compliance, frequency, damping)

@@ -1,8 +1,10 @@
 """Follow a branch of periodic solutions in frequency by pseudo-arc length, through folds.
 
-The step is measured in ``(x / x_scale, w / w_scale)``: ``x_scale`` is the largest norm met so far on the branch and
-``w_scale`` the width of the window, so a step is a share of the picture that the user sees. H. B. Keller, "Numerical
-solution of bifurcation and nonlinear eigenvalue problems" (1977), is the source of the method.
+Steps and angles are measured in ``(u / u_scale, w / w_scale)`` with the mass norm of the whole structure's vibration:
+``u_scale`` is the largest norm met so far and ``w_scale`` the width of the window, so a step is a share of the picture
+that the user sees. (The relative displacements of the pairs would be a poor measure: they have a kink wherever a pair
+begins to slip.) H. B. Keller, "Numerical solution of bifurcation and nonlinear eigenvalue problems" (1977), is the
+source of the method.
 """
 
 from __future__ import annotations
@@ -13,8 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.solve.balance import Balance, Trial
-from stickslip.solve.newton import Constraint, Correction, NewtonSettings, Parameter, bordered_factor, correct
+from stickslip.solve.balance import Trial
+from stickslip.solve.newton import Constraint, Correction, Newton, Parameter
+from stickslip.solve.reduced import BorderedSystem
 from stickslip.validation import FloatArray
 
 
@@ -36,8 +39,8 @@ class ContinuationSettings:
     largest_step: float = 0.04
     smallest_step: float = 1e-6
     first_step: float = 0.01
-    wanted_angle_deg: float = 12.0
-    largest_angle_deg: float = 35.0
+    wanted_angle_deg: float = 15.0
+    largest_angle_deg: float = 45.0
     wanted_iterations: int = 4
     max_points: int = 2000
 
@@ -52,21 +55,37 @@ class BranchPoint:
 
 @dataclass(frozen=True)
 class Tangent:
-    """Unit tangent of the branch in the scaled norm."""
+    """Direction of the branch: changes of x (2H+1, m), of all unknowns u (2H+1, n), and of the frequency."""
 
     relative: FloatArray
+    displacement: FloatArray
     omega: float
 
-    @classmethod
-    def scaled(cls, relative: FloatArray, omega: float, scale: tuple[float, float]) -> Tangent:
-        """Normalise a direction."""
-        length = math.hypot(float(np.linalg.norm(relative)) / scale[0], omega / scale[1])
-        return cls(relative / length, omega / length)
+    def times(self, factor: float) -> Tangent:
+        """The direction with another length."""
+        return Tangent(factor * self.relative, factor * self.displacement, factor * self.omega)
 
-    def angle_deg(self, other: Tangent, scale: tuple[float, float]) -> float:
-        """Angle to another tangent in the scaled norm."""
-        cosine = float((self.relative * other.relative).sum()) / scale[0] ** 2
-        cosine += self.omega * other.omega / scale[1] ** 2
+
+@dataclass(frozen=True)
+class Metric:
+    """Inner product of directions: mass norm of the vibration over ``u_scale``, and frequency over ``w_scale``."""
+
+    mass: FloatArray
+    u_scale: float
+    w_scale: float
+
+    def product(self, first: Tangent, second: Tangent) -> float:
+        """Scaled inner product."""
+        vibration = float((first.displacement[1:] * (second.displacement[1:] @ self.mass)).sum())
+        return vibration / self.u_scale**2 + first.omega * second.omega / self.w_scale**2
+
+    def unit(self, tangent: Tangent) -> Tangent:
+        """The direction with length 1."""
+        return tangent.times(1.0 / math.sqrt(self.product(tangent, tangent)))
+
+    def angle_deg(self, first: Tangent, second: Tangent) -> float:
+        """Angle between two directions."""
+        cosine = self.product(self.unit(first), self.unit(second))
         return math.degrees(math.acos(min(1.0, max(-1.0, cosine))))
 
 
@@ -78,20 +97,21 @@ class Branch:
 
     def __init__(
         self,
-        balance: Balance,
+        newton: Newton,
+        mass: FloatArray,
         start: Trial,
         stop_omega: float,
-        newton: NewtonSettings,
         settings: ContinuationSettings,
     ) -> None:
-        self._balance = balance
+        self._balance = newton.balance
+        self._mass = mass
         self._start = start
         self._stop = stop_omega
         self._newton = newton
         self._settings = settings
         self._direction = math.copysign(1.0, stop_omega - start.omega)
         self._width = abs(stop_omega - start.omega)
-        self._largest = float(np.linalg.norm(start.relative))
+        self._largest = 0.0
         self.complete = False
         self.message = "The branch was not followed yet."
 
@@ -123,21 +143,31 @@ class Branch:
             "Raise max_points or narrow the window."
         )
 
-    @property
-    def _scale(self) -> tuple[float, float]:
-        return max(self._largest, 1e-300), self._width
+    def _measure(self, point: Trial) -> Metric:
+        """The metric after ``point`` was reached."""
+        vibration = self._balance.displacement(point)[1:]
+        size = math.sqrt(max(0.0, float((vibration * (vibration @ self._mass)).sum())))
+        self._largest = max(self._largest, size, 1e-300)
+        return Metric(self._mass, self._largest, self._width)
+
+    def _direction_of(self, point: Trial, system: BorderedSystem, constraint: float) -> Tangent:
+        """Tangent at ``point`` from a Newton system; ``constraint`` fixes its orientation."""
+        step = system.solve(np.zeros_like(point.relative), constraint)
+        change = self._balance.displacement_change(point, step.deviation, step.parameter)
+        return Tangent(step.relative, change, step.parameter)
 
     def _first_tangent(self) -> Tangent:
         constraint = Constraint.fixed(self._start.relative, self._start.omega)
-        factor = bordered_factor(self._balance, self._start, Parameter.FREQUENCY, constraint)
-        relative, omega = factor.solve(np.zeros_like(self._start.relative), self._direction)
-        return Tangent.scaled(relative, omega, self._scale)
+        system = self._newton.border(self._start, Parameter.FREQUENCY, constraint)
+        tangent = self._direction_of(self._start, system, self._direction)
+        return self._measure(self._start).unit(tangent)
 
     def _constraint(self, point: Trial, tangent: Tangent, step: float) -> Constraint:
-        x_scale, w_scale = self._scale
+        """The plane across the tangent at its end, in (x, w); x is scaled so that both parts of the normal count."""
+        x_size = max(float(np.linalg.norm(tangent.relative)), 1e-300)
         return Constraint(
-            tangent.relative / x_scale**2,
-            tangent.omega / w_scale**2,
+            tangent.relative / x_size**2,
+            tangent.omega / self._width**2,
             point.relative + step * tangent.relative,
             point.omega + step * tangent.omega,
         )
@@ -149,14 +179,15 @@ class Branch:
         while step >= settings.smallest_step:
             constraint = self._constraint(point, tangent, step)
             guess = self._balance.evaluate(constraint.relative_target, constraint.parameter_target, point.load)
-            correction = correct(self._balance, guess, Parameter.FREQUENCY, constraint, self._newton)
+            correction = self._newton.correct(guess, Parameter.FREQUENCY, constraint)
             if correction.converged:
-                turned = self._tangent_at(correction, constraint)
-                angle = turned.angle_deg(tangent, self._scale)
+                # The last system of the correction is the point's own but for the last Newton step.
+                system = correction.system or self._newton.border(correction.trial, Parameter.FREQUENCY, constraint)
+                turned = self._direction_of(correction.trial, system, 1.0)
+                metric = self._measure(correction.trial)
+                angle = metric.angle_deg(turned, tangent)
                 if angle <= settings.largest_angle_deg or step < 4.0 * settings.smallest_step:
-                    self._largest = max(self._largest, float(np.linalg.norm(correction.trial.relative)))
-                    rescaled = Tangent.scaled(turned.relative, turned.omega, self._scale)
-                    return correction, rescaled, self._next_step(step, correction.iterations, angle)
+                    return correction, metric.unit(turned), self._next_step(step, correction.iterations, angle)
                 reason = f"the branch turned by {angle:.0f} degrees"
             else:
                 reason = f"Newton stopped at a relative residual of {correction.trial.error:.1e}"
@@ -166,14 +197,6 @@ class Branch:
             f"({settings.smallest_step:g} of the window). Try more samples, fewer harmonics, or a lower force."
         )
         return None
-
-    def _tangent_at(self, correction: Correction, constraint: Constraint) -> Tangent:
-        """Tangent from the last factor of the correction: the point's own but for the last Newton step."""
-        factor = correction.factor
-        if factor is None:
-            factor = bordered_factor(self._balance, correction.trial, Parameter.FREQUENCY, constraint)
-        relative, omega = factor.solve(np.zeros_like(correction.trial.relative), 1.0)
-        return Tangent.scaled(relative, omega, self._scale)
 
     def _next_step(self, step: float, iterations: int, angle_deg: float) -> float:
         settings = self._settings
@@ -191,7 +214,7 @@ class Branch:
         guess = before.relative + share * (after.relative - before.relative)
         start = self._balance.evaluate(guess, self._stop, after.load)
         constraint = Constraint.fixed(guess, self._stop)
-        correction = correct(self._balance, start, Parameter.FREQUENCY, constraint, self._newton)
+        correction = self._newton.correct(start, Parameter.FREQUENCY, constraint)
         return (correction.trial, correction.iterations) if correction.converged else (after, 0)
 
 

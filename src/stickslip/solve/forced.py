@@ -19,7 +19,7 @@ from stickslip.solve.checks import ResolutionCheck, check_resolution
 from stickslip.solve.compliance import StuckStructure, stuck_structure
 from stickslip.solve.continuation import Branch, BranchPoint, ContinuationSettings
 from stickslip.solve.linear import linear_curves
-from stickslip.solve.newton import NewtonSettings
+from stickslip.solve.newton import Newton, NewtonSettings
 from stickslip.solve.start import first_point
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray, finite_array
@@ -98,7 +98,7 @@ def forced_response(
     """
     began = time.perf_counter()
     window = _checked_window(frequency_hz)
-    _check_resolution_choice(harmonics, samples)
+    _check_counts(harmonics, samples, threads)
     _check_update(update)
     if modal_damping_ratio is not None and not modal_damping_ratio >= 0:
         raise InputError(f"modal_damping_ratio is {modal_damping_ratio}, but it must be 0 or more, for example 0.001.")
@@ -107,16 +107,17 @@ def forced_response(
     report = progress or (lambda fraction, detail: None)
     omega_start, omega_stop = (2.0 * np.pi * f for f in window)
     with threadpool_limits(limits=threads):
-        largest = max(omega_start, omega_stop)
-        stuck = stuck_structure(superelement, pairs, harmonics, largest, modal_damping_ratio)
+        stuck = stuck_structure(superelement, pairs, harmonics, modal_damping_ratio)
         balance = Balance(stuck.compliance, pairs, force, samples, update)
 
+        solver = Newton(balance, newton)
+
         def simpler(count: int) -> Balance:
-            reduced = stuck_structure(superelement, pairs, count, largest, modal_damping_ratio)
+            reduced = stuck_structure(superelement, pairs, count, modal_damping_ratio)
             return Balance(reduced.compliance, pairs, force[: 2 * count + 1], samples, update)
 
-        start, how = first_point(balance, omega_start, newton, simpler)
-        branch = Branch(balance, start, omega_stop, newton, continuation or ContinuationSettings())
+        start, how = first_point(solver, omega_start, simpler)
+        branch = Branch(solver, superelement.mass, start, omega_stop, continuation or ContinuationSettings())
         points, measures = _follow(branch, balance, superelement, stuck, window, report)
         trials = [point.trial for point in points]
         fine = Balance(stuck.compliance, pairs, force, 2 * samples, update)
@@ -160,8 +161,8 @@ def _checked_window(frequency_hz: tuple[float, float]) -> tuple[float, float]:
     return start, stop
 
 
-def _check_resolution_choice(harmonics: int, samples: int) -> None:
-    for name, value in (("harmonics", harmonics), ("samples", samples)):
+def _check_counts(harmonics: int, samples: int, threads: int) -> None:
+    for name, value in (("harmonics", harmonics), ("samples", samples), ("threads", threads)):
         if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
             raise InputError(f"{name} is {value!r}, but it must be a whole number of at least 1.")
     if samples < 2 * harmonics + 1:
@@ -222,7 +223,7 @@ def _follow(
 def _measure(trial: Trial, balance: Balance, superelement: Superelement, stuck: StuckStructure) -> PointMeasures:
     """Displacement, energies per cycle, and the residual of the equation of motion itself."""
     omega, force = trial.omega, balance.force
-    displacement = stuck.compliance.displacement(omega, force, trial.deviation)
+    displacement = balance.displacement(trial)
     contact = trial.contact.force.reshape(balance.rows, -1).T
     order = np.arange(1, balance.harmonics + 1)[:, None]
     # Work of a force on a motion in one period: pi * sum_h h (s_h . fc_h - c_h . fs_h).

@@ -7,7 +7,8 @@ from enum import Enum
 
 import numpy as np
 
-from stickslip.solve.balance import Balance, BorderedFactor, Trial
+from stickslip.solve.balance import Balance, Trial
+from stickslip.solve.reduced import BorderedSystem, Step, bordered_system
 from stickslip.validation import FloatArray
 
 
@@ -68,49 +69,54 @@ class Constraint:
 
 @dataclass(frozen=True)
 class Correction:
-    """Outcome of a Newton correction; ``factor`` belongs to the last system solved (None if none was needed)."""
+    """Outcome of a Newton correction; ``system`` is the last one solved (None if none was needed)."""
 
     trial: Trial
     converged: bool
     iterations: int
-    factor: BorderedFactor | None
+    system: BorderedSystem | None
 
 
-def bordered_factor(balance: Balance, trial: Trial, parameter: Parameter, constraint: Constraint) -> BorderedFactor:
-    """Factor of the Newton system of ``trial``, bordered by ``constraint``."""
-    slope = parameter.slope(balance, trial)
-    return balance.newton_system(trial).factor(slope, constraint.weights, constraint.weight)
+class Newton:
+    """Newton's method for one balance."""
+
+    def __init__(self, balance: Balance, settings: NewtonSettings) -> None:
+        self.balance = balance
+        self.settings = settings
+
+    def border(self, trial: Trial, parameter: Parameter, constraint: Constraint) -> BorderedSystem:
+        """The Newton system of ``trial``, bordered by ``constraint``."""
+        slope = parameter.slope(self.balance, trial)
+        return bordered_system(self.balance, trial, slope, constraint.weights, constraint.weight)
+
+    def correct(self, start: Trial, parameter: Parameter, constraint: Constraint) -> Correction:
+        """Iterate from ``start`` until the residual is below the tolerance or the iterations are used up.
+
+        The law has kinks where a time sample switches state, so a full step can overshoot; a step that enlarges the
+        residual is halved up to three times and the best of them taken.
+        """
+        trial, system = start, None
+        for iteration in range(self.settings.max_iterations + 1):
+            if trial.error <= self.settings.tolerance:
+                return Correction(trial, True, iteration, system)
+            if iteration == self.settings.max_iterations or not np.isfinite(trial.error):
+                break
+            system = self.border(trial, parameter, constraint)
+            value = parameter.value_of(trial)
+            step = system.solve(trial.residual, -constraint.defect(trial.relative, value))
+            if not (np.isfinite(step.relative).all() and np.isfinite(step.parameter)):
+                break
+            trial = _best_along(self.balance, trial, parameter, step)
+        return Correction(trial, False, self.settings.max_iterations, system)
 
 
-def correct(
-    balance: Balance, start: Trial, parameter: Parameter, constraint: Constraint, settings: NewtonSettings
-) -> Correction:
-    """Newton iteration from ``start`` until the residual is below the tolerance or the iterations are used up.
-
-    The law has kinks where a time sample switches state, so a full step can overshoot; a step that enlarges the
-    residual is halved up to three times and the best of them taken.
-    """
-    trial, factor = start, None
-    for iteration in range(settings.max_iterations + 1):
-        if trial.error <= settings.tolerance:
-            return Correction(trial, True, iteration, factor)
-        if iteration == settings.max_iterations or not np.isfinite(trial.error):
-            break
-        factor = bordered_factor(balance, trial, parameter, constraint)
-        value = parameter.value_of(trial)
-        step, change = factor.solve(trial.residual, -constraint.defect(trial.relative, value))
-        if not (np.isfinite(step).all() and np.isfinite(change)):
-            break
-        trial = _best_along(balance, trial, parameter, step, change)
-    return Correction(trial, False, settings.max_iterations, factor)
-
-
-def _best_along(balance: Balance, trial: Trial, parameter: Parameter, step: FloatArray, change: float) -> Trial:
+def _best_along(balance: Balance, trial: Trial, parameter: Parameter, step: Step) -> Trial:
     """The trial after a full step, or the best of shortened ones where the full step enlarges the residual."""
     best: Trial | None = None
     value = parameter.value_of(trial)
     for fraction in (1.0, 0.5, 0.25, 0.125):
-        candidate = parameter.evaluate(balance, trial.relative + fraction * step, value + fraction * change, trial)
+        moved = trial.relative + fraction * step.relative
+        candidate = parameter.evaluate(balance, moved, value + fraction * step.parameter, trial)
         if best is None or candidate.error < best.error:
             best = candidate
         if candidate.error < trial.error:

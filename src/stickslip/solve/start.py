@@ -9,14 +9,13 @@ import numpy as np
 
 from stickslip.errors import ConvergenceError
 from stickslip.solve.balance import Balance, Trial
-from stickslip.solve.newton import Constraint, Correction, NewtonSettings, Parameter, correct
+from stickslip.solve.newton import Constraint, Correction, Newton, Parameter
 from stickslip.validation import FloatArray
 
 
 def first_point(
-    balance: Balance,
+    newton: Newton,
     omega: float,
-    settings: NewtonSettings,
     simpler: Callable[[int], Balance] | None = None,
 ) -> tuple[Trial, str]:
     """A converged solution at ``omega`` (rad/s) under the full load, and a sentence on how it was reached.
@@ -25,12 +24,12 @@ def first_point(
     the relative residual of each attempt when none succeeds.
     """
     attempts = []
-    guess = balance.linear(omega)
-    direct = _at(balance, guess, omega, 1.0, settings)
+    balance = newton.balance
+    direct = _at(newton, balance.linear(omega), omega, 1.0)
     if direct.converged:
         return direct.trial, "The first point converged from the linear stuck response."
     attempts.append(f"from the linear stuck response: relative residual {direct.trial.error:.1e}")
-    ramped, reached = _amplitude_ramp(balance, omega, settings)
+    ramped, reached = _amplitude_ramp(newton, omega)
     if ramped is not None:
         return ramped, "The first point was reached by an amplitude ramp."
     attempts.append(f"amplitude ramp: stopped at {100 * reached:.1f} % of the force")
@@ -38,7 +37,7 @@ def first_point(
         for harmonics in (1, 3):
             if harmonics >= balance.harmonics:
                 break
-            start = _few_harmonics(balance, simpler(harmonics), omega, settings)
+            start = _few_harmonics(newton, simpler(harmonics), omega)
             if start.converged:
                 return start.trial, f"The first point was reached from a solution with {harmonics} harmonic(s)."
             attempts.append(f"from {harmonics} harmonic(s): relative residual {start.trial.error:.1e}")
@@ -48,16 +47,16 @@ def first_point(
     )
 
 
-def _at(balance: Balance, guess: FloatArray, omega: float, load: float, settings: NewtonSettings) -> Correction:
+def _at(newton: Newton, guess: FloatArray, omega: float, load: float) -> Correction:
     """Newton at fixed frequency and load."""
-    start = balance.evaluate(guess, omega, load)
-    return correct(balance, start, Parameter.LOAD, Constraint.fixed(guess, load), settings)
+    start = newton.balance.evaluate(guess, omega, load)
+    return newton.correct(start, Parameter.LOAD, Constraint.fixed(guess, load))
 
 
-def _amplitude_ramp(balance: Balance, omega: float, settings: NewtonSettings) -> tuple[Trial | None, float]:
+def _amplitude_ramp(newton: Newton, omega: float) -> tuple[Trial | None, float]:
     """Raise the force from a hundredth in adaptive steps: solution at full force or None, and the share reached."""
     load, increment = 0.01, 0.09
-    point = _at(balance, balance.linear(omega, load), omega, load, settings)
+    point = _at(newton, newton.balance.linear(omega, load), omega, load)
     if not point.converged:
         return None, 0.0
     current = point.trial
@@ -65,7 +64,7 @@ def _amplitude_ramp(balance: Balance, omega: float, settings: NewtonSettings) ->
         if increment < 1e-4:
             return None, load
         target = min(1.0, load + increment)
-        correction = _at(balance, current.relative * (target / load), omega, target, settings)
+        correction = _at(newton, current.relative * (target / load), omega, target)
         if correction.converged:
             current, load = correction.trial, target
             increment *= 1.6
@@ -74,9 +73,10 @@ def _amplitude_ramp(balance: Balance, omega: float, settings: NewtonSettings) ->
     return current, 1.0
 
 
-def _few_harmonics(balance: Balance, simple: Balance, omega: float, settings: NewtonSettings) -> Correction:
+def _few_harmonics(newton: Newton, simple: Balance, omega: float) -> Correction:
     """Solve with fewer harmonics, then correct with all of them from there."""
-    coarse = _at(simple, simple.linear(omega), omega, 1.0, settings)
+    balance = newton.balance
+    coarse = _at(Newton(simple, newton.settings), simple.linear(omega), omega, 1.0)
     guess = np.zeros((2 * balance.harmonics + 1, balance.rows))
     guess[: coarse.trial.relative.shape[0]] = coarse.trial.relative
-    return _at(balance, guess, omega, 1.0, settings)
+    return _at(newton, guess, omega, 1.0)

@@ -1,0 +1,106 @@
+"""stickslip: forced vibration of structures with rough, dry-friction joints.
+
+The public names are imported when they are first used, so that ``import stickslip`` costs nothing.
+"""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from stickslip.case import Case, load_case
+    from stickslip.interface.contact_pairs import ContactPairs
+    from stickslip.interface.friction import contact_cycle
+    from stickslip.interface.pairing import pair_faces
+    from stickslip.interface.stiffness import Roughness, contact_stiffness
+    from stickslip.interface.surface import fractal_surface
+    from stickslip.results.response import ForcedResponse
+    from stickslip.solve.forced import forced_response
+    from stickslip.structure.craig_bampton import craig_bampton
+    from stickslip.structure.elasticity import Structure, assemble
+    from stickslip.structure.mesh import Mesh
+    from stickslip.structure.superelement import Superelement
+    from stickslip.study import report, run
+
+    __version__: str
+
+_HOME = {
+    "Case": "case",
+    "ContactPairs": "interface.contact_pairs",
+    "ForcedResponse": "results.response",
+    "Mesh": "structure.mesh",
+    "Roughness": "interface.stiffness",
+    "Structure": "structure.elasticity",
+    "Superelement": "structure.superelement",
+    "assemble": "structure.elasticity",
+    "contact_cycle": "interface.friction",
+    "contact_stiffness": "interface.stiffness",
+    "craig_bampton": "structure.craig_bampton",
+    "forced_response": "solve.forced",
+    "fractal_surface": "interface.surface",
+    "load_case": "case",
+    "pair_faces": "interface.pairing",
+    "run": "study",
+}
+
+__all__ = [
+    "Case",
+    "ContactPairs",
+    "ForcedResponse",
+    "Mesh",
+    "Roughness",
+    "Structure",
+    "Superelement",
+    "__version__",
+    "assemble",
+    "contact_cycle",
+    "contact_stiffness",
+    "craig_bampton",
+    "forced_response",
+    "fractal_surface",
+    "load_case",
+    "pair_faces",
+    "report",
+    "run",
+]
+
+
+class _ReportPackage(ModuleType):
+    """The sub-package ``stickslip.report``, which can be called: the public verb ``report`` has the same name."""
+
+    def __call__(self, *arguments: Any, **options: Any) -> Any:
+        """``stickslip.study.report``."""
+        return import_module("stickslip.study").report(*arguments, **options)
+
+
+class _Package(ModuleType):
+    """This package; the import system binds sub-packages to it with ``setattr``."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name == "report" and isinstance(value, ModuleType):
+            value.__class__ = _ReportPackage
+        super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("stickslip")
+    if name == "report":
+        return import_module("stickslip.report")
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"stickslip.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

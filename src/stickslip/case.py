@@ -1,0 +1,143 @@
+"""The study file as one frozen, validated ``Case``, everything SI after load."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from os import PathLike
+from typing import Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_validator, model_validator
+
+from stickslip import case_file
+from stickslip.case_sections import (
+    ContactStiffnessSection,
+    DampingSection,
+    ExcitationSection,
+    FrictionSection,
+    GeometrySection,
+    MaterialSection,
+    MeshSection,
+    OutputSection,
+    PreloadSection,
+    ReductionSection,
+    RoughnessSection,
+    SolverSection,
+    StudySection,
+    instead_of,
+    without_default,
+)
+from stickslip.errors import StudyFileError
+from stickslip.template import quantity_of, section_type, study_text
+
+
+class Case(BaseModel):
+    """One study, validated, all values SI floats.
+
+    ``Case()`` is the project's two-blade study. ``load_case(path)`` and ``Case.from_text(text)`` read a study file,
+    ``Case.from_mapping`` the same as nested dictionaries; they raise StudyFileError with one line for each error.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    study: StudySection = StudySection()
+    geometry: GeometrySection = GeometrySection()
+    mesh: MeshSection = MeshSection()
+    material: MaterialSection = MaterialSection()
+    reduction: ReductionSection = ReductionSection()
+    roughness: RoughnessSection | None = RoughnessSection()
+    contact_stiffness: ContactStiffnessSection | None = Field(default=None, description=ContactStiffnessSection.__doc__)
+    friction: FrictionSection = FrictionSection()
+    preload: PreloadSection = PreloadSection()
+    damping: DampingSection = DampingSection()
+    excitation: ExcitationSection = ExcitationSection()
+    solver: SolverSection = SolverSection()
+    output: OutputSection = OutputSection()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _measured_stiffness_replaces_roughness(cls, data: Any) -> Any:
+        return without_default(data, ("contact_stiffness",), "roughness")
+
+    @field_validator("contact_stiffness")
+    @classmethod
+    def _one_source(cls, value: Any, info: ValidationInfo) -> Any:
+        return instead_of(value, info, "roughness")
+
+    @classmethod
+    def from_mapping(cls, data: Mapping[str, Any]) -> Self:
+        """The case of nested dictionaries, section -> key -> value as in a study file. Raises StudyFileError."""
+        return cls._validated(dict(data), source="the study", lines={})
+
+    @classmethod
+    def from_text(cls, text: str, source: str = "the study file") -> Self:
+        """The case of a study file's text; ``source`` is its name in messages. Raises StudyFileError."""
+        return cls._validated(case_file.parse_toml(text, source), source, case_file.key_lines(text))
+
+    @classmethod
+    def _validated(cls, data: dict[str, Any], source: str, lines: Mapping[tuple[str, ...], int]) -> Self:
+        try:
+            return cls.model_validate(data)
+        except ValidationError as error:
+            details = error.errors(include_url=False)
+            message = case_file.report(details, source, data, cls.known_keys(), lines)
+            raise StudyFileError(message) from error
+
+    @classmethod
+    def known_keys(cls) -> dict[str, tuple[str, ...]]:
+        """Section name -> its keys, in the order of the file."""
+        return {name: tuple(section_type(field).model_fields) for name, field in cls.model_fields.items()}
+
+    def replace(self, changes: Mapping[str, Any]) -> Self:
+        """A validated copy with other values, ``case.replace({"preload.centrifugal_force": "300 N"})``.
+
+        Keys are ``section.key``, values as in a study file. Raises StudyFileError.
+        """
+        data = self._as_mapping(only_given=True)
+        for path, value in changes.items():
+            section, _, key = path.partition(".")
+            data.setdefault(section, {})[key] = value
+        return type(self).from_mapping(data)
+
+    def to_dict(self) -> dict[str, dict[str, Any]]:
+        """Every value with its SI unit ("0.145 m"), for records; ``Case.from_mapping`` reads it back exactly."""
+        return self._as_mapping(only_given=False)
+
+    def to_text(self) -> str:
+        """A commented study file of this case, in the units that engineers use (15 digits)."""
+        return study_text(self)
+
+    def defaulted_keys(self) -> tuple[str, ...]:
+        """Keys that the study file left out, as ``section.key``, or ``[section]`` where it left out all of them."""
+        result: list[str] = []
+        for name in type(self).model_fields:
+            section = getattr(self, name)
+            if section is None:
+                continue
+            given = section.model_fields_set if name in self.model_fields_set else set()
+            missing = [key for key, value in section if key not in given and value is not None]
+            if not given and missing:
+                result.append(f"[{name}]")
+            else:
+                result += [f"{name}.{key}" for key in missing]
+        return tuple(result)
+
+    def _as_mapping(self, only_given: bool) -> dict[str, dict[str, Any]]:
+        """Section -> key -> value as in a study file, without empty keys, or only with what the file gave."""
+        data: dict[str, dict[str, Any]] = {}
+        for name in type(self).model_fields:
+            section = getattr(self, name)
+            if section is None or (only_given and name not in self.model_fields_set):
+                continue
+            data[name] = {}
+            for key, value in section:
+                if value is None or (only_given and key not in section.model_fields_set):
+                    continue
+                quantity = quantity_of(type(section), key)
+                plain = list(value) if isinstance(value, tuple) else value
+                data[name][key] = quantity.stored(value) if quantity and isinstance(value, float) else plain
+        return data
+
+
+def load_case(path: str | PathLike[str]) -> Case:
+    """Read and validate a study file. Raises StudyFileError with one line for each error in the file."""
+    return Case.from_text(case_file.read_text(path), str(path))

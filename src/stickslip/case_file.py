@@ -1,0 +1,169 @@
+"""Reading a study file, and turning what is wrong with it into sentences: one line for each error, all at once."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from pydantic_core import ErrorDetails
+
+from stickslip.errors import StudyFileError
+
+_HEADER = re.compile(r"\s*\[\s*([\w.-]+)\s*\]\s*(?:#.*)?")
+_KEY = re.compile(r"\s*([\w-]+)\s*=")
+_NEW_FILE = '"stickslip new FILE" writes a commented one to start from.'
+
+
+def read_text(path: str | PathLike[str]) -> str:
+    """The text of a study file. Raises StudyFileError if it cannot be read or is not UTF-8."""
+    try:
+        raw = Path(path).read_bytes()
+    except FileNotFoundError as error:
+        raise StudyFileError(f"{path}: there is no such file. {_NEW_FILE}") from error
+    except OSError as error:
+        raise StudyFileError(
+            f"{path}: the file cannot be read ({error.strerror}). Give the path of a study file."
+        ) from error
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise StudyFileError(
+            f"{path}, line {line}: the text is not UTF-8 (byte 0x{raw[error.start]:02x}). "
+            "Save it as UTF-8; if it is not a text file at all, give the path of a study file."
+        ) from error
+
+
+def parse_toml(text: str, source: str) -> dict[str, Any]:
+    """The sections of a study file's text. Raises StudyFileError for a syntax error or a file without any section."""
+    try:
+        data = tomllib.loads(text)
+    # a number of thousands of digits is a plain ValueError, brackets nested without end are a RecursionError
+    except (ValueError, RecursionError) as error:
+        raise StudyFileError(
+            f"{source}: not valid TOML: {error}. Texts and values with a unit need quotes: "
+            'blade_length = "145 mm"; a section is [geometry]; a comment starts with #.'
+        ) from error
+    if not data:
+        raise StudyFileError(f"{source}: the file is empty, there is no section in it. {_NEW_FILE}")
+    return data
+
+
+def key_lines(text: str) -> dict[tuple[str, ...], int]:
+    """(section,) and (section, key) -> line number, for files with one key a line; others get messages without line."""
+    lines: dict[tuple[str, ...], int] = {}
+    section: tuple[str, ...] = ()
+    for number, line in enumerate(text.splitlines(), start=1):
+        header, key = _HEADER.fullmatch(line), _KEY.match(line)
+        if header:
+            section = tuple(header[1].split("."))
+            lines.setdefault(section, number)
+        elif key:
+            lines.setdefault((*section, key[1]), number)
+    return lines
+
+
+def report(
+    errors: Sequence[ErrorDetails],
+    source: str,
+    data: Mapping[str, Any],
+    known: Mapping[str, Sequence[str]],
+    lines: Mapping[tuple[str, ...], int],
+) -> str:
+    """The message of a StudyFileError: one line for each of pydantic's errors, in the order of the file.
+
+    ``known`` holds the keys of every section, ``lines`` the line of every key that the file has.
+    """
+    numbered = []
+    for details in errors:
+        path = tuple(str(part) for part in details["loc"])
+        line = lines.get(path[:2]) or lines.get(path[:1]) or 0
+        where = f"line {line}: " if line else ""
+        numbered.append((line, f"  {where}{_sentence(path, details, data, known)}"))
+    numbered.sort(key=lambda entry: entry[0])
+    count = "1 error" if len(numbered) == 1 else f"{len(numbered)} errors"
+    return "\n".join([f"{source}: {count}.", *(text for _, text in numbered)])
+
+
+def _sentence(
+    path: tuple[str, ...], details: ErrorDetails, data: Mapping[str, Any], known: Mapping[str, Sequence[str]]
+) -> str:
+    """Key, what was found, what is allowed, what to do."""
+    found = f"{_shown(path)} = {_toml(details['input'])}"
+    match details["type"]:
+        case "extra_forbidden":
+            return _unknown(path, details["input"], known)
+        case "missing":
+            return f"{_shown(path)} is missing. Add it to the section [{path[0]}]."
+        case "model_type":
+            return f"{found} must be a section: write [{path[0]}] on a line of its own and its keys below it."
+        case "literal_error":
+            return f"{found} is not allowed: it must be {details['ctx']['expected']}.{_nearest_choice(details)}"
+        case "value_error":
+            default = "" if _given(data, path) else " (the default)"
+            return f"{found}{default} {details['ctx']['error']}"
+        case "string_type":
+            return f"{found} must be a text in quotes."
+        case "tuple_type":
+            return f"{found} must be a list in square brackets."
+    return f"{found} is not allowed: {details['msg']}."
+
+
+def _unknown(path: tuple[str, ...], value: object, known: Mapping[str, Sequence[str]]) -> str:
+    """A sentence about an unknown section or key, with the nearest right one."""
+    if len(path) == 1:
+        home = next((section for section, keys in known.items() if path[0] in keys), None)
+        if home and not isinstance(value, Mapping):
+            return f"{path[0]} stands outside a section; it belongs below the line [{home}]."
+        nearest = difflib.get_close_matches(path[0].lower(), known, n=1)
+        advice = f"Did you mean [{nearest[0]}]?" if nearest else f"Sections are {', '.join(known)}."
+        kind = (
+            f"[{path[0]}] is not a section" if isinstance(value, Mapping) else f"{path[0]} is neither section nor key"
+        )
+        return f"{kind} of a study file. {advice}"
+    section, key = path[0], path[1]
+    nearest = difflib.get_close_matches(key.lower(), known[section], n=1)
+    homes = [other for other, keys in known.items() if key in keys]
+    if homes:
+        advice = f"It belongs to [{homes[0]}]."
+    elif nearest:
+        advice = f"Did you mean {nearest[0]}?"
+    else:
+        everywhere = {name: other for other, keys in known.items() for name in keys}
+        elsewhere = difflib.get_close_matches(key.lower(), everywhere, n=1)
+        advice = f"Did you mean {elsewhere[0]} of [{everywhere[elsewhere[0]]}]? " if elsewhere else ""
+        advice += f"Keys of [{section}] are {', '.join(known[section])}."
+    return f"{section}.{key} is not a key of a study file. {advice}"
+
+
+def _nearest_choice(details: ErrorDetails) -> str:
+    choices = re.findall(r"'([^']*)'", str(details["ctx"]["expected"]))
+    nearest = difflib.get_close_matches(str(details["input"]).lower(), choices, n=1)
+    return f' Did you mean "{nearest[0]}"?' if nearest else ""
+
+
+def _given(data: Mapping[str, Any], path: tuple[str, ...]) -> bool:
+    """Whether the file holds ``section.key``; a default can be wrong beside another value."""
+    return path[0] in data and (len(path) == 1 or path[1] in data[path[0]])
+
+
+def _shown(path: tuple[str, ...]) -> str:
+    """``section.key`` or ``section.key[index]``."""
+    return ".".join(path[:2]) + "".join(f"[{index}]" for index in path[2:])
+
+
+def _toml(value: object) -> str:
+    """``value`` as it stands in the file, shortened."""
+    if isinstance(value, float):
+        text = repr(value)
+    elif isinstance(value, Mapping):
+        text = "{...}"
+    else:
+        text = json.dumps(value, ensure_ascii=False, default=str)
+    return text if len(text) <= 60 else f"{text[:56]} ..."

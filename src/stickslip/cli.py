@@ -1,0 +1,225 @@
+"""The command line: ``stickslip new | check | run | report``.
+
+Exit codes: 0 done, 1 fault of the program, 2 bad input, 3 not converged (what was computed is kept), 130 interrupted.
+Everything heavy is imported inside the commands, so that ``stickslip --help`` answers at once.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from stickslip.errors import InputError, StickslipError
+from stickslip.progress import terminal_progress
+
+if TYPE_CHECKING:
+    from stickslip.case import Case
+    from stickslip.study import StudyOutcome
+
+EXIT_FAULT = 1
+EXIT_NOT_CONVERGED = 3
+EXIT_INTERRUPTED = 130
+LOG_NAME = "stickslip-error.log"
+THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="Forced vibration of structures with rough, dry-friction joints.",
+)
+
+StudyFile = Annotated[Path, typer.Argument(metavar="FILE", help="The study file (TOML).", show_default=False)]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+
+
+def main() -> None:
+    """Entry point of the command ``stickslip``."""
+    app()
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from stickslip import __version__
+
+        typer.echo(f"stickslip {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    """The options that stand before the command."""
+
+
+@app.command()
+def new(
+    path: StudyFile,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")] = False,
+    debug: Debug = False,
+) -> None:
+    """Write a commented study file of the two-blade case."""
+    with _sentences(debug):
+        from stickslip.case import Case
+
+        if path.exists() and not force:
+            raise InputError(f"{path} exists already. Give another name, or --force to overwrite it.")
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(Case().to_text(), encoding="utf-8")
+        except OSError as error:
+            raise InputError(f"{path} cannot be written ({error.strerror}). Give a path that you can write.") from error
+        typer.echo(f'Wrote {path}. Next: stickslip check "{path}"')
+
+
+@app.command()
+def check(path: StudyFile, debug: Debug = False) -> None:
+    """Validate a study file and show what would run."""
+    with _sentences(debug):
+        case = _load(path)
+        from stickslip import study
+
+        for title, rows in study.check(case):
+            typer.echo(f"\n{title}")
+            width = max((len(label) for label, _ in rows), default=0)
+            for label, value in rows:
+                typer.echo(f"  {label:<{width}}  {value}")
+
+
+@app.command()
+def run(
+    path: StudyFile,
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False)],
+    threads: Annotated[
+        int | None, typer.Option("--threads", min=1, help="Threads of the computation.", show_default=False)
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    debug: Debug = False,
+) -> None:
+    """Solve a study and write results, report and figures into DIR."""
+    with _sentences(debug, log_folder=out):
+        case = _load(path, quiet)
+        _require_writable(out)
+        if threads is not None:
+            # numpy and numba read these once, when study imports them
+            os.environ.update(dict.fromkeys(THREAD_VARIABLES, str(threads)))
+        from stickslip import study
+
+        with terminal_progress(quiet) as progress:
+            outcome = study.run(case, out, progress=progress)
+        _close(outcome, quiet)
+
+
+@app.command()
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder with results.nc.", show_default=False)],
+    debug: Debug = False,
+) -> None:
+    """Make the report of a solved study again, without solving."""
+    with _sentences(debug):
+        _require_writable(folder, create=False)
+        from stickslip import study
+
+        for file in study.report(folder):
+            typer.echo(f"Wrote {file}")
+
+
+def _load(path: Path, quiet: bool = False) -> Case:
+    """The case of a study file; says which values are defaults. Raises StudyFileError."""
+    from stickslip.case import load_case
+
+    case = load_case(path)
+    defaults = case.defaulted_keys()
+    if defaults and not quiet:
+        typer.echo(f"Not in the file, so the default is used: {', '.join(defaults)}", err=True)
+    return case
+
+
+def _close(outcome: StudyOutcome, quiet: bool) -> None:
+    """Name the files and say how it ended; raises the exit of a run that did not converge."""
+    if not outcome.converged:
+        files = ", ".join(str(file) for file in outcome.files)
+        typer.echo(f"Not converged: {outcome.message}", err=True)
+        typer.echo(f"What was computed so far is kept in: {files}" if files else "Nothing was computed.", err=True)
+        raise typer.Exit(EXIT_NOT_CONVERGED)
+    if not quiet:
+        for file in outcome.files:
+            typer.echo(f"Wrote {file}")
+        typer.echo(outcome.message)
+
+
+def _require_writable(folder: Path, create: bool = True) -> None:
+    """Raise InputError unless files can be written into ``folder``, before any long computation."""
+    try:
+        if create:
+            folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise InputError(
+            f"the folder {folder} cannot be written ({error.strerror}). Give a folder in which you can make files."
+        ) from error
+
+
+@contextmanager
+def _sentences(debug: bool, log_folder: Path | None = None) -> Iterator[None]:
+    """Turn whatever goes wrong into a sentence on stderr and an exit code; tracebacks go to a log or to --debug."""
+    try:
+        yield
+    except (typer.Exit, typer.Abort, BrokenPipeError):
+        raise
+    except StickslipError as error:
+        _show_traceback(debug)
+        typer.echo(f"Error: {error}", err=True)
+        raise typer.Exit(error.exit_code) from error
+    except KeyboardInterrupt as error:
+        _show_traceback(debug)
+        typer.echo("Interrupted; the study did not end.", err=True)
+        raise typer.Exit(EXIT_INTERRUPTED) from error
+    except MemoryError as error:
+        _show_traceback(debug)
+        typer.echo(
+            "Error: the memory is too small. Take fewer elements, harmonics or samples, or a machine with more of it.",
+            err=True,
+        )
+        raise typer.Exit(InputError.exit_code) from error
+    except Exception as error:
+        _show_traceback(debug)
+        where = "Run it again with --debug to see where" if log_folder is None else _write_log(log_folder)
+        if isinstance(error, OSError):
+            typer.echo(f"Error: a file could not be read or written: {error}. {where}.", err=True)
+            raise typer.Exit(EXIT_FAULT) from error
+        typer.echo(
+            f"Fault of stickslip ({type(error).__name__}: {error}), not of your input. {where}, "
+            "and please report it to the developers together with the study file.",
+            err=True,
+        )
+        raise typer.Exit(EXIT_FAULT) from error
+
+
+def _show_traceback(debug: bool) -> None:
+    if debug:
+        traceback.print_exc(file=sys.stderr)
+
+
+def _write_log(folder: Path) -> str:
+    """Write the traceback of the current exception into ``folder``; returns the start of a sentence on where it is."""
+    log = folder / LOG_NAME
+    try:
+        log.write_text(traceback.format_exc(), encoding="utf-8")
+    except OSError:
+        return "Run it again with --debug to see where"
+    return f"The traceback is in {log}"

@@ -1,0 +1,191 @@
+"""From a validated case to what the solver needs: mesh, superelement, contact pairs, forces and outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stickslip.interface.contact_pairs import ContactPairs
+from stickslip.interface.pairing import FacePairs, pair_faces
+from stickslip.interface.preload import prescribed_preload, uniform_preload
+from stickslip.interface.stiffness import (
+    ContactStiffness,
+    Roughness,
+    contact_stiffness,
+    pair_stiffness,
+    reduced_modulus,
+)
+from stickslip.interface.surface import SurfaceStatistics, surface_statistics
+from stickslip.solve.damping import rayleigh_damping_matrix
+from stickslip.structure.blade_pair import BladePairElements, BladePairGeometry, blade_pair_mesh
+from stickslip.structure.craig_bampton import craig_bampton
+from stickslip.structure.elasticity import Material, Structure, assemble
+from stickslip.structure.superelement import Superelement
+from stickslip.validation import FloatArray
+
+if TYPE_CHECKING:
+    from stickslip.case import Case
+
+FACES = (("damper_left_face", "left_face"), ("damper_right_face", "right_face"))
+FACE_NAMES = ("left face", "right face")
+AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+@dataclass(frozen=True)
+class RoughFace:
+    """What the roughness says of one contact face under its preload."""
+
+    roughness: Roughness
+    stiffness: ContactStiffness
+    statistics: SurfaceStatistics
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Constants of the contact pairs before any reduction: they follow from geometry, roughness and load alone."""
+
+    face_pairs: FacePairs
+    preload: FloatArray  # (n_pairs,) N
+    normal_stiffness: FloatArray  # (n_pairs,) N/m
+    tangential_stiffness: FloatArray  # (n_pairs,) N/m
+    rough_faces: tuple[RoughFace, ...]  # one for each face; empty where the stiffness was given
+
+    def face_sum(self, values: FloatArray) -> FloatArray:
+        """Sum of a value of the pairs for each face (n_faces,)."""
+        return np.bincount(self.face_pairs.face, weights=values)
+
+
+@dataclass(frozen=True)
+class Model:
+    """Everything that is needed to solve one case and to show it."""
+
+    structure: Structure
+    superelement: Superelement
+    joint: Joint
+    pairs: ContactPairs
+    force_sin: FloatArray  # (n,) N: the excitation is P sin(w t)
+    outputs: Mapping[str, FloatArray]
+    signal_groups: Mapping[str, tuple[str, ...]]
+
+
+def build_structure(case: Case) -> Structure:
+    """Mesh and matrices of the two blades and the damper. Raises InputError for a geometry that does not fit."""
+    dimensions = case.geometry.model_dump()
+    dimensions["platform_angle_deg"] = float(np.degrees(dimensions.pop("platform_angle")))
+    counts = case.mesh.model_dump()
+    element = counts.pop("element")
+    mesh = blade_pair_mesh(BladePairGeometry(**dimensions), BladePairElements(**counts))
+    material = Material(case.material.young_modulus, case.material.poisson_ratio, case.material.density)
+    return assemble(mesh, material, element=element)
+
+
+def build_joint(case: Case, structure: Structure) -> Joint:
+    """Pairs, preload and stiffness. Raises RoughnessError where the roughness gives no usable contact."""
+    face_pairs = FacePairs.concatenate([pair_faces(structure.mesh, *names) for names in FACES])
+    preload = _preload(case, face_pairs)
+    if case.contact_stiffness is not None:
+        share = face_pairs.area / np.bincount(face_pairs.face, weights=face_pairs.area)[face_pairs.face]
+        given = case.contact_stiffness
+        return Joint(face_pairs, preload, share * given.normal_stiffness, share * given.tangential_stiffness, ())
+    assert case.roughness is not None  # one of the two is always given
+    roughness = _roughness(case)
+    rough_faces = []
+    for face in range(len(FACES)):
+        members = face_pairs.face == face
+        area, load = float(face_pairs.area[members].sum()), float(np.maximum(preload[members], 0.0).sum())
+        rough_faces.append(
+            RoughFace(
+                roughness,
+                contact_stiffness(roughness, load, mode=case.roughness.mode, nominal_area=area),
+                surface_statistics(roughness, case.roughness.sample_length, case.roughness.shortest_length),
+            )
+        )
+    normal, tangential = pair_stiffness(
+        roughness,
+        face_pairs.area,
+        preload,
+        mode=case.roughness.mode,
+        allocation=case.roughness.allocation,
+        face=face_pairs.face,
+    )
+    return Joint(face_pairs, preload, normal, tangential, tuple(rough_faces))
+
+
+def _preload(case: Case, face_pairs: FacePairs) -> FloatArray:
+    if case.preload.values is not None:
+        return prescribed_preload(case.preload.values, face_pairs.area.size)
+    assert case.preload.centrifugal_force is not None
+    return uniform_preload(
+        case.preload.centrifugal_force,
+        case.geometry.platform_angle,
+        face_pairs.area,
+        face_pairs.face,
+        friction_coefficient=case.preload.friction_coefficient_at_assembly,
+    )
+
+
+def _roughness(case: Case) -> Roughness:
+    given, material = case.roughness, case.material
+    assert given is not None
+    return Roughness(
+        fractal_dimension=given.fractal_dimension,
+        fractal_roughness=given.fractal_roughness,
+        hardness=given.hardness,
+        reduced_modulus=reduced_modulus(
+            material.young_modulus, material.poisson_ratio, material.young_modulus, material.poisson_ratio
+        ),
+        poisson_ratio=material.poisson_ratio,
+        domain_extension=given.domain_extension,
+        sample_length=given.sample_length,
+        shortest_length=given.shortest_length,
+    )
+
+
+def build_model(case: Case, structure: Structure, joint: Joint) -> Model:
+    """Reduce the structure and connect joint, forces and outputs to the reduced unknowns."""
+    sets = structure.mesh.node_sets
+    points = [int(sets[name][0]) for name in ("excitation_left", "excitation_right", "response")]
+    contact_nodes = np.concatenate([joint.face_pairs.first_node, joint.face_pairs.second_node])
+    boundary = np.unique(np.concatenate([contact_nodes, points]))
+    superelement = craig_bampton(structure, boundary, n_modes=case.reduction.modes)
+    pairs = ContactPairs(
+        joint.face_pairs.operator(superelement),
+        joint.normal_stiffness,
+        joint.tangential_stiffness,
+        case.friction.coefficient,
+        joint.preload,
+    )
+    if case.damping.modal_damping_ratio is None:
+        damping = rayleigh_damping_matrix(
+            superelement, pairs, case.damping.rayleigh_alpha or 0.0, case.damping.rayleigh_beta or 0.0
+        )
+        superelement = replace(superelement, damping=damping)
+    outputs, groups = _outputs(case, structure, superelement)
+    return Model(structure, superelement, joint, pairs, _force(case, structure, superelement), outputs, groups)
+
+
+def _force(case: Case, structure: Structure, superelement: Superelement) -> FloatArray:
+    """(n,) N at N1 and N2: single (N1 alone), same direction, or opposite."""
+    sets, excitation = structure.mesh.node_sets, case.excitation
+    second = {"single": 0.0, "same": 1.0, "opposite": -1.0}[excitation.mode]
+    left = superelement.selector(int(sets["excitation_left"][0]), excitation.direction)
+    right = superelement.selector(int(sets["excitation_right"][0]), excitation.direction)
+    return excitation.amplitude * (left + second * right)
+
+
+def _outputs(
+    case: Case, structure: Structure, superelement: Superelement
+) -> tuple[dict[str, FloatArray], dict[str, tuple[str, ...]]]:
+    """Rows that read A along the excitation's direction and both sides of the damper along x, y, z."""
+    sets = structure.mesh.node_sets
+    outputs = {"blade tip A": superelement.selector(int(sets["response"][0]), case.excitation.direction)}
+    groups = {}
+    for side in ("left", "right"):
+        node = int(sets[f"damper_{side}_mid"][0])
+        names = tuple(f"damper {side} {axis}" for axis in AXES)
+        outputs |= {name: superelement.selector(node, AXES[name[-1]]) for name in names}
+        groups[f"Damper, middle of its {side} face"] = names
+    return outputs, groups

@@ -1,0 +1,251 @@
+/* Moves the figures of the page to the point and the pair that the reader chooses. No network, no library but plotly. */
+(function () {
+  "use strict";
+
+  const read = (id) => JSON.parse(document.getElementById(id).textContent);
+  const element = (id) => document.getElementById(id);
+  const data = read("page-data");
+  const figures = read("page-figures");
+
+  function unpack(text, kind) {
+    const binary = atob(text);
+    const bytes = new Uint8Array(binary.length);
+    for (let i = 0; i < binary.length; i++) bytes[i] = binary.charCodeAt(i);
+    return new kind(bytes.buffer);
+  }
+
+  const states = unpack(data.states, Int8Array);
+  const energy = unpack(data.energy, Float32Array);
+  const springs = unpack(data.springs, Float32Array);
+  const friction = unpack(data.friction, Float32Array);
+  const preload = unpack(data.preload, Float32Array);
+  const loops = data.loops;
+  const relative = unpack(loops.relative, Float32Array);
+  const slots = unpack(loops.slots, Int32Array);
+  const scales = unpack(loops.scales, Float32Array);
+  const forces = unpack(loops.forces, Int16Array);
+  const signals = {};
+  for (const name of Object.keys(data.signals)) signals[name] = unpack(data.signals[name], Float32Array);
+
+  const chosen = { point: data.point, pair: data.pair };
+  const facePairs = Array.from({ length: data.faces }, () => []);
+  data.pairFace.forEach((face, pair) => facePairs[face].push(pair));
+
+  const hertz = (value) => value.toFixed(2) + " Hz";
+  const digits = (value) => Number(value.toPrecision(4)).toString().replace("-", "−");
+
+  /* ---- numbers of one pair over a period ---- */
+
+  function synthesis(coefficients, start, times) {
+    return times.map(function (time) {
+      let value = coefficients[start];
+      for (let k = 1; 2 * k < data.coefficients; k++) {
+        const angle = 2 * Math.PI * k * time;
+        value += coefficients[start + 2 * k - 1] * Math.cos(angle) + coefficients[start + 2 * k] * Math.sin(angle);
+      }
+      return value;
+    });
+  }
+
+  function nearestLoop(point) {
+    let best = 0;
+    loops.points.forEach(function (candidate, i) {
+      if (Math.abs(candidate - point) < Math.abs(loops.points[best] - point)) best = i;
+    });
+    return best;
+  }
+
+  function pairCycle(held, pair) {
+    const base = (held * data.nPairs + pair) * 3 * data.coefficients;
+    const axes = [0, 1, 2].map((axis) => synthesis(relative, base + axis * data.coefficients, loops.times));
+    const normal = axes[2].map((n) => Math.max(preload[pair] + springs[3 * pair + 2] * n * 1e-6, 0));
+    const slot = slots[held * data.nPairs + pair];
+    const length = loops.times.length;
+    const traction = [0, 1].map(function (axis) {
+      const stiffness = springs[3 * pair + axis] * 1e-6;
+      if (slot < 0) {
+        const mean = relative[base + axis * data.coefficients];
+        return axes[axis].map((s) => stiffness * (s - mean));
+      }
+      const start = (2 * slot + axis) * length;
+      return Array.from(forces.subarray(start, start + length), (value) => value * scales[slot]);
+    });
+    const slider = [0, 1].map((axis) => axes[axis].map((s, j) => s - traction[axis][j] / (springs[3 * pair + axis] * 1e-6)));
+    return { axes: axes, normal: normal, traction: traction, slider: slider };
+  }
+
+  /* ---- drawing ---- */
+
+  const phone = window.matchMedia("(max-width: 520px)");
+  const options = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+  const stillOptions = { responsive: true, displayModeBar: false };
+
+  function draw(id, figure, plotOptions) {
+    if (phone.matches) {
+      figure.layout.margin = Object.assign({}, figure.layout.margin, { l: 44, r: 6 });
+      figure.layout.legend.font.size = 11;
+    }
+    return Plotly.newPlot(element(id), figure.data, figure.layout, plotOptions);
+  }
+
+  const closed = (values) => values.concat(values.slice(0, 1));
+
+  function showCurve() {
+    const x = [[data.frequency[chosen.point]]];
+    Plotly.restyle("curve", { x: x, y: [[data.amplitude[chosen.point]]] }, [figures.curve.data.length - 1]);
+    Plotly.restyle("energy-curve", { x: x, y: [[data.energyTotal[chosen.point]]] }, [figures["energy-curve"].data.length - 1]);
+    const text = hertz(data.frequency[chosen.point]) + " (" + (chosen.point + 1) + " of " + data.points + ")";
+    element("point-label").textContent = text;
+    element("point").setAttribute("aria-valuetext", text);
+    for (const now of document.querySelectorAll(".now")) {
+      now.textContent = hertz(data.frequency[chosen.point]) + ", " + digits(data.amplitude[chosen.point]) + " µm" +
+        (chosen.point === data.point ? " (the peak)" : "");
+    }
+    element("energy-now").textContent = digits(data.energyTotal[chosen.point]) + " " + data.energyUnit;
+  }
+
+  function showLegend() {
+    const counts = data.stateStyles.map(() => 0);
+    for (let pair = 0; pair < data.nPairs; pair++) counts[states[chosen.point * data.nPairs + pair]] += 1;
+    const shapes = {
+      "circle": '<circle cx="8" cy="8" r="7"/>', "square": '<rect x="1.5" y="1.5" width="13" height="13"/>',
+      "triangle-up": '<path d="M8 1 L15.5 14.5 L0.5 14.5 Z"/>',
+    };
+    element("state-legend").innerHTML = data.stateStyles.map((style, i) =>
+      '<li><svg viewBox="0 0 16 16" aria-hidden="true" fill="' + style.colour + '">' + shapes[style.symbol] + "</svg>" +
+      style.name + "<b>" + counts[i] + "</b></li>").join("");
+  }
+
+  function showMaps() {
+    const row = chosen.point * data.nPairs;
+    let largest = 0;
+    for (let pair = 0; pair < data.nPairs; pair++) largest = Math.max(largest, energy[row + pair]);
+    facePairs.forEach(function (pairs, face) {
+      const styles = pairs.map((pair) => data.stateStyles[states[row + pair]]);
+      const text = pairs.map((pair, i) => data.pairLabel[pair] + "<br>" + styles[i].name + ", " +
+        digits(energy[row + pair]) + " " + data.energyUnit + " per cycle");
+      Plotly.restyle("state-map-" + face, {
+        "marker.color": [styles.map((style) => style.colour)], "marker.symbol": [styles.map((style) => style.symbol)], text: [text],
+      }, [0]);
+      Plotly.restyle("energy-map-" + face, {
+        "marker.color": [pairs.map((pair) => energy[row + pair])], "marker.cmax": Math.max(largest, 1e-30), text: [text],
+      }, [0]);
+    });
+    showLegend();
+  }
+
+  function showChoice() {
+    facePairs.forEach(function (pairs, face) {
+      const here = data.pairFace[chosen.pair] === face;
+      const place = data.pairPosition[chosen.pair];
+      const ring = { x: [here ? [place[0]] : []], y: [here ? [place[1]] : []] };
+      Plotly.restyle("state-map-" + face, ring, [1]);
+      Plotly.restyle("energy-map-" + face, ring, [1]);
+    });
+    element("pair").value = String(chosen.pair);
+  }
+
+  function showPair() {
+    const held = nearestLoop(chosen.point);
+    const point = loops.points[held];
+    const cycle = pairCycle(held, chosen.pair);
+    const style = data.stateStyles[states[point * data.nPairs + chosen.pair]];
+    element("pair-now").textContent = data.pairLabel[chosen.pair];
+    element("loop-now").textContent = style.name + " at " + hertz(data.frequency[point]) + ", " +
+      digits(energy[point * data.nPairs + chosen.pair]) + " " + data.energyUnit + " per cycle" +
+      (point === chosen.point ? "" : " (loops are held for " + loops.points.length + " of the points; this is the nearest)");
+    Plotly.restyle("loop", { x: [closed(cycle.axes[0]), closed(cycle.axes[1])], y: cycle.traction.map(closed) }, [0, 1]);
+    const limit = cycle.normal.map((n) => friction[chosen.pair] * n);
+    const both = closed(limit).concat([null], closed(limit.map((value) => -value)));
+    const times = loops.times.concat([1]);
+    const y = cycle.traction.map(closed).concat([closed(cycle.normal), both], cycle.axes.map(closed), cycle.slider.map(closed));
+    Plotly.restyle("signals", { x: y.map((values, i) => (i === 3 ? times.concat([null], times) : times)), y: y });
+  }
+
+  const groupTimes = Array.from({ length: 129 }, (_, j) => j / 128);
+
+  function showGroups() {
+    data.groups.forEach(function (names, group) {
+      const y = names.map((name) => synthesis(signals[name], chosen.point * data.coefficients, groupTimes));
+      Plotly.restyle("group-" + group, { x: names.map(() => groupTimes), y: y });
+    });
+  }
+
+  let waiting = false;
+  function choosePoint(point) {
+    chosen.point = Math.max(0, Math.min(data.points - 1, point));
+    element("point").value = String(chosen.point);
+    if (waiting) return;
+    waiting = true;
+    requestAnimationFrame(function () {
+      waiting = false;
+      showCurve(); showMaps(); showPair(); showGroups();
+    });
+  }
+
+  function choosePair(pair) {
+    chosen.pair = (pair + data.nPairs) % data.nPairs;
+    showChoice(); showPair();
+  }
+
+  /* ---- what the reader does ---- */
+
+  function nearestPairTowards(direction) {
+    const from = data.pairPosition[chosen.pair];
+    let best = chosen.pair, shortest = Infinity;
+    for (const pair of facePairs[data.pairFace[chosen.pair]]) {
+      const step = [data.pairPosition[pair][0] - from[0], data.pairPosition[pair][1] - from[1]];
+      const ahead = step[0] * direction[0] + step[1] * direction[1];
+      const aside = Math.abs(step[0] * direction[1]) + Math.abs(step[1] * direction[0]);
+      if (ahead > 1e-9 && ahead + 4 * aside < shortest) { best = pair; shortest = ahead + 4 * aside; }
+    }
+    return best;
+  }
+
+  const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
+  function listenToMap(id, face) {
+    const map = element(id);
+    map.on("plotly_click", function (event) {
+      const pair = event.points[0].customdata;
+      if (pair !== undefined) choosePair(pair);
+    });
+    map.addEventListener("keydown", function (event) {
+      if (!arrows[event.key]) return;
+      event.preventDefault();
+      choosePair(data.pairFace[chosen.pair] === face ? nearestPairTowards(arrows[event.key]) : facePairs[face][0]);
+    });
+  }
+
+  function listen() {
+    element("point").addEventListener("input", (event) => choosePoint(Number(event.target.value)));
+    element("to-peak").addEventListener("click", () => choosePoint(data.point));
+    element("pair").addEventListener("change", (event) => choosePair(Number(event.target.value)));
+    element("previous-pair").addEventListener("click", () => choosePair(chosen.pair - 1));
+    element("next-pair").addEventListener("click", () => choosePair(chosen.pair + 1));
+    for (const [id, trace] of [["curve", 2], ["energy-curve", 0]]) {
+      element(id).on("plotly_click", function (event) {
+        const hit = event.points.find((candidate) => candidate.curveNumber === trace);
+        if (hit) choosePoint(hit.pointNumber);
+      });
+    }
+    facePairs.forEach((pairs, face) => { listenToMap("state-map-" + face, face); listenToMap("energy-map-" + face, face); });
+    let logarithmic = false;
+    element("scale").addEventListener("click", function () {
+      logarithmic = !logarithmic;
+      const top = data.amplitude[data.point];
+      const update = { "yaxis.type": logarithmic ? "log" : "linear", "yaxis.autorange": true };
+      update["annotations[0].y"] = logarithmic ? Math.log10(figures.curve.data[3].y[0] || top) : figures.curve.data[3].y[0];
+      Plotly.relayout("curve", update);
+      element("scale").textContent = logarithmic ? "Linear axis" : "Logarithmic axis";
+    });
+    const plots = () => Array.from(document.querySelectorAll(".js-plotly-plot"));
+    window.addEventListener("beforeprint", () => plots().forEach((plot) => Plotly.relayout(plot, { width: 660, autosize: false })));
+    window.addEventListener("afterprint", () => plots().forEach((plot) => Plotly.relayout(plot, { width: null, autosize: true })));
+  }
+
+  Promise.all(Object.keys(figures).map((id) => draw(id, figures[id], id.includes("map") ? stillOptions : options))).then(function () {
+    showCurve(); showMaps(); showChoice(); showPair(); showGroups(); listen();
+    document.body.dataset.ready = "yes";
+  });
+})();

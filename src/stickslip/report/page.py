@@ -1,0 +1,278 @@
+"""The report: one self-contained HTML page, with plotly.js and all data inside, that asks nothing of the network."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterable, Sequence
+from html import escape
+from importlib.metadata import version
+from importlib.resources import files
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from stickslip.errors import InputError
+from stickslip.report import plots
+from stickslip.report.page_data import page_data
+from stickslip.report.style import number
+from stickslip.report.view import View
+from stickslip.results.measures import summary_table
+from stickslip.results.record import StudyRecord
+from stickslip.results.response import STATE_NAMES, ForcedResponse
+
+_MODE_HEADINGS = {
+    "mode": "#",
+    "description": "Mode",
+    "full_hz": "Full model, Hz",
+    "reduced_hz": "Reduced model, Hz",
+    "difference_percent": "Difference, %",
+    "mac": "MAC",
+    "table2_hz": "Paper, Table 2, Hz",
+}
+_INFERRED = (
+    "The geometry is <b>inferred</b>: the paper's drawing does not survive, so seven dimensions were fitted to these ten "
+    "frequencies of its Table 2. The last column shows how good that fit is; it is not an independent check."
+)
+
+
+def write_page(path: str | PathLike[str], response: ForcedResponse, study: StudyRecord) -> None:
+    """Write the report of one run to ``path``, whole or not at all.
+
+    Raises InputError if the study does not belong to the response, or the place cannot be written.
+    """
+    target = Path(path)
+    text = page(response, study)
+    part = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        part.write_text(text, encoding="utf-8")
+        os.replace(part, target)
+    except OSError as error:
+        raise InputError(
+            f'the report could not be written to "{target}": {error.strerror}. Choose a folder that exists and that you '
+            "may write to."
+        ) from error
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def page(response: ForcedResponse, study: StudyRecord) -> str:
+    """The report of one run as HTML. Raises InputError if the study does not belong to the response."""
+    from plotly.offline import get_plotlyjs
+
+    view = View.of(response, study)
+    faces = range(len(study.face_names))
+    date = response.provenance.get("date", "date unknown")
+    ended = "converged" if response.converged else "NOT converged"
+    parts = {
+        "title": escape(study.title),
+        "description": escape(study.description),
+        "byline": escape(f"{date} · {response.n_points} points · {response.harmonics} harmonics · {ended}"),
+        "notices": _notices(view),
+        "tiles": _tiles(view),
+        "output": escape(study.response_output),
+        "point": str(view.point),
+        "last_point": str(response.n_points - 1),
+        "pair_options": _pair_options(view),
+        "state_maps": _maps(study, faces, "state", "Contact states"),
+        "energy_maps": _maps(study, faces, "energy", "Dissipated energy"),
+        "imbalance": number(view.summary.energy_imbalance, 2),
+        "groups": _groups(study),
+        "modes": _mode_table(study),
+        "measures": _rows((name, f"{value} {unit}".replace("-", "−")) for name, value, unit in _measures(view)),
+        "derived": _derived(study),
+        "inputs": escape(study.inputs),
+        "settings": _rows((key, number(value)) for key, value in response.settings.items()),
+        "provenance": _rows(response.provenance.items()),
+        "version": version("stickslip"),
+        "data": _script_json(page_data(view)),
+        "figures": _script_json(_figures(view)),
+        "css": _asset("page.css"),
+        "js": _asset("page.js"),
+        "plotly": get_plotlyjs(),
+    }
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match.group(1)], _asset("page.html"))
+
+
+def _asset(name: str) -> str:
+    return (files("stickslip.report") / "assets" / name).read_text(encoding="utf-8")
+
+
+def _script_json(value: Any) -> str:
+    # "<" would let a text such as "</script>" end the element; JSON may write it as an escape.
+    return json.dumps(value, separators=(",", ":"), ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
+
+
+def _figures(view: View) -> dict[str, plots.Figure]:
+    figures = {
+        "curve": plots.amplitude_frequency(view),
+        "loop": plots.hysteresis_loop(),
+        "signals": plots.pair_signals(),
+        "energy-curve": plots.energy_curve(view),
+    }
+    for face in range(len(view.study.face_names)):
+        for quantity in ("state", "energy"):
+            figures[f"{quantity}-map-{face}"] = plots.face_map(view, face, quantity)
+    for group, names in enumerate(view.study.signal_groups.values()):
+        figures[f"group-{group}"] = plots.output_signals(names)
+    return figures
+
+
+def _notices(view: View) -> str:
+    response = view.response
+    blocks = []
+    if not response.converged:
+        words = "These are partial results: the figures show the points that were computed."
+        blocks.append(_notice("bad", "The solve did not converge", [response.message, words]))
+    warnings = [*response.warnings, *view.study.warnings]
+    if not view.summary.peak.bracketed:
+        warnings.append(
+            "The largest amplitude lies at an end of the computed range, so the true peak may be higher: widen the "
+            "frequency range."
+        )
+    if warnings:
+        blocks.append(_notice("warn", "Warnings" if len(warnings) > 1 else "Warning", warnings))
+    return "\n".join(blocks)
+
+
+def _notice(kind: str, heading: str, sentences: Sequence[str]) -> str:
+    body = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences)
+    return f'<div class="notice {kind}" role="alert"><h2>{heading}</h2><ul>{body}</ul></div>'
+
+
+def _tiles(view: View) -> str:
+    measures = view.summary
+    factor, unit = view.energy_factor, view.energy_unit
+
+    def percent(value: float | None) -> str:
+        return "–" if value is None else number(100.0 * value, 3) + " %"
+
+    def shift(value: float | None, what: str) -> str:
+        return f"no {what} peak in range" if value is None else f"shift {number(value, 3)} Hz"
+
+    states = " · ".join(f"{count} {name}" for count, name in zip(measures.state_counts, STATE_NAMES, strict=True))
+    moving = sum(measures.state_counts[1:])
+    tiles = (
+        (
+            "Peak amplitude, 0-to-peak",
+            f"{number(1e6 * measures.peak.amplitude)} <small>µm</small>",
+            f"at {number(measures.peak.frequency_hz, 5)} Hz",
+        ),
+        (
+            "Reduction against linear stuck",
+            percent(measures.reduction_from_stuck),
+            shift(measures.shift_from_stuck_hz, "stuck"),
+        ),
+        (
+            "Reduction against linear free",
+            percent(measures.reduction_from_free),
+            shift(measures.shift_from_free_hz, "free"),
+        ),
+        ("Pairs that move at the peak", f"{moving} <small>of {sum(measures.state_counts)}</small>", states),
+        (
+            "Friction energy per cycle",
+            f"{number(factor * measures.friction_energy)} <small>{unit}</small>",
+            f"{percent(measures.friction_share)} of the loss at the peak",
+        ),
+        ("Equivalent damping ratio", percent(measures.damping_ratio), "half-power width of the curve"),
+    )
+    return "\n".join(
+        f'<div class="tile"><h3>{name}</h3><p class="value">{value}</p><p class="more">{more}</p></div>'
+        for name, value, more in tiles
+    )
+
+
+def _measures(view: View) -> list[tuple[str, str, str]]:
+    return [(name, value, "" if unit == "-" else unit) for name, value, unit in summary_table(view.summary)]
+
+
+def _pair_options(view: View) -> str:
+    return "".join(
+        f'<option value="{pair}"{" selected" if pair == view.pair else ""}>{escape(view.pair_label(pair))}</option>'
+        for pair in range(view.response.pairs.n_pairs)
+    )
+
+
+def _maps(study: StudyRecord, faces: Iterable[int], quantity: str, words: str) -> str:
+    return "".join(
+        f'<figure class="panel"><figcaption>{escape(study.face_names[face])}</figcaption>'
+        f'<div id="{quantity}-map-{face}" class="plot" tabindex="0" role="application" '
+        f'aria-label="{words}, {escape(study.face_names[face])}; arrow keys select a pair"></div></figure>'
+        for face in faces
+    )
+
+
+def _groups(study: StudyRecord) -> str:
+    if not study.signal_groups:
+        return ""
+    figures = "".join(
+        f'<figure class="panel"><figcaption>{escape(heading)}</figcaption><div id="group-{i}" class="plot"></div></figure>'
+        for i, heading in enumerate(study.signal_groups)
+    )
+    return (
+        '<section><h2>Motion over one period</h2><p class="note">At <b class="now"></b>.</p>'
+        f'<div class="two">{figures}</div></section>'
+    )
+
+
+def _mode_table(study: StudyRecord) -> str:
+    if not study.mode_table:
+        return ""
+    columns = [key for key in _MODE_HEADINGS if any(key in row for row in study.mode_table)]
+    compared = "table2_hz" in columns and "full_hz" in columns
+    headings = [_MODE_HEADINGS[key] for key in columns] + (["Full model against paper, %"] if compared else [])
+    body = []
+    for row in study.mode_table:
+        cells = [(key == "description", _mode_cell(key, row.get(key))) for key in columns]
+        if compared:
+            cells.append((False, _deviation(row)))
+        body.append("<tr>" + "".join(f"<td{_word(text)}>{value}</td>" for text, value in cells) + "</tr>")
+    head = "".join(f"<th{_word(heading == 'Mode')}>{heading}</th>" for heading in headings)
+    note = f'<p class="note">{_INFERRED}</p>' if compared else ""
+    return (
+        f'<section><h2>Natural frequencies, contact stuck{" (geometry inferred)" if compared else ""}</h2>{note}'
+        f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{"".join(body)}</tbody></table></div></section>'
+    )
+
+
+def _word(is_text: bool) -> str:
+    return ' class="word"' if is_text else ""
+
+
+def _mode_cell(key: str, value: str | float | int | None) -> str:
+    if value is None:
+        return "–"
+    if isinstance(value, str):
+        return escape(value)
+    if key == "mode":
+        return str(int(value))
+    if key == "mac":
+        return f"{value:.6f}"
+    return f"{value:.2e}".replace("-", "−") if key == "difference_percent" else f"{value:.2f}"
+
+
+def _deviation(row: dict[str, str | float | int]) -> str:
+    if "table2_hz" not in row or "full_hz" not in row:
+        return "–"
+    return f"{100.0 * (float(row['full_hz']) / float(row['table2_hz']) - 1.0):+.2f}".replace("-", "−")
+
+
+def _derived(study: StudyRecord) -> str:
+    if not study.derived:
+        return ""
+    rows = "".join(
+        f'<tr><th scope="row">{escape(name)}</th><td>{number(value)}</td><td class="word">{escape(unit)}</td>'
+        f'<td class="word">{escape(explanation)}</td></tr>'
+        for name, value, unit, explanation in study.derived
+    )
+    head = '<th class="word">Quantity</th><th>Value</th><th class="word">Unit</th><th class="word">Meaning</th>'
+    return (
+        '<section><h2>Derived quantities</h2><div class="scroll"><table class="plain">'
+        f"<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div></section>"
+    )
+
+
+def _rows(items: Iterable[tuple[str, str]]) -> str:
+    rows = (f'<tr><th scope="row">{escape(name)}</th><td>{escape(value)}</td></tr>' for name, value in items)
+    return f"<tbody>{''.join(rows)}</tbody>"

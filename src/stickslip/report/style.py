@@ -1,0 +1,59 @@
+"""Colours, marker shapes and units that all figures share; the palette is that of Okabe and Ito, safe for colour-blind eyes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.results.response import STATE_NAMES
+
+INK = "#1b2a41"
+GREY = "#6b7787"
+BLUE, GREEN, VERMILLION, ORANGE, PURPLE = "#0072B2", "#009E73", "#D55E00", "#E69F00", "#CC79A7"
+
+
+@dataclass(frozen=True)
+class StateStyle:
+    """How a contact state is drawn: by shape as well as by colour, so that a grey print can be read."""
+
+    name: str
+    colour: str
+    plotly_symbol: str
+    matplotlib_marker: str
+
+
+STATES = tuple(
+    StateStyle(name, *style)
+    for name, style in zip(
+        STATE_NAMES,
+        ((BLUE, "circle", "o"), (GREEN, "square", "s"), (VERMILLION, "triangle-up", "^")),
+        strict=True,
+    )
+)
+
+MICRO = 1e6
+AXIS_NAMES = ("t1", "t2", "n")
+LINE_COLOURS = (BLUE, VERMILLION, GREEN)
+LINE_DASHES = ("solid", "dash", "dot")
+
+
+def energy_unit(largest: float) -> tuple[float, str]:
+    """Factor and unit in which an energy of this size (J) has readable digits."""
+    for factor, unit in ((1.0, "J"), (1e3, "mJ"), (1e6, "µJ")):
+        if largest * factor >= 1.0:
+            return factor, unit
+    return 1e9, "nJ"
+
+
+def number(value: float | int | str, digits: int = 4) -> str:
+    """A number as a reader expects it: no exponent between 0.001 and 1e6, a true minus sign."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, int | np.integer):
+        return f"{int(value)}"
+    if value != 0 and not 1e-3 <= abs(value) < 1e6:
+        mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+        return f"{mantissa} × 10^{int(exponent)}".replace("-", "−")
+    decimals = digits - 1 - int(np.floor(np.log10(abs(value)))) if value else 0
+    return f"{value:.{min(max(decimals, 0), 8)}f}".replace("-", "−")

@@ -1,0 +1,210 @@
+"""Measures that engineers read off a forced response: peaks, shifts, equivalent damping, states, energy balance.
+
+Everything walks the curve in its own order (the index), because a curve that folds has several amplitudes at one
+frequency and must never be sorted by it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip.errors import InputError
+from stickslip.results.response import STATE_NAMES, ForcedResponse
+from stickslip.validation import FloatArray, finite_array
+
+
+@dataclass(frozen=True)
+class Peak:
+    """A maximum of an amplitude curve.
+
+    ``point`` is the computed point nearest to it; ``bracketed`` is False where the largest amplitude lies at an end of
+    the curve, so that the true peak may be higher.
+    """
+
+    point: int
+    frequency_hz: float
+    amplitude: float
+    bracketed: bool
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a reader wants first, all at the highest peak of one output.
+
+    Shifts are in Hz, negative when the peak lies below the linear one. Reductions are ``1 - amplitude / linear peak``.
+    They are None where the linear peak is not inside the computed range. ``damping_ratio`` is None where the curve does
+    not fall to half power on both sides. Energies in J per cycle, ``energy_imbalance`` relative to the input and the
+    largest on the whole curve.
+    """
+
+    peak: Peak
+    stuck_peak: Peak
+    free_peak: Peak
+    shift_from_stuck_hz: float | None
+    shift_from_free_hz: float | None
+    reduction_from_stuck: float | None
+    reduction_from_free: float | None
+    damping_ratio: float | None
+    friction_share: float
+    state_counts: tuple[int, int, int]
+    friction_energy: float
+    viscous_energy: float
+    input_energy: float
+    energy_imbalance: float
+    peak_energy: float
+    peak_energy_frequency_hz: float
+
+
+def peaks(frequency_hz: ArrayLike, amplitude: ArrayLike) -> list[Peak]:
+    """Local maxima along the curve, highest first; if there is none, the higher end of the curve, not bracketed.
+
+    Around each maximum ``1 / amplitude^2`` and the frequency are taken as parabolas through three neighbouring points,
+    over the length of the curve between them; ``1 / amplitude^2`` of a lightly damped linear resonance is a parabola in
+    the frequency, so that one is found almost exactly.
+
+    Parameters
+    ----------
+    frequency_hz, amplitude:
+        (n_points,) along the curve. Amplitudes must not be negative.
+
+    Raises
+    ------
+    InputError
+        for arrays of different or zero length, or a negative amplitude.
+    """
+    frequency, height = finite_array("frequency_hz", frequency_hz), finite_array("amplitude", amplitude)
+    if frequency.ndim != 1 or frequency.shape != height.shape or not frequency.size:
+        raise InputError(
+            f"frequency_hz and amplitude must be two lists of one length, but their shapes are {frequency.shape} and "
+            f"{height.shape}."
+        )
+    if height.min() < 0:
+        raise InputError("amplitude must not be negative: a 0-to-peak amplitude is the largest absolute value.")
+    inside = np.flatnonzero((height[1:-1] >= height[:-2]) & (height[1:-1] > height[2:])) + 1
+    found = [_interpolated_peak(frequency, height, int(i)) for i in inside]
+    top = int(height.argmax())
+    if top in (0, height.size - 1):
+        found.append(Peak(top, float(frequency[top]), float(height[top]), bracketed=False))
+    return sorted(found, key=lambda peak: -peak.amplitude)
+
+
+def _interpolated_peak(frequency: FloatArray, height: FloatArray, i: int) -> Peak:
+    f, a = frequency[i - 1 : i + 2], height[i - 1 : i + 2]
+    if a.min() <= 0.0 or np.ptp(f) == 0.0:
+        return Peak(i, float(frequency[i]), float(height[i]), bracketed=True)
+    # Where the three points go one way the frequency itself is the length; round a fold both coordinates count.
+    one_way = (f[1] - f[0]) * (f[2] - f[1]) > 0
+    steps = np.abs(np.diff(f)) if one_way else np.hypot(np.diff(f) / np.ptp(f), np.diff(a) / np.ptp(a))
+    length = np.concatenate([[-steps[0]], [0.0], [steps[1]]])
+    inverse = (a[1] / a) ** 2
+    bend, slope = np.polyfit(length, inverse, 2)[:2]
+    place = float(np.clip(-0.5 * slope / bend, length[0], length[2])) if bend > 0 else 0.0
+    smallest = float(np.polyval(np.polyfit(length, inverse, 2), place))
+    nearest = i + int(np.abs(length - place).argmin()) - 1
+    peak_frequency = float(np.polyval(np.polyfit(length, f, 2), place))
+    # A parabola through a sharp corner could pass zero; the computed maximum then stands.
+    amplitude = float(a[1] / np.sqrt(smallest)) if smallest > 0.25 else float(a[1])
+    return Peak(nearest, peak_frequency, amplitude, bracketed=True)
+
+
+def half_power_damping(frequency_hz: ArrayLike, amplitude: ArrayLike, peak: Peak) -> float | None:
+    """Equivalent viscous damping ratio ``(f_2 - f_1) / (2 f_peak)`` from the half-power band of the curve.
+
+    ``f_1`` and ``f_2`` are the first points on either side of the peak, walking along the curve, where the amplitude is
+    ``peak.amplitude / sqrt(2)`` (linear between points). This is the ratio that a linear single resonance of the same
+    width has; it holds friction and viscous losses together. Friction makes a curve that is not a resonance curve, so
+    read it as a measure of width. None if the curve ends before it has fallen that far, or the peak is not bracketed.
+    """
+    frequency, height = finite_array("frequency_hz", frequency_hz), finite_array("amplitude", amplitude)
+    if not peak.bracketed or peak.amplitude <= 0.0:
+        return None
+    level = peak.amplitude / np.sqrt(2.0)
+    lower = _crossing(frequency[peak.point :: -1], height[peak.point :: -1], level)
+    upper = _crossing(frequency[peak.point :], height[peak.point :], level)
+    if lower is None or upper is None:
+        return None
+    return abs(upper - lower) / (2.0 * peak.frequency_hz)
+
+
+def _crossing(frequency: FloatArray, height: FloatArray, level: float) -> float | None:
+    below = np.flatnonzero(height <= level)
+    if not below.size or below[0] == 0:
+        return None
+    i = int(below[0])
+    share = (height[i - 1] - level) / (height[i - 1] - height[i])
+    return float(frequency[i - 1] + share * (frequency[i] - frequency[i - 1]))
+
+
+def state_counts(contact_state: NDArray[np.int8]) -> NDArray[np.int64]:
+    """(n_points, 3) how many pairs are stuck, stick-slip, separating at each point, from (n_points, n_pairs)."""
+    return np.stack([(contact_state == state).sum(axis=1) for state in range(len(STATE_NAMES))], axis=1)
+
+
+def energy_imbalance(response: ForcedResponse) -> FloatArray:
+    """(n_points,) ``(friction + viscous - input) / input`` per cycle; infinite where only the input is zero."""
+    loss = response.dissipated_energy.sum(axis=1) + response.viscous_energy
+    difference = loss - response.input_energy
+    still = np.where(difference == 0.0, 0.0, np.inf)
+    imbalance: FloatArray = np.divide(difference, response.input_energy, out=still, where=response.input_energy != 0.0)
+    return imbalance
+
+
+def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
+    """The measures at the highest peak of ``output`` (n,). Raises InputError for a wrong output."""
+    amplitude = response.amplitude(output)
+    peak = peaks(response.frequency_hz, amplitude)[0]
+    stuck, free = (
+        peaks(response.linear.frequency_hz, response.linear_amplitude(output, limit))[0] for limit in ("stuck", "free")
+    )
+    point = peak.point
+    friction = float(response.dissipated_energy[point].sum())
+    viscous = float(response.viscous_energy[point])
+    energy = response.dissipated_energy.sum(axis=1)
+    counts = state_counts(response.contact_state[point][None])[0]
+    return Summary(
+        peak=peak,
+        stuck_peak=stuck,
+        free_peak=free,
+        shift_from_stuck_hz=peak.frequency_hz - stuck.frequency_hz if stuck.bracketed else None,
+        shift_from_free_hz=peak.frequency_hz - free.frequency_hz if free.bracketed else None,
+        reduction_from_stuck=1.0 - peak.amplitude / stuck.amplitude if stuck.bracketed else None,
+        reduction_from_free=1.0 - peak.amplitude / free.amplitude if free.bracketed else None,
+        damping_ratio=half_power_damping(response.frequency_hz, amplitude, peak),
+        friction_share=friction / (friction + viscous) if friction + viscous > 0.0 else 0.0,
+        state_counts=(int(counts[0]), int(counts[1]), int(counts[2])),
+        friction_energy=friction,
+        viscous_energy=viscous,
+        input_energy=float(response.input_energy[point]),
+        energy_imbalance=float(np.abs(energy_imbalance(response)).max()),
+        peak_energy=float(energy.max()),
+        peak_energy_frequency_hz=float(response.frequency_hz[energy.argmax()]),
+    )
+
+
+def summary_table(result: Summary) -> list[tuple[str, str, str]]:
+    """Rows (name, value, unit) of the summary, ready for a terminal, a page or a text file; "-" where not available."""
+
+    def number(value: float | None, scale: float = 1.0, digits: int = 4) -> str:
+        return "-" if value is None else f"{scale * value:.{digits}g}"
+
+    stuck, slip, separating = result.state_counts
+    return [
+        ("Peak amplitude, 0-to-peak", number(result.peak.amplitude, 1e6), "µm"),
+        ("Peak frequency", number(result.peak.frequency_hz, digits=6), "Hz"),
+        ("Shift from the linear stuck peak", number(result.shift_from_stuck_hz), "Hz"),
+        ("Shift from the linear free peak", number(result.shift_from_free_hz), "Hz"),
+        ("Reduction against the linear stuck peak", number(result.reduction_from_stuck, 100.0, 3), "%"),
+        ("Reduction against the linear free peak", number(result.reduction_from_free, 100.0, 3), "%"),
+        ("Equivalent damping ratio (half power)", number(result.damping_ratio, 100.0, 3), "%"),
+        ("Share of friction in the loss", number(result.friction_share, 100.0, 3), "%"),
+        ("Pairs stuck", str(stuck), "-"),
+        ("Pairs stick-slip", str(slip), "-"),
+        ("Pairs separating", str(separating), "-"),
+        ("Energy dissipated by friction", number(result.friction_energy, 1e6), "µJ per cycle"),
+        ("Energy dissipated by viscous damping", number(result.viscous_energy, 1e6), "µJ per cycle"),
+        ("Energy put in by the excitation", number(result.input_energy, 1e6), "µJ per cycle"),
+        ("Largest energy imbalance on the curve", number(result.energy_imbalance, digits=2), "of input"),
+    ]

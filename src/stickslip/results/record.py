@@ -1,0 +1,142 @@
+"""What travels with a response: the record of the study that asked for it, and which software answered."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+from stickslip.results.response import ForcedResponse, same_content
+from stickslip.validation import FloatArray, finite_array
+
+MODE_COLUMNS = ("mode", "description", "full_hz", "reduced_hz", "difference_percent", "mac", "table2_hz")
+
+
+@dataclass(frozen=True, eq=False)
+class StudyRecord:
+    """What the report shows and the solver does not know.
+
+    Parameters
+    ----------
+    title, description:
+        a heading, and one or two sentences under it.
+    inputs:
+        text of the study file as it was read.
+    outputs:
+        name -> row (n,) that reads one displacement, in m. The first is the response that the curve shows.
+    signal_groups:
+        heading -> names of outputs drawn together over one period, for example
+        ``{"Damper, left side": ("damper left x", "damper left y", "damper left z")}``.
+    face_names:
+        names of the contact faces.
+    pair_face:
+        (n_pairs,) index into ``face_names``.
+    pair_position:
+        (n_pairs, 2) m, place of each pair in its face: along the length, across the width.
+    pair_area:
+        (n_pairs,) m2.
+    mode_table:
+        rows with some of the keys mode, description, full_hz, reduced_hz, difference_percent, mac, table2_hz.
+        ``table2_hz`` is the paper's frequency; a table that has it is shown beside the paper as inferred.
+    derived:
+        (name, value, unit, explanation) of what follows from the inputs: face stiffness, Sq, preload, ...
+    warnings:
+        sentences of the study itself; those of the solver are in the response.
+
+    Raises
+    ------
+    InputError
+        for arrays that do not fit together, a signal group or a key of the mode table that does not exist.
+    """
+
+    title: str
+    description: str
+    inputs: str
+    outputs: dict[str, FloatArray]
+    signal_groups: dict[str, tuple[str, ...]]
+    face_names: tuple[str, ...]
+    pair_face: NDArray[np.int64]
+    pair_position: FloatArray
+    pair_area: FloatArray
+    mode_table: tuple[dict[str, str | float | int], ...] = ()
+    derived: tuple[tuple[str, str | float | int, str, str], ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.outputs:
+            raise InputError("outputs is empty; give at least the row of the response that the curve shows.")
+        rows = {name: finite_array(f'outputs["{name}"]', row) for name, row in self.outputs.items()}
+        if any(row.ndim != 1 or row.shape != next(iter(rows.values())).shape for row in rows.values()):
+            shapes = ", ".join(f"{name} {row.shape}" for name, row in rows.items())
+            raise InputError(f"outputs must all be rows (n,) of one length, but the shapes are {shapes}.")
+        missing = sorted({name for group in self.signal_groups.values() for name in group} - set(rows))
+        if missing:
+            raise InputError(f'signal_groups names the output "{missing[0]}", but outputs has only {", ".join(rows)}.')
+        face = np.asarray(self.pair_face)
+        position, area = finite_array("pair_position", self.pair_position), finite_array("pair_area", self.pair_area)
+        if face.ndim != 1 or position.shape != (face.size, 2) or area.shape != face.shape:
+            raise InputError(
+                "pair_face (n_pairs,), pair_position (n_pairs, 2) and pair_area (n_pairs,) must agree, but their "
+                f"shapes are {face.shape}, {position.shape} and {area.shape}."
+            )
+        if not np.isin(face, np.arange(len(self.face_names))).all():
+            raise InputError(f"pair_face must number the faces 0 to {len(self.face_names) - 1} of face_names.")
+        unknown = sorted({key for row in self.mode_table for key in row} - set(MODE_COLUMNS))
+        if unknown:
+            raise InputError(f'mode_table has the key "{unknown[0]}"; the keys are {", ".join(MODE_COLUMNS)}.')
+        object.__setattr__(self, "outputs", rows)
+        object.__setattr__(self, "signal_groups", {key: tuple(names) for key, names in self.signal_groups.items()})
+        object.__setattr__(self, "face_names", tuple(self.face_names))
+        object.__setattr__(self, "pair_face", face.astype(np.int64))
+        object.__setattr__(self, "pair_position", position)
+        object.__setattr__(self, "pair_area", area)
+        object.__setattr__(self, "mode_table", tuple(plain(row) for row in self.mode_table))
+        object.__setattr__(self, "derived", tuple(tuple(plain(row)) for row in self.derived))
+        object.__setattr__(self, "warnings", tuple(self.warnings))
+
+    def __eq__(self, other: object) -> bool:
+        return same_content(self, other) if isinstance(other, StudyRecord) else NotImplemented
+
+    __hash__ = None  # type: ignore[assignment]
+
+    @property
+    def response_output(self) -> str:
+        """Name of the output that the amplitude curve shows."""
+        return next(iter(self.outputs))
+
+    def require_fit(self, response: ForcedResponse) -> None:
+        """Raise InputError unless the rows and pairs of this record are those of ``response``."""
+        n = self.outputs[self.response_output].size
+        if n != response.n_unknowns or self.pair_face.size != response.pairs.n_pairs:
+            raise InputError(
+                f"the study record has outputs of {n} unknowns and {self.pair_face.size} pairs, but the response has "
+                f"{response.n_unknowns} unknowns and {response.pairs.n_pairs} pairs; they belong to different runs."
+            )
+
+
+def run_provenance() -> dict[str, str]:
+    """Date (UTC), and versions of stickslip, Python and the numerical packages, to be kept with a response."""
+    import platform
+
+    packages = ("stickslip", "numpy", "scipy", "numba", "scikit-fem", "xarray", "h5netcdf")
+    return {
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "python": platform.python_version(),
+        "system": f"{platform.system()} {platform.machine()}",
+        **{name: version(name) for name in packages},
+    }
+
+
+def plain(value: Any) -> Any:
+    """Numbers of numpy as numbers of Python, tuples as they are, so that JSON keeps them."""
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items()}
+    return [plain(item) for item in value] if isinstance(value, list | tuple) else value

@@ -1,0 +1,164 @@
+"""Craig-Bampton reduction: boundary nodes kept, the interior followed by constraint modes and fixed-interface modes."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from importlib.resources import files
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stickslip.errors import InputError
+from stickslip.structure.elasticity import Structure, natural_frequencies
+from stickslip.structure.factor import Backend, factorize
+from stickslip.structure.joined import NodePairs, joined_modes
+from stickslip.structure.superelement import Superelement
+from stickslip.validation import FloatArray
+
+
+def craig_bampton(
+    structure: Structure, boundary_nodes: ArrayLike, n_modes: int = 30, backend: Backend = "superlu"
+) -> Superelement:
+    """Reduce a structure to its boundary nodes and ``n_modes`` fixed-interface modes.
+
+    ``u_i = Psi u_b + Phi q`` with the constraint modes ``Psi = -K_ii^-1 K_ib`` and the modes
+    ``K_ii Phi = M_ii Phi Lambda`` (mass-normalised). Reduced stiffness ``diag(K_bb + K_bi Psi, Lambda)``, reduced mass
+    with ``M_bq = Psi^T M_ii Phi + M_bi Phi`` and ``M_qq = I``.
+
+    Parameters
+    ----------
+    boundary_nodes:
+        nodes to keep, in the order of the unknowns: node ``boundary_nodes[i]`` owns unknowns 3i, 3i + 1, 3i + 2.
+    n_modes:
+        number of fixed-interface modes; their amplitudes are the last unknowns. 0 gives the Guyan reduction.
+
+    Returns
+    -------
+    Superelement
+        with 3 * n_boundary + n_modes unknowns and the dense ``recovery`` (3 * n_nodes, n) to the full mesh.
+
+    Raises
+    ------
+    InputError
+        for an empty boundary, a node that is repeated, fixed or does not exist, a mode count out of range, and a
+        boundary that leaves a body free to move (singular ``K_ii``).
+
+    Source: R. R. Craig, M. C. C. Bampton, Coupling of substructures for dynamic analyses, AIAA J. 6 (1968) 1313-1319.
+    """
+    nodes = _boundary(structure, boundary_nodes)
+    boundary = structure.unknowns_of(nodes).ravel()
+    interior = np.setdiff1d(np.arange(structure.stiffness.shape[0]), boundary)
+    if not 0 <= n_modes < len(interior):
+        raise InputError(
+            f"n_modes is {n_modes}; with {len(interior)} interior unknowns it must lie between 0 and "
+            f"{len(interior) - 1}."
+        )
+    stiffness, mass = structure.stiffness, structure.mass
+    stiffness_ii, stiffness_ib = stiffness[interior][:, interior], stiffness[interior][:, boundary]
+    mass_ii, mass_ib = mass[interior][:, interior], mass[interior][:, boundary]
+    factor = factorize(stiffness_ii, backend)
+    size, n_boundary = len(boundary) + n_modes, len(boundary)
+
+    transformation = np.zeros((len(interior), size))
+    transformation[:, :n_boundary] = -factor.solve(stiffness_ib)
+    squared = np.empty(0)
+    if n_modes:
+        frequency_hz, modes = natural_frequencies(stiffness_ii, mass_ii, n_modes, shift=0.0, factor=factor)
+        transformation[:, n_boundary:] = modes
+        squared = (2.0 * np.pi * frequency_hz) ** 2
+
+    reduced_stiffness = np.zeros((size, size))
+    constraint = transformation[:, :n_boundary]
+    reduced_stiffness[:n_boundary, :n_boundary] = (
+        stiffness[boundary][:, boundary].toarray() + stiffness_ib.T @ constraint
+    )
+    reduced_stiffness[n_boundary:, n_boundary:] = np.diag(squared)
+    coupling = mass_ib.T @ transformation
+    reduced_mass = transformation.T @ (mass_ii @ transformation)
+    reduced_mass[:n_boundary] += coupling
+    reduced_mass[:, :n_boundary] += coupling.T
+    reduced_mass[:n_boundary, :n_boundary] += mass[boundary][:, boundary].toarray()
+
+    free = np.zeros((stiffness.shape[0], size))
+    free[interior] = transformation
+    free[boundary, np.arange(n_boundary)] = 1.0
+    return Superelement(
+        mass=reduced_mass, stiffness=reduced_stiffness, boundary_nodes=nodes, recovery=structure.expand(free)
+    )
+
+
+def _boundary(structure: Structure, boundary_nodes: ArrayLike) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+    """Boundary nodes as integers after checking that they exist and come once; raises InputError."""
+    nodes = np.asarray(boundary_nodes).ravel()
+    if not nodes.size or not np.issubdtype(nodes.dtype, np.integer):
+        raise InputError("boundary_nodes must be node numbers (integers), and at least one.")
+    unique, count = np.unique(nodes, return_counts=True)
+    if unique[0] < 0 or unique[-1] >= structure.mesh.n_nodes:
+        raise InputError(
+            f"boundary_nodes run from {unique[0]} to {unique[-1]}, but the mesh has nodes 0 to "
+            f"{structure.mesh.n_nodes - 1}."
+        )
+    if count.max() > 1:
+        raise InputError(f"boundary_nodes names node {unique[count.argmax()]} {count.max()} times; name it once.")
+    return nodes.astype(np.int64)
+
+
+@dataclass(frozen=True)
+class ReductionRow:
+    """One mode before and after reduction; the ``paper_`` columns are Table 2 of the paper (None beyond its rows)."""
+
+    mode: int
+    full_hz: float
+    reduced_hz: float
+    difference_percent: float
+    mac: float
+    paper_full_hz: float | None
+    paper_reduced_hz: float | None
+    paper_difference_percent: float | None
+    paper_mac: float | None
+
+
+def paper_table() -> tuple[dict[str, float], ...]:
+    """Table 2 of the paper: mode, full_hz, reduced_hz, frequency_difference_percent, mac of ten modes."""
+    text = files("stickslip").joinpath("data/paper_table2.csv").read_text(encoding="utf-8")
+    return tuple({name: float(value) for name, value in row.items()} for row in csv.DictReader(text.splitlines()))
+
+
+def reduction_table(
+    structure: Structure,
+    superelement: Superelement,
+    pairs: NodePairs,
+    count: int = 10,
+    springs: FloatArray | None = None,
+) -> tuple[ReductionRow, ...]:
+    """Frequencies of the full and the reduced model with tied contact, or stuck contact when ``springs`` are given.
+
+    ``springs`` (3 * n_pairs,) N/m, t1, t2, n of each pair. The difference is ``100 (reduced / full - 1)`` and the modal
+    assurance criterion ``|a.b|^2 / (a.a b.b)`` compares the modes on the full mesh. Raises InputError for a
+    superelement without recovery matrix.
+    """
+    if superelement.recovery is None:
+        raise InputError("reduction_table needs a superelement with a recovery matrix, as craig_bampton makes it.")
+    full_hz, full = joined_modes(structure, pairs, count, springs)
+    reduced_hz, reduced = joined_modes(superelement, pairs, count, springs)
+    product = np.einsum("ij,ij->j", full, reduced)
+    mac = product**2 / (np.einsum("ij,ij->j", full, full) * np.einsum("ij,ij->j", reduced, reduced))
+    paper = paper_table()
+    rows = []
+    for mode in range(count):
+        printed = paper[mode] if mode < len(paper) else {}
+        rows.append(
+            ReductionRow(
+                mode=mode + 1,
+                full_hz=float(full_hz[mode]),
+                reduced_hz=float(reduced_hz[mode]),
+                difference_percent=float(100.0 * (reduced_hz[mode] / full_hz[mode] - 1.0)),
+                mac=float(mac[mode]),
+                paper_full_hz=printed.get("full_hz"),
+                paper_reduced_hz=printed.get("reduced_hz"),
+                paper_difference_percent=printed.get("frequency_difference_percent"),
+                paper_mac=printed.get("mac"),
+            )
+        )
+    return tuple(rows)

@@ -1,0 +1,205 @@
+"""Linear elasticity on hexahedral meshes: stiffness, consistent mass and natural frequencies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse
+import scipy.sparse.linalg
+from numpy.typing import ArrayLike
+
+from stickslip.errors import ConvergenceError, InputError
+from stickslip.structure.factor import Factor, factorize
+from stickslip.structure.incompatible_brick import incompatible_stiffness
+from stickslip.structure.mesh import IntArray, Mesh
+from stickslip.structure.shapes import compatible_stiffness, consistent_mass
+from stickslip.validation import FloatArray, finite_array, require_positive
+
+Element = Literal["incompatible", "trilinear", "serendipity"]
+
+# Cells are worked on in groups, so that the temporary arrays of fine 20-node meshes stay below about 100 MB.
+_CELLS_AT_ONCE = 2000
+
+
+@dataclass(frozen=True)
+class Material:
+    """Isotropic material: Young's modulus in Pa, Poisson's ratio, density in kg/m3; the paper's alloy by default.
+
+    Raises InputError unless modulus and density are above 0 and the ratio lies in (-1, 0.5).
+    """
+
+    young_modulus: float = 197.0e9
+    poisson_ratio: float = 0.3
+    density: float = 7800.0
+
+    def __post_init__(self) -> None:
+        for name, unit in (("young_modulus", "Pa"), ("density", "kg/m3")):
+            require_positive(name, finite_array(name, getattr(self, name)), f"Give it in {unit}.")
+        finite_array("poisson_ratio", self.poisson_ratio)
+        if not -1.0 < self.poisson_ratio < 0.5:
+            raise InputError(
+                f"poisson_ratio is {self.poisson_ratio:g}; it must lie between -1 and 0.5 (metals: about 0.3)."
+            )
+
+    def elastic_matrix(self) -> FloatArray:
+        """(6, 6) Pa, from strain xx, yy, zz, xy, yz, zx (engineering shear) to stress."""
+        shear = self.young_modulus / (2.0 * (1.0 + self.poisson_ratio))
+        lame = 2.0 * shear * self.poisson_ratio / (1.0 - 2.0 * self.poisson_ratio)
+        matrix = np.diag([2.0 * shear] * 3 + [shear] * 3)
+        matrix[:3, :3] += lame
+        return matrix
+
+
+@dataclass(frozen=True)
+class Structure:
+    """Sparse matrices of ``M u'' + K u = p`` in the unknowns that are not fixed; contact is not in them.
+
+    Parameters
+    ----------
+    mesh:
+        the mesh of the unknowns; for the serendipity element the one with midside nodes.
+    stiffness, mass:
+        (n_free, n_free) csr, N/m and kg.
+    fixed_nodes:
+        nodes whose three displacements are zero.
+    element:
+        name of the element.
+    """
+
+    mesh: Mesh
+    stiffness: Any
+    mass: Any
+    fixed_nodes: IntArray
+    element: str
+
+    @property
+    def free_unknowns(self) -> IntArray:
+        """(n_free,) position of each unknown among the 3 * n_nodes displacements (node, then x, y, z)."""
+        free = np.ones((self.mesh.n_nodes, 3), dtype=bool)
+        free[self.fixed_nodes] = False
+        return np.flatnonzero(free.ravel())
+
+    def unknowns_of(self, nodes: ArrayLike) -> IntArray:
+        """(k, 3) unknowns x, y, z of free nodes (k,); raises InputError for a fixed node."""
+        wanted = np.asarray(nodes, dtype=np.int64)
+        held = np.intersect1d(wanted, self.fixed_nodes)
+        if held.size:
+            raise InputError(f"node {held[0]} is fixed, so it has no unknowns ({held.size} of {wanted.size} are).")
+        position = np.full(3 * self.mesh.n_nodes, -1, dtype=np.int64)
+        position[self.free_unknowns] = np.arange(len(self.free_unknowns))
+        return np.asarray(position.reshape(-1, 3)[wanted])
+
+    def expand(self, vectors: FloatArray) -> FloatArray:
+        """Displacements (3 * n_nodes, ...) of the full mesh, fixed ones zero, from free unknowns (n_free, ...)."""
+        full = np.zeros((3 * self.mesh.n_nodes, *vectors.shape[1:]))
+        full[self.free_unknowns] = vectors
+        return full
+
+
+def assemble(
+    mesh: Mesh, material: Material, element: Element = "incompatible", fixed_nodes: ArrayLike | None = None
+) -> Structure:
+    """Stiffness ``integral of B^T D B`` and consistent mass ``integral of density N^T N`` of a mesh.
+
+    Parameters
+    ----------
+    mesh:
+        8-node bricks; for ``serendipity`` midside nodes are added when the mesh has none.
+    element:
+        ``incompatible``: 8 nodes with Taylor-Wilson modes, 2 x 2 x 2 points; ``trilinear``: 8 nodes, 2 x 2 x 2 points,
+        too stiff in bending; ``serendipity``: 20 nodes, 3 x 3 x 3 points. The mass always takes 3 x 3 x 3 points.
+    fixed_nodes:
+        nodes to clamp; by default those of the node set ``fixed`` (none when the mesh has no such set).
+
+    Raises
+    ------
+    InputError
+        for an element that does not exist or does not suit the cells, and for a node number that does not exist.
+    """
+    if element not in get_args(Element):
+        raise InputError(f"element is {element!r}; it must be one of: {', '.join(get_args(Element))}.")
+    if element == "serendipity":
+        mesh = mesh.quadratic()
+    elif mesh.cells.shape[1] != 8:
+        raise InputError(f"element {element!r} needs 8-node cells, but the mesh has 20-node cells; use 'serendipity'.")
+    if fixed_nodes is None:
+        fixed_nodes = mesh.node_sets.get("fixed", np.empty(0, dtype=np.int64))
+    fixed = np.unique(np.asarray(fixed_nodes, dtype=np.int64))
+    if fixed.size and (fixed[0] < 0 or fixed[-1] >= mesh.n_nodes):
+        raise InputError(f"fixed_nodes must lie between 0 and {mesh.n_nodes - 1}, but found {fixed[0]} to {fixed[-1]}.")
+
+    elastic = material.elastic_matrix()
+    stiffness = scipy.sparse.csr_matrix((3 * mesh.n_nodes, 3 * mesh.n_nodes))
+    mass = scipy.sparse.csr_matrix((mesh.n_nodes, mesh.n_nodes))
+    for start in range(0, len(mesh.cells), _CELLS_AT_ONCE):
+        cells = mesh.cells[start : start + _CELLS_AT_ONCE]
+        corners = mesh.points[cells]
+        if element == "incompatible":
+            local = incompatible_stiffness(corners, elastic)
+        else:
+            local = compatible_stiffness(corners, elastic, 2 if element == "trilinear" else 3)
+        unknowns = (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), -1)
+        stiffness = stiffness + _scatter(local, unknowns, 3 * mesh.n_nodes)
+        mass = mass + _scatter(consistent_mass(corners, material.density, 3), cells, mesh.n_nodes)
+    whole = Structure(mesh, stiffness, scipy.sparse.kron(mass, scipy.sparse.eye(3), format="csr"), fixed, element)
+    free = whole.free_unknowns
+    return Structure(mesh, whole.stiffness[free][:, free], whole.mass[free][:, free], fixed, element)
+
+
+def _scatter(local: FloatArray, unknowns: IntArray, size: int) -> Any:
+    """csr matrix (size, size) that sums cell matrices (m, k, k) at the unknowns (m, k) of each cell."""
+    width = unknowns.shape[1]
+    rows = np.repeat(unknowns, width, axis=1).ravel()
+    columns = np.tile(unknowns, (1, width)).ravel()
+    return scipy.sparse.csr_matrix((local.ravel(), (rows, columns)), shape=(size, size))
+
+
+def natural_frequencies(
+    stiffness: Any, mass: Any, count: int, shift: float | None = None, factor: Factor | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Lowest solutions of ``K v = (2 pi f)^2 M v``: frequencies (count,) in Hz and mass-normalised modes (n, count).
+
+    Sparse matrices are solved by shift-invert Lanczos about ``shift`` ((rad/s)^2), dense ones directly. Without a
+    shift a small negative one is taken (1e-8 of the mean ratio of the diagonals), which also suits free structures:
+    their rigid-body modes come out at 0 Hz. ``factor`` is that of ``stiffness - shift * mass`` where it exists already.
+    The largest component of each mode is positive.
+
+    Raises
+    ------
+    InputError
+        for a count outside 1 to n - 1, and for a stiffness with a clearly negative eigenvalue.
+    ConvergenceError
+        when the Lanczos iteration does not converge.
+    """
+    size = stiffness.shape[0]
+    if not 1 <= count < size:
+        raise InputError(f"count is {count}; with {size} unknowns it must lie between 1 and {size - 1}.")
+    scale = float(stiffness.diagonal().sum() / mass.diagonal().sum())
+    if scipy.sparse.issparse(stiffness):
+        centre = -1e-8 * scale if shift is None else shift
+        factor = factor or factorize(stiffness - centre * mass)
+        inverse = scipy.sparse.linalg.LinearOperator((size, size), matvec=factor.solve, dtype=float)
+        start = np.random.default_rng(0).standard_normal(size)
+        try:
+            eigenvalues, modes = scipy.sparse.linalg.eigsh(stiffness, count, mass, centre, OPinv=inverse, v0=start)
+        except scipy.sparse.linalg.ArpackNoConvergence as error:
+            raise ConvergenceError(
+                f"only {len(error.eigenvalues)} of {count} natural frequencies converged. Ask for fewer, or give a "
+                "shift closer to the wanted ones."
+            ) from error
+    else:
+        eigenvalues, modes = scipy.linalg.eigh(stiffness, mass, subset_by_index=(0, count - 1))
+    order = np.argsort(eigenvalues)
+    eigenvalues, modes = eigenvalues[order], modes[:, order]
+    # Round-off leaves rigid-body modes at about 1e-12 of the largest eigenvalue, on either side of zero.
+    if eigenvalues[0] < -1e-8 * scale:
+        raise InputError(
+            f"the stiffness has the negative eigenvalue {eigenvalues[0]:.3g} (rad/s)^2: it is not that of an elastic "
+            "structure. Check the signs of the springs that were added."
+        )
+    largest = modes[np.abs(modes).argmax(axis=0), np.arange(count)]
+    modes = modes / (np.sign(largest) * np.sqrt(np.einsum("ij,ij->j", modes, mass @ modes)))
+    return np.sqrt(np.maximum(eigenvalues, 0.0)) / (2.0 * np.pi), modes

@@ -1,0 +1,141 @@
+"""Files for ParaView: mode shapes in one .vtu, a deflected period as a .pvd time series. Whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.fourier import synthesis_matrix
+from stickslip.structure.mesh import Mesh
+from stickslip.validation import FloatArray, finite_array
+
+
+def write_mode_shapes(path: str | Path, mesh: Mesh, modes: FloatArray, frequency_hz: FloatArray) -> Path:
+    """Write modes as vector fields ``mode 01, 507.3 Hz`` of one .vtu file; each is scaled to a largest motion of 1.
+
+    Parameters
+    ----------
+    path:
+        file to write; its name must end in ``.vtu``.
+    modes:
+        (3 * n_nodes, k) displacements of the full mesh (node, then x, y, z).
+    frequency_hz:
+        (k,)
+
+    Raises
+    ------
+    InputError
+        for shapes that do not fit, a mode of zeros, another suffix, or a folder that cannot be written.
+    """
+    target = _target(path, ".vtu")
+    shapes = _displacement("modes", modes, mesh)
+    frequency = finite_array("frequency_hz", frequency_hz)
+    if frequency.shape != (shapes.shape[2],):
+        raise InputError(f"frequency_hz must have shape ({shapes.shape[2]},), one a mode; found {frequency.shape}.")
+    largest = np.linalg.norm(shapes, axis=1).max(axis=0)
+    if not largest.all():
+        raise InputError(f"modes[:, {int(largest.argmin())}] is zero everywhere, so it has no shape to draw.")
+    fields = {f"mode {k + 1:02d}, {frequency[k]:.1f} Hz": shapes[:, :, k] / largest[k] for k in range(len(frequency))}
+    with _work_folder(target) as folder:
+        _write_vtu(folder / target.name, mesh, fields)
+        os.replace(folder / target.name, target)
+    return target
+
+
+def write_deflected_period(path: str | Path, mesh: Mesh, coefficients: FloatArray, n_frames: int = 36) -> Path:
+    """Write one period of motion as a time series: ``path`` (.pvd) and a folder ``<stem>_frames`` of .vtu files.
+
+    Open the .pvd in ParaView and apply "Warp By Vector" to ``displacement`` (m, with its mean); time runs over the
+    period from 0 to 1. The frames are ``u(tau_j) = c_0 + sum_k c_k cos(k tau_j) + s_k sin(k tau_j)``,
+    ``tau_j = 2 pi j / n_frames``.
+
+    Parameters
+    ----------
+    coefficients:
+        (3 * n_nodes, 2H + 1) mean, cos 1, sin 1, cos 2, ... of the full mesh, m.
+
+    Raises
+    ------
+    InputError
+        for shapes that do not fit, fewer frames than 2H + 1, another suffix, or a folder that cannot be written.
+    """
+    target = _target(path, ".pvd")
+    series = _displacement("coefficients", coefficients, mesh)
+    n_coefficients = series.shape[2]
+    if n_coefficients % 2 == 0:
+        raise InputError(f"coefficients must have 2H + 1 columns (mean, cos 1, sin 1, ...); found {n_coefficients}.")
+    if n_frames < n_coefficients:
+        raise InputError(
+            f"n_frames is {n_frames}; {(n_coefficients - 1) // 2} harmonics need {n_coefficients} frames or more, and "
+            "36 make a smooth film."
+        )
+    synthesis = synthesis_matrix((n_coefficients - 1) // 2, n_frames)
+    frames = target.with_name(f"{target.stem}_frames")
+    names = [f"frame_{frame:03d}.vtu" for frame in range(n_frames)]
+    entries = "\n".join(
+        f'    <DataSet timestep="{frame / n_frames:.6f}" part="0" file="{frames.name}/{name}"/>'
+        for frame, name in enumerate(names)
+    )
+    with _work_folder(target) as folder:
+        (folder / "new").mkdir()
+        for name, row in zip(names, synthesis, strict=True):
+            _write_vtu(folder / "new" / name, mesh, {"displacement": series @ row})
+        (folder / target.name).write_text(
+            '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
+            f"  <Collection>\n{entries}\n  </Collection>\n</VTKFile>\n",
+            encoding="utf-8",
+        )
+        if frames.exists():
+            os.replace(frames, folder / "old")
+        os.replace(folder / "new", frames)
+        os.replace(folder / target.name, target)
+    return target
+
+
+def _target(path: str | Path, suffix: str) -> Path:
+    target = Path(path)
+    if target.suffix != suffix:
+        raise InputError(f"{target} must end in {suffix}, the file type that ParaView expects here.")
+    return target
+
+
+def _displacement(name: str, value: FloatArray, mesh: Mesh) -> FloatArray:
+    """Return ``value`` (3 * n_nodes, k) as (n_nodes, 3, k); raises InputError for another shape."""
+    array = finite_array(name, value)
+    if array.ndim != 2 or array.shape[0] != 3 * mesh.n_nodes or not array.shape[1]:
+        raise InputError(
+            f"{name} must have shape ({3 * mesh.n_nodes}, k), three displacements for each of {mesh.n_nodes} nodes; "
+            f"found shape {array.shape}."
+        )
+    return array.reshape(mesh.n_nodes, 3, -1)
+
+
+@contextmanager
+def _work_folder(target: Path) -> Iterator[Path]:
+    """A folder beside the target that is gone afterwards; file errors become InputError."""
+    try:
+        folder = Path(tempfile.mkdtemp(prefix=f".{target.stem}-", dir=target.parent))
+    except OSError as error:
+        raise InputError(
+            f"cannot write {target}: {error.strerror}. Choose an output folder that exists and may be written."
+        ) from error
+    try:
+        yield folder
+    except OSError as error:
+        raise InputError(f"could not write {target}: {error.strerror}. Check the free space and the rights.") from error
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _write_vtu(path: Path, mesh: Mesh, fields: dict[str, FloatArray]) -> None:
+    import meshio
+
+    kind = "hexahedron" if mesh.cells.shape[1] == 8 else "hexahedron20"
+    meshio.Mesh(mesh.points, [(kind, mesh.cells)], point_data=fields, cell_data={"body": [mesh.body]}).write(path)

@@ -1,0 +1,44 @@
+"""Shared by the tests: the bench problem with ten contacts, and skipping for absent tools (which CI forbids)."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stickslip.interface.contact_pairs import ContactPairs
+from stickslip.structure.superelement import Superelement
+
+EXAMPLE_DATA = Path(__file__).parents[1] / "examples" / "data"
+
+
+class Blade:
+    """The bench problem with ten contacts: a reduced, pre-twisted blade with a platform on friction contacts."""
+
+    def __init__(self) -> None:
+        with np.load(EXAMPLE_DATA / "blade_10_contacts.npz") as data:
+            arrays = {name: data[name] for name in data.files}
+        self.n_pairs = int(arrays["Nc"])
+        size = arrays["M"].shape[0]
+        self.superelement = Superelement(arrays["M"], arrays["K"], arrays["C"])
+        self.operator = np.eye(size)[: 3 * self.n_pairs]
+        self._constants = [float(arrays[name]) for name in ("kn", "kt", "mu")]
+        self.pairs = self.pairs_with(arrays["N0"])
+        self.force_cos, self.force_sin = arrays["F1c"], arrays["F1s"]
+        self.tip = arrays["resp"]
+        self.window_hz = (float(arrays["w_lo"]) / (2 * np.pi), float(arrays["w_hi"]) / (2 * np.pi))
+        self.free_hz, self.stuck_hz = float(arrays["f_free"]), float(arrays["f_stuck"])
+
+    def pairs_with(self, preload: np.ndarray) -> ContactPairs:
+        """The contacts with another preload."""
+        return ContactPairs(self.operator, *self._constants, preload)
+
+
+def absent_tool(name: str, advice: str) -> None:
+    """Skip the test because ``name`` is not installed; in CI (STICKSLIP_REQUIRE_TOOLS) fail instead."""
+    sentence = f"{name} is not installed: {advice}"
+    if os.environ.get("STICKSLIP_REQUIRE_TOOLS"):
+        pytest.fail(sentence)
+    pytest.skip(sentence)

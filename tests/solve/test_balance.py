@@ -1,0 +1,88 @@
+"""The reduced Newton system is exact: its step solves the linearised full balance, whatever moves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from helpers import Blade
+from stickslip.solve.balance import ActiveRows, Balance, Trial
+from stickslip.solve.compliance import stuck_structure
+from stickslip.solve.newton import Constraint, Newton, NewtonSettings, Parameter
+
+HARMONICS, SAMPLES = 3, 128
+
+
+def balance_of(blade: Blade, load: float = 1.0) -> Balance:
+    force = np.zeros((2 * HARMONICS + 1, blade.superelement.size))
+    force[1], force[2] = load * blade.force_cos, load * blade.force_sin
+    stuck = stuck_structure(blade.superelement, blade.pairs, HARMONICS, None)
+    return Balance(stuck.compliance, blade.pairs, force, SAMPLES, "tractrix")
+
+
+def moving_trial(blade: Blade, share: float) -> tuple[Balance, Trial]:
+    """A trial away from the solution: a share of the linear stuck response near its resonance."""
+    balance = balance_of(blade)
+    omega = 2 * np.pi * 690.0
+    generator = np.random.default_rng(3)
+    relative = share * balance.linear(omega)
+    relative += 0.02 * np.abs(relative).max() * generator.normal(size=relative.shape)
+    return balance, balance.evaluate(relative, omega)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.2, 0.6])
+@pytest.mark.parametrize("parameter", [Parameter.FREQUENCY, Parameter.LOAD])
+def test_step_solves_the_full_linearised_balance(blade: Blade, share: float, parameter: Parameter) -> None:
+    balance, trial = moving_trial(blade, share)
+    generator = np.random.default_rng(5)
+    weights = generator.normal(size=trial.relative.shape)
+    scale = parameter.value_of(trial)
+    constraint = Constraint(weights / np.abs(trial.relative).max(), 1.0 / scale, trial.relative, scale)
+    system = Newton(balance, NewtonSettings()).border(trial, parameter, constraint)
+    solved = system.solve(trial.residual, 0.3)
+    step, change = solved.relative, solved.parameter
+    # Directional derivative of the full residual along the step, by central differences.
+    small = 1e-6
+    forward, backward = (
+        parameter.evaluate(balance, trial.relative + sign * small * step, scale + sign * small * change, trial).residual
+        for sign in (1.0, -1.0)
+    )
+    derivative = (forward - backward) / (2 * small)
+    assert np.linalg.norm(derivative + trial.residual) < 2e-5 * np.linalg.norm(trial.residual)
+    assert (constraint.weights * step).sum() + constraint.weight * change == pytest.approx(0.3, rel=1e-9)
+
+
+def test_active_rows_hold_only_what_moves(blade: Blade) -> None:
+    _, trial = moving_trial(blade, 0.6)
+    active = ActiveRows.of(trial.contact)
+    moving = np.flatnonzero(trial.contact.deviates)
+    separating = int((trial.contact.state == 2).sum())
+    assert moving.size > 0
+    assert active.outputs.size == 2 * moving.size + separating
+    still = np.setdiff1d(np.arange(blade.n_pairs), moving)
+    assert not trial.deviation.reshape(-1, blade.n_pairs, 3)[:, still].any()
+
+
+def test_newton_converges_quadratically_near_the_solution(blade: Blade) -> None:
+    balance = balance_of(blade, 0.5)
+    omega = 2 * np.pi * 700.0
+    guess = balance.linear(omega, 0.5)
+    errors = []
+    trial = balance.evaluate(guess, omega)
+    for _ in range(14):
+        errors.append(trial.error)
+        if trial.error < 1e-11:
+            break
+        newton = Newton(balance, NewtonSettings(1e-12, 1))
+        trial = newton.correct(trial, Parameter.LOAD, Constraint.fixed(trial.relative, 1.0)).trial
+    assert errors[-1] < 1e-11
+    last = [e for e in errors if e < 1e-2]
+    assert len(last) <= 4, f"errors {errors}"
+
+
+def test_stuck_trial_is_the_linear_response(blade: Blade) -> None:
+    balance = balance_of(blade, 1e-3)
+    omega = 2 * np.pi * 690.0
+    trial = balance.evaluate(balance.linear(omega), omega)
+    assert not trial.contact.deviates.any()
+    assert trial.error == 0.0

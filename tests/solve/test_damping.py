@@ -1,0 +1,53 @@
+"""Modal and Rayleigh damping matrices, and the modal basis."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from helpers import Blade
+from stickslip.errors import InputError
+from stickslip.solve.damping import (
+    diagonal_modal_damping,
+    modal_basis,
+    modal_damping_matrix,
+    rayleigh_damping_matrix,
+    stuck_stiffness_matrix,
+)
+
+
+def test_modal_basis_normalises_by_mass(blade: Blade) -> None:
+    stiffness = stuck_stiffness_matrix(blade.superelement, blade.pairs)
+    frequency, modes = modal_basis(blade.superelement.mass, stiffness)
+    assert np.allclose(modes.T @ blade.superelement.mass @ modes, np.eye(frequency.size), atol=1e-9)
+    assert frequency[0] / (2 * np.pi) == pytest.approx(blade.stuck_hz, rel=1e-9)
+
+
+def test_bench_damping_is_two_per_mille_on_the_stuck_modes(blade: Blade) -> None:
+    stiffness = stuck_stiffness_matrix(blade.superelement, blade.pairs)
+    frequency, modes = modal_basis(blade.superelement.mass, stiffness)
+    rebuilt = modal_damping_matrix(blade.superelement.mass, frequency, modes, 0.002)
+    assert np.abs(rebuilt - blade.superelement.damping).max() < 1e-6 * np.abs(rebuilt).max()
+
+
+def test_rayleigh_is_diagonal_in_the_stuck_modes_and_a_dashpot_is_not(blade: Blade) -> None:
+    stiffness = stuck_stiffness_matrix(blade.superelement, blade.pairs)
+    frequency, modes = modal_basis(blade.superelement.mass, stiffness)
+    rayleigh = rayleigh_damping_matrix(blade.superelement, blade.pairs, 3.0, 1e-7)
+    diagonal = diagonal_modal_damping(rayleigh, modes)
+    assert diagonal is not None
+    assert np.allclose(diagonal, 3.0 + 1e-7 * frequency**2, rtol=1e-8)
+    rayleigh[3, 3] += 1.0
+    assert diagonal_modal_damping(rayleigh, modes) is None
+
+
+def test_negative_rayleigh_factor_is_refused(blade: Blade) -> None:
+    with pytest.raises(InputError, match="mass_factor = -1"):
+        rayleigh_damping_matrix(blade.superelement, blade.pairs, -1.0, 0.0)
+
+
+def test_indefinite_matrices_are_refused() -> None:
+    with pytest.raises(InputError, match="not positive definite"):
+        modal_basis(np.diag([1.0, 0.0]), np.eye(2))
+    with pytest.raises(InputError, match="negative eigenvalue"):
+        modal_basis(np.eye(2), np.diag([1.0, -1.0]))

@@ -1,0 +1,211 @@
+"""The whole forced response: against a closed form, the bench problem, energy balance, and bad input."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from helpers import Blade
+from stickslip.errors import ConvergenceError, InputError
+from stickslip.interface.contact_pairs import ContactPairs
+from stickslip.reference import jenkins_loop
+from stickslip.results.response import ForcedResponse
+from stickslip.solve.continuation import ContinuationSettings
+from stickslip.solve.forced import forced_response
+from stickslip.solve.newton import NewtonSettings
+from stickslip.structure.superelement import Superelement
+
+
+@pytest.fixture(scope="module")
+def bench(blade: Blade) -> ForcedResponse:
+    return forced_response(
+        blade.superelement,
+        blade.pairs,
+        blade.force_cos,
+        blade.force_sin,
+        frequency_hz=blade.window_hz,
+        harmonics=3,
+        samples=128,
+    )
+
+
+def test_one_harmonic_oscillator_with_a_jenkins_element() -> None:
+    """(k - m w^2) X + a1(X), -c w X + b1(X) has the length F: one scalar equation for X, solved apart."""
+    mass, stiffness, damping, spring, limit, force = 1.0, 1e4, 0.4, 5e3, 6.0, 5.0
+    superelement = Superelement(np.array([[mass]]), np.array([[stiffness]]), np.array([[damping]]))
+    pairs = ContactPairs(np.array([[1.0], [0.0], [0.0]]), 1.0, spring, 0.3, limit / 0.3)
+    response = forced_response(superelement, pairs, [force], frequency_hz=(14.0, 22.0), harmonics=1, samples=4096)
+    assert response.converged
+    assert (response.contact_state == 1).any()
+    for frequency, found in zip(response.frequency_hz, response.harmonic_amplitude([1.0], 1), strict=True):
+        omega = 2 * np.pi * frequency
+
+        def surplus(amplitude: float, omega: float = omega) -> float:
+            cosine, sine = (0.0, 0.0)
+            if spring * amplitude > limit:
+                _, cosine, sine = jenkins_loop(spring, 0.3, limit / 0.3, amplitude).coefficients
+            else:
+                cosine = spring * amplitude
+            dynamic = (stiffness - mass * omega**2) * amplitude + cosine
+            return float(np.hypot(dynamic, -damping * omega * amplitude + sine) - force)
+
+        expected = brentq(surplus, 1e-9, 1.0, xtol=1e-16)
+        assert found == pytest.approx(expected, rel=1e-5)
+
+
+def test_bench_peak(bench: ForcedResponse, blade: Blade) -> None:
+    amplitude = bench.harmonic_amplitude(blade.tip, 1)
+    top = int(amplitude.argmax())
+    # Another program, first harmonic, two cycles of the law instead of a converged period: 198.44 um, 686.8 Hz.
+    assert amplitude[top] == pytest.approx(198.44e-6, rel=1e-3)
+    assert bench.frequency_hz[top] == pytest.approx(686.8, abs=1.0)
+    assert (bench.contact_state[top] == 2).sum() == 2
+    assert (bench.contact_state[top] > 0).sum() == 9
+
+
+def test_every_point_is_a_solution(bench: ForcedResponse) -> None:
+    assert bench.converged
+    assert bench.frequency_hz.size >= 60
+    assert bench.residual.max() < 1e-8
+    assert bench.closure.max() < 1e-10
+    assert bench.displacement.shape == (bench.frequency_hz.size, 38, 7)
+
+
+def test_energy_balance_at_every_point(bench: ForcedResponse) -> None:
+    taken_out = bench.dissipated_energy.sum(axis=1) + bench.viscous_energy
+    assert np.abs(taken_out / bench.input_energy - 1.0).max() < 1e-6
+    assert (bench.dissipated_energy[bench.contact_state == 0] < 1e-12).all()
+    top = int(bench.dissipated_energy.sum(axis=1).argmax())
+    cycle = bench.pair_cycle(top)
+    assert cycle.dissipated_energy.sum() == pytest.approx(bench.dissipated_energy[top].sum(), rel=1e-3)
+
+
+def test_linear_limits(bench: ForcedResponse, blade: Blade) -> None:
+    assert bench.linear.stuck_frequency_hz[0] == pytest.approx(blade.stuck_hz, rel=1e-9)
+    assert bench.linear.free_frequency_hz[0] == pytest.approx(blade.free_hz, rel=1e-9)
+    # Far from the resonance nothing slips and the curve is the linear stuck one.
+    stuck = bench.linear_amplitude(blade.tip, "stuck")
+    assert bench.amplitude(blade.tip)[-1] == pytest.approx(stuck[-1], rel=1e-9)
+
+
+def test_downward_sweep_finds_the_same_peak(bench: ForcedResponse, blade: Blade) -> None:
+    start, stop = blade.window_hz
+    down = forced_response(
+        blade.superelement,
+        blade.pairs,
+        blade.force_cos,
+        blade.force_sin,
+        frequency_hz=(stop, start),
+        harmonics=3,
+        samples=128,
+    )
+    assert down.converged
+    assert down.frequency_hz[0] == pytest.approx(stop)
+    assert down.frequency_hz[-1] == pytest.approx(start)
+    peaks = [r.harmonic_amplitude(blade.tip, 1).max() for r in (bench, down)]
+    assert peaks[0] == pytest.approx(peaks[1], rel=2e-4)
+
+
+def test_the_branch_is_followed_through_folds(bench: ForcedResponse) -> None:
+    """Separation softens the joint: the curve leans to the left and turns back in frequency."""
+    assert (np.diff(bench.frequency_hz) < 0).sum() >= 3
+    assert bench.frequency_hz[-1] == pytest.approx(bench.settings["frequency_stop_hz"])
+
+
+def test_force_in_two_harmonics_superposes_while_stuck(blade: Blade) -> None:
+    """With a tiny force nothing slips, so each harmonic answers on its own."""
+    size = blade.superelement.size
+    force = np.zeros((size, 2))
+    force[:, 0], force[:, 1] = 1e-3 * blade.force_cos, 2e-3 * blade.force_sin
+    both = forced_response(blade.superelement, blade.pairs, force, frequency_hz=(600.0, 610.0), harmonics=2)
+    single = forced_response(
+        blade.superelement, blade.pairs, 1e-3 * blade.force_cos, frequency_hz=(600.0, 610.0), harmonics=1
+    )
+    assert both.harmonic_amplitude(blade.tip, 1)[-1] == pytest.approx(single.harmonic_amplitude(blade.tip, 1)[-1])
+    matrix = blade.superelement.stiffness + blade.operator.T @ (blade.pairs.stuck_stiffness()[:, None] * blade.operator)
+    x = 2 * 2 * np.pi * 610.0
+    dynamic = matrix - x**2 * blade.superelement.mass + 1j * x * blade.superelement.damping
+    expected = abs(blade.tip @ np.linalg.solve(dynamic, force[:, 1]))
+    assert both.harmonic_amplitude(blade.tip, 2)[-1] == pytest.approx(expected, rel=1e-8)
+
+
+def test_too_few_harmonics_and_samples_are_told(blade: Blade) -> None:
+    coarse = forced_response(
+        blade.superelement,
+        blade.pairs,
+        blade.force_cos,
+        blade.force_sin,
+        frequency_hz=(690.0, 735.0),
+        harmonics=3,
+        samples=16,
+    )
+    text = " ".join(coarse.warnings)
+    assert "Too few samples: with 32 instead of 16" in text
+    assert "Too few harmonics: the highest of 3 harmonics" in text
+
+
+def test_an_unfinished_branch_keeps_its_points_and_says_why(blade: Blade) -> None:
+    partial = forced_response(
+        blade.superelement,
+        blade.pairs,
+        blade.force_cos,
+        frequency_hz=blade.window_hz,
+        harmonics=1,
+        samples=64,
+        continuation=ContinuationSettings(max_points=5),
+    )
+    assert not partial.converged
+    assert partial.frequency_hz.size == 5
+    assert "5 points were not enough" in partial.message
+
+
+def test_no_first_point_raises_with_every_attempt(blade: Blade) -> None:
+    with pytest.raises(ConvergenceError, match=r"amplitude ramp.*from 1 harmonic"):
+        forced_response(
+            blade.superelement,
+            blade.pairs,
+            blade.force_cos,
+            frequency_hz=(690.0, 700.0),
+            harmonics=3,
+            samples=64,
+            newton=NewtonSettings(tolerance=1e-9, max_iterations=0),
+        )
+
+
+def test_progress_is_told(blade: Blade) -> None:
+    heard: list[float] = []
+    forced_response(
+        blade.superelement,
+        blade.pairs,
+        1e-3 * blade.force_cos,
+        frequency_hz=(600.0, 610.0),
+        harmonics=1,
+        progress=lambda fraction, detail: heard.append(fraction),
+    )
+    assert heard == sorted(heard)
+    assert heard[-1] == 1.0
+
+
+BAD = {
+    "zero width": ({"frequency_hz": (600.0, 600.0)}, "zero width"),
+    "negative frequency": ({"frequency_hz": (-1.0, 600.0)}, "above 0 Hz"),
+    "one frequency": ({"frequency_hz": (1.0,)}, r"must be \(start, stop\)"),
+    "few samples": ({"samples": 10, "harmonics": 5}, r"samples is 10.*at least 11.*Take 256"),
+    "no harmonics": ({"harmonics": 0}, "harmonics is 0"),
+    "update": ({"update": "magic"}, '"tractrix" or "radial"'),
+    "damping": ({"modal_damping_ratio": -0.1}, "modal_damping_ratio is -0.1"),
+    "threads": ({"threads": 0}, "threads is 0"),
+    "force shape": ({"force_cos": np.ones(3)}, r"force_cos must have shape \(38,\)"),
+    "force harmonics": ({"force_cos": np.ones((38, 4)), "harmonics": 3}, "4 harmonics, but only harmonics = 3"),
+    "no force": ({"force_cos": np.zeros(38)}, "zero everywhere"),
+    "nan force": ({"force_cos": np.full(38, np.nan)}, r"force_cos\[0\] is nan"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_gets_a_sentence(blade: Blade, case: str) -> None:
+    changes, sentence = BAD[case]
+    arguments = {"force_cos": blade.force_cos, "frequency_hz": (600.0, 610.0), **changes}
+    with pytest.raises(InputError, match=sentence):
+        forced_response(blade.superelement, blade.pairs, **arguments)

@@ -1,0 +1,43 @@
+"""The first point: each way of reaching it gives the same solution."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from helpers import Blade
+from stickslip.solve import start as start_module
+from stickslip.solve.balance import Balance
+from stickslip.solve.compliance import stuck_structure
+from stickslip.solve.newton import Newton, NewtonSettings
+from stickslip.solve.start import first_point
+
+OMEGA = 2 * np.pi * 690.0
+
+
+def balance_with(blade: Blade, harmonics: int) -> Balance:
+    force = np.zeros((2 * harmonics + 1, blade.superelement.size))
+    force[1], force[2] = blade.force_cos, blade.force_sin
+    compliance = stuck_structure(blade.superelement, blade.pairs, harmonics, None).compliance
+    return Balance(compliance, blade.pairs, force, 128, "tractrix")
+
+
+def test_ramp_and_few_harmonics_reach_the_direct_solution(blade: Blade) -> None:
+    newton = Newton(balance_with(blade, 3), NewtonSettings(1e-10, 40))
+    direct, how = first_point(newton, OMEGA)
+    assert "from the linear stuck response" in how
+    ramped, reached = start_module._amplitude_ramp(newton, OMEGA)
+    assert reached == 1.0
+    assert ramped is not None
+    coarse = start_module._few_harmonics(newton, balance_with(blade, 1), OMEGA)
+    assert coarse.converged
+    for other in (ramped, coarse.trial):
+        assert np.abs(other.relative - direct.relative).max() < 1e-7 * np.abs(direct.relative).max()
+
+
+def test_falls_back_to_the_ramp(blade: Blade) -> None:
+    """Twelve iterations do not suffice from the linear response near resonance, but they do along the ramp."""
+    trial, how = first_point(Newton(balance_with(blade, 3), NewtonSettings()), OMEGA)
+    assert "amplitude ramp" in how
+    assert trial.error <= 1e-9
+    assert trial.load == pytest.approx(1.0)

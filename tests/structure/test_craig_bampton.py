@@ -1,0 +1,102 @@
+import numpy as np
+import pytest
+
+from stickslip.errors import InputError
+from stickslip.structure.craig_bampton import craig_bampton, paper_table, reduction_table
+from stickslip.structure.elasticity import Material, assemble, natural_frequencies
+from stickslip.structure.superelement import Superelement
+
+
+@pytest.fixture(scope="module")
+def held_block(make_block):
+    return assemble(make_block((4, 2, 2), (2.0, 1.0, 1.0)), Material(), fixed_nodes=np.arange(9))
+
+
+def test_blade_pair_has_699_unknowns(blade_mesh, blade_superelement):
+    assert blade_superelement.size == 669 + 30
+    assert blade_superelement.recovery.shape == (15015, 699)
+    assert blade_superelement.boundary_nodes[-1] == blade_mesh.node_set("response")[0]
+
+
+def test_reduction_table_of_the_blade_pair(blade_mesh, blade_structure, blade_superelement, pairs_of):
+    rows = reduction_table(blade_structure, blade_superelement, pairs_of(blade_mesh))
+    difference = [row.difference_percent for row in rows]
+    expected = [1.30e-4, 1.46e-4, 6.44e-4, 4.01e-4, 1.09e-2, 4.22e-3, 1.72e-4, 3.58e-4, 1.24e-1, 8.49e-2]
+    np.testing.assert_allclose(difference, expected, rtol=0.1)
+    assert min(row.mac for row in rows) == pytest.approx(0.999962, abs=2e-6)
+    assert rows[8].paper_difference_percent == 0.0416
+    assert [row.paper_full_hz for row in rows] == [line["full_hz"] for line in paper_table()]
+
+
+def test_stuck_frequencies_of_the_blade_pair(
+    blade_mesh, blade_structure, blade_superelement, pairs_of, reference_frequencies
+):
+    pairs = pairs_of(blade_mesh)
+    springs = pairs.springs(normal_per_area=1e14, tangential_per_area=8e13)
+    rows = reduction_table(blade_structure, blade_superelement, pairs, count=11, springs=springs)
+    expected = reference_frequencies["incompatible_modes_kn1e14_kt8e13_hz"]
+    np.testing.assert_allclose([row.full_hz for row in rows[:10]], expected, rtol=1e-5)
+    assert all(0.0 < row.difference_percent < 0.15 for row in rows[:10])
+    assert rows[10].paper_full_hz is None
+
+
+def test_static_response_to_boundary_forces_is_exact(held_block):
+    nodes = np.array([40, 20, 31])
+    reduced = craig_bampton(held_block, nodes, n_modes=4)
+    force = np.random.default_rng(0).standard_normal(9)
+    full = np.zeros(held_block.stiffness.shape[0])
+    full[held_block.unknowns_of(nodes).ravel()] = force
+    exact = held_block.expand(np.linalg.solve(held_block.stiffness.toarray(), full))
+    answer = np.linalg.solve(reduced.stiffness, np.append(force, np.zeros(4)))
+    np.testing.assert_allclose(reduced.recovery @ answer, exact, atol=1e-10 * np.abs(exact).max())
+
+
+def test_all_modes_give_the_full_model_and_more_modes_never_raise_a_frequency(held_block):
+    nodes = np.array([40, 20])
+    exact, _ = natural_frequencies(held_block.stiffness, held_block.mass, 5)
+    previous = np.full(5, np.inf)
+    for n_modes in (0, 5, 20, 60):
+        reduced = craig_bampton(held_block, nodes, n_modes)
+        found, _ = natural_frequencies(reduced.stiffness, reduced.mass, 5)
+        assert (found <= previous * (1 + 1e-9)).all()
+        assert (found >= exact * (1 - 1e-9)).all()
+        previous = found
+    np.testing.assert_allclose(previous, exact, rtol=1e-4)
+
+
+def test_matrices_are_the_projection_of_the_full_ones(held_block):
+    reduced = craig_bampton(held_block, [40, 20], 6)
+    basis = reduced.recovery[held_block.free_unknowns]
+    scale = np.abs(reduced.stiffness).max()
+    np.testing.assert_allclose(basis.T @ held_block.stiffness @ basis, reduced.stiffness, atol=1e-9 * scale)
+    np.testing.assert_allclose(basis.T @ held_block.mass @ basis, reduced.mass, atol=1e-9)
+    np.testing.assert_allclose(reduced.mass[6:, 6:], np.eye(6), atol=1e-9)
+    coordinate = reduced.selector(20, (0.0, 1.0, 0.0))
+    np.testing.assert_array_equal(reduced.recovery[3 * 20 + 1], coordinate)
+
+
+@pytest.mark.parametrize(
+    ("nodes", "n_modes", "fragment"),
+    [
+        ([], 5, "at least one"),
+        ([20.5], 5, "integers"),
+        ([20, 45], 5, "0 to 44"),
+        ([20, 20], 5, "node 20 2 times"),
+        ([20, 3], 5, "node 3 is fixed"),
+        ([20], -1, "n_modes is -1"),
+        ([20], 105, "n_modes is 105"),
+    ],
+)
+def test_a_bad_boundary_or_mode_count_is_refused(held_block, nodes, n_modes, fragment):
+    with pytest.raises(InputError, match=fragment):
+        craig_bampton(held_block, nodes, n_modes)
+
+
+def test_a_boundary_that_leaves_the_damper_free_is_refused(blade_mesh, blade_structure):
+    with pytest.raises(InputError, match=r"singular.*boundary nodes"):
+        craig_bampton(blade_structure, blade_mesh.node_set("left_face"))
+
+
+def test_table_needs_a_recovery(blade_mesh, blade_structure, pairs_of):
+    with pytest.raises(InputError, match="recovery"):
+        reduction_table(blade_structure, Superelement(np.eye(3), np.eye(3)), pairs_of(blade_mesh))

@@ -1,0 +1,93 @@
+import xml.etree.ElementTree as ElementTree
+
+import meshio
+import numpy as np
+import pytest
+
+from stickslip.errors import InputError
+from stickslip.structure import export
+from stickslip.structure.export import write_deflected_period, write_mode_shapes
+
+
+@pytest.fixture
+def block(make_block):
+    return make_block((2, 1, 1), (2.0, 1.0, 1.0))
+
+
+@pytest.fixture
+def modes(block):
+    return np.random.default_rng(0).standard_normal((3 * block.n_nodes, 2))
+
+
+@pytest.mark.parametrize("quadratic", [False, True])
+def test_mode_shapes_read_back(tmp_path, block, quadratic):
+    mesh = block.quadratic() if quadratic else block
+    modes = np.random.default_rng(0).standard_normal((3 * mesh.n_nodes, 2))
+    path = write_mode_shapes(tmp_path / "modes.vtu", mesh, modes, [507.29, 526.7])
+    found = meshio.read(path)
+    np.testing.assert_array_equal(found.points, mesh.points)
+    np.testing.assert_array_equal(found.cells[0].data, mesh.cells)
+    assert found.cells[0].type == ("hexahedron20" if quadratic else "hexahedron")
+    assert list(found.point_data) == ["mode 01, 507.3 Hz", "mode 02, 526.7 Hz"]
+    shape = found.point_data["mode 02, 526.7 Hz"]
+    assert np.linalg.norm(shape, axis=1).max() == pytest.approx(1.0)
+    np.testing.assert_allclose(shape / shape[0, 0], modes[:, 1].reshape(-1, 3) / modes[0, 1])
+    assert [item.name for item in tmp_path.iterdir()] == ["modes.vtu"]
+
+
+def test_deflected_period_reads_back(tmp_path, block):
+    coefficients = np.random.default_rng(1).standard_normal((3 * block.n_nodes, 5))
+    path = write_deflected_period(tmp_path / "peak.pvd", block, coefficients, n_frames=8)
+    entries = ElementTree.parse(path).getroot().findall("Collection/DataSet")
+    assert [float(entry.get("timestep")) for entry in entries] == [frame / 8 for frame in range(8)]
+    angle = 2 * np.pi * 3 / 8
+    weight = [1.0, np.cos(angle), np.sin(angle), np.cos(2 * angle), np.sin(2 * angle)]
+    found = meshio.read(tmp_path / entries[3].get("file"))
+    np.testing.assert_allclose(found.point_data["displacement"].ravel(), coefficients @ weight)
+    np.testing.assert_array_equal(found.points, block.points)
+
+
+def test_a_second_period_replaces_the_first_one(tmp_path, block, modes):
+    coefficients = np.hstack([modes, modes[:, :1]])
+    for n_frames in (6, 4):
+        write_deflected_period(tmp_path / "peak.pvd", block, coefficients, n_frames)
+    assert len(list((tmp_path / "peak_frames").iterdir())) == 4
+    assert sorted(item.name for item in tmp_path.iterdir()) == ["peak.pvd", "peak_frames"]
+
+
+def test_a_write_that_fails_leaves_the_old_files(tmp_path, block, modes, monkeypatch):
+    coefficients = np.hstack([modes, modes[:, :1]])
+    write_deflected_period(tmp_path / "peak.pvd", block, coefficients, 4)
+    before = (tmp_path / "peak.pvd").read_text()
+    written = []
+
+    def full_disk(path, mesh, fields):
+        if written:
+            raise OSError(28, "No space left on device")
+        written.append(path)
+        path.write_text("half")
+
+    monkeypatch.setattr(export, "_write_vtu", full_disk)
+    with pytest.raises(InputError, match="No space left"):
+        write_deflected_period(tmp_path / "peak.pvd", block, coefficients, 6)
+    assert (tmp_path / "peak.pvd").read_text() == before
+    assert len(list((tmp_path / "peak_frames").iterdir())) == 4
+    assert sorted(item.name for item in tmp_path.iterdir()) == ["peak.pvd", "peak_frames"]
+
+
+def test_what_cannot_be_written_gets_a_sentence(tmp_path, block, modes):
+    with pytest.raises(InputError, match=r"must end in \.vtu"):
+        write_mode_shapes(tmp_path / "modes.vtk", block, modes, [1.0, 2.0])
+    with pytest.raises(InputError, match="output folder that exists"):
+        write_mode_shapes(tmp_path / "nowhere" / "modes.vtu", block, modes, [1.0, 2.0])
+    with pytest.raises(InputError, match=r"modes must have shape \(36, k\)"):
+        write_mode_shapes(tmp_path / "modes.vtu", block, modes[:-3], [1.0, 2.0])
+    with pytest.raises(InputError, match="frequency_hz"):
+        write_mode_shapes(tmp_path / "modes.vtu", block, modes, [1.0])
+    with pytest.raises(InputError, match=r"modes\[:, 1\] is zero"):
+        write_mode_shapes(tmp_path / "modes.vtu", block, modes * [1.0, 0.0], [1.0, 2.0])
+    with pytest.raises(InputError, match=r"2H \+ 1 columns"):
+        write_deflected_period(tmp_path / "peak.pvd", block, modes)
+    with pytest.raises(InputError, match="n_frames is 2"):
+        write_deflected_period(tmp_path / "peak.pvd", block, np.hstack([modes, modes[:, :1]]), 2)
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,70 @@
+import sys
+
+import numpy as np
+import pytest
+import scipy.sparse
+
+from stickslip.errors import ConvergenceError, InputError, MissingPackageError
+from stickslip.structure import factor as factor_module
+from stickslip.structure.elasticity import Material, assemble
+from stickslip.structure.factor import factorize
+
+
+@pytest.fixture(scope="module")
+def stiffness(make_block):
+    return assemble(make_block((3, 2, 2), (1.0, 1.0, 1.0)), Material(), fixed_nodes=np.arange(9)).stiffness
+
+
+@pytest.mark.parametrize("columns", [None, 1, 5, 150])
+def test_solves_one_and_many_right_hand_sides_in_blocks(stiffness, columns):
+    shape = stiffness.shape[0] if columns is None else (stiffness.shape[0], columns)
+    solution = np.random.default_rng(0).standard_normal(shape)
+    factor = factorize(stiffness)
+    assert factor.residual < 1e-14
+    np.testing.assert_allclose(factor.solve(stiffness @ solution, block=64), solution, atol=1e-11)
+
+
+def test_sparse_right_hand_sides(stiffness):
+    columns = scipy.sparse.csr_matrix(np.eye(stiffness.shape[0])[:, :7])
+    np.testing.assert_allclose(stiffness @ factorize(stiffness).solve(columns, block=3), columns.toarray(), atol=1e-12)
+
+
+def test_a_free_body_is_singular_and_told_so(make_block):
+    with pytest.raises(InputError, match=r"singular.*fix more nodes"):
+        factorize(assemble(make_block((2, 2, 2), (1.0, 1.0, 1.0)), Material()).stiffness)
+
+
+def test_a_zero_row_is_singular():
+    with pytest.raises(InputError, match="singular"):
+        factorize(scipy.sparse.diags([1.0, 0.0, 2.0]))
+
+
+@pytest.mark.parametrize("shape", [(2, 3), (0, 0)])
+def test_a_matrix_that_is_not_square_is_refused(shape):
+    with pytest.raises(InputError, match="square"):
+        factorize(scipy.sparse.csr_matrix(shape))
+
+
+def test_a_factor_with_a_large_residual_is_refused(stiffness, monkeypatch):
+    sound = factor_module._superlu
+    monkeypatch.setattr(factor_module, "_superlu", lambda matrix: lambda b: sound(matrix)(b) * (1.0 + 1e-6))
+    with pytest.raises(ConvergenceError, match="residual"):
+        factorize(stiffness)
+
+
+def test_an_unknown_backend_is_refused(stiffness):
+    with pytest.raises(InputError, match="'superlu' or 'pardiso'"):
+        factorize(stiffness, backend="cholmod")
+
+
+def test_missing_pardiso_names_the_extra(stiffness, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pypardiso", None)
+    with pytest.raises(MissingPackageError, match=r"stickslip\[pardiso\]"):
+        factorize(stiffness, backend="pardiso")
+
+
+def test_pardiso_where_it_is_installed(stiffness):
+    pytest.importorskip("pypardiso")
+    solution = np.random.default_rng(0).standard_normal((stiffness.shape[0], 5))
+    factor = factorize(stiffness, backend="pardiso")
+    np.testing.assert_allclose(factor.solve(stiffness @ solution, block=2), solution, atol=1e-11)

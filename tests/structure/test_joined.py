@@ -1,0 +1,33 @@
+import numpy as np
+import pytest
+
+from stickslip.errors import InputError
+from stickslip.structure.joined import joined_modes, tie_matrix
+
+
+def test_tied_unknowns_move_together():
+    tie = tie_matrix(np.array([0, 3]), np.array([2, 1]), 5)
+    assert tie.shape == (5, 3)
+    motion = tie @ np.array([1.0, 2.0, 3.0])
+    np.testing.assert_array_equal(motion, [1.0, 2.0, 1.0, 2.0, 3.0])
+
+
+@pytest.mark.parametrize(("first", "second"), [([0, 1], [2, 2]), ([0, 2], [2, 3])])
+def test_unknowns_that_cannot_be_tied_one_to_one_are_refused(first, second):
+    with pytest.raises(InputError, match="more than one contact pair"):
+        tie_matrix(np.array(first), np.array(second), 5)
+
+
+def test_very_stiff_springs_come_to_the_tied_frequencies(blade_mesh, blade_superelement, pairs_of):
+    pairs = pairs_of(blade_mesh)
+    tied, modes = joined_modes(blade_superelement, pairs, 10)
+    stuck, _ = joined_modes(blade_superelement, pairs, 10, pairs.springs(1e16, 1e16))
+    np.testing.assert_allclose(stuck, tied, rtol=5e-5)
+    assert (stuck < tied).all()
+    # Tied modes close the joint: no relative motion on the full mesh.
+    assert np.abs(pairs.mesh_operator(blade_mesh.n_nodes) @ modes).max() < 1e-12 * np.abs(modes).max()
+
+
+def test_springs_of_the_wrong_number_are_refused(blade_mesh, blade_superelement, pairs_of):
+    with pytest.raises(InputError, match=r"springs must have shape \(330,\)"):
+        joined_modes(blade_superelement, pairs_of(blade_mesh), 2, np.ones(110))

@@ -1,0 +1,82 @@
+import numpy as np
+import pytest
+
+from stickslip.errors import InputError
+from stickslip.structure.mesh import CORNERS, Mesh
+
+CUBE = (CORNERS + 1) / 2
+CELL = np.arange(8)[None]
+
+
+@pytest.mark.parametrize(
+    ("points", "cells", "fragment"),
+    [
+        (CUBE[:, :2], CELL, r"shape \(n, 3\)"),
+        (np.where(CUBE == 1, np.nan, CUBE), CELL, "points.*nan"),
+        (CUBE, CELL[:, :6], r"shape \(m, 8\)"),
+        (CUBE, CELL.astype(float), "integers"),
+        (CUBE, CELL + 1, "node 8"),
+        (CUBE, CELL[:, [1, 0, 3, 2, 5, 4, 7, 6]], "inverted"),
+        (CUBE * [1, 1, 0], CELL, "inverted or flat"),
+    ],
+)
+def test_unusable_mesh_is_refused(points, cells, fragment):
+    with pytest.raises(InputError, match=fragment):
+        Mesh(points, cells)
+
+
+def test_one_collapsed_corner_is_found():
+    points = CUBE.copy()
+    points[6] = [0.2, 0.2, 0.2]
+    with pytest.raises(InputError, match="cell 0"):
+        Mesh(points, CELL)
+
+
+def test_body_and_sets_are_checked():
+    with pytest.raises(InputError, match="body"):
+        Mesh(CUBE, CELL, body=np.zeros(2, dtype=int))
+    with pytest.raises(InputError, match="node set 'top' names node 99"):
+        Mesh(CUBE, CELL, node_sets={"top": np.array([99])})
+
+
+def test_missing_and_empty_set_name_what_exists():
+    mesh = Mesh(CUBE, CELL, node_sets={"top": np.arange(4, 8), "none": np.array([], dtype=int)})
+    with pytest.raises(InputError, match=r"no node set 'bottom'; it has: none, top"):
+        mesh.node_set("bottom")
+    with pytest.raises(InputError, match="node set 'none' is empty"):
+        mesh.node_set("none")
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("end", [0.0, 1.0])
+def test_sides_look_outward(axis, end):
+    mesh = Mesh(CUBE, CELL, node_sets={"side": np.flatnonzero(CUBE[:, axis] == end)})
+    for whole in (mesh, mesh.quadratic()):
+        (side,) = whole.sides_within("side")
+        corner = whole.points[side[:4]]
+        outward = np.zeros(3)
+        outward[axis] = 1.0 if end else -1.0
+        np.testing.assert_allclose(np.cross(corner[1] - corner[0], corner[2] - corner[1]), outward)
+        middle = 0.5 * (corner + np.roll(corner, -1, axis=0))
+        np.testing.assert_allclose(whole.points[side[4:]], middle[: len(side) - 4])
+
+
+def test_sides_inside_a_body_are_left_out(make_block):
+    block = make_block((2, 1, 1), (2.0, 1.0, 1.0))
+    mesh = Mesh(block.points, block.cells, node_sets={"all": np.arange(block.n_nodes)})
+    assert len(mesh.sides_within("all")) == 10
+
+
+def test_a_set_without_a_whole_side_is_refused():
+    mesh = Mesh(CUBE, CELL, node_sets={"edge": np.array([0, 1])})
+    with pytest.raises(InputError, match="no side of a cell"):
+        mesh.sides_within("edge")
+
+
+def test_quadratic_adds_shared_edge_nodes(make_block):
+    block = make_block((2, 3, 4), (1.0, 1.0, 1.0), 0.2)
+    quadratic = block.quadratic()
+    n_edges = 2 * 4 * 5 + 3 * 3 * 5 + 3 * 4 * 4
+    assert quadratic.n_nodes == block.n_nodes + n_edges
+    np.testing.assert_array_equal(quadratic.points[: block.n_nodes], block.points)
+    assert quadratic.quadratic() is quadratic
