@@ -148,7 +148,9 @@ def synthetic_response(
     free_modes = np.sqrt(scipy.linalg.eigh(stiffness, mass, eigvals_only=True).clip(0)) / (2 * np.pi)
     released = free_modes[free_modes > 400.0]
     wide = np.unique(np.concatenate([np.linspace(405.0, 1.04 * first, 500), 418 + np.linspace(-2, 2, 81), fine]))
-    free_damping = np.pad(np.diag(2 * DAMPING_RATIO * MODAL_MASS * np.array([FLAP, FLAP, EDGE, EDGE])), ((0, 6), (0, 6)))
+    free_damping = np.pad(
+        np.diag(2 * DAMPING_RATIO * MODAL_MASS * np.array([FLAP, FLAP, EDGE, EDGE])), ((0, 6), (0, 6))
+    )
     return ForcedResponse(
         frequency_hz=fine,
         displacement=np.array(rows_out["x"]),
@@ -198,7 +200,10 @@ def _linear(mass, damping, stiffness, force, frequency_hz, harmonics):
 def synthetic_study(columns: int = 11, rows: int = 5) -> StudyRecord:
     """The record that goes with :func:`synthetic_response` of the same grid."""
     position, area = face_grid(columns, rows)
-    outputs = {"A, tip of the left blade, flap": np.eye(N_UNKNOWNS)[0], "B, tip of the right blade": np.eye(N_UNKNOWNS)[1]}
+    outputs = {
+        "A, tip of the left blade, flap": np.eye(N_UNKNOWNS)[0],
+        "B, tip of the right blade": np.eye(N_UNKNOWNS)[1],
+    }
     groups = {}
     for side, name in ((-1, "left"), (1, "right")):
         rows_of_side = -_kinematics(np.array([side * 0.0033, 0.0, 0.0]), side)

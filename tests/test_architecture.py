@@ -30,6 +30,7 @@ LAYER_OF = {
     "template": "case",
     "case_file": "case",
     "case_sections": "case",
+    "facts": "study",
     "model": "study",
     "sweep": "study",
 }

@@ -232,7 +232,7 @@ class ExcitationSection(Section):
     mode: Literal["single", "same", "opposite"] = Field(
         default="single", description="single: N1 alone; same, opposite: direction at N1 and N2"
     )
-    amplitude: Force = Field(default=200.0, description="of each force")
+    amplitude: Force = Field(default=300.0, description="of each force")
     direction: Annotated[tuple[float, float, float], PlainValidator(_unit_vector)] = Field(
         default=(1.0, 0.0, 0.0),
         description="[x, y, z] of the force and of the response at A; any length",
@@ -242,7 +242,7 @@ class ExcitationSection(Section):
 class SolverSection(Section):
     """The sweep and its accuracy."""
 
-    frequency_start: Frequency = Field(default=440.0, description="a start above the stop sweeps downward")
+    frequency_start: Frequency = Field(default=400.0, description="a start above the stop sweeps downward")
     frequency_stop: Frequency = Field(default=530.0)
     harmonics: Annotated[int, Count(at_least=1, at_most=200)] = Field(default=5, description="kept beside the mean")
     samples: Annotated[int, Count(at_least=3, at_most=100_000)] = Field(

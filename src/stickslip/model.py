@@ -55,7 +55,7 @@ class Joint:
 
     def face_sum(self, values: FloatArray) -> FloatArray:
         """Sum of a value of the pairs for each face (n_faces,)."""
-        return np.bincount(self.face_pairs.face, weights=values)
+        return np.bincount(self.face_pairs.face, weights=values).astype(np.float64)
 
 
 @dataclass(frozen=True)

@@ -40,9 +40,7 @@ def page_data(view: View) -> dict[str, Any]:
         "frequency": response.frequency_hz.round(6).tolist(),
         "amplitude": [float(f"{value:.7g}") for value in view.amplitude_um],
         "energyUnit": view.energy_unit,
-        "energyTotal": [
-            float(f"{value:.7g}") for value in view.energy_factor * response.dissipated_energy.sum(axis=1)
-        ],
+        "energyTotal": [float(f"{value:.7g}") for value in view.energy_factor * response.dissipated_energy.sum(axis=1)],
         "states": packed(response.contact_state, "i1"),
         "energy": packed(view.energy_factor * response.dissipated_energy, "f4"),
         "stateStyles": [{"name": s.name, "colour": s.colour, "symbol": s.plotly_symbol} for s in STATES],

@@ -189,7 +189,8 @@ def face_map(view: View, face: int, quantity: str) -> Figure:
 def hysteresis_loop() -> Figure:
     """Tangential force against relative displacement along t1 and t2; filled by page.js."""
     traces = [
-        _line(f"along {axis}", [], [], colour, width=2.5) for axis, colour in zip(AXIS_NAMES, LINE_COLOURS, strict=False)
+        _line(f"along {axis}", [], [], colour, width=2.5)
+        for axis, colour in zip(AXIS_NAMES, LINE_COLOURS, strict=False)
     ]
     return _figure(
         traces[:2],
@@ -244,7 +245,9 @@ def energy_curve(view: View) -> Figure:
     return _figure(
         [
             _line("friction", response.frequency_hz, friction, INK, width=2.5, hovertemplate=hover),
-            _line("viscous", response.frequency_hz, factor * response.viscous_energy, BLUE, "dash", hovertemplate=hover),
+            _line(
+                "viscous", response.frequency_hz, factor * response.viscous_energy, BLUE, "dash", hovertemplate=hover
+            ),
             _line("input", response.frequency_hz, factor * response.input_energy, ORANGE, "dot", hovertemplate=hover),
             cursor,
         ],

@@ -10,8 +10,6 @@ import math
 import numpy as np
 from numba import njit
 
-from stickslip.validation import FloatArray
-
 STUCK, SLIPPING, OPEN = 0, 1, 2
 
 # A force this close to the friction limit (relative, squared) counts as on it: slip then starts at once, and the
@@ -94,8 +92,8 @@ def step_law(  # type: ignore[no-untyped-def]  # pragma: no cover
         tangent[0, 2], tangent[1, 2] = mu * normal_stiffness * e0, mu * normal_stiffness * e1
         return SLIPPING
 
-    # Slip onset: |traction + tau * pull| = limit_start + tau * mu * normal_change, tau in [0, 1]. The cone is convex, so
-    # the force leaves it once.
+    # Slip onset: |traction + tau * pull| = limit_start + tau * mu * normal_change, tau in [0, 1]. The cone is convex,
+    # so the force leaves it once.
     limit_change = mu * normal_change
     a = pull * pull - limit_change * limit_change
     b = traction[0] * pull0 + traction[1] * pull1 - limit_start * limit_change
@@ -183,14 +181,14 @@ def march_period(  # type: ignore[no-untyped-def]  # pragma: no cover
     preload,
     tolerance,
     max_iterations,
-    displacement_history,
+    motion_history,
     force_history,
 ):
     """March one period of the generalised-alpha scheme; all arrays are described in ``transient._Scheme``.
 
     ``motion`` (3 n,) = displacement, velocity, acceleration; ``contact_motion`` (n_pairs, 3) and ``contact_force``
-    (n_pairs, 3) = T1, T2, N are updated in place; the histories receive the end of each step. Returns
-    ``(-1, iterations)`` or the step that did not converge and its count of iterations.
+    (n_pairs, 3) = T1, T2, N are updated in place; the histories receive the start of each step. Returns
+    -1, or the number of the step whose iteration did not converge.
     """
     n_steps, n = load_response.shape
     n_pairs = friction.shape[0]
@@ -208,9 +206,10 @@ def march_period(  # type: ignore[no-untyped-def]  # pragma: no cover
     largest = 0.0
     for pair in range(n_pairs):
         largest = max(largest, abs(preload[pair]))
-    total_iterations = 0
 
     for index in range(n_steps):
+        motion_history[index] = motion[: 2 * n]
+        force_history[index] = contact_force
         for pair in range(n_pairs):
             for axis in range(3):
                 known = contact_force[pair, axis] - (preload[pair] if axis == 2 else 0.0)
@@ -258,7 +257,6 @@ def march_period(  # type: ignore[no-untyped-def]  # pragma: no cover
             if worst <= tolerance * largest:
                 converged = True
                 break
-            total_iterations += 1
             # Newton: (1 + A D) change = -residual, where D has columns for the pairs that are not stuck only.
             spread = np.zeros((size, 3 * n_active))
             for i in range(n_active):
@@ -282,7 +280,7 @@ def march_period(  # type: ignore[no-untyped-def]  # pragma: no cover
             else:
                 relative -= residual
         if not converged:
-            return index, total_iterations
+            return index
 
         full_force = known_force + deviation
         displacement = load_response[index] + state_response @ motion - force_response @ full_force
@@ -303,11 +301,4 @@ def march_period(  # type: ignore[no-untyped-def]  # pragma: no cover
             for axis in range(3):
                 contact_motion[pair, axis] = relative[3 * pair + axis]
                 contact_force[pair, axis] = trial_force[pair, axis]
-        displacement_history[index] = displacement
-        force_history[index] = contact_force
-    return -1, total_iterations
-
-
-def empty_histories(n_steps: int, n: int, n_pairs: int) -> tuple[FloatArray, FloatArray]:
-    """Arrays (n_steps, n) and (n_steps, n_pairs, 3) that ``march_period`` fills."""
-    return np.empty((n_steps, n)), np.empty((n_steps, n_pairs, 3))
+    return -1

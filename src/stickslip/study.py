@@ -1,0 +1,227 @@
+"""One case from study file to report: build, solve, save, show. Files are written whole or not at all."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stickslip.facts import derived_quantities, sizes, study_warnings
+from stickslip.model import FACE_NAMES, Model, build_joint, build_model, build_structure
+from stickslip.progress import Progress, SilentProgress
+from stickslip.results.measures import peaks, summary, summary_table
+from stickslip.results.record import StudyRecord, run_provenance
+from stickslip.results.response import ForcedResponse
+from stickslip.results.storage import load_results, save_results
+from stickslip.solve.continuation import ContinuationSettings
+from stickslip.solve.forced import forced_response
+from stickslip.solve.newton import NewtonSettings
+from stickslip.structure.craig_bampton import ReductionRow, reduction_table
+from stickslip.structure.joined import joined_modes
+
+if TYPE_CHECKING:
+    from stickslip.case import Case
+
+RESULTS_FILE = "results.nc"
+REPORT_FILE = "report.html"
+MODE_COUNT = 10
+
+
+@dataclass(frozen=True)
+class StudyOutcome:
+    """What a run gave: the response, the files it wrote, and how it ended."""
+
+    response: ForcedResponse
+    files: tuple[Path, ...]
+    converged: bool
+    message: str
+
+
+def run(case: Case, out_dir: str | PathLike[str], progress: Progress | None = None, threads: int = 1) -> StudyOutcome:
+    """Solve a case and write results.nc, report.html, single figures, and shapes for ParaView into ``out_dir``.
+
+    A curve that could not be followed to its end is written all the same; ``converged`` is then False.
+    Raises InputError (geometry, roughness), ConvergenceError (not even a first point), ResultsFileError.
+    """
+    out = Path(out_dir)
+    out.mkdir(parents=True, exist_ok=True)
+    progress = progress or SilentProgress()
+    progress.update("Structure", 0.0, "mesh and matrices")
+    structure = build_structure(case)
+    joint = build_joint(case, structure)
+    progress.update("Structure", 0.3, "Craig-Bampton reduction")
+    model = build_model(case, structure, joint)
+    progress.update("Structure", 0.6, "full against reduced frequencies")
+    table = reduction_table(structure, model.superelement, joint.face_pairs, count=MODE_COUNT)
+    progress.update("Structure", 1.0, f"{model.superelement.size} unknowns, {model.pairs.n_pairs} pairs")
+    response = solve(case, model, progress, threads)
+    record = study_record(case, model, table)
+    progress.update("Files", 0.0, RESULTS_FILE)
+    save_results(out / RESULTS_FILE, response, record)
+    files = [out / RESULTS_FILE]
+    progress.update("Files", 0.2, REPORT_FILE)
+    files += _shown(out, response, record, case.output.figure_formats)
+    progress.update("Files", 0.7, "shapes for ParaView")
+    files += _shapes(out, case, model, response)
+    progress.update("Files", 1.0, f"{len(files)} files")
+    return StudyOutcome(response, tuple(files), response.converged, _closing_words(response, record))
+
+
+def solve(case: Case, model: Model, progress: Progress | None = None, threads: int = 1) -> ForcedResponse:
+    """The forced response of a model with the settings of its case; provenance says inputs and versions."""
+    settings, told = case.solver, progress or SilentProgress()
+    compiling = "preparing; the first run on a machine compiles the friction law, which takes about half a minute"
+    told.update("Response", 0.0, compiling)
+    response = forced_response(
+        model.superelement,
+        model.pairs,
+        np.zeros(model.superelement.size),
+        model.force_sin,
+        frequency_hz=(settings.frequency_start, settings.frequency_stop),
+        harmonics=settings.harmonics,
+        samples=settings.samples,
+        modal_damping_ratio=case.damping.modal_damping_ratio,
+        update=settings.update,
+        newton=NewtonSettings(tolerance=settings.tolerance),
+        continuation=ContinuationSettings(
+            largest_step=settings.largest_step,
+            smallest_step=settings.smallest_step,
+            first_step=settings.first_step,
+        ),
+        threads=threads,
+        progress=lambda fraction, detail: told.update("Response", fraction, detail),
+    )
+    told.update("Response", 1.0, f"{response.n_points} points")
+    return replace(response, provenance={**response.provenance, **run_provenance()})
+
+
+def study_record(case: Case, model: Model, table: tuple[ReductionRow, ...]) -> StudyRecord:
+    """What the report shows beside the response."""
+    pairs = model.joint.face_pairs
+    return StudyRecord(
+        title=case.study.title,
+        description=_description(case),
+        inputs=case.to_text(),
+        outputs=dict(model.outputs),
+        signal_groups=dict(model.signal_groups),
+        face_names=FACE_NAMES,
+        pair_face=pairs.face,
+        pair_position=pairs.face_position[:, ::-1],  # along the damper first, then up the slope
+        pair_area=pairs.area,
+        mode_table=tuple(_mode_rows(case, table)),
+        derived=derived_quantities(case, model.joint),
+        warnings=study_warnings(model.joint),
+    )
+
+
+def _description(case: Case) -> str:
+    kinds = {"single": "at one blade", "same": "at both blades, same direction", "opposite": "at both blades, opposed"}
+    excitation, force = case.excitation, case.preload.centrifugal_force
+    load = "prescribed preload" if force is None else f"centrifugal force {force:g} N"
+    return f"Force {excitation.amplitude:g} N {kinds[excitation.mode]}, {load}, friction {case.friction.coefficient:g}."
+
+
+def _mode_rows(case: Case, table: tuple[ReductionRow, ...]) -> Iterator[dict[str, str | float | int]]:
+    """Rows of the mode table; the paper's column only beside the geometry that was fitted to it."""
+    fitted = case.geometry == type(case.geometry)() and case.material == type(case.material)()
+    for row in table:
+        cells: dict[str, str | float | int] = {
+            "mode": row.mode,
+            "full_hz": row.full_hz,
+            "reduced_hz": row.reduced_hz,
+            "difference_percent": row.difference_percent,
+            "mac": row.mac,
+        }
+        if fitted and row.paper_full_hz is not None:
+            cells["table2_hz"] = row.paper_full_hz
+        yield cells
+
+
+def _shown(out: Path, response: ForcedResponse, record: StudyRecord, formats: tuple[str, ...] = ()) -> Iterator[Path]:
+    """Write the page and the single figures."""
+    from stickslip.report.figures import write_figures
+    from stickslip.report.page import write_page
+
+    write_page(out / REPORT_FILE, response, record)
+    yield out / REPORT_FILE
+    yield from write_figures(out / "figures", response, record, formats)
+
+
+def _shapes(out: Path, case: Case, model: Model, response: ForcedResponse) -> Iterator[Path]:
+    """Mode shapes with stuck contact, and one period of the full mesh at the peak, for ParaView."""
+    from stickslip.structure.export import write_deflected_period, write_mode_shapes
+
+    mesh, count = model.structure.mesh, case.output.mode_shapes
+    if count:
+        springs = model.pairs.stuck_stiffness()
+        frequency_hz, modes = joined_modes(model.superelement, model.joint.face_pairs, count, springs)
+        yield write_mode_shapes(out / "mode_shapes.vtu", mesh, modes, frequency_hz)
+    frames = case.output.deflected_shape_frames
+    if frames:
+        point = peaks(response.frequency_hz, response.amplitude(next(iter(model.outputs.values()))))[0].point
+        motion = model.superelement.recovery @ response.displacement[point]
+        yield write_deflected_period(out / "deflected_shape.pvd", mesh, motion, frames)
+
+
+def _closing_words(response: ForcedResponse, record: StudyRecord) -> str:
+    """How the curve ended, and its summary."""
+    rows = summary_table(summary(response, record.outputs[record.response_output]))
+    width = max(len(name) for name, _, _ in rows)
+    lines = [f"{response.message} {response.n_points} points."]
+    lines += [f"  {name:<{width}}  {value} {unit}" for name, value, unit in rows]
+    lines += [f"Warning: {sentence}" for sentence in (*record.warnings, *response.warnings)]
+    return "\n".join(lines)
+
+
+def report(folder: str | PathLike[str]) -> tuple[Path, ...]:
+    """Make the page of a solved study again, without solving. Raises ResultsFileError."""
+    from stickslip.errors import ResultsFileError
+
+    source = Path(folder) / RESULTS_FILE
+    saved = load_results(source)
+    if saved.study is None:
+        raise ResultsFileError(
+            f'"{source}" holds a response without a study, so there is nothing to say about faces and outputs. '
+            'Only "stickslip run" writes files that the report needs.'
+        )
+    return tuple(_shown(Path(folder), saved.response, saved.study))
+
+
+def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
+    """What would run, as sections of (label, value); builds the mesh and the joint, but reduces and solves nothing.
+
+    Raises InputError where the geometry does not fit, RoughnessError for a contact without stiffness.
+    """
+    structure = build_structure(case)
+    joint = build_joint(case, structure)
+    numbers = [
+        (name, f"{_short(value)} {unit}".rstrip("- ")) for name, value, unit, _ in derived_quantities(case, joint)
+    ]
+    solver = case.solver
+    sections = [
+        ("Sizes", list(sizes(case, structure, joint))),
+        ("Derived quantities", numbers),
+        (
+            "Would run",
+            [
+                ("sweep", f"{solver.frequency_start:g} to {solver.frequency_stop:g} Hz"),
+                ("excitation", _description(case)),
+                ("resolution", f"{solver.harmonics} harmonics, {solver.samples} samples"),
+            ],
+        ),
+    ]
+    warnings = study_warnings(joint)
+    if warnings:
+        sections.append(("Warnings", [(f"{i}.", sentence) for i, sentence in enumerate(warnings, start=1)]))
+    return sections
+
+
+def _short(value: str | float | int) -> str:
+    if isinstance(value, float):
+        return f"{value:.4g}" if math.isfinite(value) else "not defined"
+    return str(value)

@@ -1,0 +1,97 @@
+"""From a case to the solver's input: sizes, loads, stiffness, forces and outputs of the two-blade model."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stickslip.case import Case
+from stickslip.errors import InputError, RoughnessError
+from stickslip.model import FACE_NAMES, Model, build_joint, build_model, build_structure
+from stickslip.structure.elasticity import Structure
+
+
+@pytest.fixture(scope="module")
+def structure() -> Structure:
+    return build_structure(Case())
+
+
+@pytest.fixture(scope="module")
+def model(structure: Structure) -> Model:
+    case = Case()
+    return build_model(case, structure, build_joint(case, structure))
+
+
+def test_default_sizes(model: Model) -> None:
+    assert model.structure.mesh.n_nodes == 5005
+    assert model.superelement.size == 699
+    assert model.pairs.n_pairs == 110
+    assert model.pairs.operator.shape == (330, 699)
+
+
+def test_both_faces_carry_the_centrifugal_force(structure: Structure) -> None:
+    """Equilibrium of the damper: the vertical parts of both normal forces add up to F_N."""
+    joint = build_joint(Case(), structure)
+    upward = (joint.preload[:, None] * joint.face_pairs.normal).sum(axis=0)
+    assert upward[2] == pytest.approx(500.0, rel=1e-12)
+    assert abs(upward[0]) < 1e-9
+    assert joint.face_sum(joint.preload) == pytest.approx([250.0 / np.cos(np.pi / 6)] * 2)
+
+
+def test_both_allocations_agree_under_uniform_pressure(structure: Structure) -> None:
+    by_area = build_joint(Case(), structure)
+    by_pressure = build_joint(Case().replace({"roughness.allocation": "pressure"}), structure)
+    assert np.allclose(by_area.normal_stiffness, by_pressure.normal_stiffness, rtol=1e-9)
+    assert np.allclose(by_area.tangential_stiffness, by_pressure.tangential_stiffness, rtol=1e-9)
+
+
+def test_given_stiffness_is_spread_by_area(structure: Structure) -> None:
+    case = Case.from_mapping(
+        {"contact_stiffness": {"normal_stiffness": "3e8 N/m", "tangential_stiffness": "2.5e8 N/m"}}
+    )
+    joint = build_joint(case, structure)
+    assert joint.face_sum(joint.normal_stiffness) == pytest.approx([3e8, 3e8])
+    assert joint.face_sum(joint.tangential_stiffness) == pytest.approx([2.5e8, 2.5e8])
+    assert joint.rough_faces == ()
+
+
+def test_a_face_without_stiffness_is_refused_with_advice(structure: Structure) -> None:
+    case = Case().replace({"roughness.fractal_dimension": 2.2})
+    with pytest.raises(RoughnessError, match="unloading"):
+        build_joint(case, structure)
+
+
+def test_wrong_number_of_preloads_is_refused(structure: Structure) -> None:
+    case = Case.from_mapping({"preload": {"values": [2.5, 2.5, 2.5]}})
+    with pytest.raises(InputError, match="110"):
+        build_joint(case, structure)
+
+
+@pytest.mark.parametrize(("mode", "right"), [("single", 0.0), ("same", 300.0), ("opposite", -300.0)])
+def test_excitation_modes(structure: Structure, model: Model, mode: str, right: float) -> None:
+    case = Case().replace({"excitation.mode": mode})
+    force = build_model(case, structure, model.joint).force_sin
+    sets = structure.mesh.node_sets
+    found = [
+        force[model.superelement.unknowns_of(int(sets[name][0]))] for name in ("excitation_left", "excitation_right")
+    ]
+    assert np.allclose(found, [[300.0, 0, 0], [right, 0, 0]])
+    assert np.count_nonzero(force) == (1 if mode == "single" else 2)
+
+
+def test_outputs_read_the_full_mesh(model: Model) -> None:
+    """A rigid shift of the boundary reads as itself, in each output's direction."""
+    recovered = model.superelement.recovery
+    node = int(model.structure.mesh.node_sets["response"][0])
+    generator = np.random.default_rng(0)
+    motion = generator.normal(size=model.superelement.size)
+    assert model.outputs["blade tip A"] @ motion == pytest.approx((recovered @ motion)[3 * node])
+    assert len(model.outputs) == 7
+    assert len(FACE_NAMES) == 2
+
+
+def test_rayleigh_damping_goes_into_the_superelement(structure: Structure, model: Model) -> None:
+    case = Case.from_mapping({"damping": {"rayleigh_alpha": "3 1/s", "rayleigh_beta": "1e-7 s"}})
+    damped = build_model(case, structure, model.joint).superelement
+    stuck = damped.stiffness + model.pairs.operator.T @ (model.pairs.stuck_stiffness()[:, None] * model.pairs.operator)
+    assert np.allclose(damped.damping, 3.0 * damped.mass + 1e-7 * stuck, rtol=1e-9, atol=1e-9)
