@@ -6,7 +6,6 @@ Everything heavy is imported inside the commands, so that ``stickslip --help`` a
 
 from __future__ import annotations
 
-import os
 import sys
 import tempfile
 import traceback
@@ -28,7 +27,6 @@ EXIT_FAULT = 1
 EXIT_NOT_CONVERGED = 3
 EXIT_INTERRUPTED = 130
 LOG_NAME = "stickslip-error.log"
-THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 app = typer.Typer(
     add_completion=False,
@@ -103,9 +101,7 @@ def check(path: StudyFile, debug: Debug = False) -> None:
 def run(
     path: StudyFile,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False)],
-    threads: Annotated[
-        int | None, typer.Option("--threads", min=1, help="Threads of the computation.", show_default=False)
-    ] = None,
+    threads: Annotated[int, typer.Option("--threads", min=1, help="Threads of the linear algebra.")] = 1,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
     debug: Debug = False,
 ) -> None:
@@ -113,13 +109,10 @@ def run(
     with _sentences(debug, log_folder=out):
         case = _load(path, quiet)
         _require_writable(out)
-        if threads is not None:
-            # numpy and numba read these once, when study imports them
-            os.environ.update(dict.fromkeys(THREAD_VARIABLES, str(threads)))
         from stickslip import study
 
         with terminal_progress(quiet) as progress:
-            outcome = study.run(case, out, progress=progress)
+            outcome = study.run(case, out, progress=progress, threads=threads)
         _close(outcome, quiet)
 
 

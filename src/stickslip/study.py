@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from stickslip.facts import derived_quantities, sizes, study_warnings
 from stickslip.model import FACE_NAMES, Model, build_joint, build_model, build_structure
@@ -50,7 +51,11 @@ def run(case: Case, out_dir: str | PathLike[str], progress: Progress | None = No
     """
     out = Path(out_dir)
     out.mkdir(parents=True, exist_ok=True)
-    progress = progress or SilentProgress()
+    with threadpool_limits(limits=threads):
+        return _run(case, out, progress or SilentProgress(), threads)
+
+
+def _run(case: Case, out: Path, progress: Progress, threads: int) -> StudyOutcome:
     progress.update("Structure", 0.0, "mesh and matrices")
     structure = build_structure(case)
     joint = build_joint(case, structure)

@@ -209,3 +209,21 @@ def test_bad_input_gets_a_sentence(blade: Blade, case: str) -> None:
     arguments = {"force_cos": blade.force_cos, "frequency_hz": (600.0, 610.0), **changes}
     with pytest.raises(InputError, match=sentence):
         forced_response(blade.superelement, blade.pairs, **arguments)
+
+
+def test_a_window_inside_the_resonance_starts_from_outside(bench: ForcedResponse, blade: Blade) -> None:
+    """At 688 Hz neither the linear response nor a ramp of the force (it folds there) leads to a solution."""
+    inside = forced_response(
+        blade.superelement,
+        blade.pairs,
+        blade.force_cos,
+        blade.force_sin,
+        frequency_hz=(688.0, 700.0),
+        harmonics=9,
+        samples=256,
+    )
+    assert inside.converged, inside.message
+    assert inside.residual.max() < 1e-8
+    nearest = int(np.abs(bench.frequency_hz - 700.0).argmin())
+    whole = bench.harmonic_amplitude(blade.tip, 1)[nearest]
+    assert inside.harmonic_amplitude(blade.tip, 1)[-1] == pytest.approx(whole, rel=0.02)

@@ -222,15 +222,16 @@ def spots_under_load(roughness: Roughness, load: float, log_smallest: float = -i
     def excess(log_largest: float) -> float:
         return SpotPopulation(roughness, log_smallest, log_largest).load / load - 1.0
 
-    upper = lower + log(10.0)
+    upper = lower
     while excess(upper) < 0.0:
         upper += log(10.0)
         if upper > LOG_LARGEST_NUMBER:
             raise RoughnessError(
                 f"No size of the largest spot carries {load:g} N with fractal_dimension "
-                f"{roughness.fractal_dimension:g} and fractal_roughness {roughness.fractal_roughness:g} m. Check the units of G, H and E*."
+                f"{roughness.fractal_dimension:g} and fractal_roughness {roughness.fractal_roughness:g} m. "
+                "Check the units of G, H and E*."
             )
-    if excess(lower) >= 0.0:  # equal but for round-off: the bound is the root
+    if upper == lower:  # the bound is the root, but for round-off
         return SpotPopulation(roughness, log_smallest, lower)
     return SpotPopulation(roughness, log_smallest, float(brentq(excess, lower, upper, xtol=1e-13, rtol=8.9e-16)))
 

@@ -247,7 +247,7 @@ def _plasticity_findings(spots: SpotPopulation, load: float, mode: StiffnessMode
             ContactStatus.NO_PLASTIC_SPOTS,
             f"The smallest spot of the surface, pi (Ls/2)^2 = {exp(_log_disc(shortest)):.3g} m2 with Ls = {shortest:g} "
             f"m, is not below the critical area, {exp(log_critical):.3g} m2: no spot is plastic, and the stiffness "
-            'depends on where the waves end. Mode "unloading" cuts the spots there; the other modes count smaller ones too.',
+            'depends on where the waves end. Mode "unloading" cuts the spots there, the others count smaller ones too.',
         )
 
 

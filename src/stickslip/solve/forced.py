@@ -116,8 +116,13 @@ def forced_response(
             reduced = stuck_structure(superelement, pairs, count, modal_damping_ratio)
             return Balance(reduced.compliance, pairs, force[: 2 * count + 1], samples, update)
 
-        start, how = first_point(solver, omega_start, simpler)
-        branch = Branch(solver, superelement.mass, start, omega_stop, continuation or ContinuationSettings())
+        settings = continuation or ContinuationSettings()
+
+        def walk(trial: Trial) -> Branch:
+            return Branch(solver, superelement.mass, trial, omega_start, settings)
+
+        start, how = first_point(solver, omega_start, simpler, walk)
+        branch = Branch(solver, superelement.mass, start, omega_stop, settings)
         points, measures = _follow(branch, balance, superelement, stuck, window, report)
         trials = [point.trial for point in points]
         fine = Balance(stuck.compliance, pairs, force, 2 * samples, update)

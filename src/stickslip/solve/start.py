@@ -1,4 +1,4 @@
-"""The first point of a curve: directly, then by an amplitude ramp, then with fewer harmonics, before giving up."""
+"""The first point of a curve: directly, by an amplitude ramp, with fewer harmonics, or from outside the window."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.errors import ConvergenceError
 from stickslip.solve.balance import Balance, Trial
+from stickslip.solve.continuation import Branch
 from stickslip.solve.newton import Constraint, Correction, Newton, Parameter
 from stickslip.validation import FloatArray
 
@@ -17,10 +18,12 @@ def first_point(
     newton: Newton,
     omega: float,
     simpler: Callable[[int], Balance] | None = None,
+    walk: Callable[[Trial], Branch] | None = None,
 ) -> tuple[Trial, str]:
     """A converged solution at ``omega`` (rad/s) under the full load, and a sentence on how it was reached.
 
-    ``simpler(h)`` gives the same balance with ``h`` harmonics; None leaves that way out. Raises ConvergenceError with
+    ``simpler(h)`` gives the same balance with ``h`` harmonics, ``walk(trial)`` the branch from a solution at another
+    frequency to ``omega``; None leaves that way out. Raises ConvergenceError with
     the relative residual of each attempt when none succeeds.
     """
     attempts = []
@@ -41,8 +44,18 @@ def first_point(
             if start.converged:
                 return start.trial, f"The first point was reached from a solution with {harmonics} harmonic(s)."
             attempts.append(f"from {harmonics} harmonic(s): relative residual {start.trial.error:.1e}")
+    if walk is not None:
+        for share in (0.97, 1.03, 0.9, 1.1):
+            outside = _at(newton, balance.linear(share * omega), share * omega, 1.0)
+            if not outside.converged:
+                continue
+            branch = walk(outside.trial)
+            *_, last = branch
+            if branch.complete:
+                return last.trial, f"The first point was reached from {_hz(share * omega):.2f} Hz, where it converged."
+            attempts.append(f"from {_hz(share * omega):.2f} Hz: {branch.message}")
     raise ConvergenceError(
-        f"no solution was found at the first frequency, {omega / (2 * math.pi):.3f} Hz ({'; '.join(attempts)}). "
+        f"no solution was found at the first frequency, {_hz(omega):.3f} Hz ({'; '.join(attempts)}). "
         "Start farther from the resonance, take more samples, or lower the force."
     )
 
@@ -80,3 +93,7 @@ def _few_harmonics(newton: Newton, simple: Balance, omega: float) -> Correction:
     guess = np.zeros((2 * balance.harmonics + 1, balance.rows))
     guess[: coarse.trial.relative.shape[0]] = coarse.trial.relative
     return _at(newton, guess, omega, 1.0)
+
+
+def _hz(omega: float) -> float:
+    return omega / (2.0 * math.pi)

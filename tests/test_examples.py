@@ -1,0 +1,60 @@
+"""Examples and the README run as a reader would run them, and print what they promise."""
+
+from __future__ import annotations
+
+import re
+import runpy
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from stickslip.cli import app
+
+ROOT = Path(__file__).parents[1]
+
+
+def test_own_matrices(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    module = runpy.run_path("examples/own_matrices.py")
+    module["main"]()
+    assert "um" in capsys.readouterr().out
+
+
+def test_two_blades(capsys: pytest.CaptureFixture[str]) -> None:
+    module = runpy.run_path(str(ROOT / "examples" / "two_blades.py"))
+    peaks = module["main"](harmonics=1, samples=64)
+    # Same direction works hardest on the first mode; opposite excites the stiffer second one.
+    assert peaks["same"] > peaks["single"] > peaks["opposite"]
+    assert capsys.readouterr().out.count("0-to-peak") == 3
+
+
+def test_readme_python_block(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", readme, flags=re.DOTALL)
+    assert len(blocks) == 1
+    monkeypatch.chdir(ROOT)
+    exec(compile(blocks[0], "README.md", "exec"), {})
+    amplitude = float(re.search(r"([\d.]+) um", capsys.readouterr().out).group(1))
+    assert 190.0 < amplitude < 205.0
+
+
+def test_readme_commands_exist(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`new` and `check` run as printed; the options of `run` and `report` are those of the program."""
+    monkeypatch.chdir(tmp_path)
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    block = next(part for part in re.findall(r"```sh\n(.*?)```", readme, flags=re.DOTALL) if "stickslip" in part)
+    commands = re.findall(r"^stickslip (\w+)((?: [^#\n]+)?)", block, flags=re.MULTILINE)
+    assert [name for name, _ in commands] == ["new", "check", "run", "report"]
+    runner = CliRunner()
+    for name, arguments in commands[:2]:
+        assert runner.invoke(app, [name, *arguments.split()]).exit_code == 0
+    for name, arguments in commands[2:]:
+        shown = runner.invoke(app, [name, "--help"]).output
+        assert all(word in shown for word in arguments.split() if word.startswith("--"))
+
+
+def test_make_targets_of_the_readme_exist() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for target in re.findall(r"^make (\w+)", (ROOT / "README.md").read_text(encoding="utf-8"), flags=re.MULTILINE):
+        assert re.search(rf"^{target}:", makefile, flags=re.MULTILINE), target
