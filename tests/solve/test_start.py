@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from helpers import Blade
+from stickslip.errors import ConvergenceError
 from stickslip.solve import start as start_module
-from stickslip.solve.balance import Balance
+from stickslip.solve.balance import Balance, Trial
 from stickslip.solve.compliance import stuck_structure
+from stickslip.solve.continuation import Branch, ContinuationSettings
 from stickslip.solve.newton import Newton, NewtonSettings
 from stickslip.solve.start import first_point
 
@@ -41,3 +43,18 @@ def test_falls_back_to_the_ramp(blade: Blade) -> None:
     assert "amplitude ramp" in how
     assert trial.error <= 1e-9
     assert trial.load == pytest.approx(1.0)
+
+
+def test_walks_in_from_outside_when_the_ramp_folds(blade: Blade) -> None:
+    """With five iterations the ramp ends at its fold, near 78 % of the force."""
+    newton = Newton(balance_with(blade, 3), NewtonSettings(1e-9, 5))
+
+    def walk(trial: Trial) -> Branch:
+        return Branch(newton, blade.superelement.mass, trial, OMEGA, ContinuationSettings())
+
+    with pytest.raises(ConvergenceError, match=r"amplitude ramp: stopped at 77\.\d %"):
+        first_point(newton, OMEGA)
+    trial, how = first_point(newton, OMEGA, walk=walk)
+    assert "where it converged" in how
+    assert trial.omega == pytest.approx(OMEGA)
+    assert trial.error <= 1e-9

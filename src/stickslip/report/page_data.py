@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.report.plots import group_labels
 from stickslip.report.style import MICRO, STATES
 from stickslip.report.view import View
 
@@ -52,6 +53,7 @@ def page_data(view: View) -> dict[str, Any]:
         "friction": packed(response.pairs.friction_coefficient, "f4"),
         "preload": packed(response.pairs.preload, "f4"),
         "groups": [list(names) for names in study.signal_groups.values()],
+        "groupLabels": [list(group_labels(names)) for names in study.signal_groups.values()],
         "signals": {name: packed(values, "f4") for name, values in signals.items()},
         "loops": _loops(view),
     }

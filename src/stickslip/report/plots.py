@@ -195,7 +195,7 @@ def hysteresis_loop() -> Figure:
     return _figure(
         traces[:2],
         420,
-        xaxis=_axis("Relative displacement, µm"),
+        xaxis=_axis("Relative displacement about the mean, µm"),
         yaxis=_axis("Friction force, N"),
         hovermode="closest",
     )
@@ -258,17 +258,20 @@ def energy_curve(view: View) -> Figure:
     )
 
 
+def group_labels(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Last words of names such as "damper left x", since the heading has the rest; the names where those do not differ."""
+    short = tuple(name.split()[-1] for name in names)
+    return short if len(set(short)) == len(names) else names
+
+
 def output_signals(names: tuple[str, ...]) -> Figure:
     """Displacements of a group of outputs over one period; filled by page.js."""
-    # Names such as "damper left x" differ in their last word; the heading of the figure has the rest.
-    short = [name.split()[-1] for name in names]
-    labels = short if len(set(short)) == len(names) else names
     styles = zip(LINE_COLOURS * len(names), LINE_DASHES * len(names), strict=True)
-    traces = [_line(label, [], [], colour, dash) for label, (colour, dash) in zip(labels, styles, strict=False)]
+    traces = [_line(label, [], [], colour, dash) for label, (colour, dash) in zip(group_labels(names), styles, strict=False)]
     return _figure(
         traces,
         300,
         xaxis=_axis(TIME, range=[0, 1]),
-        yaxis=_axis("Displacement, µm"),
+        yaxis=_axis("Displacement about the mean, µm"),
         hovermode="x unified",
     )

@@ -1,4 +1,4 @@
-"""Colours, marker shapes and units that all figures share; the palette is that of Okabe and Ito, safe for colour-blind eyes."""
+"""Colours, marker shapes and units that all figures share; the palette is that of Okabe and Ito, for every eye."""
 
 from __future__ import annotations
 
@@ -54,6 +54,13 @@ def number(value: float | int | str, digits: int = 4) -> str:
         return f"{int(value)}"
     if value != 0 and not 1e-3 <= abs(value) < 1e6:
         mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-        return f"{mantissa} × 10^{int(exponent)}".replace("-", "−")
+        return f"{_short(mantissa)} × 10{str(int(exponent)).translate(_RAISED)}"
     decimals = digits - 1 - int(np.floor(np.log10(abs(value)))) if value else 0
-    return f"{value:.{min(max(decimals, 0), 8)}f}".replace("-", "−")
+    return _short(f"{value:.{max(decimals, 0)}f}")
+
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def _short(digits: str) -> str:
+    return (digits.rstrip("0").rstrip(".") if "." in digits else digits).replace("-", "−")

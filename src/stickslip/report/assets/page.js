@@ -71,7 +71,12 @@
       return Array.from(forces.subarray(start, start + length), (value) => value * scales[slot]);
     });
     const slider = [0, 1].map((axis) => axes[axis].map((s, j) => s - traction[axis][j] / (springs[3 * pair + axis] * 1e-6)));
-    return { axes: axes, normal: normal, traction: traction, slider: slider };
+    // A slider starts at the mean, so tangential motion is shown about its mean; that of n moves the normal force.
+    const means = [0, 1].map((axis) => relative[base + axis * data.coefficients]);
+    const about = (values, axis) => values.map((value) => value - means[axis]);
+    return {
+      axes: [about(axes[0], 0), about(axes[1], 1), axes[2]], slider: slider.map(about), normal: normal, traction: traction,
+    };
   }
 
   /* ---- drawing ---- */
@@ -166,8 +171,10 @@
 
   function showGroups() {
     data.groups.forEach(function (names, group) {
-      const y = names.map((name) => synthesis(signals[name], chosen.point * data.coefficients, groupTimes));
-      Plotly.restyle("group-" + group, { x: names.map(() => groupTimes), y: y });
+      const start = chosen.point * data.coefficients;
+      const y = names.map((name) => synthesis(signals[name], start, groupTimes).map((value) => value - signals[name][start]));
+      const labels = names.map((name, i) => data.groupLabels[group][i] + " (mean " + digits(signals[name][start]) + " µm)");
+      Plotly.restyle("group-" + group, { x: names.map(() => groupTimes), y: y, name: labels });
     });
   }
 
