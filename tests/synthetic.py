@@ -1,8 +1,8 @@
 """A small two-blade case that answers in a second: the same faces and pairs as the real one, ten unknowns.
 
-Each blade has a flap and an edgewise mode, the damper is rigid; the 2 x 55 contact pairs sit on two faces at 30 deg. The
-balance is solved here by a plain Newton method with frequency stepping, so tests of results and report do not lean on
-the solver of the package.
+Each blade has a flap and an edgewise mode, the damper is rigid; the 2 x 55 contact pairs sit on two faces at 30 deg.
+The balance is solved here by a plain Newton method with frequency stepping, so tests of results and report do not
+lean on the solver of the package.
 """
 
 from __future__ import annotations
@@ -123,7 +123,7 @@ def synthetic_response(
     rows_out = {name: [] for name in ("x", "state", "energy", "closure", "residual", "iterations", "input", "viscous")}
     for frequency in fine:
         omega = 2 * np.pi * frequency
-        for iteration in range(30):
+        for iteration in range(30):  # noqa: B007
             coefficients, contact, linear, residual = balance(x, omega)
             error = np.linalg.norm(residual) / np.linalg.norm(force)
             if error < 1e-10:

@@ -1,4 +1,5 @@
-"""The sections of a study file. Every default of the project's two-blade study stands here and nowhere else.
+"""The sections of a study file. The defaults are the two-blade study; tests hold them equal
+to those of the classes that they end up in.
 
 The fields are the keys of the file, their descriptions and the docstrings its comments (``template.py``). Values with a
 unit are texts ("145 mm"), plain numbers are SI; after loading everything is SI floats.

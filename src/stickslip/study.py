@@ -13,6 +13,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from stickslip.facts import derived_quantities, sizes, study_warnings
+from stickslip.interface.surface import draw_phases, fractal_surface, frequency_count
 from stickslip.model import FACE_NAMES, Model, build_joint, build_model, build_structure
 from stickslip.progress import Progress, SilentProgress
 from stickslip.results.measures import peaks, summary, summary_table
@@ -71,6 +72,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int) -> StudyOutcom
     files = [out / RESULTS_FILE]
     progress.update("Files", 0.2, REPORT_FILE)
     files += _shown(out, response, record, case.output.figure_formats)
+    files += _rough_face(out, case)
     progress.update("Files", 0.7, "shapes for ParaView")
     files += _shapes(out, case, model, response)
     progress.update("Files", 1.0, f"{len(files)} files")
@@ -149,12 +151,40 @@ def _mode_rows(case: Case, table: tuple[ReductionRow, ...]) -> Iterator[dict[str
 
 def _shown(out: Path, response: ForcedResponse, record: StudyRecord, formats: tuple[str, ...] = ()) -> Iterator[Path]:
     """Write the page and the single figures."""
-    from stickslip.report.figures import write_figures
     from stickslip.report.page import write_page
 
     write_page(out / REPORT_FILE, response, record)
     yield out / REPORT_FILE
-    yield from write_figures(out / "figures", response, record, formats)
+    if formats:
+        from stickslip.report.figures import save_all
+
+        yield from save_all(_figure_folder(out), response, record, formats)
+
+
+def _figure_folder(out: Path) -> Path:
+    folder = out / "figures"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def _rough_face(out: Path, case: Case) -> Iterator[Path]:
+    """A picture of one rough face: heights from the roughness, its ridges and its seed, over the contact face."""
+    if case.roughness is None or not case.output.figure_formats:
+        return
+    from stickslip.report.figures import save, surface
+
+    given, geometry = case.roughness, case.geometry
+    n_max = frequency_count(given.sample_length, given.shortest_length)
+    along = np.linspace(0.0, geometry.damper_length, 420)
+    across = np.linspace(0.0, geometry.contact_face_width, 98)
+    x, y = np.meshgrid(along, across)
+    phases = draw_phases(given.seed, given.ridges, n_max)
+    heights = fractal_surface(
+        x, y, given.fractal_dimension, given.fractal_roughness, given.sample_length, given.ridges, phases
+    )
+    figure = surface(x, y, heights)
+    for ending in case.output.figure_formats:
+        yield save(figure, _figure_folder(out) / f"rough_face.{ending}")
 
 
 def _shapes(out: Path, case: Case, model: Model, response: ForcedResponse) -> Iterator[Path]:

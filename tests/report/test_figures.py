@@ -1,87 +1,107 @@
-"""Single figures: what they draw is what the response holds, and files are written whole."""
+"""Figures for files: they draw what the response holds, and are written in the formats promised."""
 
-from __future__ import annotations
-
-from pathlib import Path
+import dataclasses
 
 import numpy as np
 import pytest
 
 from stickslip.errors import InputError
-from stickslip.report.figures import (
-    FIGURES,
-    amplitude_frequency,
-    contact_states,
-    energy_map,
-    hysteresis,
-    surface,
-    write_figures,
-)
-from stickslip.report.view import View
+from stickslip.report import figures
+from stickslip.report.style import STATES, energy_unit, number
 from synthetic import synthetic_response, synthetic_study
 
 
 @pytest.fixture(scope="module")
-def view() -> View:
-    return View.of(synthetic_response(), synthetic_study())
+def case():
+    return synthetic_response(), synthetic_study()
 
 
-def test_amplitude_curve_holds_the_amplitudes_and_units(view: View) -> None:
-    axes = amplitude_frequency(view).axes[0]
-    lines = {line.get_label(): line for line in axes.lines}
-    assert np.allclose(lines["with friction"].get_ydata(), view.amplitude_um)
-    assert np.allclose(lines["linear, all stuck"].get_ydata(), view.stuck_um)
+def test_amplitude_frequency_draws_three_curves_and_the_peak(case):
+    axes = figures.amplitude_frequency(*case).axes[0]
+    labels = [line.get_label() for line in axes.lines]
+    assert labels[:3] == ["linear, all stuck", "linear, no contact", "with friction"]
+    amplitude = 1e6 * case[0].amplitude(case[1].outputs[case[1].response_output])
+    np.testing.assert_allclose(axes.lines[2].get_ydata(), amplitude)
+    assert axes.lines[3].get_ydata()[0] >= amplitude.max() * 0.999
     assert "Hz" in axes.get_xlabel()
     assert "0-to-peak, µm" in axes.get_ylabel()
 
 
-def test_state_map_shows_every_pair_once(view: View) -> None:
-    figure = contact_states(view)
-    assert len(figure.axes) == 2
-    shown = sum(len(line.get_xdata()) for axes in figure.axes for line in axes.lines)
-    assert shown == view.response.pairs.n_pairs
-    legend = [text.get_text() for text in figure.axes[-1].get_legend().get_texts()]
-    assert legend == ["stuck", "stick-slip", "separating"]
+def test_contact_states_put_every_pair_once_with_its_shape(case):
+    response, study = case
+    for point in (0, 25):
+        panels = figures.contact_states(response, study, point).axes
+        drawn = [[len(dots.get_offsets()) for dots in axes.collections] for axes in panels]
+        for face in range(2):
+            states = response.contact_state[point, study.pair_face == face]
+            assert drawn[face] == [int((states == code).sum()) for code in range(3)]
+    assert [text.get_text() for text in panels[0].get_legend().get_texts()] == ["stuck", "stick-slip", "separating"]
+    assert len({state.matplotlib_marker for state in STATES}) == len({state.plotly_symbol for state in STATES}) == 3
 
 
-def test_energy_map_has_one_scale(view: View) -> None:
-    dots = [axes.collections[0] for axes in energy_map(view).axes[:2]]
-    assert dots[0].get_clim() == dots[1].get_clim()
-    energy = view.energy_factor * view.response.dissipated_energy[view.point]
-    assert np.allclose(np.sort(np.concatenate([d.get_array() for d in dots])), np.sort(energy))
+def test_loop_encloses_the_energy_of_its_pair(case):
+    response, study = case
+    point = int(response.dissipated_energy.sum(axis=1).argmax())
+    pair = int(response.dissipated_energy[point].argmax())
+    lines = figures.hysteresis_loop(response, study, point, pair).axes[0].lines
+    area = 0.0
+    for line in lines:
+        x, y = 1e-6 * line.get_xdata(), line.get_ydata()
+        area += 0.5 * np.sum((y[1:] + y[:-1]) * np.diff(x))
+    assert area == pytest.approx(response.dissipated_energy[point, pair], rel=0.03)
+    with pytest.raises(InputError, match="numbered 0 to 109"):
+        figures.hysteresis_loop(response, study, pair=110)
 
 
-def test_loop_closes(view: View) -> None:
-    loop = hysteresis(view).axes[0].lines[0]
-    x, y = loop.get_data()
-    assert (x[0], y[0]) == (x[-1], y[-1])
+def test_all_figures_are_written(case, tmp_path):
+    written = figures.save_all(tmp_path, *case, formats=("svg",))
+    assert {path.name for path in written} == {
+        f"{name}.svg"
+        for name in (
+            "amplitude_frequency",
+            "contact_states",
+            "energy_map",
+            "hysteresis_loop",
+            "energy_curve",
+            "mode_comparison",
+        )
+    }
+    assert all(path.read_text().startswith("<?xml") for path in written)
 
 
-def test_surface_is_drawn_about_its_mean() -> None:
-    x, y = np.meshgrid(np.linspace(0, 1e-3, 5), np.linspace(0, 1e-3, 4))
-    heights = 1e-6 * np.arange(20.0).reshape(4, 5)
-    drawn = surface(x, y, heights).axes[0].collections[0].get_array()
-    assert np.mean(drawn) == pytest.approx(0.0, abs=1e-12)
-    assert np.ptp(drawn) == pytest.approx(19.0)
-    with pytest.raises(InputError, match="grids of one shape"):
-        surface(x, y, heights[0])
-
-
-def test_files_in_each_format(view: View, tmp_path: Path) -> None:
-    files = list(write_figures(tmp_path, view.response, view.study, ("svg", "png")))
-    assert len(files) == 2 * len(FIGURES)
-    assert {path.name for path in tmp_path.iterdir()} == {path.name for path in files}
-    assert all(path.stat().st_size > 1000 for path in files)
-
-
-def test_same_figure_same_svg(view: View, tmp_path: Path) -> None:
-    for name in ("a", "b"):
-        list(write_figures(tmp_path / name, view.response, view.study, ("svg",)))
-    first, second = ((tmp_path / name / "energy_per_cycle.svg").read_bytes() for name in ("a", "b"))
-    assert first == second
-
-
-def test_folder_that_cannot_be_made(view: View, tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("in the way", encoding="utf-8")
+def test_png_pdf_and_refused_endings(case, tmp_path):
+    figure = figures.energy_curve(*case)
+    assert figures.save(figure, tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    assert figures.save(figure, tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
+    with pytest.raises(InputError, match=r"must end in one of \.svg"):
+        figures.save(figure, tmp_path / "a.xyz")
     with pytest.raises(InputError, match="could not be written"):
-        list(write_figures(tmp_path / "file", view.response, view.study, ("png",)))
+        figures.save(figure, tmp_path / "none" / "a.png")
+
+
+def test_mode_comparison_says_inferred_and_needs_the_paper(case):
+    axes = figures.mode_comparison(case[1]).axes[0]
+    assert "inferred" in axes.get_title()
+    assert axes.patches[6].get_height() == pytest.approx(100 * (3534.42 / 3559.8 - 1))
+    with pytest.raises(InputError, match="nothing to compare"):
+        figures.mode_comparison(dataclasses.replace(case[1], mode_table=({"mode": 1, "full_hz": 507.0},)))
+
+
+def test_surface_shows_heights_about_their_mean():
+    x, y = np.meshgrid(np.linspace(0, 0.028, 40), np.linspace(0, 0.0065, 20))
+    figure = figures.surface(x, y, 3e-6 + 1e-6 * np.sign(x - 0.014))
+    assert "Sq = 1 µm" in figure.axes[0].get_title()
+    with pytest.raises(InputError, match="share one shape"):
+        figures.surface(x[0], y[:, 0], x)
+
+
+def test_numbers_and_units_for_readers():
+    assert number(-0.57031, 3) == "−0.57"
+    assert number(5.4e-5) == "5.4 × 10⁻⁵"
+    assert number(2.0e7) == "2 × 10⁷"
+    assert number(0.0) == "0"
+    assert number(1234.567) == "1235"
+    assert number(110) == "110"
+    assert energy_unit(3e-4) == (1e6, "µJ")
+    assert energy_unit(0.02) == (1e3, "mJ")
+    assert energy_unit(0.0) == (1e9, "nJ")

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from helpers import Blade
+from stickslip.solve import reduced
 from stickslip.solve.balance import ActiveRows, Balance, Trial
 from stickslip.solve.compliance import stuck_structure
-from stickslip.solve.newton import Constraint, Newton, NewtonSettings, Parameter
+from stickslip.solve.newton import Constraint, Newton, NewtonSettings
 
 HARMONICS, SAMPLES = 3, 128
 
@@ -31,20 +32,26 @@ def moving_trial(blade: Blade, share: float) -> tuple[Balance, Trial]:
 
 
 @pytest.mark.parametrize("share", [0.05, 0.2, 0.6])
-@pytest.mark.parametrize("parameter", [Parameter.FREQUENCY, Parameter.LOAD])
-def test_step_solves_the_full_linearised_balance(blade: Blade, share: float, parameter: Parameter) -> None:
+@pytest.mark.parametrize("way", ["factor", "iteration", "iteration that fails"])
+def test_step_solves_the_full_linearised_balance(
+    blade: Blade, share: float, way: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if way != "factor":
+        monkeypatch.setattr(reduced, "DIRECT_SIZE", -1)
+    if way == "iteration that fails":
+        monkeypatch.setattr(reduced, "_gmres", lambda system, right: None)
     balance, trial = moving_trial(blade, share)
     generator = np.random.default_rng(5)
     weights = generator.normal(size=trial.relative.shape)
-    scale = parameter.value_of(trial)
+    scale = trial.omega
     constraint = Constraint(weights / np.abs(trial.relative).max(), 1.0 / scale, trial.relative, scale)
-    system = Newton(balance, NewtonSettings()).border(trial, parameter, constraint)
+    system = Newton(balance, NewtonSettings()).border(trial, constraint)
     solved = system.solve(trial.residual, 0.3)
-    step, change = solved.relative, solved.parameter
+    step, change = solved.relative, solved.omega
     # Directional derivative of the full residual along the step, by central differences.
     small = 1e-6
     forward, backward = (
-        parameter.evaluate(balance, trial.relative + sign * small * step, scale + sign * small * change, trial).residual
+        balance.evaluate(trial.relative + sign * small * step, scale + sign * small * change).residual
         for sign in (1.0, -1.0)
     )
     derivative = (forward - backward) / (2 * small)
@@ -74,7 +81,7 @@ def test_newton_converges_quadratically_near_the_solution(blade: Blade) -> None:
         if trial.error < 1e-11:
             break
         newton = Newton(balance, NewtonSettings(1e-12, 1))
-        trial = newton.correct(trial, Parameter.LOAD, Constraint.fixed(trial.relative, 1.0)).trial
+        trial = newton.correct(trial, Constraint.fixed(trial.relative, omega)).trial
     assert errors[-1] < 1e-11
     last = [e for e in errors if e < 1e-2]
     assert len(last) <= 4, f"errors {errors}"

@@ -1,204 +1,205 @@
-"""Single figures for papers and slides (SVG, PDF, PNG) by matplotlib; each function returns one figure."""
+"""Figures for papers and reports, one function a figure; ``save`` writes SVG, PNG or PDF by matplotlib.
+
+Amplitudes are 0-to-peak in µm, frequencies in Hz. The page has its own, interactive ones in ``plots.py``.
+"""
 
 from __future__ import annotations
 
-import os
-import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from stickslip.errors import InputError
-from stickslip.report.style import (
-    AXIS_NAMES,
-    BLUE,
-    GREY,
-    INK,
-    LINE_COLOURS,
-    MICRO,
-    ORANGE,
-    STATES,
-    VERMILLION,
-)
+from stickslip.report.style import BLUE, GREY, INK, LINE_COLOURS, MICRO, ORANGE, STATES, VERMILLION
 from stickslip.report.view import View
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
-from stickslip.validation import FloatArray
+from stickslip.results.storage import whole_file
+from stickslip.validation import finite_array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-FREQUENCY = "Excitation frequency, Hz"
-_LOOK: Any = {
-    "font.size": 9,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.edgecolor": GREY,
-    "axes.labelcolor": INK,
-    "axes.grid": True,
-    "grid.color": "#e6eaee",
-    "axes.axisbelow": True,
-    "svg.hashsalt": "stickslip",  # the same figure gives the same file
-    "savefig.bbox": "tight",
-}
+FORMATS = ("svg", "png", "pdf")
 
 
-def amplitude_frequency(view: View) -> Figure:
-    """Amplitude against frequency, 0-to-peak, with the linear stuck and free limits and the peak marked."""
-    figure, axes = _axes(6.4, 3.6)
-    linear, peak = view.response.linear, view.summary.peak
-    axes.plot(linear.frequency_hz, view.stuck_um, "--", color=BLUE, lw=1.4, label="linear, all stuck")
-    axes.plot(linear.frequency_hz, view.free_um, ":", color=ORANGE, lw=1.8, label="linear, no contact")
-    axes.plot(view.response.frequency_hz, view.amplitude_um, "-", color=INK, lw=1.8, label="with friction")
-    top = MICRO * peak.amplitude
-    axes.plot([peak.frequency_hz], [top], "D", color=VERMILLION, ms=6)
-    words = f"{'peak' if peak.bracketed else 'highest'} {top:.4g} µm\nat {peak.frequency_hz:.2f} Hz"
-    axes.annotate(words, (peak.frequency_hz, top), xytext=(12, 4), textcoords="offset points", color=INK)
-    axes.set(xlabel=FREQUENCY, ylabel=f"Amplitude at {view.study.response_output}, 0-to-peak, µm", xlim=view.window_hz)
-    axes.set_ylim(bottom=0.0)
-    axes.legend(frameon=False)
-    return figure
-
-
-def contact_states(view: View) -> Figure:
-    """State of every pair at the peak, one panel for each face."""
-    figure, panels = _face_panels(view)
-    state = view.response.contact_state[view.point]
-    for face, axes in enumerate(panels):
-        members = view.study.pair_face == face
-        for code, style in enumerate(STATES):
-            chosen = members & (state == code)
-            along, across = 1e3 * view.study.pair_position[chosen].T
-            axes.plot(along, across, style.matplotlib_marker, color=style.colour, ms=6, ls="", label=style.name)
-    panels[-1].legend(frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
-    return figure
-
-
-def energy_map(view: View) -> Figure:
-    """Energy that every pair takes out in one cycle at the peak, one panel for each face, one colour scale."""
-    figure, panels = _face_panels(view)
-    energy = view.energy_factor * view.response.dissipated_energy[view.point]
-    top = float(energy.max())
-    for face, axes in enumerate(panels):
-        members = view.study.pair_face == face
-        along, across = 1e3 * view.study.pair_position[members].T
-        dots = axes.scatter(
-            along, across, c=energy[members], cmap="cividis", vmin=0.0, vmax=top or 1.0, marker="s", s=42
-        )
-    figure.colorbar(dots, ax=panels, label=f"Dissipated energy, {view.energy_unit} per cycle", shrink=0.85)
-    return figure
-
-
-def energy_curve(view: View) -> Figure:
-    """Energy per cycle along the curve: friction, viscous damping, input."""
-    figure, axes = _axes(6.4, 3.2)
-    response, factor = view.response, view.energy_factor
-    frequency = response.frequency_hz
-    axes.plot(frequency, factor * response.input_energy, "-", color=GREY, lw=2.4, label="input")
-    axes.plot(frequency, factor * response.dissipated_energy.sum(axis=1), "-", color=VERMILLION, label="friction")
-    axes.plot(frequency, factor * response.viscous_energy, "--", color=BLUE, label="viscous damping")
-    axes.set(xlabel=FREQUENCY, ylabel=f"Energy, {view.energy_unit} per cycle", xlim=view.window_hz)
-    axes.set_ylim(bottom=0.0)
-    axes.legend(frameon=False)
-    return figure
-
-
-def hysteresis(view: View) -> Figure:
-    """Loop and normal force of the pair that dissipates most at the peak."""
-    figure, (loop, normal) = _axes(6.8, 3.0, columns=2)
-    cycle = view.response.pair_cycle(view.point)
-    samples = cycle.force.shape[0]
-    motion = MICRO * view.response.pair_displacement(view.point, samples)[:, view.pair]
-    closed = np.append(np.arange(samples), 0)
-    for axis in (0, 1):
-        colour, name = LINE_COLOURS[axis], f"along {AXIS_NAMES[axis]}"
-        loop.plot(motion[closed, axis], cycle.force[closed, view.pair, axis], color=colour, label=name)
-    loop.set(xlabel="Relative displacement, µm", ylabel="Friction force, N", title=view.pair_label(view.pair))
-    loop.legend(frameon=False)
-    normal.plot(np.arange(samples) / samples, cycle.force[:, view.pair, 2], color=INK)
-    normal.set(xlabel="Time over period", ylabel="Normal force, N")
-    return figure
-
-
-def surface(x: FloatArray, y: FloatArray, heights: FloatArray, title: str = "") -> Figure:
-    """A rough face as a map of its heights; x, y, heights (n, m) in m. Raises InputError for shapes that differ."""
-    if not (np.shape(x) == np.shape(y) == np.shape(heights)) or np.ndim(x) != 2:
-        raise InputError(
-            f"x, y and heights must be grids of one shape, found {np.shape(x)}, {np.shape(y)}, {np.shape(heights)}."
-        )
-    figure, axes = _axes(5.2, 3.6)
-    height_um = MICRO * (heights - np.mean(heights))
-    mesh = axes.pcolormesh(1e3 * np.asarray(x), 1e3 * np.asarray(y), height_um, cmap="cividis", shading="auto")
-    figure.colorbar(mesh, ax=axes, label="Height above the mean, µm")
-    axes.set(xlabel="x, mm", ylabel="y, mm", title=title, aspect="equal")
-    axes.grid(False)
-    return figure
-
-
-FIGURES: dict[str, Callable[[View], Figure]] = {
-    "amplitude_frequency": amplitude_frequency,
-    "contact_states": contact_states,
-    "dissipated_energy_map": energy_map,
-    "energy_per_cycle": energy_curve,
-    "hysteresis": hysteresis,
-}
-
-
-def write_figures(
-    folder: str | os.PathLike[str], response: ForcedResponse, study: StudyRecord, formats: Iterable[str]
-) -> Iterator[Path]:
-    """Write every single figure in each format ("svg", "pdf", "png") into ``folder``; yields the files."""
-    wanted = tuple(formats)
-    if not wanted:
-        return
+def amplitude_frequency(response: ForcedResponse, study: StudyRecord) -> Figure:
+    """Amplitude of the first output against frequency, linear stuck and free beside it, the peak marked."""
     view = View.of(response, study)
-    for name, draw in FIGURES.items():
-        yield from save_figure(draw(view), Path(folder), name, wanted)
+    figure, axes = _new(7.0, 4.2)
+    linear, peak = response.linear, view.summary.peak
+    axes.plot(linear.frequency_hz, view.stuck_um, "--", color=BLUE, label="linear, all stuck")
+    axes.plot(linear.frequency_hz, view.free_um, ":", color=ORANGE, linewidth=2.0, label="linear, no contact")
+    axes.plot(response.frequency_hz, view.amplitude_um, ".-", color=INK, markersize=4, label="with friction")
+    words = f"peak {MICRO * peak.amplitude:.4g} µm at {peak.frequency_hz:.2f} Hz"
+    axes.plot(peak.frequency_hz, MICRO * peak.amplitude, "D", color=VERMILLION, label=words)
+    axes.set(xlim=view.window_hz, ylim=(0.0, None), xlabel="Excitation frequency, Hz")
+    axes.set_ylabel(f"Amplitude, 0-to-peak, µm\n{study.response_output}")
+    axes.legend(frameon=False)
+    return figure
 
 
-def save_figure(figure: Figure, folder: Path, name: str, formats: Iterable[str]) -> Iterator[Path]:
-    """Write one figure in each format, each file whole or not at all. Raises InputError where that is not possible."""
-    import matplotlib as mpl
-
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for suffix in formats:
-            target = folder / f"{name}.{suffix}"
-            with (
-                tempfile.NamedTemporaryFile(dir=folder, suffix=f".{suffix}", delete=False) as part,
-                mpl.rc_context(_LOOK),
-            ):
-                # A date would make two files of one figure differ.
-                metadata = {} if suffix == "png" else {"Date": None} if suffix == "svg" else {"CreationDate": None}
-                figure.savefig(part, format=suffix, dpi=200, metadata=metadata)
-            os.chmod(part.name, 0o644)
-            os.replace(part.name, target)
-            yield target
-    except OSError as error:
-        raise InputError(f"the figure {folder / name} could not be written: {error.strerror or error}.") from error
+def contact_states(response: ForcedResponse, study: StudyRecord, point: int | None = None) -> Figure:
+    """Map of the contact states on each face at one computed point, the peak unless another is given."""
+    view = View.of(response, study)
+    at = view.point if point is None else point
+    figure, panels = _face_panels(study, f"{response.frequency_hz[at]:.2f} Hz, {view.amplitude_um[at]:.4g} µm")
+    for face, axes in enumerate(panels):
+        for code, state in enumerate(STATES):
+            here = (study.pair_face == face) & (response.contact_state[at] == code)
+            x, y = 1e3 * study.pair_position[here].T
+            axes.scatter(x, y, marker=state.matplotlib_marker, color=state.colour, s=55, label=state.name)
+    panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.12), ncols=3, frameon=False, borderaxespad=0.0)
+    return figure
 
 
-def _axes(width: float, height: float, columns: int = 1) -> tuple[Figure, Any]:
-    """A figure without a window, and its axes (one, or a row of them)."""
-    import matplotlib as mpl
+def energy_map(response: ForcedResponse, study: StudyRecord, point: int | None = None) -> Figure:
+    """Map of the energy that each pair dissipates per cycle at one computed point, the peak unless another is given."""
+    view = View.of(response, study)
+    at = view.point if point is None else point
+    energy = view.energy_factor * response.dissipated_energy[at]
+    figure, panels = _face_panels(study, f"{response.frequency_hz[at]:.2f} Hz")
+    top = max(float(energy.max()), 1e-30)
+    for face, axes in enumerate(panels):
+        here = study.pair_face == face
+        x, y = 1e3 * study.pair_position[here].T
+        dots = axes.scatter(x, y, c=energy[here], marker="s", s=70, cmap="cividis", vmin=0.0, vmax=top)
+    figure.colorbar(dots, ax=panels, label=f"Friction energy, {view.energy_unit} per cycle")
+    return figure
+
+
+def hysteresis_loop(
+    response: ForcedResponse, study: StudyRecord, point: int | None = None, pair: int | None = None
+) -> Figure:
+    """Friction force against relative displacement of one pair along t1 and t2.
+
+    The point is the peak and the pair the one that dissipates most there, unless others are given. Displacements are
+    about their mean over the period.
+    """
+    view = View.of(response, study)
+    at = view.point if point is None else point
+    which = view.pair if pair is None else pair
+    if not 0 <= which < response.pairs.n_pairs:
+        raise InputError(f"pair is {which}, but the pairs are numbered 0 to {response.pairs.n_pairs - 1}.")
+    force = response.pair_cycle(at).force[:, which, :2]
+    motion = MICRO * response.pair_displacement(at, response.samples)[:, which, :2]
+    motion = motion - motion.mean(axis=0)
+    figure, axes = _new(4.8, 4.2)
+    for axis in range(2):
+        loop = np.vstack([np.column_stack([motion[:, axis], force[:, axis]]), [motion[0, axis], force[0, axis]]])
+        axes.plot(*loop.T, color=LINE_COLOURS[axis], label=f"along t{axis + 1}")
+    axes.set(xlabel="Relative displacement about the mean, µm", ylabel="Friction force, N")
+    axes.set_title(f"{view.pair_label(which)}, {response.frequency_hz[at]:.2f} Hz", fontsize=9)
+    axes.legend(frameon=False)
+    return figure
+
+
+def energy_curve(response: ForcedResponse, study: StudyRecord) -> Figure:
+    """Energy per cycle along the curve: friction, viscous damping, and the work of the excitation."""
+    view = View.of(response, study)
+    figure, axes = _new(7.0, 3.6)
+    factor = view.energy_factor
+    axes.plot(response.frequency_hz, factor * response.dissipated_energy.sum(axis=1), color=INK, label="friction")
+    axes.plot(response.frequency_hz, factor * response.viscous_energy, "--", color=BLUE, label="viscous")
+    axes.plot(response.frequency_hz, factor * response.input_energy, ":", color=ORANGE, linewidth=2.0, label="input")
+    axes.set(xlabel="Excitation frequency, Hz", ylabel=f"Energy per cycle, {view.energy_unit}", ylim=(0.0, None))
+    axes.legend(frameon=False)
+    return figure
+
+
+def mode_comparison(study: StudyRecord) -> Figure:
+    """Deviation of each natural frequency from the paper's Table 2, with the word inferred in its title.
+
+    Raises InputError if no row of the mode table has ``full_hz`` and ``table2_hz``.
+    """
+    rows = [row for row in study.mode_table if "full_hz" in row and "table2_hz" in row]
+    if not rows:
+        raise InputError("the mode table has no row with full_hz and table2_hz, so there is nothing to compare.")
+    deviation = [100.0 * (float(row["full_hz"]) / float(row["table2_hz"]) - 1.0) for row in rows]
+    labels = [f"{row.get('mode', i + 1)}: {float(row['table2_hz']):.1f} Hz" for i, row in enumerate(rows)]
+    figure, axes = _new(7.0, 3.4)
+    axes.bar(range(len(rows)), deviation, color=BLUE)
+    axes.axhline(0.0, color=INK, linewidth=0.8)
+    axes.set_xticks(range(len(rows)), labels, rotation=45, ha="right")
+    axes.set(xlabel="Mode: frequency in Table 2", ylabel="Full model against Table 2, %")
+    axes.set_title("Natural frequencies of the inferred geometry", fontsize=10)
+    return figure
+
+
+def surface(x: ArrayLike, y: ArrayLike, heights: ArrayLike) -> Figure:
+    """Heights of a rough face as a colour map; x, y and heights in m, all of one shape (n, m) on a grid.
+
+    Raises InputError for shapes that differ or are not two-dimensional.
+    """
+    grid = [finite_array(name, value) for name, value in (("x", x), ("y", y), ("heights", heights))]
+    if grid[2].ndim != 2 or grid[0].shape != grid[2].shape or grid[1].shape != grid[2].shape:
+        raise InputError(
+            f"x, y and heights must share one shape (n, m), but their shapes are {grid[0].shape}, {grid[1].shape} and "
+            f"{grid[2].shape}. Make x and y with numpy.meshgrid."
+        )
+    figure, axes = _new(7.0, 3.2)
+    about_mean = MICRO * (grid[2] - grid[2].mean())
+    mesh = axes.pcolormesh(1e3 * grid[0], 1e3 * grid[1], about_mean, cmap="cividis", shading="gouraud", rasterized=True)
+    figure.colorbar(mesh, ax=axes, label="Height about the mean, µm")
+    axes.set(xlabel="x, mm", ylabel="y, mm", aspect="equal")
+    axes.set_title(f"Sq = {about_mean.std():.3g} µm on this grid", fontsize=10)
+    return figure
+
+
+def save(figure: Figure, path: str | PathLike[str]) -> Path:
+    """Write a figure; the ending of the name says how: .svg, .png or .pdf. Raises InputError."""
+    target = Path(path)
+    if target.suffix.lstrip(".") not in FORMATS:
+        raise InputError(f'the figure "{target}" must end in one of .{", .".join(FORMATS)}.')
+    with whole_file(target, "figure", InputError) as part:
+        figure.savefig(part, format=target.suffix.lstrip("."), dpi=200)
+    return target
+
+
+def save_all(
+    folder: str | PathLike[str], response: ForcedResponse, study: StudyRecord, formats: tuple[str, ...] = ("svg", "png")
+) -> list[Path]:
+    """Write every figure of one run into a folder, in each format; returns the files. Raises InputError."""
+    drawn = {
+        "amplitude_frequency": amplitude_frequency(response, study),
+        "contact_states": contact_states(response, study),
+        "energy_map": energy_map(response, study),
+        "hysteresis_loop": hysteresis_loop(response, study),
+        "energy_curve": energy_curve(response, study),
+    }
+    if any("table2_hz" in row and "full_hz" in row for row in study.mode_table):
+        drawn["mode_comparison"] = mode_comparison(study)
+    return [save(figure, Path(folder) / f"{name}.{ending}") for name, figure in drawn.items() for ending in formats]
+
+
+def _new(width: float, height: float) -> tuple[Figure, Axes]:
     from matplotlib.figure import Figure
 
-    with mpl.rc_context(_LOOK):
-        figure = Figure(figsize=(width, height), layout="constrained")
-        return figure, figure.subplots(1, columns)
+    figure = Figure(figsize=(width, height), layout="constrained")
+    return figure, _plain(figure.subplots())
 
 
-def _face_panels(view: View) -> tuple[Figure, list[Axes]]:
-    """One panel for each face, with its axes in mm."""
-    names = view.study.face_names
-    figure, panels = _axes(3.4 * len(names) + 0.8, 2.4, columns=len(names))
-    panels = list(np.atleast_1d(panels))
-    frequency = view.response.frequency_hz[view.point]
-    for name, axes in zip(names, panels, strict=True):
-        axes.set(xlabel="Along the damper, mm", title=f"{name}, {frequency:.2f} Hz")
-        axes.margins(0.08)
-    panels[0].set_ylabel("Up the slope, mm")
+def _plain(axes: Any) -> Any:
+    axes.grid(color="#e8ecf0")
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.spines[["left", "bottom"]].set_color(GREY)
+    return axes
+
+
+def _face_panels(study: StudyRecord, heading: str) -> tuple[Figure, list[Axes]]:
+    from matplotlib.figure import Figure
+
+    count = len(study.face_names)
+    figure = Figure(figsize=(7.0, 0.9 + 1.7 * count), layout="constrained")
+    panels = [_plain(axes) for axes in figure.subplots(count, 1, sharex=True, squeeze=False).ravel()]
+    for face, axes in enumerate(panels):
+        axes.set_title(f"{study.face_names[face]}, {heading}", fontsize=10, loc="left")
+        axes.set_ylabel("Across, mm")
+        axes.margins(0.06, 0.14)
+    panels[-1].set_xlabel("Along the length, mm")
     return figure, panels

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 from collections.abc import Iterable, Sequence
 from html import escape
@@ -21,6 +20,7 @@ from stickslip.report.view import View
 from stickslip.results.measures import summary_table
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import STATE_NAMES, ForcedResponse
+from stickslip.results.storage import whole_file
 
 _MODE_HEADINGS = {
     "mode": "#",
@@ -32,8 +32,8 @@ _MODE_HEADINGS = {
     "table2_hz": "Paper, Table 2, Hz",
 }
 _INFERRED = (
-    "The geometry is <b>inferred</b>: the paper's drawing does not survive, so seven dimensions were fitted to these ten "
-    "frequencies of its Table 2. The last column shows how good that fit is; it is not an independent check."
+    "The geometry is <b>inferred</b>: the paper's drawing does not survive, so seven dimensions were fitted to these "
+    "ten frequencies of its Table 2. The last column shows how good that fit is; it is not an independent check."
 )
 
 
@@ -44,17 +44,8 @@ def write_page(path: str | PathLike[str], response: ForcedResponse, study: Study
     """
     target = Path(path)
     text = page(response, study)
-    part = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
+    with whole_file(target, "report", InputError) as part:
         part.write_text(text, encoding="utf-8")
-        os.replace(part, target)
-    except OSError as error:
-        raise InputError(
-            f'the report could not be written to "{target}": {error.strerror}. Choose a folder that exists and that you '
-            "may write to."
-        ) from error
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def page(response: ForcedResponse, study: StudyRecord) -> str:
@@ -63,7 +54,7 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
 
     view = View.of(response, study)
     faces = range(len(study.face_names))
-    date = response.provenance.get("date", "date unknown")
+    date = response.provenance.get("date", "date unknown").replace("T", " ").replace("+00:00", " UTC")
     ended = "converged" if response.converged else "NOT converged"
     parts = {
         "title": escape(study.title),
@@ -80,7 +71,10 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
         "imbalance": number(view.summary.energy_imbalance, 2),
         "groups": _groups(study),
         "modes": _mode_table(study),
-        "measures": _rows((name, f"{value} {unit}".replace("-", "−")) for name, value, unit in _measures(view)),
+        "measures": _rows(
+            (name, "–" if value == "-" else f"{value} {unit}".replace("-", "−"))
+            for name, value, unit in _measures(view)
+        ),
         "derived": _derived(study),
         "inputs": escape(study.inputs),
         "settings": _rows((key, number(value)) for key, value in response.settings.items()),
@@ -155,7 +149,7 @@ def _tiles(view: View) -> str:
     moving = sum(measures.state_counts[1:])
     tiles = (
         (
-            "Peak amplitude, 0-to-peak",
+            "Peak amplitude, 0‑to‑peak",
             f"{number(1e6 * measures.peak.amplitude)} <small>µm</small>",
             f"at {number(measures.peak.frequency_hz, 5)} Hz",
         ),
@@ -207,11 +201,13 @@ def _groups(study: StudyRecord) -> str:
     if not study.signal_groups:
         return ""
     figures = "".join(
-        f'<figure class="panel"><figcaption>{escape(heading)}</figcaption><div id="group-{i}" class="plot"></div></figure>'
+        f'<figure class="panel"><figcaption>{escape(heading)}</figcaption>'
+        f'<div id="group-{i}" class="plot"></div></figure>'
         for i, heading in enumerate(study.signal_groups)
     )
     return (
-        '<section><h2>Motion over one period</h2><p class="note">At <b class="now"></b>.</p>'
+        '<section><h2>Motion over one period</h2><p class="note">At <b class="now"></b>; displacements are '
+        "shown about their mean over the period.</p>"
         f'<div class="two">{figures}</div></section>'
     )
 
@@ -232,7 +228,8 @@ def _mode_table(study: StudyRecord) -> str:
     note = f'<p class="note">{_INFERRED}</p>' if compared else ""
     return (
         f"<section><h2>Natural frequencies, contact stuck{' (geometry inferred)' if compared else ''}</h2>{note}"
-        f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{"".join(body)}</tbody></table></div></section>'
+        f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{"".join(body)}</tbody></table></div>'
+        "</section>"
     )
 
 

@@ -2,7 +2,7 @@
 
 States and energies go in for every point. For the loops the page holds the displacement coefficients of each pair, and
 the friction force only of pairs that slip or separate, as 16-bit numbers: a stuck pair's force is that of its spring.
-Where all of that would be too much, loops are held for fewer points, spread evenly along the curve, always with the peak.
+Where all of that would be too much, loops are held for fewer points, spread evenly along the curve and with the peak.
 """
 
 from __future__ import annotations
@@ -72,7 +72,9 @@ def _loops(view: View) -> dict[str, Any]:
     size = relative_size + moving.sum(axis=1) * 2 * times.size * 2
     points = _points_within(size, view.point)
     slots = np.full((points.size, response.pairs.n_pairs), -1)
-    forces, scales, coefficients = [], [], []
+    forces: list[NDArray[np.float64]] = []
+    scales: list[NDArray[np.float64]] = []
+    coefficients = []
     for position, point in enumerate(points):
         coefficients.append(MICRO * response.pair_coefficients(int(point)))
         active = np.flatnonzero(moving[point])
@@ -80,7 +82,7 @@ def _loops(view: View) -> dict[str, Any]:
             continue
         force = response.pair_cycle(int(point)).force[times][:, active, :2]
         scale = np.maximum(np.abs(force).max(axis=(0, 2)), 1e-30) / _FULL_SCALE
-        slots[position, active] = sum(map(len, scales)) + np.arange(active.size)
+        slots[position, active] = sum(held.size for held in scales) + np.arange(active.size)
         scales.append(scale)
         forces.append(np.rint(force / scale[None, :, None]).transpose(1, 2, 0))
     return {

@@ -126,7 +126,7 @@ def amplitude_frequency(view: View) -> Figure:
 
 
 def face_map(view: View, face: int, quantity: str) -> Figure:
-    """One face at the peak: contact states ("state") or energy of each pair ("energy"); the last trace is the choice."""
+    """One face at the peak: contact states ("state") or energy of each pair ("energy"); the last trace is the ring."""
     study, response = view.study, view.response
     pairs = np.flatnonzero(study.pair_face == face)
     position = 1e3 * study.pair_position[pairs]
@@ -194,7 +194,7 @@ def hysteresis_loop() -> Figure:
     ]
     return _figure(
         traces[:2],
-        420,
+        480,
         xaxis=_axis("Relative displacement about the mean, µm"),
         yaxis=_axis("Friction force, N"),
         hovermode="closest",
@@ -210,19 +210,20 @@ def pair_signals() -> Figure:
         _line("±µN", [], [], GREY, "solid", width=1.0),
     ]
     motion = [
-        _line(axis, [], [], colour, dash, xaxis="x", yaxis="y2")
+        _line(axis, [], [], colour, dash, xaxis="x", yaxis="y2", legend="legend2")
         for axis, colour, dash in zip(AXIS_NAMES, LINE_COLOURS, LINE_DASHES, strict=True)
     ]
     sliders = [
-        _line(f"slider {axis}", [], [], colour, "dashdot", width=1.2, xaxis="x", yaxis="y2")
+        _line(f"slider {axis}", [], [], colour, "dashdot", width=1.4, xaxis="x", yaxis="y2", legend="legend2")
         for axis, colour in zip(AXIS_NAMES[:2], (PURPLE, ORANGE), strict=True)
     ]
     return _figure(
         forces + motion + sliders,
-        420,
+        480,
         xaxis=_axis(TIME, range=[0, 1], anchor="y2"),
-        yaxis=_axis("Force, N", domain=[0.55, 1]),
-        yaxis2=_axis("Displacement, µm", domain=[0, 0.45]),
+        yaxis=_axis("Force, N", domain=[0.57, 1]),
+        yaxis2=_axis("Displacement, µm", domain=[0, 0.4]),
+        legend2={"orientation": "h", "x": 0, "y": 0.42, "yanchor": "bottom", "font": {"size": 12}},
         hovermode="x unified",
     )
 
@@ -259,7 +260,7 @@ def energy_curve(view: View) -> Figure:
 
 
 def group_labels(names: tuple[str, ...]) -> tuple[str, ...]:
-    """Last words of names such as "damper left x", since the heading has the rest; the names where those do not differ."""
+    """Last words of names such as "damper left x" (the heading has the rest), or the names if those do not differ."""
     short = tuple(name.split()[-1] for name in names)
     return short if len(set(short)) == len(names) else names
 
@@ -267,11 +268,13 @@ def group_labels(names: tuple[str, ...]) -> tuple[str, ...]:
 def output_signals(names: tuple[str, ...]) -> Figure:
     """Displacements of a group of outputs over one period; filled by page.js."""
     styles = zip(LINE_COLOURS * len(names), LINE_DASHES * len(names), strict=True)
-    traces = [_line(label, [], [], colour, dash) for label, (colour, dash) in zip(group_labels(names), styles, strict=False)]
+    traces = [
+        _line(label, [], [], colour, dash) for label, (colour, dash) in zip(group_labels(names), styles, strict=False)
+    ]
     return _figure(
         traces,
         300,
         xaxis=_axis(TIME, range=[0, 1]),
-        yaxis=_axis("Displacement about the mean, µm"),
+        yaxis=_axis("Displacement, µm"),
         hovermode="x unified",
     )

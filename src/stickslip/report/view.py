@@ -15,8 +15,8 @@ from stickslip.validation import FloatArray
 class View:
     """A response and its study, with the arrays that several figures draw.
 
-    ``amplitude_um`` (n_points,), ``stuck_um`` and ``free_um`` (n_linear,) are 0-to-peak in µm; ``point`` is the computed
-    point at the peak and ``pair`` the one that dissipates most there; energies times ``energy_factor`` are in
+    ``amplitude_um`` (n_points,), ``stuck_um`` and ``free_um`` (n_linear,) are 0-to-peak in µm; ``point`` is the
+    computed point at the peak and ``pair`` the one that dissipates most there; energies times ``energy_factor`` are in
     ``energy_unit``.
     """
 

@@ -62,8 +62,8 @@ def peaks(frequency_hz: ArrayLike, amplitude: ArrayLike) -> list[Peak]:
     """Local maxima along the curve, highest first; if there is none, the higher end of the curve, not bracketed.
 
     Around each maximum ``1 / amplitude^2`` and the frequency are taken as parabolas through three neighbouring points,
-    over the length of the curve between them; ``1 / amplitude^2`` of a lightly damped linear resonance is a parabola in
-    the frequency, so that one is found almost exactly.
+    over the frequency, or over the index where the curve folds. ``1 / amplitude^2`` of a lightly damped linear
+    resonance is a parabola in the frequency, so that one is found almost exactly.
 
     Parameters
     ----------
@@ -93,16 +93,19 @@ def peaks(frequency_hz: ArrayLike, amplitude: ArrayLike) -> list[Peak]:
 
 def _interpolated_peak(frequency: FloatArray, height: FloatArray, i: int) -> Peak:
     f, a = frequency[i - 1 : i + 2], height[i - 1 : i + 2]
-    if a.min() <= 0.0 or np.ptp(f) == 0.0:
+    if a.min() <= 0.0:
         return Peak(i, float(frequency[i]), float(height[i]), bracketed=True)
-    # Where the three points go one way the frequency itself is the length; round a fold both coordinates count.
-    one_way = (f[1] - f[0]) * (f[2] - f[1]) > 0
-    steps = np.abs(np.diff(f)) if one_way else np.hypot(np.diff(f) / np.ptp(f), np.diff(a) / np.ptp(a))
+    # The frequency is the best length where its two steps are alike. Round a fold it slows and turns back, and the
+    # index stands for the length of the continuation's steps, which change little from one to the next.
+    first, second = np.diff(f)
+    alike = first * second > 0 and max(abs(first), abs(second)) < 3.0 * min(abs(first), abs(second))
+    steps = np.abs(np.diff(f)) if alike else np.ones(2)
     length = np.concatenate([[-steps[0]], [0.0], [steps[1]]])
     inverse = (a[1] / a) ** 2
-    bend, slope = np.polyfit(length, inverse, 2)[:2]
+    parabola = np.polyfit(length, inverse, 2)
+    bend, slope = parabola[:2]
     place = float(np.clip(-0.5 * slope / bend, length[0], length[2])) if bend > 0 else 0.0
-    smallest = float(np.polyval(np.polyfit(length, inverse, 2), place))
+    smallest = float(np.polyval(parabola, place))
     nearest = i + int(np.abs(length - place).argmin()) - 1
     peak_frequency = float(np.polyval(np.polyfit(length, f, 2), place))
     # A parabola through a sharp corner could pass zero; the computed maximum then stands.

@@ -234,7 +234,7 @@ class ForcedResponse:
         from stickslip.interface.friction import contact_cycle  # compiled code: loaded only when forces are wanted
 
         displacement = self.pair_displacement(point, self.samples)
-        update = cast("Update", self.settings.get("update", "tractrix"))
+        update = cast("Update", self.settings["update"])
         return contact_cycle(displacement, self.pairs, update=update)
 
     def save(self, path: str | PathLike[str]) -> None:

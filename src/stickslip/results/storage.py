@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.metadata import version
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from stickslip.errors import ResultsFileError
+from stickslip.errors import ResultsFileError, StickslipError
 from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.results.record import StudyRecord, plain
 from stickslip.results.response import ForcedResponse, LinearCurves
@@ -46,30 +48,35 @@ def save_results(path: str | PathLike[str], response: ForcedResponse, study: Stu
     if study is not None:
         study.require_fit(response)
     target = Path(path)
-    part = target.with_name(f".{target.name}.{os.getpid()}.part")
     groups = {None: _response_dataset(response), "linear": _linear_dataset(response), "pairs": _pairs_dataset(response)}
     if study is not None:
         groups["study"] = _study_dataset(study)
-    try:
+    with whole_file(target, "results", ResultsFileError) as part:
         for group, dataset in groups.items():
             encoding = {
                 str(name): {"zlib": True, "complevel": 4, "fletcher32": True}
                 for name, variable in dataset.variables.items()
                 if variable.ndim and variable.dtype.kind in "fi"
             }
-            dataset.to_netcdf(
-                part,
-                mode="w" if group is None else "a",
-                group=group,
-                engine="h5netcdf",
-                encoding=encoding,
-            )
+            mode: Literal["w", "a"] = "w" if group is None else "a"
+            dataset.to_netcdf(part, mode=mode, group=group, engine="h5netcdf", encoding=encoding)
+
+
+@contextmanager
+def whole_file(target: Path, what: str, error: type[StickslipError]) -> Iterator[Path]:
+    """A hidden file beside ``target`` to write to; it takes that name once the block ends well, else it is removed.
+
+    ``what`` names the content ("results"); an operating system error becomes ``error`` with a sentence.
+    """
+    part = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        yield part
         os.replace(part, target)
-    except OSError as error:
-        raise ResultsFileError(
-            f'the results could not be written to "{target}": {error.strerror or error}. Choose a folder that exists '
-            "and that you may write to, with room on the disk."
-        ) from error
+    except OSError as problem:
+        raise error(
+            f'the {what} could not be written to "{target}": {problem.strerror or problem}. Choose a folder that '
+            "exists and that you may write to, with room on the disk."
+        ) from problem
     finally:
         part.unlink(missing_ok=True)
 

@@ -128,10 +128,6 @@ class Balance:
         slope = self.compliance.displacement_slope(trial.omega, trial.load * self.force, trial.deviation)
         return -slope @ self.pairs.operator.T
 
-    def load_slope(self, trial: Trial) -> FloatArray:
-        """dR/d load (2H+1, m) at fixed x."""
-        return -self.linear(trial.omega)
-
     def deviation_tangent(self, active: ActiveRows, relative: FloatArray) -> FloatArray:
         """D (n_moving, 3, 2H+1, 3, 2H+1): derivative of the deviation of the moving pairs."""
         coefficients = np.ascontiguousarray(relative.T).reshape(self.pairs.n_pairs, 3, -1)

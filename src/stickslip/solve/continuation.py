@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.solve.balance import Trial
-from stickslip.solve.newton import Constraint, Correction, Newton, Parameter
+from stickslip.solve.newton import Constraint, Correction, Newton
 from stickslip.solve.reduced import BorderedSystem
 from stickslip.validation import FloatArray
 
@@ -153,12 +153,12 @@ class Branch:
     def _direction_of(self, point: Trial, system: BorderedSystem, constraint: float) -> Tangent:
         """Tangent at ``point`` from a Newton system; ``constraint`` fixes its orientation."""
         step = system.solve(np.zeros_like(point.relative), constraint)
-        change = self._balance.displacement_change(point, step.deviation, step.parameter)
-        return Tangent(step.relative, change, step.parameter)
+        change = self._balance.displacement_change(point, step.deviation, step.omega)
+        return Tangent(step.relative, change, step.omega)
 
     def _first_tangent(self) -> Tangent:
         constraint = Constraint.fixed(self._start.relative, self._start.omega)
-        system = self._newton.border(self._start, Parameter.FREQUENCY, constraint)
+        system = self._newton.border(self._start, constraint)
         tangent = self._direction_of(self._start, system, self._direction)
         return self._measure(self._start).unit(tangent)
 
@@ -178,11 +178,11 @@ class Branch:
         reason = "Newton did not converge"
         while step >= settings.smallest_step:
             constraint = self._constraint(point, tangent, step)
-            guess = self._balance.evaluate(constraint.relative_target, constraint.parameter_target, point.load)
-            correction = self._newton.correct(guess, Parameter.FREQUENCY, constraint)
+            guess = self._balance.evaluate(constraint.relative_target, constraint.omega_target, point.load)
+            correction = self._newton.correct(guess, constraint)
             if correction.converged:
                 # The last system of the correction is the point's own but for the last Newton step.
-                system = correction.system or self._newton.border(correction.trial, Parameter.FREQUENCY, constraint)
+                system = correction.system or self._newton.border(correction.trial, constraint)
                 turned = self._direction_of(correction.trial, system, 1.0)
                 metric = self._measure(correction.trial)
                 angle = metric.angle_deg(turned, tangent)
@@ -214,7 +214,7 @@ class Branch:
         guess = before.relative + share * (after.relative - before.relative)
         start = self._balance.evaluate(guess, self._stop, after.load)
         constraint = Constraint.fixed(guess, self._stop)
-        correction = self._newton.correct(start, Parameter.FREQUENCY, constraint)
+        correction = self._newton.correct(start, constraint)
         return (correction.trial, correction.iterations) if correction.converged else (after, 0)
 
 

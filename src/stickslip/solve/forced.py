@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
 from stickslip.errors import InputError
@@ -18,25 +17,14 @@ from stickslip.solve.balance import Balance, Trial
 from stickslip.solve.checks import ResolutionCheck, check_resolution
 from stickslip.solve.compliance import StuckStructure, stuck_structure
 from stickslip.solve.continuation import Branch, BranchPoint, ContinuationSettings
+from stickslip.solve.energy import PointMeasures, measure_point
 from stickslip.solve.linear import linear_curves
 from stickslip.solve.newton import Newton, NewtonSettings
 from stickslip.solve.start import first_point
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray, finite_array
 
-Orders = NDArray[np.int64]
 ProgressCallback = Callable[[float, str], None]
-
-
-@dataclass(frozen=True)
-class PointMeasures:
-    """What is kept of a converged point."""
-
-    displacement: FloatArray  # (2H+1, n) m
-    dissipated_energy: FloatArray  # (n_pairs,) J per cycle
-    input_energy: float
-    viscous_energy: float
-    residual: float
 
 
 def forced_response(
@@ -217,63 +205,12 @@ def _follow(
     points, measures = [], []
     for point in branch:
         points.append(point)
-        measures.append(_measure(point.trial, balance, superelement, stuck))
+        measures.append(measure_point(point.trial, balance, superelement, stuck))
         frequency = point.trial.omega / (2.0 * np.pi)
         done = (frequency - window[0]) / (window[1] - window[0])
         moving = int((point.trial.contact.state > 0).sum())
         report(min(1.0, max(0.0, done)), f"{frequency:.2f} Hz, point {len(points)}, {moving} pairs moving")
     return points, measures
-
-
-def _measure(trial: Trial, balance: Balance, superelement: Superelement, stuck: StuckStructure) -> PointMeasures:
-    """Displacement, energies per cycle, and the residual of the equation of motion itself."""
-    omega, force = trial.omega, balance.force
-    displacement = balance.displacement(trial)
-    contact = trial.contact.force.reshape(balance.rows, -1).T
-    order = np.arange(1, balance.harmonics + 1)[:, None]
-    # Work of a force on a motion in one period: pi * sum_h h (s_h . fc_h - c_h . fs_h).
-    work = _work(order, trial.relative, contact)
-    per_pair = work.reshape(-1, 3).sum(axis=1)
-    per_pair[~trial.contact.deviates] = 0.0
-    viscous = np.pi * omega * (order**2 * _damping_form(displacement, stuck.damping)).sum()
-    residual = _equation_residual(trial, displacement, contact, balance, superelement, stuck)
-    # The input is the work of the force; its sign convention makes it positive where energy goes in.
-    return PointMeasures(
-        displacement, per_pair, float(_work(order, displacement, force).sum()), float(viscous), residual
-    )
-
-
-def _work(order: Orders, motion: FloatArray, force: FloatArray) -> FloatArray:
-    """Work (m,) in one period of coefficients ``force`` on ``motion``, both (2H+1, m)."""
-    return np.asarray(np.pi * (order * (motion[2::2] * force[1::2] - motion[1::2] * force[2::2])).sum(axis=0))
-
-
-def _damping_form(displacement: FloatArray, damping: FloatArray) -> FloatArray:
-    """``c_h C c_h + s_h C s_h`` (H, 1)."""
-    quadratic: FloatArray = (displacement[1:] * (displacement[1:] @ damping)).sum(axis=1)
-    return (quadratic[0::2] + quadratic[1::2])[:, None]
-
-
-def _equation_residual(
-    trial: Trial,
-    displacement: FloatArray,
-    contact: FloatArray,
-    balance: Balance,
-    superelement: Superelement,
-    stuck: StuckStructure,
-) -> float:
-    """``|Z u + B^T f - p| / (|p| + |B^T f|)`` over all harmonics, in the unknowns of the superelement."""
-    omega, operator = trial.omega, balance.pairs.operator
-    restraint = stuck.compliance.mean_restraint * balance.pairs.tangential_springs
-    contact = contact.copy()
-    contact[0].reshape(-1, 3)[:, :2] += restraint * trial.relative[0].reshape(-1, 3)[:, :2]
-    joint = contact @ operator
-    order = np.arange(1, balance.harmonics + 1)[:, None] * omega
-    left = displacement @ superelement.stiffness + joint - trial.load * balance.force
-    inertia, viscous = displacement[1:] @ superelement.mass, displacement[1:] @ stuck.damping
-    left[1::2] += -(order**2) * inertia[0::2] + order * viscous[1::2]
-    left[2::2] += -(order**2) * inertia[1::2] - order * viscous[0::2]
-    return float(np.linalg.norm(left) / (np.linalg.norm(balance.force) + np.linalg.norm(joint)))
 
 
 def _warnings(check: ResolutionCheck, balance: Balance, trials: list[Trial]) -> tuple[str, ...]:
@@ -309,7 +246,7 @@ def _settings(
         "frequency_stop_hz": window[1],
         "harmonics": harmonics,
         "samples": samples,
-        "friction_update": update,
+        "update": update,
         "newton_tolerance": newton.tolerance,
         "residual_with_doubled_samples": check.sample_residual,
         "energy_share_of_last_harmonics": check.last_harmonic_share,

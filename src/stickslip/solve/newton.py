@@ -1,9 +1,8 @@
-"""Newton's method for the balance with one parameter (frequency or load) and one scalar constraint."""
+"""Newton's method for the balance with the frequency as one more unknown and one scalar constraint."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum
 
 import numpy as np
 
@@ -26,45 +25,24 @@ class NewtonSettings:
     max_iterations: int = 12
 
 
-class Parameter(Enum):
-    """The unknown that goes along with the displacements."""
-
-    FREQUENCY = "frequency"
-    LOAD = "load"
-
-    def value_of(self, trial: Trial) -> float:
-        """Its value in a trial."""
-        return trial.omega if self is Parameter.FREQUENCY else trial.load
-
-    def slope(self, balance: Balance, trial: Trial) -> FloatArray:
-        """dR/dp (2H+1, m)."""
-        return balance.frequency_slope(trial) if self is Parameter.FREQUENCY else balance.load_slope(trial)
-
-    def evaluate(self, balance: Balance, relative: FloatArray, value: float, base: Trial) -> Trial:
-        """A trial with this parameter at ``value`` and the other as in ``base``."""
-        if self is Parameter.FREQUENCY:
-            return balance.evaluate(relative, value, base.load)
-        return balance.evaluate(relative, base.omega, value)
-
-
 @dataclass(frozen=True)
 class Constraint:
-    """``sum(weights * (x - x_target)) + weight * (p - p_target) = 0``."""
+    """``sum(weights * (x - x_target)) + weight * (omega - omega_target) = 0``."""
 
     weights: FloatArray  # (2H+1, m)
     weight: float
     relative_target: FloatArray  # (2H+1, m)
-    parameter_target: float
+    omega_target: float
 
     @classmethod
-    def fixed(cls, relative: FloatArray, value: float) -> Constraint:
-        """The parameter stays at ``value``."""
-        return cls(np.zeros_like(relative), 1.0, relative, value)
+    def fixed(cls, relative: FloatArray, omega: float) -> Constraint:
+        """The frequency stays at ``omega``."""
+        return cls(np.zeros_like(relative), 1.0, relative, omega)
 
-    def defect(self, relative: FloatArray, value: float) -> float:
+    def defect(self, relative: FloatArray, omega: float) -> float:
         """Left-hand side of the constraint."""
         along = float((self.weights * (relative - self.relative_target)).sum())
-        return along + self.weight * (value - self.parameter_target)
+        return along + self.weight * (omega - self.omega_target)
 
 
 @dataclass(frozen=True)
@@ -84,12 +62,12 @@ class Newton:
         self.balance = balance
         self.settings = settings
 
-    def border(self, trial: Trial, parameter: Parameter, constraint: Constraint) -> BorderedSystem:
+    def border(self, trial: Trial, constraint: Constraint) -> BorderedSystem:
         """The Newton system of ``trial``, bordered by ``constraint``."""
-        slope = parameter.slope(self.balance, trial)
+        slope = self.balance.frequency_slope(trial)
         return bordered_system(self.balance, trial, slope, constraint.weights, constraint.weight)
 
-    def correct(self, start: Trial, parameter: Parameter, constraint: Constraint) -> Correction:
+    def correct(self, start: Trial, constraint: Constraint) -> Correction:
         """Iterate from ``start`` until the residual is below the tolerance or the iterations are used up.
 
         The law has kinks where a time sample switches state, so a full step can overshoot; a step that enlarges the
@@ -101,22 +79,20 @@ class Newton:
                 return Correction(trial, True, iteration, system)
             if iteration == self.settings.max_iterations or not np.isfinite(trial.error):
                 break
-            system = self.border(trial, parameter, constraint)
-            value = parameter.value_of(trial)
-            step = system.solve(trial.residual, -constraint.defect(trial.relative, value))
-            if not (np.isfinite(step.relative).all() and np.isfinite(step.parameter)):
+            system = self.border(trial, constraint)
+            step = system.solve(trial.residual, -constraint.defect(trial.relative, trial.omega))
+            if not (np.isfinite(step.relative).all() and np.isfinite(step.omega)):
                 break
-            trial = _best_along(self.balance, trial, parameter, step)
+            trial = _best_along(self.balance, trial, step)
         return Correction(trial, False, self.settings.max_iterations, system)
 
 
-def _best_along(balance: Balance, trial: Trial, parameter: Parameter, step: Step) -> Trial:
+def _best_along(balance: Balance, trial: Trial, step: Step) -> Trial:
     """The trial after a full step, or the best of shortened ones where the full step enlarges the residual."""
     best: Trial | None = None
-    value = parameter.value_of(trial)
     for fraction in (1.0, 0.5, 0.25, 0.125):
         moved = trial.relative + fraction * step.relative
-        candidate = parameter.evaluate(balance, moved, value + fraction * step.parameter, trial)
+        candidate = balance.evaluate(moved, trial.omega + fraction * step.omega, trial.load)
         if best is None or candidate.error < best.error:
             best = candidate
         if candidate.error < trial.error:

@@ -1,13 +1,14 @@
-"""Solve the reduced Newton system (I + D A) dd = -D R with one more unknown, by a factor or by iteration.
+"""Solve the reduced Newton system (I + D A) dd = -D R, with the frequency as one more unknown.
 
 A small system is factored. A large one is solved by GMRES without ever forming the matrix: A is applied through the
 modes of the stuck structure and D pair by pair. The structure around a joint is stiff compared with what friction lets
-go, so I + D A is well conditioned (about 200 on the two-blade model) and some thirty iterations suffice; where they do
-not, the matrix is formed and factored.
+go, so I + D A is well conditioned (170 on the two-blade model with all pairs slipping) and some thirty iterations
+suffice; where they do not, the matrix is formed and factored.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,11 +27,11 @@ MAX_ITERATIONS = 120
 
 @dataclass(frozen=True)
 class Step:
-    """A solution of the Newton system: changes of x, of the deviation (both (2H+1, m)) and of the parameter."""
+    """A solution of the Newton system: changes of x, of the deviation (both (2H+1, m)) and of the frequency."""
 
     relative: FloatArray
     deviation: FloatArray
-    parameter: float
+    omega: float
 
 
 class NewtonSystem:
@@ -111,12 +112,12 @@ def _gmres(system: NewtonSystem, right: FloatArray) -> FloatArray | None:
     return None if failure else np.asarray(answer)
 
 
-class BorderedSystem:
-    """A Newton system with one border: ``R_x dx + R_p dp = -R`` and ``weights . dx + weight dp = constraint``."""
+class BorderedSystem(ABC):
+    """A Newton system with one border: ``R_x dx + R_w dw = -R`` and ``weights . dx + weight dw = constraint``."""
 
     def __init__(self, system: NewtonSystem, slope: FloatArray, weights: FloatArray, weight: float) -> None:
         self._system, self._slope, self._weights = system, slope, weights
-        # With dx = -R - R_p dp - A dd the border row acts on the unknowns dd and dp:
+        # With dx = -R - R_w dw - A dd the border row acts on the unknowns dd and dw:
         self._row = -system.comply_transposed(weights)[:, system.active.outputs].ravel()
         self._corner = weight - float((weights * slope).sum())
         self._column = system.deviation_change(slope)
@@ -124,13 +125,14 @@ class BorderedSystem:
     def solve(self, residual: FloatArray, constraint: float) -> Step:
         """The step for a residual (2H+1, m) and a value of the constraint."""
         right = -self._system.deviation_change(residual)
-        unknowns, parameter = self._unknowns(right, constraint + float((self._weights * residual).sum()))
+        unknowns, omega = self._unknowns(right, constraint + float((self._weights * residual).sum()))
         deviation = self._system.scatter(unknowns)
-        relative = -residual - self._slope * parameter - self._system.comply(deviation)
-        return Step(relative, deviation, parameter)
+        relative = -residual - self._slope * omega - self._system.comply(deviation)
+        return Step(relative, deviation, omega)
 
+    @abstractmethod
     def _unknowns(self, right: FloatArray, constraint: float) -> tuple[FloatArray, float]:
-        raise NotImplementedError
+        """dd (size,) and dw for the right-hand sides of the rows and of the border."""
 
 
 class FactoredSystem(BorderedSystem):
@@ -152,27 +154,29 @@ class FactoredSystem(BorderedSystem):
 
 
 class IteratedSystem(BorderedSystem):
-    """The border eliminated: one iterative solution for each right-hand side, and a factor where that fails."""
+    """The border eliminated: one iterative solution for each right-hand side; a factor from the first that fails."""
 
     def __init__(self, system: NewtonSystem, slope: FloatArray, weights: FloatArray, weight: float) -> None:
         super().__init__(system, slope, weights, weight)
         self._weight = weight
+        self._factored: FactoredSystem | None = None
         self._column_answer = _gmres(system, self._column)
 
     def _unknowns(self, right: FloatArray, constraint: float) -> tuple[FloatArray, float]:
-        plain = None if self._column_answer is None else _gmres(self._system, right)
-        if plain is None or self._column_answer is None:
-            exact = FactoredSystem(self._system, self._slope, self._weights, self._weight)
-            return exact._unknowns(right, constraint)
-        schur = self._corner - float(self._row @ self._column_answer)
-        parameter = (constraint - float(self._row @ plain)) / schur
-        return plain - parameter * self._column_answer, parameter
+        if self._factored is None and self._column_answer is not None:
+            plain = _gmres(self._system, right)
+            if plain is not None:
+                schur = self._corner - float(self._row @ self._column_answer)
+                omega = (constraint - float(self._row @ plain)) / schur
+                return plain - omega * self._column_answer, omega
+        self._factored = self._factored or FactoredSystem(self._system, self._slope, self._weights, self._weight)
+        return self._factored._unknowns(right, constraint)
 
 
 def bordered_system(
     balance: Balance, trial: Trial, slope: FloatArray, weights: FloatArray, weight: float
 ) -> BorderedSystem:
-    """The Newton system of ``trial`` bordered by dR/dp = ``slope`` and the row ``weights . dx + weight dp``."""
+    """The Newton system of ``trial`` bordered by dR/dw = ``slope`` and the row ``weights . dx + weight dw``."""
     system = NewtonSystem(balance, trial)
     kind = FactoredSystem if system.size <= DIRECT_SIZE else IteratedSystem
     return kind(system, slope, weights, weight)

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.errors import ConvergenceError
 from stickslip.solve.balance import Balance, Trial
 from stickslip.solve.continuation import Branch
-from stickslip.solve.newton import Constraint, Correction, Newton, Parameter
+from stickslip.solve.newton import Constraint, Correction, Newton
 from stickslip.validation import FloatArray
 
 
@@ -63,7 +63,7 @@ def first_point(
 def _at(newton: Newton, guess: FloatArray, omega: float, load: float) -> Correction:
     """Newton at fixed frequency and load."""
     start = newton.balance.evaluate(guess, omega, load)
-    return newton.correct(start, Parameter.LOAD, Constraint.fixed(guess, load))
+    return newton.correct(start, Constraint.fixed(guess, omega))
 
 
 def _amplitude_ramp(newton: Newton, omega: float) -> tuple[Trial | None, float]:

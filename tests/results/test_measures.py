@@ -1,0 +1,118 @@
+"""Peaks, half-power damping, states and energy balance against closed forms."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from stickslip.errors import InputError
+from stickslip.results.measures import (
+    Peak,
+    energy_imbalance,
+    half_power_damping,
+    peaks,
+    state_counts,
+    summary,
+    summary_table,
+)
+from synthetic import synthetic_response, synthetic_study
+
+
+def receptance(frequency: np.ndarray, natural: float, ratio: float) -> np.ndarray:
+    """Amplitude of one linear oscillator over its static deflection."""
+    r = frequency / natural
+    return 1.0 / np.hypot(1 - r**2, 2 * ratio * r)
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.2, 0.5])
+def test_peak_of_an_oscillator_from_a_few_points_in_its_width(shift):
+    ratio, natural = 0.002, 480.0
+    frequency = natural * (1 + ratio * (np.arange(-20, 21) + shift) * 0.5)
+    peak = peaks(frequency, receptance(frequency, natural, ratio))[0]
+    assert peak.bracketed
+    assert peak.amplitude == pytest.approx(1 / (2 * ratio * np.sqrt(1 - ratio**2)), rel=1e-4)
+    assert peak.frequency_hz == pytest.approx(natural * np.sqrt(1 - 2 * ratio**2), rel=1e-5)
+    assert half_power_damping(frequency, receptance(frequency, natural, ratio), peak) == pytest.approx(ratio, rel=0.03)
+
+
+def test_half_power_damping_converges_to_the_ratio():
+    ratio, natural = 0.002, 480.0
+    frequency = np.linspace(470.0, 490.0, 4001)
+    amplitude = receptance(frequency, natural, ratio)
+    assert half_power_damping(frequency, amplitude, peaks(frequency, amplitude)[0]) == pytest.approx(ratio, rel=1e-4)
+
+
+def test_peak_of_a_curve_that_folds_stays_on_its_own_branch():
+    # A hardening backbone: the curve leans over and turns back in frequency; the top lies on the fold.
+    turn = np.linspace(-1.2, 1.2, 61)
+    amplitude = np.exp(-(turn**2))
+    frequency = 100.0 + 3.0 * amplitude**2 + 0.3 * turn
+    assert (np.diff(frequency) < 0).any()
+    peak = peaks(frequency, amplitude)[0]
+    assert peak.point == 30
+    assert peak.amplitude == pytest.approx(1.0, abs=1e-6)
+    assert peak.frequency_hz == pytest.approx(103.0, abs=0.02)
+
+
+def test_peaks_come_highest_first_and_the_end_of_a_curve_is_not_bracketed():
+    frequency = np.arange(7.0)
+    found = peaks(frequency, np.array([0.0, 2.0, 1.0, 1.0, 4.0, 3.0, 3.0]))
+    assert [peak.point for peak in found] == [4, 1]
+    assert found[0].amplitude >= 4.0
+    rising = peaks(frequency, frequency)
+    assert rising == [Peak(6, 6.0, 6.0, bracketed=False)]
+    assert half_power_damping(frequency, frequency, rising[0]) is None
+    with pytest.raises(InputError, match="two lists of one length"):
+        peaks([1.0, 2.0], [1.0])
+    with pytest.raises(InputError, match="must not be negative"):
+        peaks([1.0, 2.0], [1.0, -1.0])
+
+
+def test_half_power_needs_both_flanks():
+    frequency = np.linspace(479.0, 490.0, 400)
+    amplitude = receptance(frequency, 480.0, 0.004)
+    assert half_power_damping(frequency, amplitude, peaks(frequency, amplitude)[0]) is None
+
+
+def test_state_counts_add_up():
+    counts = state_counts(np.array([[0, 0, 1, 2], [2, 2, 2, 2]], dtype=np.int8))
+    np.testing.assert_array_equal(counts, [[2, 1, 1], [0, 0, 4]])
+
+
+def test_energy_balance_of_a_solved_case_and_of_a_spoiled_one():
+    response = synthetic_response(columns=4, rows=3, n_points=20)
+    assert np.abs(energy_imbalance(response)).max() < 1e-9
+    spoiled = dataclasses.replace(response, input_energy=response.input_energy * 1.25)
+    np.testing.assert_allclose(energy_imbalance(spoiled), -0.2, atol=1e-9)
+    still = dataclasses.replace(response, input_energy=np.zeros(20))
+    assert np.isinf(energy_imbalance(still)).all()
+
+
+def test_summary_of_a_damped_case():
+    response, study = synthetic_response(), synthetic_study()
+    result = summary(response, study.outputs[study.response_output])
+    assert 0.0 < result.reduction_from_stuck < 1.0
+    assert result.reduction_from_stuck == 1 - result.peak.amplitude / result.stuck_peak.amplitude
+    assert result.stuck_peak.frequency_hz == pytest.approx(response.linear.stuck_frequency_hz[0], rel=1e-4)
+    assert result.free_peak.frequency_hz == pytest.approx(418.0, rel=1e-3)
+    assert result.shift_from_stuck_hz == pytest.approx(result.peak.frequency_hz - result.stuck_peak.frequency_hz)
+    assert sum(result.state_counts) == 110
+    assert result.friction_share == pytest.approx(result.friction_energy / result.input_energy, rel=1e-6)
+    assert 0.001 < result.damping_ratio < 0.02
+    names = [name for name, _, _ in summary_table(result)]
+    assert len(set(names)) == len(names) == 15
+
+
+def test_summary_without_a_linear_peak_in_range_says_so():
+    response, study = synthetic_response(), synthetic_study()
+    low = response.linear.frequency_hz < 412.0
+    linear = dataclasses.replace(
+        response.linear,
+        frequency_hz=response.linear.frequency_hz[low],
+        stuck=response.linear.stuck[low],
+        free=response.linear.free[low],
+    )
+    result = summary(dataclasses.replace(response, linear=linear), study.outputs[study.response_output])
+    assert result.reduction_from_stuck is None
+    assert result.shift_from_free_hz is None
+    assert {name: value for name, value, _ in summary_table(result)}["Shift from the linear free peak"] == "-"

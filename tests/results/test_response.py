@@ -1,0 +1,98 @@
+"""ForcedResponse: amplitudes, signals, pair cycles, equality and refusals."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from stickslip.errors import InputError
+from stickslip.fourier import synthesis_matrix
+from stickslip.results.response import ForcedResponse, periodic_amplitude
+from synthetic import N_UNKNOWNS, synthetic_response, synthetic_study
+
+
+@pytest.fixture(scope="module")
+def response() -> ForcedResponse:
+    return synthetic_response(columns=4, rows=3, n_points=20)
+
+
+def test_amplitude_of_one_harmonic_with_mean_is_mean_plus_radius():
+    coefficients = np.array([[0.5, 3.0, 4.0, 0.0, 0.0], [-0.5, 3.0, 4.0, 0.0, 0.0], [0.0, 0.0, 0.0, -0.6, 0.8]])
+    np.testing.assert_allclose(periodic_amplitude(coefficients), [5.5, 5.5, 1.0], rtol=1e-14)
+
+
+def test_amplitude_equals_a_very_fine_search():
+    coefficients = np.random.default_rng(3).normal(size=(200, 11))
+    fine = np.abs(coefficients @ synthesis_matrix(5, 200_000).T).max(axis=1)
+    np.testing.assert_allclose(periodic_amplitude(coefficients), fine, rtol=1e-8)
+
+
+def test_amplitude_without_motion_or_without_harmonics():
+    np.testing.assert_array_equal(periodic_amplitude(np.array([[0.0, 0.0, 0.0], [-2.0, 0.0, 0.0]])), [0.0, 2.0])
+    np.testing.assert_array_equal(periodic_amplitude(np.array([[-3.0]])), [3.0])
+
+
+def test_harmonic_amplitude_and_signal_agree_with_the_coefficients(response):
+    row = np.eye(N_UNKNOWNS)[0]
+    coefficients = response.displacement[:, 0]
+    np.testing.assert_allclose(response.harmonic_amplitude(row, 2), np.hypot(coefficients[:, 3], coefficients[:, 4]))
+    np.testing.assert_allclose(response.harmonic_amplitude(row, 0), np.abs(coefficients[:, 0]))
+    times = 2 * np.pi * np.arange(48) / 48
+    expected = coefficients[7, 0] + sum(
+        coefficients[7, 2 * k - 1] * np.cos(k * times) + coefficients[7, 2 * k] * np.sin(k * times) for k in (1, 2, 3)
+    )
+    np.testing.assert_allclose(response.signal(row, 7, 48), expected, atol=1e-18)
+    assert response.amplitude(row)[7] >= np.abs(expected).max() * (1 - 1e-14)
+
+
+def test_pair_displacement_is_operator_times_displacement(response):
+    motion = response.pair_displacement(4, 32)
+    u = response.displacement[4] @ synthesis_matrix(response.harmonics, 32).T
+    np.testing.assert_allclose(motion.reshape(32, -1), (response.pairs.operator @ u).T, atol=1e-20)
+
+
+def test_pair_cycle_reproduces_stored_states_and_energies(response):
+    point = int(response.dissipated_energy.sum(axis=1).argmax())
+    cycle = response.pair_cycle(point)
+    assert response.dissipated_energy[point].sum() > 0
+    np.testing.assert_array_equal(cycle.state, response.contact_state[point])
+    # The stored energy comes from the harmonics of the force, that of the cycle from its samples.
+    np.testing.assert_allclose(cycle.dissipated_energy.sum(), response.dissipated_energy[point].sum(), rtol=0.02)
+
+
+def test_equality_looks_at_every_entry(response):
+    same = dataclasses.replace(response, displacement=response.displacement.copy())
+    assert same == response
+    changed = response.displacement.copy()
+    changed[3, 2, 1] += 1e-15
+    assert dataclasses.replace(response, displacement=changed) != response
+    assert dataclasses.replace(response, settings={**response.settings, "samples": 65}) != response
+    assert response != "text"
+    assert synthetic_study(4, 3) == dataclasses.replace(synthetic_study(4, 3))
+    assert synthetic_study(4, 3) != synthetic_study(11, 5)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"residual": np.zeros(3)}, r"residual must have shape \(20,\)"),
+        ({"displacement": np.zeros((20, N_UNKNOWNS, 5))}, "displacement must have shape"),
+        ({"input_energy": np.full(20, np.nan)}, "input_energy.0. is nan"),
+        ({"contact_state": np.full((20, 24), 3)}, "0 .stuck., 1 .stick-slip. or 2"),
+        ({"frequency_hz": np.empty(0)}, "at least one point"),
+    ],
+)
+def test_wrong_arrays_are_refused(response, change, sentence):
+    with pytest.raises(InputError, match=sentence):
+        dataclasses.replace(response, **change)
+
+
+def test_wrong_questions_are_refused(response):
+    with pytest.raises(InputError, match="output must have shape"):
+        response.amplitude(np.ones(3))
+    with pytest.raises(InputError, match="harmonics 0 to 3"):
+        response.harmonic_amplitude(np.ones(N_UNKNOWNS), 4)
+    with pytest.raises(InputError, match="has 20 points"):
+        response.signal(np.ones(N_UNKNOWNS), 20, 16)
+    with pytest.raises(InputError, match='"stuck" and "free"'):
+        response.linear_amplitude(np.ones(N_UNKNOWNS), "tied")

@@ -1,0 +1,162 @@
+"""One file for one run: read back equal, whole or not at all, and refused with a sentence when it is not right."""
+
+import dataclasses
+import os
+
+import h5netcdf
+import h5py
+import numpy as np
+import pytest
+import xarray
+
+from stickslip.errors import InputError, ResultsFileError
+from stickslip.results.record import run_provenance
+from stickslip.results.response import ForcedResponse
+from stickslip.results.storage import FORMAT_VERSION, load_results, save_results
+from synthetic import synthetic_response, synthetic_study
+
+
+@pytest.fixture(scope="module")
+def response() -> ForcedResponse:
+    return dataclasses.replace(
+        synthetic_response(columns=4, rows=3, n_points=20), warnings=("harmonic 3 holds 2 % of the energy",)
+    )
+
+
+@pytest.fixture
+def saved(response, tmp_path):
+    path = tmp_path / "results.nc"
+    save_results(path, response, synthetic_study(4, 3))
+    return path
+
+
+def test_response_and_study_come_back_equal(response, saved):
+    again = load_results(saved)
+    assert again.response == response
+    assert again.study == synthetic_study(4, 3)
+    assert os.listdir(saved.parent) == ["results.nc"]
+
+
+def test_response_alone_and_anisotropic_pairs(response, tmp_path):
+    springs = np.column_stack([response.pairs.tangential_stiffness, 0.9 * response.pairs.tangential_stiffness])
+    pairs = dataclasses.replace(response.pairs, tangential_stiffness=springs)
+    changed = dataclasses.replace(response, pairs=pairs, converged=False, message="stopped at 420 Hz – “fold”")
+    changed.save(tmp_path / "a.nc")
+    assert ForcedResponse.load(tmp_path / "a.nc") == changed
+    assert load_results(tmp_path / "a.nc").study is None
+
+
+def test_long_study_file_survives(response, tmp_path):
+    study = dataclasses.replace(synthetic_study(4, 3), inputs="# line of the study file\n" * 8000)
+    save_results(tmp_path / "long.nc", response, study)
+    assert load_results(tmp_path / "long.nc").study == study
+
+
+def test_file_is_labelled_for_other_readers(response, saved):
+    with xarray.open_dataset(saved, engine="h5netcdf") as root:
+        assert root.attrs["stickslip_format"] == FORMAT_VERSION
+        assert root["displacement_cosine"].dims == ("point", "unknown", "harmonic")
+        assert root["displacement_sine"].attrs["units"] == "m"
+        assert root["frequency"].attrs["units"] == "Hz"
+        np.testing.assert_array_equal(root["displacement_sine"].values, response.displacement[:, :, 2::2])
+        for name, variable in root.variables.items():
+            assert variable.attrs["long_name"], name
+            assert variable.dtype.kind in "fiUO", f"{name} is {variable.dtype}: complex breaks other readers"
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(ResultsFileError, match="could not be opened: No such file"):
+        load_results(tmp_path / "none.nc")
+
+
+def test_file_that_is_not_netcdf(tmp_path):
+    path = tmp_path / "text.nc"
+    path.write_text("frequency,amplitude\n")
+    with pytest.raises(ResultsFileError, match="not a NetCDF-4 file"):
+        load_results(path)
+
+
+def test_netcdf_of_another_program(tmp_path):
+    with h5netcdf.File(tmp_path / "other.nc", "w") as file:
+        file.dimensions = {"x": 3}
+    with pytest.raises(ResultsFileError, match="not one of stickslip"):
+        load_results(tmp_path / "other.nc")
+
+
+def test_file_of_another_version(saved):
+    with h5py.File(saved, "r+") as file:
+        file.attrs["stickslip_format"] = FORMAT_VERSION + 1
+    with pytest.raises(
+        ResultsFileError, match=f"has format {FORMAT_VERSION + 1}, but .* reads format {FORMAT_VERSION}"
+    ):
+        load_results(saved)
+
+
+@pytest.mark.parametrize("share", [0.02, 0.3, 0.6, 0.9, 0.999])
+def test_truncated_file(saved, share):
+    whole = saved.read_bytes()
+    saved.write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(ResultsFileError, match="damaged or incomplete"):
+        load_results(saved)
+
+
+def test_flipped_bits_in_the_data_are_noticed(saved):
+    with h5py.File(saved) as file:
+        chunk = file["displacement_cosine"].id.get_chunk_info(0)
+    data = bytearray(saved.read_bytes())
+    data[chunk.byte_offset + chunk.size // 2] ^= 0x10
+    saved.write_bytes(data)
+    with pytest.raises(ResultsFileError, match="damaged or incomplete"):
+        load_results(saved)
+
+
+def test_missing_variable_is_damage(saved):
+    with h5py.File(saved, "r+") as file:
+        del file["message"]
+    with pytest.raises(ResultsFileError, match=r"damaged or incomplete.*message"):
+        load_results(saved)
+
+
+def test_failed_save_leaves_the_old_file_and_no_other(response, saved, monkeypatch):
+    before = saved.read_bytes()
+
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(ResultsFileError, match="No space left on device"):
+        save_results(saved, response)
+    assert saved.read_bytes() == before
+    assert os.listdir(saved.parent) == ["results.nc"]
+
+
+def test_folder_that_does_not_exist(response, tmp_path):
+    with pytest.raises(ResultsFileError, match="could not be written"):
+        save_results(tmp_path / "none" / "results.nc", response)
+
+
+def test_study_of_another_run_is_refused(response, tmp_path):
+    with pytest.raises(InputError, match="belong to different runs"):
+        save_results(tmp_path / "results.nc", response, synthetic_study(11, 5))
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"outputs": {}}, "outputs is empty"),
+        ({"outputs": {"a": np.ones(3), "b": np.ones(4)}, "signal_groups": {}}, "rows .n,. of one length"),
+        ({"signal_groups": {"Damper": ("nowhere",)}}, 'names the output "nowhere"'),
+        ({"pair_area": np.ones(3)}, "must agree"),
+        ({"face_names": ("only one",)}, "must number the faces 0 to 0"),
+        ({"mode_table": ({"freq": 1.0},)}, 'has the key "freq"'),
+    ],
+)
+def test_wrong_study_records_are_refused(change, sentence):
+    with pytest.raises(InputError, match=sentence):
+        dataclasses.replace(synthetic_study(4, 3), **change)
+
+
+def test_provenance_names_the_versions():
+    provenance = run_provenance()
+    assert provenance["numpy"] == np.__version__
+    assert provenance["date"].endswith("+00:00")
