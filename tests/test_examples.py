@@ -17,8 +17,13 @@ ROOT = Path(__file__).parents[1]
 def test_own_matrices(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     module = runpy.run_path("examples/own_matrices.py")
-    module["main"]()
-    assert "um" in capsys.readouterr().out
+    numbers = module["main"]()
+    printed = capsys.readouterr().out
+    assert "um" in printed
+    assert numbers["peak"] == pytest.approx(218.8e-6, rel=1e-3)
+    assert numbers["peak_frequency_hz"] == pytest.approx(687.1, abs=0.6)
+    assert (numbers["slipping"], numbers["separating"]) == (7, 2)
+    assert abs(numbers["difference"]) < 3e-3
 
 
 def test_two_blades(capsys: pytest.CaptureFixture[str]) -> None:

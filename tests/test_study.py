@@ -53,6 +53,7 @@ def test_run_writes_every_file(solved: tuple[Path, study.StudyOutcome, Heard]) -
     assert outcome.converged, outcome.message
     names = {str(path.relative_to(folder)) for path in outcome.files}
     assert {"results.nc", "report.html", "mode_shapes.vtu", "deflected_shape.pvd"} <= names
+    assert {"figures/amplitude_frequency.png", "figures/contact_states.png", "figures/rough_face.png"} <= names
     assert all(path.stat().st_size > 0 for path in outcome.files)
     assert next(stage for stage, fraction in heard.news if fraction == 1.0) == "Structure"
     assert heard.news[-1] == ("Files", 1.0)

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from stickslip.model import FACE_NAMES, Joint
+from stickslip.model import FACE_NAMES, Joint, boundary_nodes
 from stickslip.structure.elasticity import Structure
 
 if TYPE_CHECKING:
@@ -68,9 +66,7 @@ def study_warnings(joint: Joint) -> tuple[str, ...]:
 def sizes(case: Case, structure: Structure, joint: Joint) -> tuple[tuple[str, str], ...]:
     """What would run: elements, nodes, unknowns before and after reduction, pairs, and unknowns of the balance."""
     mesh, pairs = structure.mesh, joint.face_pairs
-    sets = mesh.node_sets
-    points = [int(sets[name][0]) for name in ("excitation_left", "excitation_right", "response")]
-    boundary = np.unique(np.concatenate([pairs.first_node, pairs.second_node, points])).size
+    boundary = boundary_nodes(structure, joint).size
     reduced = 3 * boundary + case.reduction.modes
     columns = 2 * case.solver.harmonics + 1
     return (

@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.interface.pairing import FacePairs, pair_faces
-from stickslip.interface.preload import prescribed_preload, uniform_preload
+from stickslip.interface.preload import area_share, face_sum, prescribed_preload, uniform_preload
 from stickslip.interface.stiffness import (
     ContactStiffness,
     Roughness,
@@ -38,7 +39,6 @@ AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 class RoughFace:
     """What the roughness says of one contact face under its preload."""
 
-    roughness: Roughness
     stiffness: ContactStiffness
     statistics: SurfaceStatistics
 
@@ -55,7 +55,7 @@ class Joint:
 
     def face_sum(self, values: FloatArray) -> FloatArray:
         """Sum of a value of the pairs for each face (n_faces,)."""
-        return np.bincount(self.face_pairs.face, weights=values).astype(np.float64)
+        return face_sum(values, self.face_pairs.face)
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def build_joint(case: Case, structure: Structure) -> Joint:
     face_pairs = FacePairs.concatenate([pair_faces(structure.mesh, *names) for names in FACES])
     preload = _preload(case, face_pairs)
     if case.contact_stiffness is not None:
-        share = face_pairs.area / np.bincount(face_pairs.face, weights=face_pairs.area)[face_pairs.face]
+        share = area_share(face_pairs.area, face_pairs.face)
         given = case.contact_stiffness
         return Joint(face_pairs, preload, share * given.normal_stiffness, share * given.tangential_stiffness, ())
     assert case.roughness is not None  # one of the two is always given
@@ -98,7 +98,6 @@ def build_joint(case: Case, structure: Structure) -> Joint:
         area, load = float(face_pairs.area[members].sum()), float(np.maximum(preload[members], 0.0).sum())
         rough_faces.append(
             RoughFace(
-                roughness,
                 contact_stiffness(roughness, load, mode=case.roughness.mode, nominal_area=area),
                 surface_statistics(roughness, case.roughness.sample_length, case.roughness.shortest_length),
             )
@@ -144,13 +143,16 @@ def _roughness(case: Case) -> Roughness:
     )
 
 
+def boundary_nodes(structure: Structure, joint: Joint) -> NDArray[np.int64]:
+    """Nodes that keep their displacements in the reduction: contact nodes, N1, N2 and A."""
+    sets = structure.mesh.node_sets
+    points = np.concatenate([sets[name] for name in ("excitation_left", "excitation_right", "response")])
+    return np.unique(np.concatenate([joint.face_pairs.nodes, points])).astype(np.int64)
+
+
 def build_model(case: Case, structure: Structure, joint: Joint) -> Model:
     """Reduce the structure and connect joint, forces and outputs to the reduced unknowns."""
-    sets = structure.mesh.node_sets
-    points = [int(sets[name][0]) for name in ("excitation_left", "excitation_right", "response")]
-    contact_nodes = np.concatenate([joint.face_pairs.first_node, joint.face_pairs.second_node])
-    boundary = np.unique(np.concatenate([contact_nodes, points]))
-    superelement = craig_bampton(structure, boundary, n_modes=case.reduction.modes)
+    superelement = craig_bampton(structure, boundary_nodes(structure, joint), n_modes=case.reduction.modes)
     pairs = ContactPairs(
         joint.face_pairs.operator(superelement),
         joint.normal_stiffness,
