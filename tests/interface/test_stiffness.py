@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rough_faces import NOMINAL_AREA, RATIO, REDUCED_MODULUS, rough
+from rough_faces import MINDLIN, NOMINAL_AREA, RATIO, REDUCED_MODULUS, rough
 
 from stickslip.errors import InputError
 from stickslip.interface.asperities import (
