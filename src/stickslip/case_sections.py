@@ -207,13 +207,15 @@ class DampingSection(Section):
     """Viscous damping of the structure."""
 
     modal_damping_ratio: Annotated[float, Quantity("pure number", at_least=0.0, below=1.0)] | None = Field(
-        default=0.001, description="of every mode with stuck contact"
+        default=0.001, description="of the modes with stuck contact"
     )
     rayleigh_alpha: Annotated[float, Quantity("rate", at_least=0.0)] | None = Field(
         default=None, description="share of the mass matrix, instead of modal_damping_ratio", examples=["0.5 1/s"]
     )
     rayleigh_beta: Annotated[float, Quantity("time", at_least=0.0)] | None = Field(
-        default=None, description="share of the stiffness matrix, instead of modal_damping_ratio", examples=["6e-7 s"]
+        default=None,
+        description="share of the stiffness without contact; slower, as it couples the stuck modes",
+        examples=["6e-7 s"],
     )
 
     @model_validator(mode="before")

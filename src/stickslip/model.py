@@ -162,7 +162,7 @@ def build_model(case: Case, structure: Structure, joint: Joint) -> Model:
     )
     if case.damping.modal_damping_ratio is None:
         damping = rayleigh_damping_matrix(
-            superelement, pairs, case.damping.rayleigh_alpha or 0.0, case.damping.rayleigh_beta or 0.0
+            superelement, case.damping.rayleigh_alpha or 0.0, case.damping.rayleigh_beta or 0.0
         )
         superelement = replace(superelement, damping=damping)
     outputs, groups = _outputs(case, structure, superelement)

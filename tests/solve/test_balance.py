@@ -17,7 +17,7 @@ HARMONICS, SAMPLES = 3, 128
 def balance_of(blade: Blade, load: float = 1.0) -> Balance:
     force = np.zeros((2 * HARMONICS + 1, blade.superelement.size))
     force[1], force[2] = load * blade.force_cos, load * blade.force_sin
-    stuck = stuck_structure(blade.superelement, blade.pairs, HARMONICS, None)
+    stuck = stuck_structure(blade.superelement, blade.pairs, HARMONICS, 1.0, None)
     return Balance(stuck.compliance, blade.pairs, force, SAMPLES, "tractrix")
 
 

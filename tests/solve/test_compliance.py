@@ -32,7 +32,7 @@ def random_load(blade: Blade) -> tuple[np.ndarray, np.ndarray]:
 def test_displacement_equals_direct_solve(blade: Blade, coupled: bool, kind: type) -> None:
     superelement = coupled_damping(blade) if coupled else blade.superelement
     omega = 2 * np.pi * 650.0
-    stuck = stuck_structure(superelement, blade.pairs, HARMONICS, None)
+    stuck = stuck_structure(superelement, blade.pairs, HARMONICS, 1.0, None)
     assert isinstance(stuck.compliance, kind)
     force, deviation = random_load(blade)
     displacement = stuck.compliance.displacement(omega, force, deviation)
@@ -53,7 +53,7 @@ def test_displacement_equals_direct_solve(blade: Blade, coupled: bool, kind: typ
 def test_frequency_slope_against_differences(blade: Blade, coupled: bool) -> None:
     superelement = coupled_damping(blade) if coupled else blade.superelement
     omega, step = 2 * np.pi * 700.0, 1e-2
-    compliance = stuck_structure(superelement, blade.pairs, HARMONICS, None).compliance
+    compliance = stuck_structure(superelement, blade.pairs, HARMONICS, 1.0, None).compliance
     force, deviation = random_load(blade)
     slope = compliance.displacement_slope(omega, force, deviation)
     above, below = (compliance.displacement(omega + sign * step, force, deviation) for sign in (1, -1))
@@ -65,7 +65,7 @@ def test_frequency_slope_against_differences(blade: Blade, coupled: bool) -> Non
 def test_block_equals_the_inverse(blade: Blade, order: int) -> None:
     omega = 2 * np.pi * 690.0
     superelement = blade.superelement
-    compliance = stuck_structure(superelement, blade.pairs, HARMONICS, None).compliance
+    compliance = stuck_structure(superelement, blade.pairs, HARMONICS, 1.0, None).compliance
     rows, columns = np.array([0, 4, 8, 29]), np.array([1, 2, 3])
     block = compliance.block(omega, order, rows, columns)
     x = order * omega
@@ -85,7 +85,7 @@ def floating_block() -> tuple[Superelement, ContactPairs]:
 
 def test_free_mean_position_gets_the_restraint() -> None:
     superelement, pairs = floating_block()
-    compliance = stuck_structure(superelement, pairs, 1, 0.01).compliance
+    compliance = stuck_structure(superelement, pairs, 1, 100.0, 0.01).compliance
     assert compliance.mean_restraint == MEAN_RESTRAINT
     mean = compliance.mean_block(np.arange(3), np.arange(3))
     assert mean[0, 0] == pytest.approx(1.0 / (MEAN_RESTRAINT * 8e5))
@@ -96,15 +96,15 @@ def test_body_without_any_contact_is_refused() -> None:
     superelement = Superelement(np.eye(4), np.zeros((4, 4)))
     pairs = ContactPairs(np.eye(3, 4), 1e6, 8e5, 0.3, 10.0)
     with pytest.raises(InputError, match="can move freely"):
-        stuck_structure(superelement, pairs, 1, 0.01)
+        stuck_structure(superelement, pairs, 1, 100.0, 0.01)
 
 
 def test_two_kinds_of_damping_are_refused(blade: Blade) -> None:
     with pytest.raises(InputError, match="not both"):
-        stuck_structure(blade.superelement, blade.pairs, 1, 0.01)
+        stuck_structure(blade.superelement, blade.pairs, 1, 100.0, 0.01)
 
 
 def test_operator_of_another_size_is_refused(blade: Blade) -> None:
     pairs = ContactPairs(np.eye(3, 5), 1e6, 8e5, 0.3, 10.0)
     with pytest.raises(InputError, match="operator has 5 columns, but the superelement has 38"):
-        stuck_structure(blade.superelement, pairs, 1, None)
+        stuck_structure(blade.superelement, pairs, 1, 100.0, None)

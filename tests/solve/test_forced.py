@@ -142,7 +142,65 @@ def test_too_few_harmonics_and_samples_are_told(blade: Blade) -> None:
     )
     text = " ".join(coarse.warnings)
     assert "Too few samples: with 32 instead of 16" in text
-    assert "Too few harmonics: the highest of 3 harmonics" in text
+    assert "Too few harmonics: those above 3 would move the joint by" in text
+
+
+def test_one_harmonic_is_not_enough_and_is_told(blade: Blade) -> None:
+    single = forced_response(
+        blade.superelement, blade.pairs, blade.force_cos, frequency_hz=(680.0, 735.0), harmonics=1, samples=128
+    )
+    assert any("Too few harmonics: those above 1" in sentence for sentence in single.warnings)
+
+
+def test_an_excited_harmonic_is_not_taken_for_the_tail(blade: Blade) -> None:
+    force = np.zeros((blade.superelement.size, 2))
+    force[:, 1] = 1e-3 * blade.force_cos
+    second = forced_response(blade.superelement, blade.pairs, force, frequency_hz=(300.0, 305.0), harmonics=3)
+    assert second.warnings == ()
+    assert second.settings["energy_share_of_last_harmonics"] < 1e-9
+
+
+def two_bodies(contact_stiffness: float, damping: float | None) -> tuple[Superelement, ContactPairs]:
+    """Two masses on springs, joined by one pair along t1."""
+    stiffness = np.diag([1e6, 1.2e6, 1e6, 1.2e6, 1e6, 1.2e6])
+    matrix = None if damping is None else damping * np.sqrt(stiffness)
+    operator = np.kron(np.eye(3), [[1.0, -1.0]])
+    pairs = ContactPairs(operator, contact_stiffness, contact_stiffness, 0.3, 1.0)
+    return Superelement(np.eye(6), stiffness, matrix), pairs
+
+
+def test_no_viscous_damping_is_solved_and_told() -> None:
+    superelement, pairs = two_bodies(1e6, None)
+    response = forced_response(superelement, pairs, [5.0, 0, 0, 0, 0, 0], frequency_hz=(140.0, 190.0), harmonics=3)
+    assert any("no viscous damping" in sentence for sentence in response.warnings)
+    assert np.isfinite(response.linear.stuck).all()
+
+
+def test_a_joint_too_stiff_for_the_arithmetic_is_told() -> None:
+    superelement, pairs = two_bodies(1e12, 0.01)
+    response = forced_response(superelement, pairs, [50.0, 0, 0, 0, 0, 0], frequency_hz=(150.0, 175.0), harmonics=3)
+    assert (response.contact_state > 0).any()
+    assert any("met only to" in sentence for sentence in response.warnings)
+
+
+def test_a_gap_is_open_at_rest_and_closes_at_its_width() -> None:
+    """Without contact nothing moves the mean; contact begins where the motion reaches preload / stiffness."""
+    superelement = Superelement(np.eye(1), np.array([[1e6]]), np.array([[40.0]]))
+    pairs = ContactPairs(np.array([[0.0], [0.0], [1.0]]), 1e6, 1e6, 0.3, -10.0)
+    gap = 10.0 / 1e6
+    light, heavy = (
+        forced_response(superelement, pairs, [force], frequency_hz=(100.0, 155.0), harmonics=7, samples=512)
+        for force in (0.3, 1.0)
+    )
+    assert np.abs(light.displacement[:, 0, 0]).max() < 1e-15
+    assert light.amplitude([1.0]).max() < gap
+    stuck_free = light.linear_amplitude([1.0], "free").max()
+    assert stuck_free < gap
+    touching = heavy.amplitude([1.0]) > gap
+    assert touching.any()
+    # Where it touches, the wall pushes back: the mean moves away from it.
+    assert heavy.displacement[touching, 0, 0].min() < 0
+    assert np.abs(heavy.displacement[~touching, 0, 0]).max() < 1e-15
 
 
 def test_an_unfinished_branch_keeps_its_points_and_says_why(blade: Blade) -> None:

@@ -20,7 +20,7 @@ OMEGA = 2 * np.pi * 690.0
 def balance_with(blade: Blade, harmonics: int) -> Balance:
     force = np.zeros((2 * harmonics + 1, blade.superelement.size))
     force[1], force[2] = blade.force_cos, blade.force_sin
-    compliance = stuck_structure(blade.superelement, blade.pairs, harmonics, None).compliance
+    compliance = stuck_structure(blade.superelement, blade.pairs, harmonics, 1.0, None).compliance
     return Balance(compliance, blade.pairs, force, 128, "tractrix")
 
 

@@ -18,8 +18,9 @@ class ContactPairs:
     """Contact pairs with 3-D Coulomb friction, variable normal load and separation.
 
     Relative displacement ``x = operator @ u`` (t1, t2, n of each pair; n > 0 closes). The force on the left-hand side
-    of the equation of motion is ``operator.T @ f`` with ``f = (T1, T2, N - preload)`` and
-    ``N = max(preload + normal_stiffness * n, 0)``, ``|T| <= friction_coefficient * N``.
+    of the equation of motion is ``operator.T @ f`` with ``f = (T1, T2, N - max(preload, 0))`` and
+    ``N = max(preload + normal_stiffness * n, 0)``, ``|T| <= friction_coefficient * N``: displacements count from the
+    state at rest, where a positive preload is balanced and a gap carries nothing.
 
     Parameters
     ----------
@@ -89,6 +90,11 @@ class ContactPairs:
         if self.tangential_stiffness.ndim == 2:
             return self.tangential_stiffness
         return np.repeat(self.tangential_stiffness[:, None], 2, axis=1)
+
+    @property
+    def static_load(self) -> FloatArray:
+        """(n_pairs,) N: the part of the preload that the structure's static state balances; a gap carries none."""
+        return np.maximum(self.preload, 0.0)
 
     def stuck_stiffness(self) -> FloatArray:
         """(3 * n_pairs,) N/m: k_t1, k_t2, k_n of each pair, the springs of a closed and stuck contact."""

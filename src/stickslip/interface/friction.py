@@ -35,7 +35,7 @@ class HarmonicForce:
     Attributes
     ----------
     force:
-        (n_pairs, 3, 2 * harmonics + 1) N: T1, T2 and N - preload, in the order mean, cos 1, sin 1, ...
+        (n_pairs, 3, 2 * harmonics + 1) N: T1, T2 and N - max(preload, 0), in the order mean, cos 1, sin 1, ...
     state:
         (n_pairs,) 0 stuck, 1 stick-slip, 2 separating.
     deviates:
@@ -119,9 +119,10 @@ def harmonic_force(
     force[stuck, :2] = pairs.tangential_springs[stuck, :, None] * displacement[stuck, :2]
     force[stuck, :2, 0] = 0.0
     force[:, 2] = pairs.normal_stiffness[:, None] * displacement[:, 2]
+    force[:, 2, 0] += np.minimum(pairs.preload, 0.0)  # a gap that stays closed: N = k_n n - gap force, none at rest
     opens = (limits <= 0.0).any(axis=1)
     normal = np.maximum(limits[opens] / pairs.friction_coefficient[opens, None], 0.0)
-    force[opens, 2] = (normal - pairs.preload[opens, None]) @ analysis.T
+    force[opens, 2] = (normal - pairs.static_load[opens, None]) @ analysis.T
     return HarmonicForce(force, periods.state, periods.deviates, periods.closure)
 
 

@@ -35,8 +35,9 @@ class Summary:
     """What a reader wants first, all at the highest peak of one output.
 
     Shifts are in Hz, negative when the peak lies below the linear one. Reductions are ``1 - amplitude / linear peak``.
-    They are None where the linear peak is not inside the computed range. ``damping_ratio`` is None where the curve does
-    not fall to half power on both sides. Energies in J per cycle, ``energy_imbalance`` relative to the input and the
+    They are None where one of the two peaks is not inside the computed range. ``damping_ratio`` is None where the curve
+    does not fall to half power on both sides. ``first_harmonic`` and ``mean`` are those of the output at the point
+    nearest to the peak, m. Energies in J per cycle, ``energy_imbalance`` relative to the input and the
     largest on the whole curve.
     """
 
@@ -53,6 +54,8 @@ class Summary:
     friction_energy: float
     viscous_energy: float
     input_energy: float
+    first_harmonic: float
+    mean: float
     energy_imbalance: float
     peak_energy: float
     peak_energy_frequency_hz: float
@@ -171,16 +174,18 @@ def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
         peak=peak,
         stuck_peak=stuck,
         free_peak=free,
-        shift_from_stuck_hz=peak.frequency_hz - stuck.frequency_hz if stuck.bracketed else None,
-        shift_from_free_hz=peak.frequency_hz - free.frequency_hz if free.bracketed else None,
-        reduction_from_stuck=1.0 - peak.amplitude / stuck.amplitude if stuck.bracketed else None,
-        reduction_from_free=1.0 - peak.amplitude / free.amplitude if free.bracketed else None,
+        shift_from_stuck_hz=peak.frequency_hz - stuck.frequency_hz if peak.bracketed and stuck.bracketed else None,
+        shift_from_free_hz=peak.frequency_hz - free.frequency_hz if peak.bracketed and free.bracketed else None,
+        reduction_from_stuck=1.0 - peak.amplitude / stuck.amplitude if peak.bracketed and stuck.bracketed else None,
+        reduction_from_free=1.0 - peak.amplitude / free.amplitude if peak.bracketed and free.bracketed else None,
         damping_ratio=half_power_damping(response.frequency_hz, amplitude, peak),
         friction_share=friction / (friction + viscous) if friction + viscous > 0.0 else 0.0,
         state_counts=(int(counts[0]), int(counts[1]), int(counts[2])),
         friction_energy=friction,
         viscous_energy=viscous,
         input_energy=float(response.input_energy[point]),
+        first_harmonic=float(response.harmonic_amplitude(output, 1)[point]),
+        mean=float(response.coefficients(output)[point, 0]),
         energy_imbalance=float(np.abs(energy_imbalance(response)).max()),
         peak_energy=float(energy.max()),
         peak_energy_frequency_hz=float(response.frequency_hz[energy.argmax()]),
@@ -194,14 +199,17 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
         return "-" if value is None else f"{scale * value:.{digits}g}"
 
     stuck, slip, separating = result.state_counts
+    what = "Peak" if result.peak.bracketed else "Highest computed (at an end of the curve)"
     return [
-        ("Peak amplitude, 0-to-peak", number(result.peak.amplitude, 1e6), "µm"),
-        ("Peak frequency", number(result.peak.frequency_hz, digits=6), "Hz"),
+        (f"{what} amplitude, 0-to-peak, mean included", number(result.peak.amplitude, 1e6), "µm"),
+        ("First harmonic there", number(result.first_harmonic, 1e6), "µm"),
+        ("Mean there", number(result.mean, 1e6), "µm"),
+        (f"{what} frequency", number(result.peak.frequency_hz, digits=6), "Hz"),
         ("Shift from the linear stuck peak", number(result.shift_from_stuck_hz), "Hz"),
         ("Shift from the linear free peak", number(result.shift_from_free_hz), "Hz"),
         ("Reduction against the linear stuck peak", number(result.reduction_from_stuck, 100.0, 3), "%"),
         ("Reduction against the linear free peak", number(result.reduction_from_free, 100.0, 3), "%"),
-        ("Equivalent damping ratio (half power)", number(result.damping_ratio, 100.0, 3), "%"),
+        ("Half-power bandwidth ratio (equivalent damping)", number(result.damping_ratio, 100.0, 3), "%"),
         ("Share of friction in the loss", number(result.friction_share, 100.0, 3), "%"),
         ("Pairs stuck", str(stuck), "-"),
         ("Pairs stick-slip", str(slip), "-"),

@@ -108,9 +108,13 @@ class Balance:
         coefficients = np.ascontiguousarray(relative.T).reshape(self.pairs.n_pairs, 3, -1)
         contact = harmonic_force(coefficients, self.pairs, self.samples, update=self.update)
         deviation = contact.force.reshape(self.rows, -1).T - self._springs * relative
-        # Where the pair sticks, or never opens, the deviation is zero by definition: round-off must not enter.
-        deviation[:, np.repeat(~contact.deviates, 3)] = 0.0
-        deviation[:, 2::3][:, contact.state != SEPARATING] = 0.0
+        # Where the pair sticks the tangential deviation is zero by definition, where it never opens the normal one is
+        # that of its gap (zero under preload): round-off must not enter.
+        still, closed = ~contact.deviates, contact.state != SEPARATING
+        deviation[:, 0::3][:, still] = 0.0
+        deviation[:, 1::3][:, still] = 0.0
+        deviation[:, 2::3][:, closed] = 0.0
+        deviation[0, 2::3][closed] = np.minimum(self.pairs.preload, 0.0)[closed]
         residual = relative - self.compliance.relative(omega, load * self.force, deviation)
         return Trial(omega, load, relative, deviation, contact, residual)
 

@@ -2,33 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.solve.balance import Balance, Trial
 from stickslip.validation import FloatArray
 
 LARGEST_SAMPLE_RESIDUAL = 2e-3
-LARGEST_LAST_HARMONIC_SHARE = 1e-3
+LARGEST_NEGLECTED_MOTION = 2e-2
 
 
 @dataclass(frozen=True)
 class ResolutionCheck:
-    """Worst values over the checked points.
+    """Worst values over the checked points, and where they are.
 
     sample_residual:
-        relative residual of the solution when the friction law is sampled twice as finely; about the relative error
-        of the relative displacements that the sampling causes.
+        relative residual of the kept harmonics when the friction law is sampled twice as finely; about the relative
+        error of the relative displacements that the sampling causes.
+    neglected_motion:
+        relative displacement that the contact force would cause in the harmonics that were cut off (as many again as
+        were kept, at least four), over the kept one.
     last_harmonic_share:
-        share of the kinetic energy in the two highest kept harmonics (two, because symmetry can empty one of them).
+        share of the kinetic energy in the two highest kept harmonics that are not excited (two, because symmetry can
+        empty one of them); None where all kept harmonics are excited.
     """
 
     sample_residual: float
     sample_omega: float
-    last_harmonic_share: float
-    harmonic_omega: float
+    neglected_motion: float
+    neglected_omega: float
+    last_harmonic_share: float | None
 
     def warnings(self, harmonics: int, samples: int) -> tuple[str, ...]:
         """A sentence for each number above its limit."""
@@ -40,45 +46,69 @@ class ResolutionCheck:
                 f"{self.sample_omega / (2 * np.pi):.2f} Hz (wanted: below {100 * LARGEST_SAMPLE_RESIDUAL:.1f} %). "
                 f"Run again with samples = {2 * samples}."
             )
-        if self.last_harmonic_share > LARGEST_LAST_HARMONIC_SHARE:
+        if self.neglected_motion > LARGEST_NEGLECTED_MOTION:
+            last = self.last_harmonic_share
+            kept = "" if last is None else f"; the highest kept ones hold {100 * last:.2g} % of the kinetic energy"
+            more = 2 if self.neglected_motion < 5.0 * LARGEST_NEGLECTED_MOTION else harmonics
             sentences.append(
-                f"Too few harmonics: the highest of {harmonics} harmonics hold "
-                f"{100 * self.last_harmonic_share:.2f} % of the kinetic energy at "
-                f"{self.harmonic_omega / (2 * np.pi):.2f} Hz (wanted: below "
-                f"{100 * LARGEST_LAST_HARMONIC_SHARE:.1f} %). Run again with harmonics = {harmonics + 2}."
+                f"Too few harmonics: those above {harmonics} would move the joint by "
+                f"{100 * self.neglected_motion:.1f} % of its motion at {self.neglected_omega / (2 * np.pi):.2f} Hz "
+                f"(wanted: below {100 * LARGEST_NEGLECTED_MOTION:.0f} %){kept}. "
+                f"Run again with harmonics = {harmonics + max(2, more)}."
             )
         return tuple(sentences)
 
 
 def check_resolution(
-    fine: Balance, trials: Sequence[Trial], displacements: Sequence[FloatArray], mass: FloatArray, limit: int = 24
+    fine: Balance,
+    trials: Sequence[Trial],
+    displacement_of: Callable[[Trial], FloatArray],
+    mass: FloatArray,
+    limit: int = 24,
 ) -> ResolutionCheck:
-    """Check up to ``limit`` points spread over the curve, always with the one of largest response.
+    """Check up to ``limit`` points spread over the curve, always with the one of largest relative displacement.
 
-    ``fine`` is the same balance with twice the samples; ``displacements[i]`` (2H+1, n) belongs to ``trials[i]``.
+    ``fine`` is the same balance with more harmonics and twice the samples; ``displacement_of(trial)`` (2H+1, n).
     """
-    size = [float(np.linalg.norm(u)) for u in displacements]
+    size = [float(np.linalg.norm(trial.relative[1:])) for trial in trials]
     spread = np.linspace(0, len(trials) - 1, min(limit, len(trials))).round().astype(int)
-    chosen = sorted({*spread.tolist(), int(np.argmax(size))})
-    residuals = [fine.evaluate(trials[i].relative, trials[i].omega, trials[i].load).error for i in chosen]
-    shares = [last_harmonic_share(displacements[i], mass) for i in chosen]
-    worst_sample, worst_share = int(np.argmax(residuals)), int(np.argmax(shares))
+    chosen = [trials[i] for i in sorted({*spread.tolist(), int(np.argmax(size))})]
+    residuals = np.array([_fine_residuals(fine, trial) for trial in chosen])
+    excited: NDArray[np.bool_] = np.abs(fine.force).max(axis=1) > 0
+    shares = [last_harmonic_share(displacement_of(trial), mass, excited) for trial in chosen]
+    known = [share for share in shares if share is not None]
+    sample, neglected = residuals.argmax(axis=0)
     return ResolutionCheck(
-        residuals[worst_sample],
-        trials[chosen[worst_sample]].omega,
-        shares[worst_share],
-        trials[chosen[worst_share]].omega,
+        float(residuals[sample, 0]),
+        chosen[sample].omega,
+        float(residuals[neglected, 1]),
+        chosen[neglected].omega,
+        max(known) if known else None,
     )
 
 
-def last_harmonic_share(displacement: FloatArray, mass: FloatArray) -> float:
-    """Share of the kinetic energy in the highest two harmonics above the first; 0 with one harmonic."""
+def _fine_residuals(fine: Balance, trial: Trial) -> tuple[float, float]:
+    """Residuals of a trial in the finer balance, in kept and in neglected harmonics, over the relative displacement."""
+    kept = trial.relative.shape[0]
+    padded = np.zeros((2 * fine.harmonics + 1, trial.relative.shape[1]))
+    padded[:kept] = trial.relative
+    residual = fine.evaluate(padded, trial.omega, trial.load).residual
+    scale = max(float(np.linalg.norm(trial.relative)), 1e-300)
+    return float(np.linalg.norm(residual[:kept])) / scale, float(np.linalg.norm(residual[kept:])) / scale
+
+
+def last_harmonic_share(displacement: FloatArray, mass: FloatArray, excited: NDArray[np.bool_]) -> float | None:
+    """Share of the kinetic energy in the two highest kept harmonics that no force excites; None if there is none.
+
+    ``displacement`` (2H+1, n); ``excited`` (>= 2H+1,) says which coefficients the force has.
+    """
     motion = displacement[1:]
     harmonics = motion.shape[0] // 2
-    if harmonics == 1:
-        return 0.0
+    free = [h for h in range(1, harmonics + 1) if not excited[2 * h - 1 : 2 * h + 1].any()]
+    if not free:
+        return None
     order = np.repeat(np.arange(1, harmonics + 1), 2)
     energy = order**2 * np.einsum("hi,ij,hj->h", motion, mass, motion, optimize=True)
     total = float(energy.sum())
-    last = float(energy[order > max(1, harmonics - 2)].sum())
+    last = float(energy[np.isin(order, free[-2:])].sum())
     return last / total if total > 0 else 0.0

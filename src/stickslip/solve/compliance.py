@@ -20,6 +20,7 @@ from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.solve.damping import (
     diagonal_modal_damping,
     modal_basis,
+    modal_damping,
     modal_damping_matrix,
     stuck_stiffness_matrix,
 )
@@ -103,8 +104,10 @@ class MeanCompliance:
                 vectors = vectors * scale[:, None]
                 return cls((vectors / squares) @ vectors.T, restraint)
         raise InputError(
-            "the structure with all contacts closed and stuck is singular: some body can move freely. "
-            "Fix it somewhere, or check that the contact operator couples it to the rest."
+            "the structure with all contacts closed and stuck is singular to working accuracy: some body can move "
+            "freely, or the contact is many orders stiffer than the structure. Fix the body somewhere, check that the "
+            "contact operator couples it to the rest, or lower the contact stiffness: a joint a thousand times stiffer "
+            "than what it joins is rigid."
         )
 
 
@@ -245,11 +248,13 @@ def stuck_structure(
     superelement: Superelement,
     pairs: ContactPairs,
     harmonics: int,
+    highest_omega: float,
     modal_damping_ratio: float | None,
 ) -> StuckStructure:
     """Build the compliance of the stuck structure for a number of harmonics.
 
-    ``modal_damping_ratio`` gives every stuck mode the same ratio; None uses ``superelement.damping`` (zero if absent).
+    ``modal_damping_ratio`` gives the stuck modes one ratio (see :func:`stickslip.solve.damping.modal_damping`;
+    ``highest_omega`` in rad/s is the highest excitation); None uses ``superelement.damping`` (zero if absent).
     Raises InputError for an operator of another size, for both kinds of damping at once, or a singular structure.
     """
     n = superelement.size
@@ -265,8 +270,8 @@ def stuck_structure(
     frequency, modes = modal_basis(superelement.mass, stiffness)
     modal: FloatArray | None
     if modal_damping_ratio is not None:
-        damping = modal_damping_matrix(superelement.mass, frequency, modes, modal_damping_ratio)
-        modal = 2.0 * modal_damping_ratio * frequency
+        modal = modal_damping(frequency, modal_damping_ratio, highest_omega)
+        damping = modal_damping_matrix(superelement.mass, modes, modal)
     elif superelement.damping is None:
         damping, modal = np.zeros((n, n)), np.zeros(n)
     else:

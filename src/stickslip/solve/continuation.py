@@ -131,13 +131,13 @@ class Branch:
                 self.message = "The stop frequency was reached."
                 yield BranchPoint(point, iterations + correction.iterations)
                 return
-            yield BranchPoint(point, correction.iterations)
-            if (point.omega - self._start.omega) * self._direction < -0.02 * self._width:
+            if (point.omega - self._start.omega) * self._direction < 0.0:
                 self.message = (
                     f"The branch turned back and left the window at {_hz(point.omega):.3f} Hz, where it had started. "
                     "Start from the other end (swap start and stop), or widen the window."
                 )
                 return
+            yield BranchPoint(point, correction.iterations)
         self.message = (
             f"{self._settings.max_points} points were not enough; the branch had come to {_hz(point.omega):.3f} Hz. "
             "Raise max_points or narrow the window."

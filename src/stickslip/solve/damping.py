@@ -10,6 +10,9 @@ from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray, finite_array
 
+# Modal damping ratios hold up to this many times the highest excitation frequency.
+DAMPED_RANGE = 20.0
+
 
 def stuck_stiffness_matrix(superelement: Superelement, pairs: ContactPairs) -> FloatArray:
     """``K + B^T diag(k_t1, k_t2, k_n) B`` (n, n): every pair closed and stuck."""
@@ -39,18 +42,23 @@ def modal_basis(mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, Fl
     return np.sqrt(np.maximum(squares, 0.0)), modes
 
 
-def modal_damping_matrix(
-    mass: FloatArray, circular_frequency: FloatArray, modes: FloatArray, ratio: float
-) -> FloatArray:
-    """``C = M phi diag(2 ratio w) phi^T M`` (n, n) N s/m: the same damping ratio for every stuck mode."""
+def modal_damping(circular_frequency: FloatArray, ratio: float, highest_omega: float) -> FloatArray:
+    """``2 ratio w`` (n,) for the stuck modes up to DAMPED_RANGE times the highest excitation, zero above.
+
+    Modes far above the excitation only deform the joint and its surroundings. Damping them would put a dashpot across
+    the joint that also works while it slips or is open, and that grows with the contact stiffness.
+    """
+    return np.where(circular_frequency <= DAMPED_RANGE * highest_omega, 2.0 * ratio * circular_frequency, 0.0)
+
+
+def modal_damping_matrix(mass: FloatArray, modes: FloatArray, modal: FloatArray) -> FloatArray:
+    """``C = M phi diag(modal) phi^T M`` (n, n) N s/m for mass-normalised ``phi``."""
     weighted = mass @ modes
-    return (weighted * (2.0 * ratio * circular_frequency)) @ weighted.T
+    return np.asarray((weighted * modal) @ weighted.T)
 
 
-def rayleigh_damping_matrix(
-    superelement: Superelement, pairs: ContactPairs, mass_factor: float, stiffness_factor: float
-) -> FloatArray:
-    """``C = mass_factor M + stiffness_factor (K + B^T k B)`` (n, n) N s/m, with the contact closed and stuck.
+def rayleigh_damping_matrix(superelement: Superelement, mass_factor: float, stiffness_factor: float) -> FloatArray:
+    """``C = mass_factor M + stiffness_factor K`` (n, n) N s/m; the springs of the contact are not in K.
 
     ``mass_factor`` in 1/s and ``stiffness_factor`` in s, both not negative; InputError otherwise.
     """
@@ -60,7 +68,7 @@ def rayleigh_damping_matrix(
             f"Rayleigh damping factors must not be negative, found mass_factor = {mass_factor:g} 1/s and "
             f"stiffness_factor = {stiffness_factor:g} s."
         )
-    return mass_factor * superelement.mass + stiffness_factor * stuck_stiffness_matrix(superelement, pairs)
+    return mass_factor * superelement.mass + stiffness_factor * superelement.stiffness
 
 
 def diagonal_modal_damping(damping: FloatArray, modes: FloatArray, tolerance: float = 1e-9) -> FloatArray | None:

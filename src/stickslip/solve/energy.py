@@ -35,7 +35,7 @@ def measure_point(trial: Trial, balance: Balance, superelement: Superelement, st
     # Work of a force on a motion in one period: pi * sum_h h (s_h . fc_h - c_h . fs_h).
     work = _work(order, trial.relative, contact)
     per_pair = work.reshape(-1, 3).sum(axis=1)
-    per_pair[~trial.contact.deviates] = 0.0
+    per_pair[trial.contact.state == 0] = 0.0
     viscous = np.pi * omega * (order**2 * _damping_form(displacement, stuck.damping)).sum()
     residual = _equation_residual(trial, displacement, contact, balance, superelement, stuck)
     # The input is the work of the force; its sign convention makes it positive where energy goes in.

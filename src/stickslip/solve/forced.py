@@ -17,12 +17,16 @@ from stickslip.solve.balance import Balance, Trial
 from stickslip.solve.checks import ResolutionCheck, check_resolution
 from stickslip.solve.compliance import StuckStructure, stuck_structure
 from stickslip.solve.continuation import Branch, BranchPoint, ContinuationSettings
+from stickslip.solve.damping import stuck_stiffness_matrix
 from stickslip.solve.energy import PointMeasures, measure_point
-from stickslip.solve.linear import linear_curves
+from stickslip.solve.linear import LinearLimit, linear_curves
 from stickslip.solve.newton import Newton, NewtonSettings
 from stickslip.solve.start import first_point
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray, finite_array
+
+# Residual of the equation of motion, relative to its forces, above which a curve gets a warning.
+LARGEST_RESIDUAL = 1e-6
 
 ProgressCallback = Callable[[float, str], None]
 
@@ -95,14 +99,18 @@ def forced_response(
     report = progress or (lambda fraction, detail: None)
     omega_start, omega_stop = (2.0 * np.pi * f for f in window)
     with threadpool_limits(limits=threads):
-        stuck = stuck_structure(superelement, pairs, harmonics, modal_damping_ratio)
+        highest = max(omega_start, omega_stop)
+
+        def structure(count: int) -> StuckStructure:
+            return stuck_structure(superelement, pairs, count, highest, modal_damping_ratio)
+
+        stuck = structure(harmonics)
         balance = Balance(stuck.compliance, pairs, force, samples, update)
 
         solver = Newton(balance, newton)
 
         def simpler(count: int) -> Balance:
-            reduced = stuck_structure(superelement, pairs, count, modal_damping_ratio)
-            return Balance(reduced.compliance, pairs, force[: 2 * count + 1], samples, update)
+            return Balance(structure(count).compliance, pairs, force[: 2 * count + 1], samples, update)
 
         settings = continuation or ContinuationSettings()
 
@@ -113,9 +121,13 @@ def forced_response(
         branch = Branch(solver, superelement.mass, start, omega_stop, settings)
         points, measures = _follow(branch, balance, superelement, stuck, window, report)
         trials = [point.trial for point in points]
-        fine = Balance(stuck.compliance, pairs, force, 2 * samples, update)
-        check = check_resolution(fine, trials, [m.displacement for m in measures], superelement.mass)
-        linear = linear_curves(superelement, pairs, stuck.damping, force, window)
+        cut_off = max(harmonics, 4)
+        more = np.vstack([force, np.zeros((2 * cut_off, superelement.size))])
+        fine = Balance(structure(harmonics + cut_off).compliance, pairs, more, 2 * samples, update)
+        check = check_resolution(fine, trials, balance.displacement, superelement.mass)
+        closed = LinearLimit(superelement.mass, stuck_stiffness_matrix(superelement, pairs), stuck.damping)
+        free = LinearLimit(superelement.mass, superelement.stiffness, stuck.damping)
+        linear = linear_curves(closed, free, force, window)
     return ForcedResponse(
         frequency_hz=np.array([trial.omega for trial in trials]) / (2.0 * np.pi),
         displacement=np.array([m.displacement.T for m in measures]),
@@ -128,7 +140,15 @@ def forced_response(
         viscous_energy=np.array([m.viscous_energy for m in measures]),
         converged=branch.complete,
         message=f"{how} {branch.message}",
-        warnings=_warnings(check, balance, trials),
+        warnings=_warnings(
+            check,
+            balance,
+            trials,
+            measures,
+            bool(stuck.damping.any()),
+            free.damping_ratio(window),
+            modal_damping_ratio,
+        ),
         harmonics=harmonics,
         samples=samples,
         pairs=pairs,
@@ -213,7 +233,16 @@ def _follow(
     return points, measures
 
 
-def _warnings(check: ResolutionCheck, balance: Balance, trials: list[Trial]) -> tuple[str, ...]:
+def _warnings(
+    check: ResolutionCheck,
+    balance: Balance,
+    trials: list[Trial],
+    measures: list[PointMeasures],
+    damped: bool,
+    free_ratio: float | None,
+    wanted_ratio: float | None,
+) -> tuple[str, ...]:
+    """What a reader must know before trusting the curve."""
     sentences = list(check.warnings(balance.harmonics, balance.samples))
     closure = max(float(trial.contact.closure.max()) for trial in trials)
     if closure > 1e-6:
@@ -221,15 +250,40 @@ def _warnings(check: ResolutionCheck, balance: Balance, trials: list[Trial]) -> 
             f"The slider of some pair did not come to a periodic state (closure error {closure:.1e} of the friction "
             "limit); the force of that pair is uncertain by about this share."
         )
-    if balance.compliance.mean_restraint > 0:
-        drift = max(float(np.abs(trial.relative[0].reshape(-1, 3)[:, :2]).max()) for trial in trials)
-        motion = max(float(np.abs(trial.relative[1:]).max()) for trial in trials)
-        if drift > 10.0 * motion:
-            sentences.append(
-                f"A body that only friction holds drifts: its mean position moves by {drift:.2e} m while it vibrates "
-                f"by {motion:.2e} m. Nothing in the model holds it there; add a restraint along its free direction."
-            )
-    return tuple(sentences)
+    residual = max(point.residual for point in measures)
+    if residual > LARGEST_RESIDUAL:
+        sentences.append(
+            f"The equation of motion is met only to {residual:.1e} of its forces (wanted: {LARGEST_RESIDUAL:.0e}). "
+            "Contact many orders stiffer than the structure loses digits; a lower contact stiffness that is still "
+            "rigid in effect gives the same motion more exactly."
+        )
+    if not damped:
+        sentences.append(
+            "There is no viscous damping: the linear curves have no finite peaks (their heights in the figures mean "
+            "nothing), and where nothing slips only the distance from the resonance limits the amplitude."
+        )
+    if free_ratio is not None and wanted_ratio and free_ratio > 1.2 * wanted_ratio:
+        sentences.append(
+            f"The damping ratio of {100 * wanted_ratio:.3g} % holds for the stuck modes; the free modes in the window "
+            f"get up to {100 * free_ratio:.3g} % from the same matrix, part of it across the joint."
+        )
+    return (*sentences, *_drift(balance, trials))
+
+
+def _drift(balance: Balance, trials: list[Trial]) -> tuple[str, ...]:
+    """A warning where the restraint of the mean position carries a force that the model does not have."""
+    if balance.compliance.mean_restraint == 0:
+        return ()
+    restraint = balance.compliance.mean_restraint * balance.pairs.tangential_springs
+    traction = max(float(np.abs(restraint * t.relative[0].reshape(-1, 3)[:, :2]).sum()) for t in trials)
+    limit = float((balance.pairs.friction_coefficient * balance.pairs.static_load).sum())
+    if traction <= 1e-3 * limit:
+        return ()
+    return (
+        f"A body that only friction holds wants to drift: a mean force of {traction:.2e} N (friction limit "
+        f"{limit:.2e} N) acts where nothing in the model carries it, and an artificial restraint takes it. Add a "
+        "restraint along the free direction of that body.",
+    )
 
 
 def _settings(
@@ -249,8 +303,10 @@ def _settings(
         "update": update,
         "newton_tolerance": newton.tolerance,
         "residual_with_doubled_samples": check.sample_residual,
-        "energy_share_of_last_harmonics": check.last_harmonic_share,
+        "neglected_harmonics_motion": check.neglected_motion,
     }
+    if check.last_harmonic_share is not None:
+        settings["energy_share_of_last_harmonics"] = check.last_harmonic_share
     if modal_damping_ratio is not None:
         settings["modal_damping_ratio"] = modal_damping_ratio
     return settings

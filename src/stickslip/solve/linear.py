@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import scipy.linalg
 
-from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.results.response import LinearCurves
 from stickslip.solve.compliance import to_complex
-from stickslip.solve.damping import modal_basis, stuck_stiffness_matrix
-from stickslip.structure.superelement import Superelement
+from stickslip.solve.damping import modal_basis
 from stickslip.validation import FloatArray
+
+# Below this a mode is a body that moves freely; its frequency is round-off.
+RIGID_BODY_HZ = 1.0
 
 
 class LinearLimit:
@@ -26,6 +27,19 @@ class LinearLimit:
         projected = self._modes.T @ damping @ self._modes
         self._diagonal = np.diag(projected).copy()
         self._rest = projected - np.diag(self._diagonal)
+
+    @property
+    def natural_hz(self) -> FloatArray:
+        """(n,) natural frequencies."""
+        return self.circular_frequency / (2.0 * np.pi)
+
+    def damping_ratio(self, window_hz: tuple[float, float]) -> float | None:
+        """Largest modal damping ratio of the modes inside a window; None without modes there."""
+        low, high = min(window_hz), max(window_hz)
+        inside = (self.natural_hz >= low) & (self.natural_hz <= high)
+        if not inside.any():
+            return None
+        return float((self._diagonal[inside] / (2.0 * self.circular_frequency[inside])).max())
 
     def response(self, omega: FloatArray, force: FloatArray) -> FloatArray:
         """Displacement coefficients (n_frequencies, n, 2H+1) under ``force`` (2H+1, n); the mean is left at zero."""
@@ -56,35 +70,25 @@ class LinearLimit:
 
 
 def linear_curves(
-    superelement: Superelement,
-    pairs: ContactPairs,
-    damping: FloatArray,
-    force: FloatArray,
-    window_hz: tuple[float, float],
-    shown_modes: int = 12,
+    stuck: LinearLimit, free: LinearLimit, force: FloatArray, window_hz: tuple[float, float], shown_modes: int = 12
 ) -> LinearCurves:
-    """Stuck and free response over the window, refined around their natural frequencies.
-
-    ``damping`` (n, n) N s/m holds in both limits; ``force`` (2H+1, n) N.
-    """
-    stuck = LinearLimit(superelement.mass, stuck_stiffness_matrix(superelement, pairs), damping)
-    free = LinearLimit(superelement.mass, superelement.stiffness, damping)
-    natural = [limit.circular_frequency / (2.0 * np.pi) for limit in (stuck, free)]
-    frequency_hz = _refined_grid(window_hz, np.concatenate(natural))
+    """Stuck and free response to ``force`` (2H+1, n) over the window, refined around their natural frequencies."""
+    frequency_hz = _refined_grid(window_hz, np.concatenate([stuck.natural_hz, free.natural_hz]))
     omega = 2.0 * np.pi * frequency_hz
     return LinearCurves(
         frequency_hz=frequency_hz,
         stuck=stuck.response(omega, force),
         free=free.response(omega, force),
-        stuck_frequency_hz=natural[0][:shown_modes],
-        free_frequency_hz=natural[1][natural[1] > 1.0][:shown_modes],
+        stuck_frequency_hz=stuck.natural_hz[:shown_modes],
+        free_frequency_hz=free.natural_hz[free.natural_hz > RIGID_BODY_HZ][:shown_modes],
     )
 
 
 def _refined_grid(window_hz: tuple[float, float], natural_hz: FloatArray, uniform: int = 121) -> FloatArray:
     """A uniform grid with extra points that crowd towards each natural frequency inside the window."""
     low, high = min(window_hz), max(window_hz)
-    offsets = np.concatenate([-np.geomspace(2e-2, 5e-5, 16), [0.0], np.geomspace(5e-5, 2e-2, 16)])
+    # Not the natural frequency itself: without damping the response has no bound there.
+    offsets = np.concatenate([-np.geomspace(2e-2, 2e-5, 18), np.geomspace(2e-5, 2e-2, 18)])
     inside = natural_hz[(natural_hz > low) & (natural_hz < high)]
     grid = np.concatenate([np.linspace(low, high, uniform), *(centre * (1.0 + offsets) for centre in inside)])
     return np.unique(grid[(grid >= low) & (grid <= high)])

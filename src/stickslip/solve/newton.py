@@ -25,6 +25,11 @@ class NewtonSettings:
     max_iterations: int = 12
 
 
+# A residual this many times above the tolerance that no longer falls has reached its round-off: contact much stiffer
+# than the structure amplifies it. Such a point counts as converged; the equation's own residual is reported with it.
+ROUND_OFF_FACTOR = 100.0
+
+
 @dataclass(frozen=True)
 class Constraint:
     """``sum(weights * (x - x_target)) + weight * (omega - omega_target) = 0``."""
@@ -83,7 +88,11 @@ class Newton:
             step = system.solve(trial.residual, -constraint.defect(trial.relative, trial.omega))
             if not (np.isfinite(step.relative).all() and np.isfinite(step.omega)):
                 break
-            trial = _best_along(self.balance, trial, step)
+            improved = _best_along(self.balance, trial, step)
+            if trial.error <= ROUND_OFF_FACTOR * self.settings.tolerance and improved.error > 0.5 * trial.error:
+                best = improved if improved.error < trial.error else trial
+                return Correction(best, True, iteration + 1, system)
+            trial = improved
         return Correction(trial, False, self.settings.max_iterations, system)
 
 

@@ -48,6 +48,7 @@ def first_point(
         for share in (0.97, 1.03, 0.9, 1.1):
             outside = _at(newton, balance.linear(share * omega), share * omega, 1.0)
             if not outside.converged:
+                attempts.append(f"from {_hz(share * omega):.2f} Hz: relative residual {outside.trial.error:.1e}")
                 continue
             branch = walk(outside.trial)
             *_, last = branch
@@ -56,7 +57,8 @@ def first_point(
             attempts.append(f"from {_hz(share * omega):.2f} Hz: {branch.message}")
     raise ConvergenceError(
         f"no solution was found at the first frequency, {_hz(omega):.3f} Hz ({'; '.join(attempts)}). "
-        "Start farther from the resonance, take more samples, or lower the force."
+        "Start farther from the resonance, take more samples or fewer harmonics, or lower the force: contact that "
+        "opens and shuts hard may have no simple periodic motion."
     )
 
 

@@ -234,11 +234,11 @@ def integrate_to_steady_state(
 ) -> TransientResponse:
     """Integrate ``M u'' + C u' + K u + B^T f(B u) = p(t)`` in time until one period equals the one before.
 
-    ``f = (T1, T2, N - preload)`` for each pair: 3-D Coulomb friction with tangential spring, variable normal load and
-    separation, integrated exactly along the straight path of each step. The scheme is generalised-alpha: second order,
-    unconditionally stable for the linear part, its numerical dissipation set by ``spectral_radius``. Each step solves
-    the contact displacements by Newton with the exact derivative of the step law; the effective matrix, with stuck
-    springs in it, is factored once.
+    ``f = (T1, T2, N - max(preload, 0))`` for each pair: 3-D Coulomb friction with tangential spring, variable normal
+    load and separation, integrated exactly along the straight path of each step. The scheme is generalised-alpha:
+    second order, unconditionally stable for the linear part, its numerical dissipation set by ``spectral_radius``.
+    Each step solves the contact displacements by Newton with the exact derivative of the step law; the effective
+    matrix, with stuck springs in it, is factored once.
 
     Parameters
     ----------
@@ -280,7 +280,7 @@ def integrate_to_steady_state(
     slider = _start_vector("initial_slider", initial_slider, (n_pairs, 2))
     contact_motion = (operator @ displacement).reshape(n_pairs, 3)
     contact_force = _starting_force(pairs, contact_motion, slider)
-    offset = np.column_stack([np.zeros((n_pairs, 2)), pairs.preload])
+    offset = np.column_stack([np.zeros((n_pairs, 2)), pairs.static_load])
     unbalanced = load[0] - superelement.stiffness @ displacement - operator.T @ (contact_force - offset).ravel()
     if superelement.damping is not None:
         unbalanced -= superelement.damping @ velocity

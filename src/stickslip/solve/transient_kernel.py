@@ -212,14 +212,14 @@ def march_period(  # type: ignore[no-untyped-def]  # pragma: no cover
         force_history[index] = contact_force
         for pair in range(n_pairs):
             for axis in range(3):
-                known = contact_force[pair, axis] - (preload[pair] if axis == 2 else 0.0)
+                known = contact_force[pair, axis] - (max(preload[pair], 0.0) if axis == 2 else 0.0)
                 known_force[3 * pair + axis] = old_force_weight * known
             normal_start[pair] = preload[pair] + stuck_springs[3 * pair + 2] * contact_motion[pair, 2]
         linear = contact_load_response[index] + contact_state_response @ motion - contact_compliance @ known_force
         for row in range(size):
             # Start of the iteration: the deviation from stuck springs stays that of the last step.
             pair, axis = row // 3, row % 3
-            force_now = contact_force[pair, axis] - (preload[pair] if axis == 2 else 0.0)
+            force_now = contact_force[pair, axis] - (max(preload[pair], 0.0) if axis == 2 else 0.0)
             deviation[row] = force_now - stuck_springs[row] * contact_motion[pair, axis]
         relative[:] = linear - contact_compliance @ deviation
 
@@ -241,7 +241,7 @@ def march_period(  # type: ignore[no-untyped-def]  # pragma: no cover
                 )
                 for axis in range(3):
                     row = 3 * pair + axis
-                    force_now = trial_force[pair, axis] - (preload[pair] if axis == 2 else 0.0)
+                    force_now = trial_force[pair, axis] - (max(preload[pair], 0.0) if axis == 2 else 0.0)
                     deviation[row] = force_now - stuck_springs[row] * relative[row]
                     for other in range(3):
                         spring = stuck_springs[row] if axis == other else 0.0
