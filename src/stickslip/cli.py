@@ -90,7 +90,9 @@ def check(path: StudyFile, debug: Debug = False) -> None:
         case = _load(path)
         from stickslip import study
 
-        for title, rows in study.check(case):
+        with _about(path):
+            sections = study.check(case)
+        for title, rows in sections:
             typer.echo(f"\n{title}")
             width = max((len(label) for label, _ in rows), default=0)
             for label, value in rows:
@@ -111,7 +113,7 @@ def run(
         _require_writable(out)
         from stickslip import study
 
-        with terminal_progress(quiet) as progress:
+        with terminal_progress(quiet) as progress, _about(path):
             outcome = study.run(case, out, progress=progress, threads=threads)
         _close(outcome, quiet)
 
@@ -123,7 +125,9 @@ def report(
 ) -> None:
     """Make the report of a solved study again, without solving."""
     with _sentences(debug):
-        _require_writable(folder, create=False)
+        if not folder.is_dir():
+            raise InputError(f'there is no folder "{folder}". Give the --out folder of a run, which holds results.nc.')
+        _require_writable(folder)
         from stickslip import study
 
         for file in study.report(folder):
@@ -154,17 +158,25 @@ def _close(outcome: StudyOutcome, quiet: bool) -> None:
         typer.echo(outcome.message)
 
 
-def _require_writable(folder: Path, create: bool = True) -> None:
+def _require_writable(folder: Path) -> None:
     """Raise InputError unless files can be written into ``folder``, before any long computation."""
     try:
-        if create:
-            folder.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
         raise InputError(
             f"the folder {folder} cannot be written ({error.strerror}). Give a folder in which you can make files."
         ) from error
+
+
+@contextmanager
+def _about(path: Path) -> Iterator[None]:
+    """Put the study file's name before what is found wrong with it after reading."""
+    try:
+        yield
+    except InputError as error:
+        raise type(error)(f"{path}: {error}") from error
 
 
 @contextmanager

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from stickslip.model import FACE_NAMES, Joint, boundary_nodes
+from stickslip.results.response import ForcedResponse
 from stickslip.structure.elasticity import Structure
 
 if TYPE_CHECKING:
@@ -55,6 +56,18 @@ def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
     nominal = joint.face_sum(joint.face_pairs.area)[0]
     yield "Real over nominal area", float(first.stiffness.real_area / nominal), "-", "of one face"
     yield "Load on plastic spots", float(100.0 * first.stiffness.plastic_load_share), "%", "share of the preload"
+
+
+def natural_frequencies_found(response: ForcedResponse, count: int = 4) -> tuple[Derived, ...]:
+    """The first natural frequencies of the two linear limits of this study, as the curves show them."""
+    limits = {
+        "all contacts closed and stuck": ("stuck", response.linear.stuck_frequency_hz),
+        "no contact; rigid-body motion of the damper left out": ("free", response.linear.free_frequency_hz),
+    }
+    return tuple(
+        (f"Natural frequencies, {name}", ", ".join(f"{f:.2f}" for f in values[:count]), "Hz", words)
+        for words, (name, values) in limits.items()
+    )
 
 
 def study_warnings(joint: Joint) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.errors import InputError
 from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.interface.pairing import FacePairs, pair_faces
 from stickslip.interface.preload import area_share, face_sum, prescribed_preload, uniform_preload
@@ -115,6 +116,13 @@ def build_joint(case: Case, structure: Structure) -> Joint:
 
 def _preload(case: Case, face_pairs: FacePairs) -> FloatArray:
     if case.preload.values is not None:
+        if len(case.preload.values) != face_pairs.n_pairs:
+            first = int((face_pairs.face == 0).sum())
+            raise InputError(
+                f"preload.values has {len(case.preload.values)} entries, but this mesh has {face_pairs.n_pairs} "
+                f"contact pairs. Give one force for each: {first} of the left face, then "
+                f"{face_pairs.n_pairs - first} of the right one; or give centrifugal_force instead."
+            )
         return prescribed_preload(case.preload.values, face_pairs.area.size)
     assert case.preload.centrifugal_force is not None
     return uniform_preload(

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from stickslip.facts import derived_quantities, sizes, study_warnings
+from stickslip.facts import derived_quantities, natural_frequencies_found, sizes, study_warnings
 from stickslip.interface.surface import draw_phases, fractal_surface, frequency_count
 from stickslip.model import FACE_NAMES, Model, build_joint, build_model, build_structure
 from stickslip.progress import Progress, SilentProgress
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 RESULTS_FILE = "results.nc"
 REPORT_FILE = "report.html"
 MODE_COUNT = 10
+SHOWN_FREQUENCIES = 4
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int) -> StudyOutcom
     table = reduction_table(structure, model.superelement, joint.face_pairs, count=MODE_COUNT)
     progress.update("Structure", 1.0, f"{model.superelement.size} unknowns, {model.pairs.n_pairs} pairs")
     response = solve(case, model, progress, threads)
-    record = study_record(case, model, table)
+    record = study_record(case, model, table, response)
     progress.update("Files", 0.0, RESULTS_FILE)
     save_results(out / RESULTS_FILE, response, record)
     files = [out / RESULTS_FILE]
@@ -107,7 +108,7 @@ def solve(case: Case, model: Model, progress: Progress | None = None, threads: i
     return replace(response, provenance={**response.provenance, **run_provenance()})
 
 
-def study_record(case: Case, model: Model, table: tuple[ReductionRow, ...]) -> StudyRecord:
+def study_record(case: Case, model: Model, table: tuple[ReductionRow, ...], response: ForcedResponse) -> StudyRecord:
     """What the report shows beside the response."""
     pairs = model.joint.face_pairs
     return StudyRecord(
@@ -121,7 +122,7 @@ def study_record(case: Case, model: Model, table: tuple[ReductionRow, ...]) -> S
         pair_position=pairs.face_position[:, ::-1],  # along the damper first, then up the slope
         pair_area=pairs.area,
         mode_table=tuple(_mode_rows(case, table)),
-        derived=derived_quantities(case, model.joint),
+        derived=(*derived_quantities(case, model.joint), *natural_frequencies_found(response)),
         warnings=study_warnings(model.joint),
     )
 
@@ -238,6 +239,8 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
         (name, f"{_short(value)} {unit}".rstrip("- ")) for name, value, unit, _ in derived_quantities(case, joint)
     ]
     solver = case.solver
+    springs = np.column_stack([joint.tangential_stiffness, joint.tangential_stiffness, joint.normal_stiffness]).ravel()
+    stuck_hz, _ = joined_modes(structure, joint.face_pairs, SHOWN_FREQUENCIES, springs)
     sections = [
         ("Sizes", list(sizes(case, structure, joint))),
         ("Derived quantities", numbers),
@@ -245,12 +248,16 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
             "Would run",
             [
                 ("sweep", f"{solver.frequency_start:g} to {solver.frequency_stop:g} Hz"),
+                ("first natural frequencies, contact stuck", ", ".join(f"{f:.1f}" for f in stuck_hz) + " Hz"),
                 ("excitation", _description(case)),
                 ("resolution", f"{solver.harmonics} harmonics, {solver.samples} samples"),
             ],
         ),
     ]
-    warnings = study_warnings(joint)
+    warnings = list(study_warnings(joint))
+    low, high = sorted((solver.frequency_start, solver.frequency_stop))
+    if not ((stuck_hz >= low) & (stuck_hz <= high)).any():
+        warnings.append("None of these natural frequencies lies in the sweep, so it may hold no resonance.")
     if warnings:
         sections.append(("Warnings", [(f"{i}.", sentence) for i, sentence in enumerate(warnings, start=1)]))
     return sections

@@ -104,10 +104,9 @@ def amplitude_frequency(view: View) -> Figure:
         "showarrow": True,
         "arrowhead": 0,
         "arrowcolor": GREY,
-        "ax": 58,
-        "ay": -34,
-        "align": "left",
-        "bgcolor": "rgba(255,255,255,0.85)",
+        "ax": -70,  # to the left: friction lowers the frequency, so the stuck peak stands on the right
+        "ay": -30,
+        "align": "right",
     }
     return _figure(
         [
@@ -162,6 +161,7 @@ def face_map(view: View, face: int, quantity: str) -> Figure:
                 "title": {"text": f"{view.energy_unit} per cycle", "side": "right", "font": {"size": 11}},
                 "thickness": 12,
                 "outlinewidth": 0,
+                "exponentformat": "power",
             },
         }
     chosen = {

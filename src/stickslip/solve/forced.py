@@ -267,7 +267,21 @@ def _warnings(
             f"The damping ratio of {100 * wanted_ratio:.3g} % holds for the stuck modes; the free modes in the window "
             f"get up to {100 * free_ratio:.3g} % from the same matrix, part of it across the joint."
         )
-    return (*sentences, *_drift(balance, trials))
+    return (*sentences, *_drift(balance, trials), *_folds(trials))
+
+
+def _folds(trials: list[Trial]) -> tuple[str, ...]:
+    """Where the curve turns back in frequency, and what that means for a sweep."""
+    frequency = np.array([trial.omega for trial in trials]) / (2.0 * np.pi)
+    step = np.diff(frequency)
+    turns = frequency[1:-1][step[:-1] * step[1:] < 0]
+    if turns.size < 2 or np.ptp(turns) < 1e-4 * frequency.mean():
+        return ()
+    places = ", ".join(f"{value:.2f}" for value in turns[:4])
+    return (
+        f"The curve folds ({places} Hz): between folds several periodic motions exist at one frequency. Stability is "
+        "not computed; a slow sweep follows the curve to a fold and jumps there.",
+    )
 
 
 def _drift(balance: Balance, trials: list[Trial]) -> tuple[str, ...]:

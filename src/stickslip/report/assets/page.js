@@ -241,7 +241,7 @@
     element("scale").addEventListener("click", function () {
       logarithmic = !logarithmic;
       const top = data.amplitude[data.point];
-      const update = { "yaxis.type": logarithmic ? "log" : "linear", "yaxis.autorange": true };
+      const update = { "yaxis.type": logarithmic ? "log" : "linear", "yaxis.autorange": true, "yaxis.dtick": logarithmic ? 1 : null };
       update["annotations[0].y"] = logarithmic ? Math.log10(figures.curve.data[3].y[0] || top) : figures.curve.data[3].y[0];
       Plotly.relayout("curve", update);
       element("scale").textContent = logarithmic ? "Linear axis" : "Logarithmic axis";
