@@ -100,7 +100,7 @@ def test_check_says_what_would_run() -> None:
     assert sizes["unknowns after reduction"].startswith("699 ")
     derived = dict(sections["Derived quantities"])
     assert derived["Normal load, left face"] == "288.7 N"
-    assert derived["Sq"].endswith("um")
+    assert derived["Sq"].endswith("µm")
     assert dict(sections["Would run"])["sweep"] == "400 to 530 Hz"
 
 

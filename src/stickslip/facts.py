@@ -31,9 +31,9 @@ def _faces(joint: Joint) -> Iterator[Derived]:
         yield f"Normal stiffness, {name}", float(normal[face]), "N/m", "all pairs of the face, closed"
         yield f"Tangential stiffness, {name}", float(tangential[face]), "N/m", "all pairs of the face, stuck"
         yield (
-            f"Normal stiffness for each area, {name}",
+            f"Normal stiffness per unit area, {name}",
             float(1e-9 * normal[face] / area[face]),
-            "N/mm^3",
+            "N/mm³",
             "as contact stiffness is often given",
         )
 
@@ -44,15 +44,15 @@ def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
     given, first = case.roughness, joint.rough_faces[0]
     yield "Fractal dimension D", given.fractal_dimension, "-", "of the surface; share of fine-scale content"
     yield "Fractal roughness G", given.fractal_roughness, "m", "scale of the heights"
-    yield "Sq", float(1e6 * first.statistics.sq), "um", "root mean square height between the longest and shortest wave"
+    yield "Sq", float(1e6 * first.statistics.sq), "µm", "root mean square height between the longest and shortest wave"
     yield "Sdq", float(first.statistics.sdq), "-", "root mean square slope"
     yield (
         "Critical spot area",
         float(1e6 * first.stiffness.critical_area),
-        "mm^2",
+        "mm²",
         "smaller spots are plastic, larger ones elastic",
     )
-    yield "Largest spot area", float(1e6 * first.stiffness.largest_area), "mm^2", "of one face under its preload"
+    yield "Largest spot area", float(1e6 * first.stiffness.largest_area), "mm²", "of one face under its preload"
     nominal = joint.face_sum(joint.face_pairs.area)[0]
     yield "Real over nominal area", float(first.stiffness.real_area / nominal), "-", "of one face"
     yield "Load on plastic spots", float(100.0 * first.stiffness.plastic_load_share), "%", "share of the preload"
