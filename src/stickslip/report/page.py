@@ -32,9 +32,10 @@ _MODE_HEADINGS = {
     "table2_hz": "Paper, Table 2, Hz",
 }
 _INFERRED = (
-    "The geometry is <b>inferred</b>: the paper's drawing does not survive, so seven dimensions were fitted to these ten "
-    "frequencies of its Table 2, with tied contact. The last column shows how good that fit is; it is not an independent "
-    "check. The frequencies of this study, with its own contact stiffness, stand among the derived quantities."
+    "The geometry is <b>inferred</b>: the paper's drawing does not survive, so seven dimensions were fitted to these "
+    "ten frequencies of its Table 2, with tied contact. The last column shows how good that fit is; it is not an "
+    "independent check. The frequencies of this study, with its own contact stiffness, stand among the derived "
+    "quantities."
 )
 
 
