@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from stickslip.interface.contact_pairs import ContactPairs
+from stickslip.results.response import ForcedResponse
+from stickslip.solve.forced import forced_response
 from stickslip.structure.superelement import Superelement
 
 EXAMPLE_DATA = Path(__file__).parents[1] / "examples" / "data"
@@ -30,6 +33,10 @@ class Blade:
         self.tip = arrays["resp"]
         self.window_hz = (float(arrays["w_lo"]) / (2 * np.pi), float(arrays["w_hi"]) / (2 * np.pi))
         self.free_hz, self.stuck_hz = float(arrays["f_free"]), float(arrays["f_stuck"])
+
+    def response(self, **options: Any) -> ForcedResponse:
+        """Its forced response under the reference force."""
+        return forced_response(self.superelement, self.pairs, self.force_cos, self.force_sin, **options)
 
     def pairs_with(self, preload: np.ndarray) -> ContactPairs:
         """The contacts with another preload."""

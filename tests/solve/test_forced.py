@@ -19,11 +19,7 @@ from stickslip.structure.superelement import Superelement
 
 @pytest.fixture(scope="module")
 def bench(blade: Blade) -> ForcedResponse:
-    return forced_response(
-        blade.superelement,
-        blade.pairs,
-        blade.force_cos,
-        blade.force_sin,
+    return blade.response(
         frequency_hz=blade.window_hz,
         harmonics=3,
         samples=128,
@@ -91,11 +87,7 @@ def test_linear_limits(bench: ForcedResponse, blade: Blade) -> None:
 
 def test_downward_sweep_finds_the_same_peak(bench: ForcedResponse, blade: Blade) -> None:
     start, stop = blade.window_hz
-    down = forced_response(
-        blade.superelement,
-        blade.pairs,
-        blade.force_cos,
-        blade.force_sin,
+    down = blade.response(
         frequency_hz=(stop, start),
         harmonics=3,
         samples=128,
@@ -131,11 +123,7 @@ def test_force_in_two_harmonics_superposes_while_stuck(blade: Blade) -> None:
 
 
 def test_too_few_harmonics_and_samples_are_told(blade: Blade) -> None:
-    coarse = forced_response(
-        blade.superelement,
-        blade.pairs,
-        blade.force_cos,
-        blade.force_sin,
+    coarse = blade.response(
         frequency_hz=(690.0, 735.0),
         harmonics=3,
         samples=16,
@@ -271,11 +259,7 @@ def test_bad_input_gets_a_sentence(blade: Blade, case: str) -> None:
 
 def test_a_window_inside_the_resonance_finds_a_start(bench: ForcedResponse, blade: Blade) -> None:
     """Newton does not converge from the linear response there, so the start falls back and says so."""
-    inside = forced_response(
-        blade.superelement,
-        blade.pairs,
-        blade.force_cos,
-        blade.force_sin,
+    inside = blade.response(
         frequency_hz=(688.0, 700.0),
         harmonics=9,
         samples=256,

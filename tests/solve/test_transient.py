@@ -9,7 +9,6 @@ from helpers import Blade
 from stickslip.errors import InputError
 from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.forced import forced_response
 from stickslip.solve.transient import TransientResponse, integrate_to_steady_state, start_from_response
 from stickslip.solve.transient_kernel import OPEN, SLIPPING, STUCK, step_law
 from stickslip.structure.superelement import Superelement
@@ -200,11 +199,7 @@ def test_a_short_run_says_that_it_has_no_steady_state() -> None:
 
 @pytest.fixture(scope="module")
 def balance(blade: Blade) -> ForcedResponse:
-    return forced_response(
-        blade.superelement,
-        blade.pairs,
-        blade.force_cos,
-        blade.force_sin,
+    return blade.response(
         frequency_hz=(665.0, 710.0),
         harmonics=9,
         samples=512,
