@@ -6,12 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from stickslip import study
 from stickslip.case import Case
+from stickslip.cli import app
 from stickslip.errors import ResultsFileError
 from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
+from stickslip.solve.continuation import ContinuationSettings
 
 COARSE = {
     "mesh.shank_columns": 1,
@@ -109,3 +112,19 @@ def test_check_shows_the_warnings_of_the_roughness() -> None:
         study.check(Case().replace({"roughness.fractal_dimension": 2.49, "roughness.fractal_roughness": "1e-11 m"}))
     )
     assert "Warnings" in sections
+
+
+def test_an_unfinished_curve_is_kept_and_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The branch ends after six points: exit code 3, the sentence why, and every file of what was found."""
+    monkeypatch.setattr(study, "ContinuationSettings", lambda **steps: ContinuationSettings(max_points=6, **steps))
+    path = tmp_path / "study.toml"
+    path.write_text(Case().replace(COARSE).to_text(), encoding="utf-8")
+    result = CliRunner().invoke(app, ["run", str(path), "--out", str(tmp_path / "out"), "--quiet"])
+    assert result.exit_code == 3
+    assert "6 points were not enough" in result.stderr
+    assert str(tmp_path / "out" / "results.nc") in result.stderr
+    saved = load_results(tmp_path / "out" / "results.nc").response
+    assert not saved.converged
+    assert saved.n_points == 6
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "6 points were not enough" in page
