@@ -7,14 +7,16 @@ D = 2.5 (e = 0) and D near 2 (a_c' over hundreds of decades) need no special cas
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import exp, expm1, inf, isfinite, log, log1p, pi
+from typing import Any
 
 from scipy.optimize import brentq
 
 from stickslip.errors import InputError, RoughnessError
 
 LOG_LARGEST_NUMBER = 690.0  # exp() of more leaves the range of double precision
+SMALLEST_SPREAD = 1e-9  # of ln a' between the smallest and the largest spot; below it round-off decides the result
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,10 @@ class Roughness:
     shortest_length: float | None = None  # Ls in m, shortest wave
 
     def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is not None or field.default is not None:  # only the two lengths may be left out
+                object.__setattr__(self, field.name, real_number(field.name, value))
         dimension = self.fractal_dimension
         hint = ""
         if 1 < dimension <= 2:
@@ -69,8 +75,21 @@ class Roughness:
         return self.fractal_dimension - 1.0
 
 
+def real_number(name: str, value: Any) -> float:
+    """``value`` as a float. Raises InputError unless it is one finite number."""
+    try:
+        if isinstance(value, (str, bytes, bool)):
+            raise TypeError("text and truth values are no numbers here, even where float() would read them")
+        number = float(value)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{name} is {value!r}, but it must be one number, in SI units.") from error
+    if not isfinite(number):
+        raise InputError(f"{name} is {number:g}, but it must be a finite number.")
+    return number
+
+
 def _check(name: str, value: float | None, good: bool, allowed: str) -> None:
-    if not good or (value is not None and not isfinite(value)):
+    if not good:
         raise InputError(f"{name} is {value:g}, but it must be {allowed}")
 
 
@@ -211,13 +230,15 @@ def spots_under_load(roughness: Roughness, load: float, log_smallest: float = -i
 
     P rises strictly with a_l'. Its root is at least the all-plastic value (2-d) F / (d H psi^((2-d)/2)), because no
     spot carries more than H a', and it is that value if it lies below a_c' and a_s' = 0. Raises RoughnessError if
-    the load leads beyond the range of computer numbers.
+    the load leads beyond the range of computer numbers, or is next to nothing beside that of one smallest spot.
     """
     d = roughness.profile_dimension
     lower = log(load * (2.0 - d) / (d * roughness.hardness * extension_power(roughness)))
     if log_smallest == -inf and lower <= log_critical_area(roughness):
         return SpotPopulation(roughness, log_smallest, lower)
-    lower = max(lower, log_smallest)
+    if log_smallest > -inf:
+        _refuse_a_single_spot(roughness, load, log_smallest)
+        lower = max(lower, log_smallest)
 
     def excess(log_largest: float) -> float:
         return SpotPopulation(roughness, log_smallest, log_largest).load / load - 1.0
@@ -236,11 +257,22 @@ def spots_under_load(roughness: Roughness, load: float, log_smallest: float = -i
     return SpotPopulation(roughness, log_smallest, float(brentq(excess, lower, upper, xtol=1e-13, rtol=8.9e-16)))
 
 
+def _refuse_a_single_spot(roughness: Roughness, load: float, log_smallest: float) -> None:
+    least = SpotPopulation(roughness, log_smallest, log_smallest + SMALLEST_SPREAD).load
+    if load < least:
+        raise RoughnessError(
+            f"The load, {load:g} N, is next to nothing beside that of one smallest spot, "
+            f"a_s' = {exp(log_smallest):.3g} m2: the contact law needs a range of spots, and more than {least:.3g} N. "
+            "Raise the load or take a shorter shortest_length."
+        )
+
+
 def domain_extension_factor(fractal_dimension: float) -> float:
     """psi of Wang and Komvopoulos for a surface of dimension D: psi^((2-d)/2) - (1 + psi^(-d/2))^(-(2-d)/d) = (2-d)/d.
 
     Raises InputError unless 2 < D < 3.
     """
+    fractal_dimension = real_number("fractal_dimension", fractal_dimension)
     _check(
         "fractal_dimension", fractal_dimension, 2 < fractal_dimension < 3, "between 2 and 3: it is D of the surface."
     )

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from math import cos, isfinite, pi, sin
+from math import cos, pi, sin
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.errors import InputError
+from stickslip.interface.asperities import real_number
 from stickslip.validation import FloatArray, finite_array, per_pair, require_positive
 
 
@@ -28,6 +29,9 @@ def uniform_preload(
     face and the plane normal to F_N; ``area`` (n_pairs,) m2; ``face`` (n_pairs,) integers, which face a pair belongs
     to; ``friction_coefficient`` mu_0 at assembly. Raises InputError for values that are not usable.
     """
+    centrifugal_force = real_number("centrifugal_force", centrifugal_force)
+    platform_angle = real_number("platform_angle", platform_angle)
+    friction_coefficient = real_number("friction_coefficient", friction_coefficient)
     for name, value, allowed, good in (
         ("centrifugal_force", centrifugal_force, "above 0 N (total over both ends)", centrifugal_force > 0),
         (
@@ -38,7 +42,7 @@ def uniform_preload(
         ),
         ("friction_coefficient", friction_coefficient, "0 or above", friction_coefficient >= 0),
     ):
-        if not (good and isfinite(value)):
+        if not good:
             raise InputError(f"{name} is {value:g}, but it must be {allowed}.")
     share = area_share(area, face)
     face_load = centrifugal_force / (2.0 * (cos(platform_angle) + friction_coefficient * sin(platform_angle)))

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
-from math import exp, inf, isfinite, log, pi, sqrt
+from math import exp, inf, log, pi, sqrt
 from typing import Literal, get_args
 
 import numpy as np
@@ -16,10 +16,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip.errors import InputError, RoughnessError
 from stickslip.interface.asperities import (
+    LOG_LARGEST_NUMBER,
     Roughness,
     SpotPopulation,
     fully_plastic_load,
     log_critical_area,
+    real_number,
     spots_under_load,
 )
 from stickslip.interface.preload import area_share, checked_area, face_index, face_sum
@@ -88,7 +90,9 @@ def reduced_modulus(
         ("first", first_young_modulus, first_poisson_ratio),
         ("second", second_young_modulus, second_poisson_ratio),
     ):
-        if not (modulus > 0 and isfinite(modulus)):
+        modulus = real_number(f"{number}_young_modulus", modulus)
+        ratio = real_number(f"{number}_poisson_ratio", ratio)
+        if not modulus > 0:
             raise InputError(f"{number}_young_modulus is {modulus:g} Pa, but it must be above 0 Pa.")
         if not -1 < ratio <= 0.5:
             raise InputError(f"{number}_poisson_ratio is {ratio:g}, but it must be above -1 and at most 0.5.")
@@ -112,10 +116,9 @@ def contact_stiffness(
     and its sentence; ``pair_stiffness`` refuses it. Raises InputError for values that are not usable.
     """
     _check_choice("mode", mode, get_args(StiffnessMode))
-    if not isfinite(load):
-        raise InputError(f"load is {load:g} N, but it must be a finite number.")
-    if nominal_area is not None and not (nominal_area > 0 and isfinite(nominal_area)):
-        raise InputError(f"nominal_area is {nominal_area:g} m2, but it must be above 0 m2.")
+    load = real_number("load", load)
+    if nominal_area is not None:
+        nominal_area = _positive_area("nominal_area", nominal_area)
     log_smallest = _log_smallest_area(roughness, mode)
     critical_area = exp(log_critical_area(roughness))
     if load <= 0:
@@ -144,15 +147,17 @@ def pair_stiffness(
     mode: StiffnessMode = "consistent",
     allocation: Allocation = "area",
     face: ArrayLike = 0,
+    reference_area: float | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Normal and tangential stiffness (n_pairs,) in N/m of each contact pair, face by face.
 
     area: k_i = K(F) A_i / sum A_j over one face (equation 10), F the sum of the preloads of its closed pairs.
-    pressure: k_i = A_i kappa(p_i), kappa(p) = K(p A_face) / A_face, p_i = N0_i / A_i. A pair that is open at rest
+    pressure: k_i = A_i kappa(p_i), kappa(p) = K(p A_ref) / A_ref, p_i = N0_i / A_i; A_ref is ``reference_area`` (m2),
+        or the area of the pair's own face if that is None. A pair that is open at rest
         (N0_i <= 0) has no pressure of its own and gets kappa at the mean pressure F / A_face, for when it closes.
     The law itself holds no nominal area, so it is only ever used with the load of a whole face: applied to single
     pairs it would depend on the mesh. Both ways agree where the pressure is uniform, and a finer mesh leaves the sums
-    as they are.
+    as they are. Faces of different size follow one law kappa(p) only if they share a reference area.
 
     ``area`` (n_pairs,) m2; ``preload`` N, one number or (n_pairs,); ``face`` integers, which face a pair belongs to.
     Raises RoughnessError, with what would work, if a pair would have no stiffness; InputError for unusable arrays.
@@ -162,15 +167,22 @@ def pair_stiffness(
     areas = checked_area(area)
     loads, faces = per_pair("preload", preload, areas.size), face_index(face, areas.size)
     share = area_share(areas, faces)
+    weight = share
+    if reference_area is not None:
+        if allocation != "pressure":
+            raise InputError(f'reference_area belongs to allocation "pressure", but allocation is {allocation!r}.')
+        weight = areas / _positive_area("reference_area", reference_area)
     closed_load = np.maximum(loads, 0.0)
-    face_load = face_sum(closed_load, faces)[faces]  # of the face that the pair is on
+    face_load = face_sum(closed_load, faces)[faces] * (share / weight)  # on the face, or on A_ref at equal pressure
     if allocation == "pressure":
-        face_load = np.where(loads > 0, closed_load / share, face_load)
+        face_load = np.where(loads > 0, closed_load / weight, face_load)
     equivalent_load, pair = np.unique(face_load, return_inverse=True)
     law = [contact_stiffness(roughness, float(load), mode) for load in equivalent_load]
-    normal = share * np.array([value.normal for value in law])[pair]
-    tangential = share * np.array([value.tangential for value in law])[pair]
+    normal = weight * np.array([value.normal for value in law])[pair]
+    tangential = weight * np.array([value.tangential for value in law])[pair]
     dead = np.flatnonzero(~(normal > 0))
+    unloaded = dead[face_load[dead] <= 0]
+    dead = unloaded if unloaded.size else dead  # one reason at a time
     if dead.size:
         raise RoughnessError(_refusal(roughness, mode, allocation, dead, areas.size, float(face_load[dead].min())))
     return normal, tangential
@@ -179,6 +191,13 @@ def pair_stiffness(
 def _check_choice(name: str, value: str, allowed: tuple[str, ...]) -> None:
     if value not in allowed:
         raise InputError(f"{name} is {value!r}, but it must be one of {', '.join(map(repr, allowed))}.")
+
+
+def _positive_area(name: str, value: float) -> float:
+    area = real_number(name, value)
+    if not area > 0:
+        raise InputError(f"{name} is {area:g} m2, but it must be above 0 m2.")
+    return area
 
 
 def _log_smallest_area(roughness: Roughness, mode: StiffnessMode) -> float:
@@ -298,7 +317,9 @@ def _asperity_slope(spots: SpotPopulation) -> float:
     roughness, d = spots.roughness, spots.roughness.profile_dimension
     log_radius = 0.5 * (spots.log_median_area - log(pi))
     waves = sqrt(log(roughness.frequency_ratio)) * 2.0 ** (3.0 - d)
-    return float(waves * exp((d - 1.0) * (log(roughness.fractal_roughness) - log_radius)))
+    log_slope = log(waves) + (d - 1.0) * (log(roughness.fractal_roughness) - log_radius)
+    # As D nears 3 half of the load moves to spots smaller than any number that a computer holds.
+    return exp(log_slope) if log_slope < LOG_LARGEST_NUMBER else inf
 
 
 def _refusal(
@@ -312,7 +333,7 @@ def _refusal(
             "contact stiffness itself."
         )
     needed, scale = fully_plastic_load(roughness), roughness.fractal_roughness
-    pressure = " (the least pressure of these pairs times the area of the face)" if allocation == "pressure" else ""
+    pressure = " (the least pressure of these pairs times the reference area)" if allocation == "pressure" else ""
     ways = [
         f"raise the load above {needed:.4g} N",
         f"take G below {scale * sqrt(load / needed):.3g} m",

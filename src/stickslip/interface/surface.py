@@ -10,14 +10,14 @@ docs/theory_roughness.md.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import expm1, floor, gamma, isfinite, log, pi
+from math import expm1, floor, gamma, log, pi
 
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike
 
 from stickslip.errors import InputError
-from stickslip.interface.asperities import Roughness
+from stickslip.interface.asperities import Roughness, real_number
 from stickslip.validation import FloatArray, finite_array
 
 
@@ -95,6 +95,8 @@ def frequency_count(length: float, shortest_length: float, ratio: float = 1.5) -
 
     Raises InputError unless L > Ls > 0 and gamma > 1.
     """
+    length, shortest_length = real_number("length", length), real_number("shortest_length", shortest_length)
+    ratio = real_number("frequency ratio", ratio)
     _check("frequency ratio", ratio, ratio > 1, "above 1")
     _check("shortest_length", shortest_length, shortest_length > 0, "above 0 m")
     _check("length", length, length > shortest_length, f"above the shortest length, {shortest_length:g} m")
@@ -180,6 +182,7 @@ def fractal_roughness_from_sq(
     A measured Sq is that of its evaluation length and cut-off: give these as L and Ls. Raises InputError for values out
     of range.
     """
+    sq_height = real_number("sq_height", sq_height)
     _check("sq_height", sq_height, sq_height > 0, "above 0 m")
     log_ratio = log(sq_height / sq(fractal_dimension, length, length, shortest_length, ratio))  # Sq where G = L
     return float(length * np.exp(log_ratio / (fractal_dimension - 2.0)))
@@ -213,6 +216,9 @@ def surface_statistics(roughness: Roughness, sample_length: float, shortest_leng
 
 def check_surface(fractal_dimension: float, fractal_roughness: float, length: float = 1.0, ratio: float = 1.5) -> None:
     """Raise InputError unless 2 < D < 3, G > 0, L > 0 and gamma > 1, all finite."""
+    fractal_dimension = real_number("fractal_dimension", fractal_dimension)
+    fractal_roughness = real_number("fractal_roughness", fractal_roughness)
+    length, ratio = real_number("length", length), real_number("ratio", ratio)
     _check("fractal_dimension", fractal_dimension, 2 < fractal_dimension < 3, "between 2 and 3: it is D of the surface")
     _check("fractal_roughness", fractal_roughness, fractal_roughness > 0, "above 0 m")
     _check("length", length, length > 0, "above 0 m")
@@ -220,7 +226,7 @@ def check_surface(fractal_dimension: float, fractal_roughness: float, length: fl
 
 
 def _check(name: str, value: float, good: bool, allowed: str) -> None:
-    if not (good and isfinite(value)):
+    if not good:
         raise InputError(f"{name} is {value:g}, but it must be {allowed}.")
 
 
