@@ -261,7 +261,7 @@ class SolverSection(Section):
         default=0.01, validate_default=True
     )
     largest_step: Annotated[float, Quantity("pure number", above=0.0, at_most=1.0)] = Field(
-        default=0.04, validate_default=True
+        default=0.08, validate_default=True
     )
     update: Literal["tractrix", "radial"] = Field(default="tractrix", description="return of the friction law")
 

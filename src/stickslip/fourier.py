@@ -5,27 +5,33 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from stickslip.validation import FloatArray
 
 
+@lru_cache(maxsize=32)
 def synthesis_matrix(harmonics: int, samples: int) -> FloatArray:
-    """(samples, 2 * harmonics + 1) matrix that turns coefficients into samples of one period."""
+    """(samples, 2 * harmonics + 1) matrix that turns coefficients into samples of one period; kept, so read-only."""
     angle = 2.0 * np.pi * np.arange(samples)[:, None] / samples
     order = np.arange(1, harmonics + 1)[None, :]
     matrix = np.ones((samples, 2 * harmonics + 1))
     matrix[:, 1::2] = np.cos(order * angle)
     matrix[:, 2::2] = np.sin(order * angle)
+    matrix.setflags(write=False)
     return matrix
 
 
+@lru_cache(maxsize=32)
 def analysis_matrix(harmonics: int, samples: int) -> FloatArray:
-    """(2 * harmonics + 1, samples) matrix that turns samples into coefficients (discrete Fourier projection).
+    """(2 * harmonics + 1, samples) read-only matrix that turns samples into coefficients (Fourier projection).
 
     Exact for signals with harmonics up to ``samples - harmonics - 1``; higher ones alias. Needs
     ``samples >= 2 * harmonics + 1``.
     """
     matrix = synthesis_matrix(harmonics, samples).T * (2.0 / samples)
     matrix[0] *= 0.5
+    matrix.setflags(write=False)
     return matrix

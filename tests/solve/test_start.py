@@ -20,7 +20,7 @@ OMEGA = 2 * np.pi * 690.0
 def balance_with(blade: Blade, harmonics: int) -> Balance:
     force = np.zeros((2 * harmonics + 1, blade.superelement.size))
     force[1], force[2] = blade.force_cos, blade.force_sin
-    compliance = stuck_structure(blade.superelement, blade.pairs, harmonics, 1.0, None).compliance
+    compliance = stuck_structure(blade.superelement, blade.pairs, 1.6 * OMEGA, None).compliance(harmonics)
     return Balance(compliance, blade.pairs, force, 128, "tractrix")
 
 
@@ -50,7 +50,7 @@ def test_walks_in_from_outside_when_the_ramp_folds(blade: Blade) -> None:
     newton = Newton(balance_with(blade, 3), NewtonSettings(1e-9, 5))
 
     def walk(trial: Trial) -> Branch:
-        return Branch(newton, blade.superelement.mass, trial, OMEGA, ContinuationSettings())
+        return Branch(newton, trial, OMEGA, ContinuationSettings())
 
     with pytest.raises(ConvergenceError, match=r"amplitude ramp: stopped at 77\.\d %"):
         first_point(newton, OMEGA)

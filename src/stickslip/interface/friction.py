@@ -10,6 +10,7 @@ to the true periodic state. Derivations, sign conventions and sources: docs/theo
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -21,7 +22,8 @@ from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.interface.friction_energy import dissipate_pairs
 from stickslip.interface.friction_kernel import CodeArray
 from stickslip.interface.friction_period import settle_pairs
-from stickslip.interface.friction_tangent import tangent_pairs
+from stickslip.interface.friction_tangent import Basis, tangent_pairs
+from stickslip.threads import shared
 from stickslip.validation import FloatArray, finite_array
 
 Update = Literal["tractrix", "radial"]
@@ -42,12 +44,15 @@ class HarmonicForce:
         (n_pairs,) False exactly where the force is that of the closed, stuck springs with the slider at the mean.
     closure:
         (n_pairs,) ``|T_end - T_start| / max(mu N)`` of the last period; 0 where a pair sticks or opens.
+    period_start:
+        (n_pairs, 4) where the periodic state begins, for :func:`harmonic_tangent`.
     """
 
     force: FloatArray
     state: CodeArray
     deviates: NDArray[np.bool_]
     closure: FloatArray
+    period_start: FloatArray
 
 
 @dataclass(frozen=True)
@@ -84,10 +89,11 @@ class _Periods:
     state: CodeArray
     deviates: NDArray[np.bool_]
     closure: FloatArray
+    starts: FloatArray
 
 
 def harmonic_force(
-    coefficients: ArrayLike, pairs: ContactPairs, samples: int, update: Update = "tractrix"
+    coefficients: ArrayLike, pairs: ContactPairs, samples: int, update: Update = "tractrix", threads: int = 1
 ) -> HarmonicForce:
     """Contact force coefficients for displacement coefficients (alternating frequency-time method).
 
@@ -100,6 +106,8 @@ def harmonic_force(
     update:
         "tractrix", exact for a step of linear motion and linearly varying normal load, or "radial" (backward Euler).
         Pairs with different tangential stiffness along t1 and t2 use the associated return with either name.
+    threads:
+        threads that share the pairs.
 
     Raises
     ------
@@ -109,12 +117,11 @@ def harmonic_force(
     """
     displacement = _coefficients(coefficients, pairs.n_pairs, samples)
     width = displacement.shape[2]
-    synthesis = synthesis_matrix(width // 2, samples)
     analysis = analysis_matrix(width // 2, samples)
-    paths, limits = _sampled(displacement, pairs, synthesis)
-    periods = _periods(paths, limits, pairs, update)
+    paths, limits = _sampled(displacement, pairs, samples)
+    periods = _periods(paths, limits, pairs, update, threads)
     force = np.empty_like(displacement)
-    force[:, :2] = periods.forces @ analysis.T
+    force[:, :2] = (periods.forces.reshape(-1, samples) @ analysis.T).reshape(-1, 2, width)
     stuck = ~periods.deviates
     force[stuck, :2] = pairs.tangential_springs[stuck, :, None] * displacement[stuck, :2]
     force[stuck, :2, 0] = 0.0
@@ -123,7 +130,7 @@ def harmonic_force(
     opens = (limits <= 0.0).any(axis=1)
     normal = np.maximum(limits[opens] / pairs.friction_coefficient[opens, None], 0.0)
     force[opens, 2] = (normal - pairs.static_load[opens, None]) @ analysis.T
-    return HarmonicForce(force, periods.state, periods.deviates, periods.closure)
+    return HarmonicForce(force, periods.state, periods.deviates, periods.closure, periods.starts)
 
 
 def harmonic_tangent(
@@ -132,33 +139,36 @@ def harmonic_tangent(
     samples: int,
     select: ArrayLike,
     update: Update = "tractrix",
+    contact: HarmonicForce | None = None,
+    threads: int = 1,
 ) -> FloatArray:
     """Exact derivative of :func:`harmonic_force` for the pairs ``select`` (indices or a mask of pairs).
 
     Returns an array (n_select, 3, 2 H + 1, 3, 2 H + 1) in N/m: entry [i, a, p, b, q] is the derivative of force
     coefficient p in direction a by displacement coefficient q in direction b. The dependence of the periodic slider
-    start on the motion is included.
+    start on the motion is included. ``contact`` is :func:`harmonic_force` of the same coefficients where it is known
+    already: the periodic state is then not looked for again.
     """
     displacement = _coefficients(coefficients, pairs.n_pairs, samples)
     _check_update(update)
     chosen = np.arange(pairs.n_pairs)[np.asarray(select)]
     width = displacement.shape[2]
-    synthesis = synthesis_matrix(width // 2, samples)
-    analysis = np.ascontiguousarray(analysis_matrix(width // 2, samples).T)
-    paths, limits = _sampled(displacement, pairs, synthesis)
-    paths, limits = paths[chosen], limits[chosen]
-    springs = pairs.tangential_springs[chosen]
-    normal_stiffness = pairs.normal_stiffness[chosen]
+    paths, limits = _sampled(displacement, pairs, samples)
+    springs, normal_stiffness = pairs.tangential_springs[chosen], pairs.normal_stiffness[chosen]
     scales = np.column_stack([springs, pairs.friction_coefficient[chosen] * normal_stiffness])
-    tangential = np.zeros((len(chosen), 2, width, 3 * width))
-    tangent_pairs(paths, limits, _ratios(springs), scales, update == "tractrix", synthesis, analysis, tangential)
+    ratios, basis, tractrix = _ratios(springs), _basis(width // 2, samples), update == "tractrix"
+    if contact is None:
+        contact = harmonic_force(displacement, pairs, samples, update, threads)
+    paths, limits, starts = paths[chosen], limits[chosen], contact.period_start[chosen]
     tangent = np.zeros((len(chosen), 3, width, 3, width))
-    tangent[:, :2] = tangential.reshape(-1, 2, width, 3, width)
-    closed = limits > 0.0
-    tangent[:, 2, :, 2, :] = normal_stiffness[:, None, None] * np.eye(width)
-    for pair in np.flatnonzero(~closed.all(axis=1)):
-        keep = closed[pair]
-        tangent[pair, 2, :, 2, :] = normal_stiffness[pair] * (analysis[keep].T @ synthesis[keep])
+    shared(
+        lambda part: tangent_pairs(
+            paths[part], limits[part], ratios[part], scales[part], normal_stiffness[part],
+            tractrix, basis, starts[part], tangent[part],
+        ),
+        len(chosen),
+        threads,
+    )  # fmt: skip
     return tangent
 
 
@@ -201,7 +211,7 @@ def contact_cycle(displacement: ArrayLike, pairs: ContactPairs, update: Update =
     return ContactCycle(force, tangential - force[:, :, :2] / springs, periods.state, energy, periods.closure)
 
 
-def _periods(paths: FloatArray, limits: FloatArray, pairs: ContactPairs, update: Update) -> _Periods:
+def _periods(paths: FloatArray, limits: FloatArray, pairs: ContactPairs, update: Update, threads: int = 1) -> _Periods:
     """March all pairs to their periodic states."""
     _check_update(update)
     n_pairs, samples = limits.shape
@@ -211,20 +221,42 @@ def _periods(paths: FloatArray, limits: FloatArray, pairs: ContactPairs, update:
         np.empty(n_pairs, dtype=np.int8),
         np.empty(n_pairs, dtype=np.bool_),
         np.empty(n_pairs),
+        np.empty((n_pairs, 4)),
     )
-    settle_pairs(
-        paths, limits, _ratios(pairs.tangential_springs), update == "tractrix",
-        periods.forces, periods.modes, periods.state, periods.deviates, periods.closure,
+    ratios, tractrix = _ratios(pairs.tangential_springs), update == "tractrix"
+    shared(
+        lambda part: settle_pairs(
+            paths[part], limits[part], ratios[part], tractrix, periods.forces[part], periods.modes[part],
+            periods.state[part], periods.deviates[part], periods.closure[part], periods.starts[part],
+        ),
+        n_pairs,
+        threads,
     )  # fmt: skip
     return periods
 
 
-def _sampled(displacement: FloatArray, pairs: ContactPairs, synthesis: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _sampled(displacement: FloatArray, pairs: ContactPairs, samples: int) -> tuple[FloatArray, FloatArray]:
     """Tangential paths K (s - mean s) (n_pairs, 2, n) and limits mu (N0 + kn n) (n_pairs, n) of harmonic motion."""
-    paths = (pairs.tangential_springs[:, :, None] * displacement[:, :2, 1:]) @ synthesis[:, 1:].T
+    synthesis = synthesis_matrix(displacement.shape[2] // 2, samples)
+    elastic = pairs.tangential_springs[:, :, None] * displacement[:, :2, 1:]
+    paths = (elastic.reshape(-1, elastic.shape[2]) @ synthesis[:, 1:].T).reshape(-1, 2, samples)
     load = pairs.normal_stiffness[:, None] * displacement[:, 2]
     load[:, 0] += pairs.preload
     return paths, (pairs.friction_coefficient[:, None] * load) @ synthesis.T
+
+
+@lru_cache(maxsize=32)
+def _basis(harmonics: int, samples: int) -> Basis:
+    """The Fourier basis with the running sums that the tangent needs."""
+    synthesis = synthesis_matrix(harmonics, samples)
+    analysis = np.ascontiguousarray(analysis_matrix(harmonics, samples).T)
+    products = analysis[:, :, None] * synthesis[:, None, :]
+    return Basis(
+        synthesis,
+        analysis,
+        np.concatenate([np.zeros_like(analysis[:1]), np.cumsum(analysis, axis=0)]),
+        np.concatenate([np.zeros_like(products[:1]), np.cumsum(products, axis=0)]),
+    )
 
 
 def _ratios(springs: FloatArray) -> FloatArray:

@@ -236,15 +236,21 @@ def settle_pairs(
     states: CodeArray,
     deviates: NDArray[np.bool_],
     closures: FloatArray,
+    starts: FloatArray,
 ) -> None:
-    """Periodic state of every pair: fills forces (n_pairs, 2, n), modes (n_pairs, n) and the arrays (n_pairs,)."""
+    """Periodic state of every pair: fills forces (n_pairs, 2, n), modes (n_pairs, n) and the arrays (n_pairs,).
+
+    ``starts`` (n_pairs, 4): the sample where the last march began, the force there, and the plain cycles before Newton.
+    """
     for pair in range(limits.shape[0]):
         path, limit, force, mode = paths[pair], limits[pair], forces[pair], modes[pair]
         if sticks_released(path, limit):
             force[:] = path
             mode[:] = STICK
             states[pair], deviates[pair], closures[pair] = STICK, False, 0.0
+            starts[pair] = 0.0
             continue
         motion = Motion(path, limit, ratios[pair, 0], ratios[pair, 1], tractrix)
-        _, _, _, closures[pair], _ = settle(motion, force, mode)
+        first, t1, t2, closures[pair], plain = settle(motion, force, mode)
+        starts[pair, 0], starts[pair, 1], starts[pair, 2], starts[pair, 3] = first, t1, t2, plain
         states[pair], deviates[pair] = pair_state(path, limit, force, mode), True

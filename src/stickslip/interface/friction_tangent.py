@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -17,11 +18,60 @@ from stickslip.interface.friction_kernel import (
     slip_jacobian,
     stick_jacobian,
 )
-from stickslip.interface.friction_period import Motion, released_start, settle, sticks_released
+from stickslip.interface.friction_period import Motion, released_start, sticks_released
 from stickslip.validation import FloatArray
 
 # |det(I - Phi)| below which the start of the period is taken from the transient instead of the fixed point.
 SINGULAR = 1e-9
+
+
+class Basis(NamedTuple):
+    """Sampled Fourier basis, width = 2 H + 1: synthesis and analysis (n, width), and running sums over the samples.
+
+    ``weights[j]`` (n + 1, width) sums the analysis of the samples before j, ``products[j]`` (n + 1, width, width) its
+    products with the synthesis: what a linear law gives over any run of samples.
+    """
+
+    synthesis: FloatArray
+    analysis: FloatArray
+    weights: FloatArray
+    products: FloatArray
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def gather_stick(
+    basis: Basis,
+    anchor: int,
+    last: int,
+    scale: FloatArray,
+    derivative: FloatArray,
+    coefficients: FloatArray,
+) -> None:
+    """Gather the samples after ``anchor`` to ``last`` of a pair that sticks, and carry ``derivative`` along.
+
+    There the derivative is that at the anchor plus ``k (synthesis[j] - synthesis[anchor])``, so its Fourier analysis
+    follows from running sums. ``last <= anchor`` runs through the end of the period; no ``coefficients``, no gathering.
+    """
+    synthesis, weights, products = basis.synthesis, basis.weights, basis.products
+    n, width = synthesis.shape
+    for p in range(coefficients.shape[0]):
+        weight = weights[last + 1, p] - weights[anchor + 1, p]
+        if last <= anchor:
+            weight += weights[n, p]
+        for row in range(2):
+            for c in range(derivative.shape[1]):
+                coefficients[p, row, c] += weight * derivative[row, c]
+        for q in range(width):
+            product = products[last + 1, p, q] - products[anchor + 1, p, q]
+            if last <= anchor:
+                product += products[n, p, q]
+            product -= weight * synthesis[anchor, q]
+            coefficients[p, 0, q] += scale[0] * product
+            coefficients[p, 1, width + q] += scale[1] * product
+    for q in range(width):
+        change = synthesis[last, q] - synthesis[anchor, q]
+        derivative[0, q] += scale[0] * change
+        derivative[1, width + q] += scale[1] * change
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -30,9 +80,8 @@ def march_tangent(
     first: int,
     t1: float,
     t2: float,
-    synthesis: FloatArray,
+    basis: Basis,
     scale: FloatArray,
-    analysis: FloatArray,
     derivative: FloatArray,
     coefficients: FloatArray,
 ) -> tuple[float, float]:
@@ -43,66 +92,83 @@ def march_tangent(
     ``coefficients`` (width, 2, 3 * width + 2) gathers its Fourier analysis; an empty array asks for none.
     """
     path, limit, ratio1, ratio2, tractrix = motion.path, motion.limit, motion.ratio1, motion.ratio2, motion.tractrix
-    n, width = synthesis.shape
+    n = limit.shape[0]
     columns = derivative.shape[1]
     gather = coefficients.shape[0]
+    # Samples that neither stick nor are open, for one matrix product at the end.
+    kept = np.empty((n if gather else 0, 2, columns))
+    kept_weights = np.empty((n if gather else 0, gather))
+    count = 0
     jacobian = np.zeros((2, 6))
-    previous = first
+    previous, anchor = first, -1
     for step in range(1, n + 1):
         j = first + step
         if j >= n:
             j -= n
         d1, d2 = path[0, j] - path[0, previous], path[1, j] - path[1, previous]
         new1, new2, code = advance(t1, t2, d1, d2, limit[previous], limit[j], ratio1, ratio2, tractrix)
-        if code == OPEN:
-            derivative[:] = 0.0
-        elif code == STICK and limit[previous] > 0.0:
-            for q in range(width):
-                change = synthesis[j, q] - synthesis[previous, q]
-                derivative[0, q] += scale[0] * change
-                derivative[1, width + q] += scale[1] * change
+        if code == STICK and limit[previous] > 0.0:
+            if anchor < 0:
+                anchor = previous
         else:
-            if code == SLIP:
-                slip_jacobian(
-                    t1, t2, d1, d2, limit[previous], limit[j],
-                    new1, new2, ratio1, ratio2, tractrix, jacobian,
-                )  # fmt: skip
+            if anchor >= 0:
+                gather_stick(basis, anchor, previous, scale, derivative, coefficients)
+                anchor = -1
+            if code == OPEN:
+                derivative[:] = 0.0
             else:
-                stick_jacobian(d1, d2, limit[previous], limit[j], jacobian)
-            a11, a12, a21, a22 = jacobian[0, 0], jacobian[0, 1], jacobian[1, 0], jacobian[1, 1]
-            for c in range(columns):
-                old1, old2 = derivative[0, c], derivative[1, c]
-                derivative[0, c] = a11 * old1 + a12 * old2
-                derivative[1, c] = a21 * old1 + a22 * old2
-            for row in range(2):
-                for axis in range(2):
-                    factor = jacobian[row, 2 + axis] * scale[axis]
-                    for q in range(width):
-                        derivative[row, axis * width + q] += factor * (synthesis[j, q] - synthesis[previous, q])
-                before, after = jacobian[row, 4] * scale[2], jacobian[row, 5] * scale[2]
-                for q in range(width):
-                    derivative[row, 2 * width + q] += after * synthesis[j, q] + before * synthesis[previous, q]
-        if code != OPEN:
-            for p in range(gather):
-                weight = analysis[j, p]
-                for row in range(2):
-                    for c in range(columns):
-                        coefficients[p, row, c] += weight * derivative[row, c]
+                if code == SLIP:
+                    slip_jacobian(
+                        t1, t2, d1, d2, limit[previous], limit[j],
+                        new1, new2, ratio1, ratio2, tractrix, jacobian,
+                    )  # fmt: skip
+                else:
+                    stick_jacobian(d1, d2, limit[previous], limit[j], jacobian)
+                carry(basis, previous, j, scale, jacobian, derivative)
+                if gather:
+                    kept[count] = derivative
+                    kept_weights[count] = basis.analysis[j]
+                    count += 1
         t1, t2, previous = new1, new2, j
+    if anchor >= 0:
+        gather_stick(basis, anchor, previous, scale, derivative, coefficients)
+    if count:
+        flat = kept[:count].reshape(count, 2 * columns)
+        coefficients += np.dot(kept_weights[:count].T, flat).reshape(gather, 2, columns)
     return t1, t2
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def carry(basis: Basis, previous: int, j: int, scale: FloatArray, jacobian: FloatArray, derivative: FloatArray) -> None:
+    """Carry ``derivative`` over a step with ``jacobian`` (2, 6) from sample ``previous`` to sample ``j``."""
+    synthesis = basis.synthesis
+    width = synthesis.shape[1]
+    a11, a12, a21, a22 = jacobian[0, 0], jacobian[0, 1], jacobian[1, 0], jacobian[1, 1]
+    for c in range(derivative.shape[1]):
+        old1, old2 = derivative[0, c], derivative[1, c]
+        derivative[0, c] = a11 * old1 + a12 * old2
+        derivative[1, c] = a21 * old1 + a22 * old2
+    for row in range(2):
+        for axis in range(2):
+            factor = jacobian[row, 2 + axis] * scale[axis]
+            for q in range(width):
+                derivative[row, axis * width + q] += factor * (synthesis[j, q] - synthesis[previous, q])
+        before, after = jacobian[row, 4] * scale[2], jacobian[row, 5] * scale[2]
+        for q in range(width):
+            derivative[row, 2 * width + q] += after * synthesis[j, q] + before * synthesis[previous, q]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def transient_start_derivative(
     motion: Motion,
     plain: int,
-    synthesis: FloatArray,
+    basis: Basis,
     scale: FloatArray,
-    analysis: FloatArray,
     derivative: FloatArray,
 ) -> None:
     """Fill ``derivative`` with that of the force after ``plain`` cycles from the released start."""
     path, limit, ratio1, ratio2 = motion.path, motion.limit, motion.ratio1, motion.ratio2
+    synthesis = basis.synthesis
     width = synthesis.shape[1]
     derivative[:] = 0.0
     derivative[0, 1:width] = scale[0] * synthesis[0, 1:]
@@ -119,39 +185,39 @@ def transient_start_derivative(
             derivative[1, 2 * width + q] = l2 * scale[2] * synthesis[0, q]
     nothing = np.zeros((0, 2, derivative.shape[1]))
     for _ in range(plain):
-        t1, t2 = march_tangent(motion, 0, t1, t2, synthesis, scale, analysis, derivative, nothing)
+        t1, t2 = march_tangent(motion, 0, t1, t2, basis, scale, derivative, nothing)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def pair_tangent(
     motion: Motion,
-    synthesis: FloatArray,
-    analysis: FloatArray,
+    basis: Basis,
     scale: FloatArray,
+    period_start: FloatArray,
     tangent: FloatArray,
 ) -> None:
     """Fill ``tangent`` (2, width, 3 * width): derivative of the tangential force coefficients of the periodic state.
 
+    ``period_start`` (4,) is what :func:`stickslip.interface.friction_period.settle_pairs` found for this motion.
+
     With b the derivative of the period's end at fixed start and Phi that by the start, the start of the periodic state
     moves by D = (I - Phi)^-1 b; where I - Phi is singular (no slip in the period), D keeps what the transient left.
     """
-    n, width = synthesis.shape
+    width = basis.synthesis.shape[1]
     columns = 3 * width + 2
-    force = np.empty((2, n))
-    mode = np.empty(n, dtype=np.int8)
-    first, t1, t2, _, plain = settle(motion, force, mode)
+    first, plain = int(period_start[0]), int(period_start[3])
     derivative = np.zeros((2, columns))
     derivative[0, columns - 2] = derivative[1, columns - 1] = 1.0
     gathered = np.zeros((width, 2, columns))
-    march_tangent(motion, first, t1, t2, synthesis, scale, analysis, derivative, gathered)
+    march_tangent(motion, first, period_start[1], period_start[2], basis, scale, derivative, gathered)
     start = np.zeros((2, columns - 2))
-    if mode[first] != OPEN:
+    if motion.limit[first] > 0.0:
         balance = np.eye(2) - derivative[:, columns - 2 :]
         load = np.ascontiguousarray(derivative[:, : columns - 2])
         if abs(balance[0, 0] * balance[1, 1] - balance[0, 1] * balance[1, 0]) > SINGULAR:
             start = np.linalg.solve(balance, load)
         else:
-            transient_start_derivative(motion, plain, synthesis, scale, analysis, derivative)
+            transient_start_derivative(motion, plain, basis, scale, derivative)
             start = np.ascontiguousarray(derivative[:, : columns - 2])
             if balance.any():
                 start += np.linalg.pinv(balance, SINGULAR) @ (load - balance @ start)
@@ -163,24 +229,50 @@ def pair_tangent(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def normal_tangent(limit: FloatArray, normal_stiffness: float, basis: Basis, tangent: FloatArray) -> None:
+    """Fill ``tangent`` (width, width): normal force coefficients by those of n; ``k_n`` acts while the limit is > 0."""
+    n, width = basis.synthesis.shape
+    tangent[:] = 0.0
+    start = 0
+    while start < n:
+        if limit[start] <= 0.0:
+            start += 1
+            continue
+        end = start + 1
+        while end < n and limit[end] > 0.0:
+            end += 1
+        if end - start == n:
+            for p in range(width):
+                tangent[p, p] = normal_stiffness
+            return
+        for p in range(width):
+            for q in range(width):
+                tangent[p, q] += normal_stiffness * (basis.products[end, p, q] - basis.products[start, p, q])
+        start = end
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def tangent_pairs(
     paths: FloatArray,
     limits: FloatArray,
     ratios: FloatArray,
     scales: FloatArray,
+    normal_stiffness: FloatArray,
     tractrix: bool,
-    synthesis: FloatArray,
-    analysis: FloatArray,
+    basis: Basis,
+    starts: FloatArray,
     tangents: FloatArray,
 ) -> None:
-    """Fill tangents (n_pairs, 2, width, 3 * width) of the tangential forces; ``analysis`` is (n, width)."""
-    width = synthesis.shape[1]
+    """Fill ``tangents`` (n_pairs, 3, width, 3, width), zero on entry, with the derivatives of T1, T2 and N."""
+    width = basis.synthesis.shape[1]
+    tangential = np.empty((2, width, 3 * width))
     for pair in range(limits.shape[0]):
+        normal_tangent(limits[pair], normal_stiffness[pair], basis, tangents[pair, 2, :, 2, :])
         if sticks_released(paths[pair], limits[pair]):
-            tangents[pair] = 0.0
             for q in range(1, width):
-                tangents[pair, 0, q, q] = scales[pair, 0]
-                tangents[pair, 1, q, width + q] = scales[pair, 1]
+                tangents[pair, 0, q, 0, q] = scales[pair, 0]
+                tangents[pair, 1, q, 1, q] = scales[pair, 1]
             continue
         motion = Motion(paths[pair], limits[pair], ratios[pair, 0], ratios[pair, 1], tractrix)
-        pair_tangent(motion, synthesis, analysis, scales[pair], tangents[pair])
+        pair_tangent(motion, basis, scales[pair], starts[pair], tangential)
+        tangents[pair, :2] = tangential.reshape(2, width, 3, width)

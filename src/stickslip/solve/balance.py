@@ -12,6 +12,7 @@ the pair separates. Everything else follows by back substitution; nothing is app
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,6 +35,7 @@ class Trial:
     relative: FloatArray
     deviation: FloatArray
     contact: HarmonicForce
+    amplitude: FloatArray  # (2H, n) modal amplitudes of the structure under the force and the deviation
     residual: FloatArray
 
     @property
@@ -78,21 +80,31 @@ class Balance:
         time samples per period for the friction law.
     update:
         "tractrix" or "radial".
+    threads:
+        threads that share the pairs.
     """
 
     def __init__(
-        self, compliance: Compliance, pairs: ContactPairs, force: FloatArray, samples: int, update: Update
+        self,
+        compliance: Compliance,
+        pairs: ContactPairs,
+        force: FloatArray,
+        samples: int,
+        update: Update,
+        threads: int = 1,
     ) -> None:
         self.compliance = compliance
         self.pairs = pairs
         self.force = force
         self.samples = samples
         self.update = update
+        self.threads = threads
         self.harmonics = compliance.harmonics
         # Springs of a stuck pair, (2H+1, m). On the mean a stuck pair has no traction: its slider sits at the mean.
         springs = pairs.stuck_stiffness().reshape(-1, 3)
         self._springs = np.repeat(springs.reshape(1, -1), 2 * self.harmonics + 1, axis=0)
         self._springs[0] = (springs * np.array([0.0, 0.0, 1.0])).ravel()
+        self._external = compliance.external(force)
 
     @property
     def rows(self) -> int:
@@ -101,12 +113,13 @@ class Balance:
 
     def linear(self, omega: float, load: float = 1.0) -> FloatArray:
         """Relative displacement (2H+1, m) with every contact stuck, under ``load`` times the force."""
-        return self.compliance.relative(omega, load * self.force, np.zeros((2 * self.harmonics + 1, self.rows)))
+        still, external = np.zeros((2 * self.harmonics + 1, self.rows)), self._external.times(load)
+        return self.compliance.relative(self.compliance.amplitude(omega, external, still), external, still)
 
     def evaluate(self, relative: FloatArray, omega: float, load: float = 1.0) -> Trial:
         """Contact force, deviation and residual of a trial."""
         coefficients = np.ascontiguousarray(relative.T).reshape(self.pairs.n_pairs, 3, -1)
-        contact = harmonic_force(coefficients, self.pairs, self.samples, update=self.update)
+        contact = harmonic_force(coefficients, self.pairs, self.samples, self.update, self.threads)
         deviation = contact.force.reshape(self.rows, -1).T - self._springs * relative
         # Where the pair sticks the tangential deviation is zero by definition, where it never opens the normal one is
         # that of its gap (zero under preload): round-off must not enter.
@@ -115,29 +128,34 @@ class Balance:
         deviation[:, 1::3][:, still] = 0.0
         deviation[:, 2::3][:, closed] = 0.0
         deviation[0, 2::3][closed] = np.minimum(self.pairs.preload, 0.0)[closed]
-        residual = relative - self.compliance.relative(omega, load * self.force, deviation)
-        return Trial(omega, load, relative, deviation, contact, residual)
+        external = self._external.times(load)
+        amplitude = self.compliance.amplitude(omega, external, deviation)
+        residual = relative - self.compliance.relative(amplitude, external, deviation)
+        return Trial(omega, load, relative, deviation, contact, amplitude, residual)
 
-    def displacement(self, trial: Trial) -> FloatArray:
-        """All unknowns (2H+1, n) of a trial."""
-        return self.compliance.displacement(trial.omega, trial.load * self.force, trial.deviation)
+    def displacement(self, trials: Sequence[Trial]) -> FloatArray:
+        """All unknowns (n_trials, 2H+1, n) of trials of the same load."""
+        amplitude = np.array([trial.amplitude for trial in trials])
+        deviation = np.array([trial.deviation for trial in trials])
+        return self.compliance.displacement(amplitude, self._external.times(trials[0].load), deviation)
 
-    def displacement_change(self, trial: Trial, deviation: FloatArray, omega: float) -> FloatArray:
-        """Change (2H+1, n) of :meth:`displacement` for small changes of the deviation and of the frequency."""
-        slope = self.compliance.displacement_slope(trial.omega, trial.load * self.force, trial.deviation)
-        return self.compliance.displacement(trial.omega, np.zeros_like(self.force), deviation) + slope * omega
+    def amplitude_slope(self, trial: Trial) -> FloatArray:
+        """Derivative (2H, n) of the modal amplitudes by ``omega`` at fixed deviation."""
+        return self.compliance.gain.slope(trial.omega, trial.amplitude)
 
     def frequency_slope(self, trial: Trial) -> FloatArray:
         """dR/dw (2H+1, m) at fixed x."""
-        slope = self.compliance.displacement_slope(trial.omega, trial.load * self.force, trial.deviation)
-        return -slope @ self.pairs.operator.T
+        still = np.zeros_like(trial.relative)
+        return -self.compliance.relative(self.amplitude_slope(trial), None, still)
 
-    def deviation_tangent(self, active: ActiveRows, relative: FloatArray) -> FloatArray:
+    def deviation_tangent(self, active: ActiveRows, trial: Trial) -> FloatArray:
         """D (n_moving, 3, 2H+1, 3, 2H+1): derivative of the deviation of the moving pairs."""
-        coefficients = np.ascontiguousarray(relative.T).reshape(self.pairs.n_pairs, 3, -1)
-        tangent = harmonic_tangent(coefficients, self.pairs, self.samples, active.pairs, update=self.update)
+        coefficients = np.ascontiguousarray(trial.relative.T).reshape(self.pairs.n_pairs, 3, -1)
+        tangent = harmonic_tangent(
+            coefficients, self.pairs, self.samples, active.pairs, self.update, trial.contact, self.threads
+        )
         springs = self._springs.T.reshape(self.pairs.n_pairs, 3, -1)[active.pairs]
-        for axis in range(3):
-            for order in range(2 * self.harmonics + 1):
-                tangent[:, axis, order, axis, order] -= springs[:, axis, order]
+        width = 2 * self.harmonics + 1
+        diagonal = np.einsum("paqaq->paq", tangent.reshape(-1, 3, width, 3, width))
+        diagonal -= springs
         return tangent

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,20 +62,18 @@ class ResolutionCheck:
 def check_resolution(
     fine: Balance,
     trials: Sequence[Trial],
-    displacement_of: Callable[[Trial], FloatArray],
-    mass: FloatArray,
     limit: int = 24,
 ) -> ResolutionCheck:
     """Check up to ``limit`` points spread over the curve, always with the one of largest relative displacement.
 
-    ``fine`` is the same balance with more harmonics and twice the samples; ``displacement_of(trial)`` (2H+1, n).
+    ``fine`` is the same balance with more harmonics and twice the samples.
     """
     size = [float(np.linalg.norm(trial.relative[1:])) for trial in trials]
     spread = np.linspace(0, len(trials) - 1, min(limit, len(trials))).round().astype(int)
     chosen = [trials[i] for i in sorted({*spread.tolist(), int(np.argmax(size))})]
     residuals = np.array([_fine_residuals(fine, trial) for trial in chosen])
     excited: NDArray[np.bool_] = np.abs(fine.force).max(axis=1) > 0
-    shares = [last_harmonic_share(displacement_of(trial), mass, excited) for trial in chosen]
+    shares = [last_harmonic_share(trial.amplitude, excited) for trial in chosen]
     known = [share for share in shares if share is not None]
     sample, neglected = residuals.argmax(axis=0)
     return ResolutionCheck(
@@ -97,18 +95,17 @@ def _fine_residuals(fine: Balance, trial: Trial) -> tuple[float, float]:
     return float(np.linalg.norm(residual[:kept])) / scale, float(np.linalg.norm(residual[kept:])) / scale
 
 
-def last_harmonic_share(displacement: FloatArray, mass: FloatArray, excited: NDArray[np.bool_]) -> float | None:
+def last_harmonic_share(amplitude: FloatArray, excited: NDArray[np.bool_]) -> float | None:
     """Share of the kinetic energy in the two highest kept harmonics that no force excites; None if there is none.
 
-    ``displacement`` (2H+1, n); ``excited`` (>= 2H+1,) says which coefficients the force has.
+    ``amplitude`` (2H, n) of mass-normalised modes; ``excited`` (>= 2H+1,) says which coefficients the force has.
     """
-    motion = displacement[1:]
-    harmonics = motion.shape[0] // 2
+    harmonics = amplitude.shape[0] // 2
     free = [h for h in range(1, harmonics + 1) if not excited[2 * h - 1 : 2 * h + 1].any()]
     if not free:
         return None
     order = np.repeat(np.arange(1, harmonics + 1), 2)
-    energy = order**2 * np.einsum("hi,ij,hj->h", motion, mass, motion, optimize=True)
+    energy = order**2 * (amplitude**2).sum(axis=1)
     total = float(energy.sum())
     last = float(energy[np.isin(order, free[-2:])].sum())
     return last / total if total > 0 else 0.0

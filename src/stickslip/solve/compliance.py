@@ -1,15 +1,15 @@
 """How the structure with every contact closed and stuck answers to forces on the pairs, harmonic by harmonic.
 
 With ``Kbar = K + B^T k B`` and ``Z_h(w) = Kbar - (h w)^2 M + i h w C`` the compliance of the pairs is
-``A_h(w) = B Z_h^-1 B^T`` and the linear stuck response ``r_h = B Z_h^-1 P_h``; complex amplitudes are ``c - i s`` of
-``c cos + s sin``. The mean (h = 0) is different: a stuck pair carries no mean traction (its slider sits at the mean
-displacement), so ``k`` holds only the normal springs there.
+``A_h(w) = B Z_h^-1 B^T`` and the linear stuck response ``r_h = B Z_h^-1 P_h``. All of it goes through the modes of the
+stuck structure (:mod:`stickslip.solve.gain`). The mean (h = 0) is different: a stuck pair carries no mean traction
+(its slider sits at the mean displacement), so ``k`` holds only the normal springs there.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -24,71 +24,42 @@ from stickslip.solve.damping import (
     modal_damping_matrix,
     stuck_stiffness_matrix,
 )
+from stickslip.solve.gain import ComplexArray, CoupledGain, DiagonalGain, ModalGain, times_gain
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
 
-ComplexArray = NDArray[np.complex128]
 IndexArray = NDArray[np.int64]
 
 # A body that only friction holds (a free damper along its axis) has no unique mean position. A spring of this fraction
 # of the tangential contact stiffness, on the mean alone, holds it; results do not depend on it (docs/theory.md).
 MEAN_RESTRAINT = 1e-6
+# Reciprocal condition number below which the scaled mean system counts as singular.
+SINGULAR_MEAN = 1e-11
+# Newton's matrix takes modes beyond this multiple of the highest harmonic as springs: an error of 1/30^2 of their share
+# in the matrix alone, which costs no accuracy (the residual takes all modes exactly) and hardly an iteration.
+NEAR_RANGE = 30.0
 
 
-class Compliance(Protocol):
-    """What the balance needs from the stuck linear structure; all arrays in SI units, m = 3 * n_pairs rows.
+@dataclass(frozen=True)
+class ExternalForce:
+    """The external force as the stuck structure sees it."""
 
-    Coefficient arrays are (2H+1, m) in the order mean, cos 1, sin 1, ...
-    """
+    modal: FloatArray  # (2H, n) modal forces of the harmonics
+    mean: FloatArray  # (n,) N, on the unknowns
+    mean_relative: FloatArray  # (m,) m, relative displacement that the mean force causes
 
-    harmonics: int
-    mean_restraint: float
-
-    def block(self, omega: float, order: int, rows: IndexArray, columns: IndexArray) -> ComplexArray:
-        """``A_h`` for harmonic ``order`` >= 1 on the given rows and columns."""
-
-    def mean_block(self, rows: IndexArray, columns: IndexArray) -> FloatArray:
-        """``A_0`` on the given rows and columns."""
-
-    def displacement(self, omega: float, force: FloatArray, deviation: FloatArray) -> FloatArray:
-        """All unknowns (2H+1, n) under the external ``force`` (2H+1, n) and ``-B^T deviation``."""
-
-    def relative(self, omega: float, force: FloatArray | None, deviation: FloatArray) -> FloatArray:
-        """``B u`` (2H+1, m) of :meth:`displacement`; ``force`` None means none."""
-
-    def displacement_slope(self, omega: float, force: FloatArray, deviation: FloatArray) -> FloatArray:
-        """Derivative of :meth:`displacement` with respect to ``omega``."""
-
-
-def to_complex(coefficients: FloatArray) -> ComplexArray:
-    """Complex amplitudes ``c - i s`` (H, m) of the harmonics of coefficients (2H+1, m)."""
-    return np.asarray(coefficients[1::2] - 1j * coefficients[2::2])
-
-
-def times_gain(gain: ComplexArray, harmonics: FloatArray) -> FloatArray:
-    """Coefficients (2H, m) of the harmonics (cos 1, sin 1, ...) after complex gains (H, m), in real arithmetic."""
-    answer = np.empty_like(harmonics)
-    cosine, sine = harmonics[0::2], harmonics[1::2]
-    answer[0::2] = gain.real * cosine + gain.imag * sine
-    answer[1::2] = gain.real * sine - gain.imag * cosine
-    return answer
-
-
-def to_real(mean: FloatArray, amplitudes: ComplexArray) -> FloatArray:
-    """Coefficients (2H+1, m) from the mean (m,) and complex amplitudes (H, m)."""
-    coefficients = np.empty((2 * amplitudes.shape[0] + 1, amplitudes.shape[1]))
-    coefficients[0] = mean
-    coefficients[1::2] = amplitudes.real
-    coefficients[2::2] = -amplitudes.imag
-    return coefficients
+    def times(self, factor: float) -> ExternalForce:
+        """The force with another size."""
+        return ExternalForce(factor * self.modal, factor * self.mean, factor * self.mean_relative)
 
 
 @dataclass(frozen=True)
 class MeanCompliance:
-    """The static answer with normal springs only: ``(K + B^T diag(0, 0, k_n) B)^-1``, and the restraint it needed."""
+    """The static answer with normal springs only: a Cholesky factor of ``K + B^T diag(0, 0, k_n) B``, scaled."""
 
-    inverse: FloatArray  # (n, n)
     restraint: float
+    _scale: FloatArray
+    _factor: Any
 
     @classmethod
     def build(cls, superelement: Superelement, pairs: ContactPairs) -> MeanCompliance:
@@ -99,10 +70,12 @@ class MeanCompliance:
             scaled = springs * np.array([restraint, restraint, 1.0])
             matrix = superelement.stiffness + pairs.operator.T @ (scaled.reshape(-1, 1) * pairs.operator)
             scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-            squares, vectors = scipy.linalg.eigh(matrix * np.outer(scale, scale))
-            if squares[0] > 1e-11 * squares[-1]:
-                vectors = vectors * scale[:, None]
-                return cls((vectors / squares) @ vectors.T, restraint)
+            matrix *= scale
+            matrix *= scale[:, None]
+            norm = float(np.abs(matrix).sum(axis=0).max())
+            factor, failure = scipy.linalg.lapack.dpotrf(matrix, lower=1, clean=0)
+            if failure == 0 and scipy.linalg.lapack.dpocon(factor, norm, uplo="L")[0] > SINGULAR_MEAN:
+                return cls(restraint, scale, (factor, True))
         raise InputError(
             "the structure with all contacts closed and stuck is singular to working accuracy: some body can move "
             "freely, or the contact is many orders stiffer than the structure. Fix the body somewhere, check that the "
@@ -110,9 +83,58 @@ class MeanCompliance:
             "than what it joins is rigid."
         )
 
+    def solve(self, force: FloatArray) -> FloatArray:
+        """Static displacement under forces (n,) or (n, k)."""
+        scale = self._scale if force.ndim == 1 else self._scale[:, None]
+        return np.asarray(scale * scipy.linalg.cho_solve(self._factor, scale * force))
 
-class ModalCompliance:
-    """Compliance from one eigen-decomposition of the stuck structure; needs damping that its modes diagonalise."""
+
+@dataclass(frozen=True)
+class NewtonCompliance:
+    """``A`` for the Newton matrix: all m rows, and the columns on which the deviation can change (k of them).
+
+    Modes far above the excitation are springs here (see NEAR_RANGE).
+    """
+
+    mean: FloatArray  # (k, m)
+    far: FloatArray  # (k, m) static compliance of the far modes
+    left: FloatArray  # (m, p) near modes at all rows
+    right: FloatArray  # (k, p) near modes at the columns
+    gain: ComplexArray  # (H, p) or (H, p, p)
+
+    def apply(self, deviation: FloatArray) -> FloatArray:
+        """A @ deviation: (2H+1, m) from (2H+1, k)."""
+        answer = np.empty((deviation.shape[0], self.far.shape[1]))
+        answer[0] = deviation[0] @ self.mean
+        near = times_gain(self.gain, deviation[1:] @ self.right)
+        np.matmul(deviation[1:], self.far, out=answer[1:])
+        answer[1:] += near @ self.left.T
+        return answer
+
+    def apply_transposed(self, weights: FloatArray) -> FloatArray:
+        """A^T @ weights: (2H+1, k) from (2H+1, m). Each A_h is complex symmetric: the sines change sign twice."""
+        flipped = weights.copy()
+        flipped[2::2] *= -1.0
+        answer = np.empty((weights.shape[0], self.far.shape[0]))
+        answer[0] = self.mean @ flipped[0]
+        near = times_gain(self.gain, flipped[1:] @ self.left)
+        answer[1:] = flipped[1:] @ self.far.T + near @ self.right.T
+        answer[2::2] *= -1.0
+        return answer
+
+    def block(self, order: int, rows: IndexArray) -> ComplexArray:
+        """``A_h`` (rows, k) of harmonic ``order`` >= 1."""
+        gain, left = self.gain[order - 1], self.left[rows]
+        real, imaginary = (left @ part if part.ndim == 2 else left * part for part in (gain.real, gain.imag))
+        return np.asarray(real @ self.right.T + self.far[:, rows].T + 1j * (imaginary @ self.right.T))
+
+
+class Compliance:
+    """The stuck structure's answers; m = 3 * n_pairs rows t1, t2, n of each pair, n unknowns and as many modes.
+
+    Coefficients are (2H+1, ...) in the order mean, cos 1, sin 1, ...; ``amplitude`` (2H, n) are those of the modes,
+    without mean. The modes are mass-normalised: the Euclidean norm of an amplitude is the mass norm of its motion.
+    """
 
     def __init__(
         self,
@@ -120,138 +142,91 @@ class ModalCompliance:
         mean: MeanCompliance,
         circular_frequency: FloatArray,
         modes: FloatArray,
-        modal_damping: FloatArray,
-        harmonics: int,
+        gain: ModalGain,
     ) -> None:
-        self.harmonics = harmonics
+        self.harmonics = gain.harmonics
         self.mean_restraint = mean.restraint
-        self._mean = mean.inverse
+        self.gain = gain
         self._modes = modes
-        self._squares = circular_frequency**2
-        self._damping = modal_damping
         self._operator = pairs.operator
+        self._mean = mean
         self._contact_modes = pairs.operator @ modes
-        self._mean_contact = pairs.operator @ mean.inverse @ pairs.operator.T
+        self._mean_contact = pairs.operator @ mean.solve(pairs.operator.T)
+        far = self._contact_modes[:, gain.near_modes :]
+        self._far = (far / circular_frequency[gain.near_modes :] ** 2) @ far.T
+        self._near_contact = np.ascontiguousarray(self._contact_modes[:, : gain.near_modes])
+        self._kept: tuple[bytes, FloatArray, FloatArray] | None = None
 
-    def _gain(self, omega: float) -> ComplexArray:
-        """(H, n_modes) modal gains 1/(w_j^2 - (h w)^2 + i h w c_j)."""
-        x = np.arange(1, self.harmonics + 1)[:, None] * omega
-        return np.asarray(1.0 / (self._squares - x**2 + 1j * x * self._damping))
+    def external(self, force: FloatArray) -> ExternalForce:
+        """What a force (2H+1, n) does, computed once."""
+        mean = self._operator @ self._mean.solve(force[0]) if force[0].any() else np.zeros(len(self._operator))
+        return ExternalForce(force[1:] @ self._modes, force[0], mean)
 
-    def _modal_force(self, force: FloatArray | None, deviation: FloatArray) -> FloatArray:
-        """(2H, n_modes) coefficients of the harmonics of the modal forces."""
-        modal = -(deviation[1:] @ self._contact_modes)
-        if force is not None:
-            loaded = np.flatnonzero(force[1:].any(axis=1))
-            modal[loaded] += force[1 + loaded] @ self._modes
-        return modal
+    def amplitude(self, omega: float, external: ExternalForce | None, deviation: FloatArray) -> FloatArray:
+        """Modal amplitudes (2H, n) under an external force and ``-B^T deviation``, deviation (2H+1, m)."""
+        columns = np.flatnonzero(deviation[1:].any(axis=0))
+        if 2 * columns.size < deviation.shape[1]:
+            force = -(deviation[1:, columns] @ self._contact_modes[columns])
+        else:
+            force = -(deviation[1:] @ self._contact_modes)
+        if external is not None:
+            force += external.modal
+        return self.gain.answer(omega, force)
 
-    def block(self, omega: float, order: int, rows: IndexArray, columns: IndexArray) -> ComplexArray:
-        gain = self._gain(omega)[order - 1]
-        left, right = self._contact_modes[rows], self._contact_modes[columns].T
-        return np.asarray((left * gain.real) @ right + 1j * ((left * gain.imag) @ right))
+    def relative(self, amplitude: FloatArray, external: ExternalForce | None, deviation: FloatArray) -> FloatArray:
+        """``B u`` (2H+1, m) of amplitudes, with the mean under the same forces."""
+        answer = np.empty((amplitude.shape[0] + 1, len(self._operator)))
+        answer[0] = -self._mean_contact @ deviation[0]
+        if external is not None:
+            answer[0] += external.mean_relative
+        np.matmul(amplitude, self._contact_modes.T, out=answer[1:])
+        return answer
 
-    def mean_block(self, rows: IndexArray, columns: IndexArray) -> FloatArray:
-        return self._mean_contact[np.ix_(rows, columns)]
+    def displacement(self, amplitude: FloatArray, external: ExternalForce, deviation: FloatArray) -> FloatArray:
+        """All unknowns (..., 2H+1, n) of amplitudes (..., 2H, n) and deviations (..., 2H+1, m)."""
+        shape = amplitude.shape
+        answer = np.empty((*shape[:-2], shape[-2] + 1, shape[-1]))
+        force = external.mean - deviation[..., 0, :] @ self._operator
+        answer[..., 0, :] = self._mean.solve(force.T).T
+        answer[..., 1:, :] = (amplitude.reshape(-1, shape[-1]) @ self._modes.T).reshape(shape)
+        return answer
 
-    def displacement(self, omega: float, force: FloatArray, deviation: FloatArray) -> FloatArray:
-        modal = times_gain(self._gain(omega), self._modal_force(force, deviation))
-        mean = self._mean @ (force[0] - deviation[0] @ self._operator)
-        return np.vstack([mean, modal @ self._modes.T])
-
-    def relative(self, omega: float, force: FloatArray | None, deviation: FloatArray) -> FloatArray:
-        modal = times_gain(self._gain(omega), self._modal_force(force, deviation))
-        mean = -self._mean_contact @ deviation[0]
-        if force is not None and force[0].any():
-            mean += self._operator @ (self._mean @ force[0])
-        return np.vstack([mean, modal @ self._contact_modes.T])
-
-    def displacement_slope(self, omega: float, force: FloatArray, deviation: FloatArray) -> FloatArray:
-        order = np.arange(1, self.harmonics + 1)[:, None]
-        slope = -(self._gain(omega) ** 2) * (-2.0 * order**2 * omega + 1j * order * self._damping)
-        modal = times_gain(slope, self._modal_force(force, deviation))
-        return np.vstack([np.zeros(self._modes.shape[0]), modal @ self._modes.T])
-
-
-class DirectCompliance:
-    """Compliance by a direct factor of ``Z_h`` at each frequency: for damping that couples the stuck modes."""
-
-    def __init__(
-        self,
-        superelement: Superelement,
-        pairs: ContactPairs,
-        mean: MeanCompliance,
-        stiffness: FloatArray,
-        damping: FloatArray,
-        harmonics: int,
-    ) -> None:
-        self.harmonics = harmonics
-        self.mean_restraint = mean.restraint
-        self._mean = mean.inverse
-        self._operator = pairs.operator
-        self._mean_contact = pairs.operator @ mean.inverse @ pairs.operator.T
-        self._mass, self._stiffness, self._damping = superelement.mass, stiffness, damping
-        self._cache: dict[int, tuple[float, tuple[ComplexArray, NDArray[np.int32]], ComplexArray]] = {}
-
-    def _factor(self, omega: float, order: int) -> tuple[tuple[ComplexArray, NDArray[np.int32]], ComplexArray]:
-        """LU of ``Z_h`` and ``Z_h^-1 B^T``, kept for the frequency asked last."""
-        kept = self._cache.get(order)
-        if kept is None or kept[0] != omega:
-            x = order * omega
-            matrix = self._stiffness - x**2 * self._mass + 1j * x * self._damping
-            factor = scipy.linalg.lu_factor(matrix)
-            kept = (omega, factor, scipy.linalg.lu_solve(factor, self._operator.T.astype(complex)))
-            self._cache[order] = kept
-        return kept[1], kept[2]
-
-    def block(self, omega: float, order: int, rows: IndexArray, columns: IndexArray) -> ComplexArray:
-        _, answers = self._factor(omega, order)
-        return np.asarray(self._operator[rows] @ answers[:, columns])
-
-    def mean_block(self, rows: IndexArray, columns: IndexArray) -> FloatArray:
-        return self._mean_contact[np.ix_(rows, columns)]
-
-    def displacement(self, omega: float, force: FloatArray, deviation: FloatArray) -> FloatArray:
-        load = force - deviation @ self._operator
-        amplitudes = np.array(
-            [
-                scipy.linalg.lu_solve(self._factor(omega, order)[0], row)
-                for order, row in enumerate(to_complex(load), start=1)
-            ]
-        )
-        return to_real(self._mean @ load[0], amplitudes)
-
-    def relative(self, omega: float, force: FloatArray | None, deviation: FloatArray) -> FloatArray:
-        if force is None:
-            force = np.zeros((deviation.shape[0], self._mass.shape[0]))
-        return np.asarray(self.displacement(omega, force, deviation) @ self._operator.T)
-
-    def displacement_slope(self, omega: float, force: FloatArray, deviation: FloatArray) -> FloatArray:
-        displacement = to_complex(self.displacement(omega, force, deviation))
-        slopes = np.empty_like(displacement)
-        for order in range(1, self.harmonics + 1):
-            change = -2.0 * order**2 * omega * self._mass + 1j * order * self._damping
-            slopes[order - 1] = -scipy.linalg.lu_solve(self._factor(omega, order)[0], change @ displacement[order - 1])
-        return to_real(np.zeros(self._mass.shape[0]), slopes)
+    def newton(self, omega: float, columns: IndexArray) -> NewtonCompliance:
+        """A for the Newton matrix at ``omega``, for deviations on ``columns``."""
+        key = columns.tobytes()
+        if self._kept is None or self._kept[0] != key:
+            self._kept = key, self._mean_contact[columns], self._far[columns]
+        _, mean, far = self._kept
+        return NewtonCompliance(mean, far, self._near_contact, self._near_contact[columns], self.gain.near(omega))
 
 
 @dataclass(frozen=True)
 class StuckStructure:
-    """The structure with every contact closed and stuck, ready for the balance."""
+    """The structure with every contact closed and stuck, ready for balances with any number of harmonics."""
 
-    compliance: Compliance
+    pairs: ContactPairs
+    mean: MeanCompliance
     circular_frequency: FloatArray  # (n,) rad/s, ascending
+    modes: FloatArray  # (n, n), mass-normalised
+    modal_damping: FloatArray  # (n,) if the modes diagonalise the damping, else (n, n)
     damping: FloatArray  # (n, n) N s/m, also where modal ratios were given
+    highest_omega: float  # rad/s
+
+    def compliance(self, harmonics: int) -> Compliance:
+        """The compliance for a number of harmonics."""
+        near = int(np.searchsorted(self.circular_frequency, NEAR_RANGE * harmonics * self.highest_omega))
+        kind = DiagonalGain if self.modal_damping.ndim == 1 else CoupledGain
+        gain = kind(self.circular_frequency, self.modal_damping, harmonics, near)
+        return Compliance(self.pairs, self.mean, self.circular_frequency, self.modes, gain)
 
 
 def stuck_structure(
     superelement: Superelement,
     pairs: ContactPairs,
-    harmonics: int,
     highest_omega: float,
     modal_damping_ratio: float | None,
 ) -> StuckStructure:
-    """Build the compliance of the stuck structure for a number of harmonics.
+    """Modes, damping and static answer of the stuck structure.
 
     ``modal_damping_ratio`` gives the stuck modes one ratio (see :func:`stickslip.solve.damping.modal_damping`;
     ``highest_omega`` in rad/s is the highest excitation); None uses ``superelement.damping`` (zero if absent).
@@ -266,8 +241,7 @@ def stuck_structure(
     if modal_damping_ratio is not None and superelement.damping is not None:
         raise InputError("give either a damping matrix in the superelement or modal_damping_ratio, not both.")
     mean = MeanCompliance.build(superelement, pairs)
-    stiffness = stuck_stiffness_matrix(superelement, pairs)
-    frequency, modes = modal_basis(superelement.mass, stiffness)
+    frequency, modes = modal_basis(superelement.mass, stuck_stiffness_matrix(superelement, pairs))
     modal: FloatArray | None
     if modal_damping_ratio is not None:
         modal = modal_damping(frequency, modal_damping_ratio, highest_omega)
@@ -277,9 +251,6 @@ def stuck_structure(
     else:
         damping = superelement.damping
         modal = diagonal_modal_damping(damping, modes)
-    compliance: Compliance
-    if modal is not None:
-        compliance = ModalCompliance(pairs, mean, frequency, modes, modal, harmonics)
-    else:
-        compliance = DirectCompliance(superelement, pairs, mean, stiffness, damping, harmonics)
-    return StuckStructure(compliance, frequency, damping)
+        if modal is None:
+            modal = modes.T @ damping @ modes
+    return StuckStructure(pairs, mean, frequency, modes, modal, damping, highest_omega)

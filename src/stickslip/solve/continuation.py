@@ -20,6 +20,9 @@ from stickslip.solve.newton import Constraint, Correction, Newton
 from stickslip.solve.reduced import BorderedSystem
 from stickslip.validation import FloatArray
 
+# Relative accuracy of a tangent, which only predicts.
+TANGENT_TOLERANCE = 1e-4
+
 
 @dataclass(frozen=True)
 class ContinuationSettings:
@@ -36,7 +39,7 @@ class ContinuationSettings:
         the branch ends here at the latest.
     """
 
-    largest_step: float = 0.04
+    largest_step: float = 0.08
     smallest_step: float = 1e-6
     first_step: float = 0.01
     wanted_angle_deg: float = 15.0
@@ -55,28 +58,31 @@ class BranchPoint:
 
 @dataclass(frozen=True)
 class Tangent:
-    """Direction of the branch: changes of x (2H+1, m), of all unknowns u (2H+1, n), and of the frequency."""
+    """Direction of the branch: changes of x (2H+1, m), of the modal amplitudes (2H, n), and of the frequency."""
 
     relative: FloatArray
-    displacement: FloatArray
+    amplitude: FloatArray
     omega: float
 
     def times(self, factor: float) -> Tangent:
         """The direction with another length."""
-        return Tangent(factor * self.relative, factor * self.displacement, factor * self.omega)
+        return Tangent(factor * self.relative, factor * self.amplitude, factor * self.omega)
+
+    def plus(self, other: Tangent) -> Tangent:
+        """The sum of two directions."""
+        return Tangent(self.relative + other.relative, self.amplitude + other.amplitude, self.omega + other.omega)
 
 
 @dataclass(frozen=True)
 class Metric:
     """Inner product of directions: mass norm of the vibration over ``u_scale``, and frequency over ``w_scale``."""
 
-    mass: FloatArray
     u_scale: float
     w_scale: float
 
     def product(self, first: Tangent, second: Tangent) -> float:
         """Scaled inner product."""
-        vibration = float((first.displacement[1:] * (second.displacement[1:] @ self.mass)).sum())
+        vibration = float((first.amplitude * second.amplitude).sum())
         return vibration / self.u_scale**2 + first.omega * second.omega / self.w_scale**2
 
     def unit(self, tangent: Tangent) -> Tangent:
@@ -98,13 +104,11 @@ class Branch:
     def __init__(
         self,
         newton: Newton,
-        mass: FloatArray,
         start: Trial,
         stop_omega: float,
         settings: ContinuationSettings,
     ) -> None:
         self._balance = newton.balance
-        self._mass = mass
         self._start = start
         self._stop = stop_omega
         self._newton = newton
@@ -118,13 +122,14 @@ class Branch:
     def __iter__(self) -> Iterator[BranchPoint]:
         yield BranchPoint(self._start, 0)
         point, tangent = self._start, self._first_tangent()
-        step = self._settings.first_step
+        bend, step = tangent.times(0.0), self._settings.first_step
         for _ in range(self._settings.max_points - 1):
-            outcome = self._advance(point, tangent, step)
+            outcome = self._advance(point, tangent, bend, step)
             if outcome is None:
                 return
-            correction, tangent, step = outcome
-            previous, point = point, correction.trial
+            correction, turned, taken, step = outcome
+            bend = turned.plus(tangent.times(-1.0)).times(1.0 / taken)
+            tangent, previous, point = turned, point, correction.trial
             if self._beyond_stop(point):
                 point, iterations = self._land(previous, point)
                 self.complete = True
@@ -145,15 +150,14 @@ class Branch:
 
     def _measure(self, point: Trial) -> Metric:
         """The metric after ``point`` was reached."""
-        vibration = self._balance.displacement(point)[1:]
-        size = math.sqrt(max(0.0, float((vibration * (vibration @ self._mass)).sum())))
-        self._largest = max(self._largest, size, 1e-300)
-        return Metric(self._mass, self._largest, self._width)
+        self._largest = max(self._largest, float(np.linalg.norm(point.amplitude)), 1e-300)
+        return Metric(self._largest, self._width)
 
     def _direction_of(self, point: Trial, system: BorderedSystem, constraint: float) -> Tangent:
         """Tangent at ``point`` from a Newton system; ``constraint`` fixes its orientation."""
-        step = system.solve(np.zeros_like(point.relative), constraint)
-        change = self._balance.displacement_change(point, step.deviation, step.omega)
+        step = system.solve(np.zeros_like(point.relative), constraint, TANGENT_TOLERANCE)
+        change = self._balance.compliance.amplitude(point.omega, None, step.deviation)
+        change += step.omega * self._balance.amplitude_slope(point)
         return Tangent(step.relative, change, step.omega)
 
     def _first_tangent(self) -> Tangent:
@@ -172,13 +176,19 @@ class Branch:
             point.omega + step * tangent.omega,
         )
 
-    def _advance(self, point: Trial, tangent: Tangent, step: float) -> tuple[Correction, Tangent, float] | None:
-        """One accepted step: point, tangent and next step length; None (and a message) if none succeeds."""
+    def _advance(
+        self, point: Trial, tangent: Tangent, bend: Tangent, step: float
+    ) -> tuple[Correction, Tangent, float, float] | None:
+        """One accepted step: point, tangent, length, and next length; None (and a message) if none succeeds.
+
+        ``bend`` is the change of the tangent over the last step per length: the guess follows the curvature.
+        """
         settings = self._settings
         reason = "Newton did not converge"
         while step >= settings.smallest_step:
             constraint = self._constraint(point, tangent, step)
-            guess = self._balance.evaluate(constraint.relative_target, constraint.omega_target, point.load)
+            ahead = tangent.times(step).plus(bend.times(0.5 * step**2))
+            guess = self._balance.evaluate(point.relative + ahead.relative, point.omega + ahead.omega, point.load)
             correction = self._newton.correct(guess, constraint)
             if correction.converged:
                 # The last system of the correction is the point's own but for the last Newton step.
@@ -187,7 +197,7 @@ class Branch:
                 metric = self._measure(correction.trial)
                 angle = metric.angle_deg(turned, tangent)
                 if angle <= settings.largest_angle_deg or step < 4.0 * settings.smallest_step:
-                    return correction, metric.unit(turned), self._next_step(step, correction.iterations, angle)
+                    return correction, metric.unit(turned), step, self._next_step(step, correction.iterations, angle)
                 reason = f"the branch turned by {angle:.0f} degrees"
             else:
                 reason = f"Newton stopped at a relative residual of {correction.trial.error:.1e}"

@@ -1,7 +1,8 @@
-"""What is kept of a converged point: displacement, energies per cycle, and the residual of the equation of motion."""
+"""What is kept of converged points: displacement, energies per cycle, and the residual of the equation of motion."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,64 +15,84 @@ from stickslip.validation import FloatArray
 
 Orders = NDArray[np.int64]
 
+# Points that are measured together, for long matrix products.
+CHUNK = 32
+
 
 @dataclass(frozen=True)
-class PointMeasures:
-    """What is kept of a converged point."""
+class CurveMeasures:
+    """What is kept of the points of a curve; the first axis counts the points."""
 
-    displacement: FloatArray  # (2H+1, n) m
-    dissipated_energy: FloatArray  # (n_pairs,) J per cycle
-    input_energy: float
-    viscous_energy: float
-    residual: float
+    displacement: FloatArray  # (n_points, 2H+1, n) m
+    dissipated_energy: FloatArray  # (n_points, n_pairs) J per cycle
+    input_energy: FloatArray  # (n_points,)
+    viscous_energy: FloatArray  # (n_points,)
+    residual: FloatArray  # (n_points,)
 
 
-def measure_point(trial: Trial, balance: Balance, superelement: Superelement, stuck: StuckStructure) -> PointMeasures:
-    """Displacement, energies per cycle, and the residual of the equation of motion itself."""
-    omega, force = trial.omega, balance.force
-    displacement = balance.displacement(trial)
-    contact = trial.contact.force.reshape(balance.rows, -1).T
-    order = np.arange(1, balance.harmonics + 1)[:, None]
-    # Work of a force on a motion in one period: pi * sum_h h (s_h . fc_h - c_h . fs_h).
-    work = _work(order, trial.relative, contact)
-    per_pair = work.reshape(-1, 3).sum(axis=1)
-    per_pair[trial.contact.state == 0] = 0.0
-    viscous = np.pi * omega * (order**2 * _damping_form(displacement, stuck.damping)).sum()
-    residual = _equation_residual(trial, displacement, contact, balance, superelement, stuck)
-    # The input is the work of the force; its sign convention makes it positive where energy goes in.
-    return PointMeasures(
-        displacement, per_pair, float(_work(order, displacement, force).sum()), float(viscous), residual
+def measure_curve(
+    trials: Sequence[Trial], balance: Balance, superelement: Superelement, stuck: StuckStructure
+) -> CurveMeasures:
+    """Displacement, energies per cycle, and the residual of the equation of motion itself, of points of one load."""
+    parts = [
+        _measure(trials[first : first + CHUNK], balance, superelement, stuck) for first in range(0, len(trials), CHUNK)
+    ]
+    return CurveMeasures(
+        np.concatenate([part.displacement for part in parts]),
+        np.concatenate([part.dissipated_energy for part in parts]),
+        np.concatenate([part.input_energy for part in parts]),
+        np.concatenate([part.viscous_energy for part in parts]),
+        np.concatenate([part.residual for part in parts]),
     )
 
 
+def _measure(
+    trials: Sequence[Trial], balance: Balance, superelement: Superelement, stuck: StuckStructure
+) -> CurveMeasures:
+    displacement = balance.displacement(trials)
+    omega = np.array([trial.omega for trial in trials])
+    order = np.arange(1, balance.harmonics + 1)[:, None]
+    contact = np.array([trial.contact.force.reshape(balance.rows, -1).T for trial in trials])
+    # Work of a force on a motion in one period: pi * sum_h h (s_h . fc_h - c_h . fs_h).
+    per_pair = _work(order, np.array([trial.relative for trial in trials]), contact)
+    per_pair = per_pair.reshape(len(trials), -1, 3).sum(axis=2)
+    per_pair[np.array([trial.contact.state for trial in trials]) == 0] = 0.0
+    quadratic = balance.compliance.gain.viscous_form(np.array([trial.amplitude for trial in trials]))
+    viscous = np.pi * omega * ((quadratic[:, 0::2] + quadratic[:, 1::2]) * order[:, 0] ** 2).sum(axis=1)
+    residual = _equation_residuals(trials, displacement, contact, balance, superelement, stuck)
+    # The input is the work of the force; its sign convention makes it positive where energy goes in.
+    given = _work(order, displacement, balance.force).sum(axis=1)
+    return CurveMeasures(displacement, per_pair, given, viscous, residual)
+
+
 def _work(order: Orders, motion: FloatArray, force: FloatArray) -> FloatArray:
-    """Work (m,) in one period of coefficients ``force`` on ``motion``, both (2H+1, m)."""
-    return np.asarray(np.pi * (order * (motion[2::2] * force[1::2] - motion[1::2] * force[2::2])).sum(axis=0))
+    """Work (n_points, m) in one period of coefficients ``force`` on ``motion``, both (n_points, 2H+1, m)."""
+    product = motion[:, 2::2] * force[..., 1::2, :] - motion[:, 1::2] * force[..., 2::2, :]
+    return np.asarray(np.pi * (order * product).sum(axis=1))
 
 
-def _damping_form(displacement: FloatArray, damping: FloatArray) -> FloatArray:
-    """``c_h C c_h + s_h C s_h`` (H, 1)."""
-    quadratic: FloatArray = (displacement[1:] * (displacement[1:] @ damping)).sum(axis=1)
-    return (quadratic[0::2] + quadratic[1::2])[:, None]
-
-
-def _equation_residual(
-    trial: Trial,
+def _equation_residuals(
+    trials: Sequence[Trial],
     displacement: FloatArray,
     contact: FloatArray,
     balance: Balance,
     superelement: Superelement,
     stuck: StuckStructure,
-) -> float:
-    """``|Z u + B^T f - p| / (|p| + |B^T f|)`` over all harmonics, in the unknowns of the superelement."""
-    omega, operator = trial.omega, balance.pairs.operator
-    restraint = stuck.compliance.mean_restraint * balance.pairs.tangential_springs
+) -> FloatArray:
+    """``|Z u + B^T f - p| / (|p| + |B^T f|)`` of each point over all harmonics, in the unknowns of the superelement."""
+    restraint = balance.compliance.mean_restraint * balance.pairs.tangential_springs
+    means = np.array([trial.relative[0].reshape(-1, 3)[:, :2] for trial in trials])
     contact = contact.copy()
-    contact[0].reshape(-1, 3)[:, :2] += restraint * trial.relative[0].reshape(-1, 3)[:, :2]
-    joint = contact @ operator
-    order = np.arange(1, balance.harmonics + 1)[:, None] * omega
-    left = displacement @ superelement.stiffness + joint - trial.load * balance.force
-    inertia, viscous = displacement[1:] @ superelement.mass, displacement[1:] @ stuck.damping
-    left[1::2] += -(order**2) * inertia[0::2] + order * viscous[1::2]
-    left[2::2] += -(order**2) * inertia[1::2] - order * viscous[0::2]
-    return float(np.linalg.norm(left) / (np.linalg.norm(balance.force) + np.linalg.norm(joint)))
+    contact[:, 0].reshape(len(trials), -1, 3)[:, :, :2] += restraint * means
+    joint = contact @ balance.pairs.operator
+    load = np.array([trial.load for trial in trials])[:, None, None]
+    order = np.arange(1, balance.harmonics + 1)[:, None] * np.array([trial.omega for trial in trials])[:, None, None]
+    size = displacement.shape[-1]
+    flat = displacement.reshape(-1, size)
+    left = (flat @ superelement.stiffness).reshape(displacement.shape) + joint - load * balance.force
+    inertia = (flat @ superelement.mass).reshape(displacement.shape)[:, 1:]
+    viscous = (flat @ stuck.damping).reshape(displacement.shape)[:, 1:]
+    left[:, 1::2] += -(order**2) * inertia[:, 0::2] + order * viscous[:, 1::2]
+    left[:, 2::2] += -(order**2) * inertia[:, 1::2] - order * viscous[:, 0::2]
+    scale = np.linalg.norm(balance.force) + np.linalg.norm(joint, axis=(1, 2))
+    return np.asarray(np.linalg.norm(left, axis=(1, 2)) / scale)

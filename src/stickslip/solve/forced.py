@@ -15,10 +15,9 @@ from stickslip.interface.friction import Update
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.balance import Balance, Trial
 from stickslip.solve.checks import ResolutionCheck, check_resolution
-from stickslip.solve.compliance import StuckStructure, stuck_structure
+from stickslip.solve.compliance import stuck_structure
 from stickslip.solve.continuation import Branch, BranchPoint, ContinuationSettings
-from stickslip.solve.damping import stuck_stiffness_matrix
-from stickslip.solve.energy import PointMeasures, measure_point
+from stickslip.solve.energy import CurveMeasures, measure_curve
 from stickslip.solve.linear import LinearLimit, linear_curves
 from stickslip.solve.newton import Newton, NewtonSettings
 from stickslip.solve.start import first_point
@@ -99,45 +98,39 @@ def forced_response(
     report = progress or (lambda fraction, detail: None)
     omega_start, omega_stop = (2.0 * np.pi * f for f in window)
     with threadpool_limits(limits=threads):
-        highest = max(omega_start, omega_stop)
-
-        def structure(count: int) -> StuckStructure:
-            return stuck_structure(superelement, pairs, count, highest, modal_damping_ratio)
-
-        stuck = structure(harmonics)
-        balance = Balance(stuck.compliance, pairs, force, samples, update)
-
+        stuck = stuck_structure(superelement, pairs, max(omega_start, omega_stop), modal_damping_ratio)
+        balance = Balance(stuck.compliance(harmonics), pairs, force, samples, update, threads)
         solver = Newton(balance, newton)
-
-        def simpler(count: int) -> Balance:
-            return Balance(structure(count).compliance, pairs, force[: 2 * count + 1], samples, update)
-
         settings = continuation or ContinuationSettings()
 
+        def simpler(count: int) -> Balance:
+            return Balance(stuck.compliance(count), pairs, force[: 2 * count + 1], samples, update, threads)
+
         def walk(trial: Trial) -> Branch:
-            return Branch(solver, superelement.mass, trial, omega_start, settings)
+            return Branch(solver, trial, omega_start, settings)
 
         start, how = first_point(solver, omega_start, simpler, walk)
-        branch = Branch(solver, superelement.mass, start, omega_stop, settings)
-        points, measures = _follow(branch, balance, superelement, stuck, window, report)
+        branch = Branch(solver, start, omega_stop, settings)
+        points = _follow(branch, window, report)
         trials = [point.trial for point in points]
+        measures = measure_curve(trials, balance, superelement, stuck)
         cut_off = max(harmonics, 4)
         more = np.vstack([force, np.zeros((2 * cut_off, superelement.size))])
-        fine = Balance(structure(harmonics + cut_off).compliance, pairs, more, 2 * samples, update)
-        check = check_resolution(fine, trials, balance.displacement, superelement.mass)
-        closed = LinearLimit(superelement.mass, stuck_stiffness_matrix(superelement, pairs), stuck.damping)
-        free = LinearLimit(superelement.mass, superelement.stiffness, stuck.damping)
+        fine = Balance(stuck.compliance(harmonics + cut_off), pairs, more, 2 * samples, update, threads)
+        check = check_resolution(fine, trials)
+        closed = LinearLimit(stuck.circular_frequency, stuck.modes, stuck.modal_damping)
+        free = LinearLimit.of_matrices(superelement.mass, superelement.stiffness, stuck.damping)
         linear = linear_curves(closed, free, force, window)
     return ForcedResponse(
         frequency_hz=np.array([trial.omega for trial in trials]) / (2.0 * np.pi),
-        displacement=np.array([m.displacement.T for m in measures]),
+        displacement=np.ascontiguousarray(measures.displacement.transpose(0, 2, 1)),
         contact_state=np.array([trial.contact.state for trial in trials], dtype=np.int8),
-        dissipated_energy=np.array([m.dissipated_energy for m in measures]),
+        dissipated_energy=measures.dissipated_energy,
         closure=np.array([trial.contact.closure for trial in trials]),
-        residual=np.array([m.residual for m in measures]),
+        residual=measures.residual,
         iterations=np.array([point.iterations for point in points]),
-        input_energy=np.array([m.input_energy for m in measures]),
-        viscous_energy=np.array([m.viscous_energy for m in measures]),
+        input_energy=measures.input_energy,
+        viscous_energy=measures.viscous_energy,
         converged=branch.complete,
         message=f"{how} {branch.message}",
         warnings=_warnings(
@@ -213,31 +206,23 @@ def _force_coefficients(force_cos: ArrayLike, force_sin: ArrayLike | None, size:
     return coefficients
 
 
-def _follow(
-    branch: Branch,
-    balance: Balance,
-    superelement: Superelement,
-    stuck: StuckStructure,
-    window: tuple[float, float],
-    report: ProgressCallback,
-) -> tuple[list[BranchPoint], list[PointMeasures]]:
-    """Walk the branch, measure each point, and tell the progress."""
-    points, measures = [], []
+def _follow(branch: Branch, window: tuple[float, float], report: ProgressCallback) -> list[BranchPoint]:
+    """Walk the branch and tell the progress."""
+    points = []
     for point in branch:
         points.append(point)
-        measures.append(measure_point(point.trial, balance, superelement, stuck))
         frequency = point.trial.omega / (2.0 * np.pi)
         done = (frequency - window[0]) / (window[1] - window[0])
         moving = int((point.trial.contact.state > 0).sum())
         report(min(1.0, max(0.0, done)), f"{frequency:.2f} Hz, point {len(points)}, {moving} pairs moving")
-    return points, measures
+    return points
 
 
 def _warnings(
     check: ResolutionCheck,
     balance: Balance,
     trials: list[Trial],
-    measures: list[PointMeasures],
+    measures: CurveMeasures,
     damped: bool,
     free_ratio: float | None,
     wanted_ratio: float | None,
@@ -250,7 +235,7 @@ def _warnings(
             f"The slider of some pair did not come to a periodic state (closure error {closure:.1e} of the friction "
             "limit); the force of that pair is uncertain by about this share."
         )
-    residual = max(point.residual for point in measures)
+    residual = float(measures.residual.max())
     if residual > LARGEST_RESIDUAL:
         sentences.append(
             f"The equation of motion is met only to {residual:.1e} of its forces (wanted: {LARGEST_RESIDUAL:.0e}). "

@@ -6,8 +6,8 @@ import numpy as np
 import scipy.linalg
 
 from stickslip.results.response import LinearCurves
-from stickslip.solve.compliance import to_complex
 from stickslip.solve.damping import modal_basis
+from stickslip.solve.gain import to_complex
 from stickslip.validation import FloatArray
 
 # Below this a mode is a body that moves freely; its frequency is round-off.
@@ -22,11 +22,20 @@ class LinearLimit:
     system is solved.
     """
 
-    def __init__(self, mass: FloatArray, stiffness: FloatArray, damping: FloatArray) -> None:
-        self.circular_frequency, self._modes = modal_basis(mass, stiffness)
-        projected = self._modes.T @ damping @ self._modes
-        self._diagonal = np.diag(projected).copy()
-        self._rest = projected - np.diag(self._diagonal)
+    def __init__(self, circular_frequency: FloatArray, modes: FloatArray, modal_damping: FloatArray) -> None:
+        """From mass-normalised modes (n, n); ``modal_damping`` (n,) if they diagonalise the damping, else (n, n)."""
+        self.circular_frequency, self._modes = circular_frequency, modes
+        if modal_damping.ndim == 1:
+            self._diagonal, self._rest = modal_damping, None
+        else:
+            self._diagonal = np.diag(modal_damping).copy()
+            self._rest = modal_damping - np.diag(self._diagonal)
+
+    @classmethod
+    def of_matrices(cls, mass: FloatArray, stiffness: FloatArray, damping: FloatArray) -> LinearLimit:
+        """The limit of a structure given by its matrices (n, n)."""
+        circular_frequency, modes = modal_basis(mass, stiffness)
+        return cls(circular_frequency, modes, modes.T @ damping @ modes)
 
     @property
     def natural_hz(self) -> FloatArray:
@@ -43,7 +52,7 @@ class LinearLimit:
 
     def response(self, omega: FloatArray, force: FloatArray) -> FloatArray:
         """Displacement coefficients (n_frequencies, n, 2H+1) under ``force`` (2H+1, n); the mean is left at zero."""
-        amplitudes = to_complex(force)
+        amplitudes = to_complex(force[1:])
         answer = np.zeros((omega.size, force.shape[1], force.shape[0]))
         for order in np.flatnonzero(np.abs(amplitudes).any(axis=1)) + 1:
             motion = self._modes @ self._modal(order * omega, self._modes.T @ amplitudes[order - 1])
@@ -55,7 +64,7 @@ class LinearLimit:
         """Modal amplitudes (n_modes, n_frequencies), complex."""
         gain = 1.0 / (self.circular_frequency[:, None] ** 2 - x**2 + 1j * x * self._diagonal[:, None])
         modal = gain * force[:, None]
-        if not self._rest.any():
+        if self._rest is None:
             return modal
         for _ in range(40):
             improved = gain * (force[:, None] - 1j * x * (self._rest @ modal))

@@ -29,6 +29,10 @@ class NewtonSettings:
 # than the structure amplifies it. Such a point counts as converged; the equation's own residual is reported with it.
 ROUND_OFF_FACTOR = 100.0
 
+# Relative accuracy of the linear solution of a step while Newton's own error dominates, and the finest ever asked for.
+FAR_STEP_TOLERANCE = 1e-3
+FINEST_STEP_TOLERANCE = 1e-8
+
 
 @dataclass(frozen=True)
 class Constraint:
@@ -72,6 +76,12 @@ class Newton:
         slope = self.balance.frequency_slope(trial)
         return bordered_system(self.balance, trial, slope, constraint.weights, constraint.weight)
 
+    def _step_tolerance(self, error: float) -> float:
+        """Digits that a step can use: quadratic convergence ends far steps, the tolerance of Newton the last one."""
+        if error * error > self.settings.tolerance:
+            return FAR_STEP_TOLERANCE
+        return min(FAR_STEP_TOLERANCE, max(FINEST_STEP_TOLERANCE, 0.1 * self.settings.tolerance / error))
+
     def correct(self, start: Trial, constraint: Constraint) -> Correction:
         """Iterate from ``start`` until the residual is below the tolerance or the iterations are used up.
 
@@ -85,7 +95,8 @@ class Newton:
             if iteration == self.settings.max_iterations or not np.isfinite(trial.error):
                 break
             system = self.border(trial, constraint)
-            step = system.solve(trial.residual, -constraint.defect(trial.relative, trial.omega))
+            defect = constraint.defect(trial.relative, trial.omega)
+            step = system.solve(trial.residual, -defect, self._step_tolerance(trial.error))
             if not (np.isfinite(step.relative).all() and np.isfinite(step.omega)):
                 break
             improved = _best_along(self.balance, trial, step)

@@ -1,15 +1,15 @@
-"""Solve the reduced Newton system (I + D A) dd = -D R, with the frequency as one more unknown.
+"""Solve the reduced Newton system (I + D A) dd = -D R, bordered by the frequency and one scalar constraint.
 
-A small system is factored. A large one is solved by GMRES without ever forming the matrix: A is applied through the
-modes of the stuck structure and D pair by pair. The structure around a joint is stiff compared with what friction lets
-go, so I + D A is well conditioned (170 on the two-blade model with all pairs slipping) and some thirty iterations
-suffice; where they do not, the matrix is formed and factored.
+A small system is factored. A large one is solved by GMRES without ever forming the matrix: A is a static compliance
+plus a few modes, D works pair by pair. The structure around a joint is stiff compared with what friction lets go, so
+I + D A is well conditioned (170 on the two-blade model with all pairs slipping) and a dozen iterations give the digits
+that one Newton step can use; where they do not, the matrix is formed and factored.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -20,8 +20,6 @@ from stickslip.validation import FloatArray
 
 # Below this size a factor costs less than some tens of iterations.
 DIRECT_SIZE = 300
-# Accuracy of the iteration; Newton then gains at least this factor in each step.
-ITERATION_TOLERANCE = 1e-7
 MAX_ITERATIONS = 120
 
 
@@ -38,59 +36,49 @@ class NewtonSystem:
     """The Newton equations of a trial: unknowns ``dd`` on the rows where the deviation can change, (2H+1, outputs)."""
 
     def __init__(self, balance: Balance, trial: Trial) -> None:
-        self._balance = balance
-        self._trial = trial
         self.active = ActiveRows.of(trial.contact)
-        self._columns = 2 * balance.harmonics + 1
-        self._tangent = balance.deviation_tangent(self.active, trial.relative)
+        self.columns = 2 * balance.harmonics + 1
+        self.rows = balance.rows
+        self.tangent = balance.deviation_tangent(self.active, trial)
+        self.compliance = balance.compliance.newton(trial.omega, self.active.outputs)
 
     @property
     def size(self) -> int:
         """Number of unknowns."""
-        return self._columns * self.active.outputs.size
+        return self.columns * self.active.outputs.size
 
     def deviation_change(self, relative: FloatArray) -> FloatArray:
         """D @ relative: (size,) from (2H+1, m)."""
-        active = self.active
-        local = relative[:, active.inputs].reshape(self._columns, active.pairs.size, 3)
-        local = local.transpose(1, 2, 0).reshape(active.pairs.size, 3 * self._columns, 1)
-        force = (self._tangent.reshape(active.pairs.size, 3 * self._columns, 3 * self._columns) @ local).reshape(
-            -1, self._columns
-        )
+        active, width = self.active, 3 * self.columns
+        local = relative[:, active.inputs].reshape(self.columns, active.pairs.size, 3)
+        local = local.transpose(1, 2, 0).reshape(active.pairs.size, width, 1)
+        force = (self.tangent.reshape(active.pairs.size, width, width) @ local).reshape(-1, self.columns)
         return np.asarray(force[active.output_position].T).ravel()
+
+    def comply(self, unknowns: FloatArray) -> FloatArray:
+        """A @ unknowns: (2H+1, m) from (size,)."""
+        return self.compliance.apply(unknowns.reshape(self.columns, -1))
 
     def scatter(self, unknowns: FloatArray) -> FloatArray:
         """(2H+1, m) with the unknowns (size,) in their rows."""
-        full = np.zeros((self._columns, self._balance.rows))
-        full[:, self.active.outputs] = unknowns.reshape(self._columns, -1)
+        full = np.zeros((self.columns, self.rows))
+        full[:, self.active.outputs] = unknowns.reshape(self.columns, -1)
         return full
-
-    def comply(self, deviation: FloatArray) -> FloatArray:
-        """A @ deviation, (2H+1, m)."""
-        return -self._balance.compliance.relative(self._trial.omega, None, deviation)
-
-    def comply_transposed(self, weights: FloatArray) -> FloatArray:
-        """A^T @ weights: each A_h is complex symmetric, so flipping the sign of the sines before and after does it."""
-        flipped = weights.copy()
-        flipped[2::2] *= -1.0
-        answer = self.comply(flipped)
-        answer[2::2] *= -1.0
-        return answer
 
     def apply(self, unknowns: FloatArray) -> FloatArray:
         """(I + D A) @ unknowns."""
-        return np.asarray(unknowns + self.deviation_change(self.comply(self.scatter(unknowns))))
+        return np.asarray(unknowns + self.deviation_change(self.comply(unknowns)))
 
     def matrix(self) -> FloatArray:
         """I + D A (size, size)."""
-        active, compliance, omega = self.active, self._balance.compliance, self._trial.omega
-        n_pairs, n_out, n_col = active.pairs.size, active.outputs.size, self._columns
+        active, compliance = self.active, self.compliance
+        n_pairs, n_out, n_col = active.pairs.size, active.outputs.size, self.columns
         product = np.empty((n_pairs, 3 * n_col, n_col, n_out))
-        tangent = self._tangent.reshape(n_pairs, 3 * n_col, 3, n_col)
-        mean = compliance.mean_block(active.inputs, active.outputs).reshape(n_pairs, 3, n_out)
+        tangent = self.tangent.reshape(n_pairs, 3 * n_col, 3, n_col)
+        mean = compliance.mean[:, active.inputs].T.reshape(n_pairs, 3, n_out)
         np.matmul(tangent[:, :, :, 0], mean, out=product[:, :, 0])
-        for order in range(1, self._balance.harmonics + 1):
-            block = compliance.block(omega, order, active.inputs, active.outputs).reshape(n_pairs, 3, n_out)
+        for order in range(1, n_col // 2 + 1):
+            block = compliance.block(order, active.inputs).reshape(n_pairs, 3, n_out)
             cosine, sine = 2 * order - 1, 2 * order
             # Complex amplitudes are c - i s, so x_c = a d_c + b d_s and x_s = a d_s - b d_c for A = a + i b.
             both = np.concatenate([tangent[:, :, :, cosine], tangent[:, :, :, sine]], axis=2)
@@ -103,80 +91,75 @@ class NewtonSystem:
         return matrix
 
 
-def _gmres(system: NewtonSystem, right: FloatArray) -> FloatArray | None:
-    """The solution of ``(I + D A) y = right``, or None if it was not reached."""
-    if not right.any():
-        return np.zeros(system.size)
-    operator = LinearOperator((system.size, system.size), matvec=lambda v: system.apply(v.ravel()), dtype=float)
-    answer, failure = gmres(operator, right, rtol=ITERATION_TOLERANCE, atol=0.0, restart=MAX_ITERATIONS, maxiter=2)
-    return None if failure else np.asarray(answer)
+class BorderedSystem:
+    """A Newton system with one border: ``R_x dx + R_w dw = -R`` and ``weights . dx + weight dw = constraint``.
 
-
-class BorderedSystem(ABC):
-    """A Newton system with one border: ``R_x dx + R_w dw = -R`` and ``weights . dx + weight dw = constraint``."""
+    With ``dx = -R - R_w dw - A dd`` the unknowns are ``dd`` and ``dw``. The border is scaled to unit length, so that
+    one tolerance serves for all rows.
+    """
 
     def __init__(self, system: NewtonSystem, slope: FloatArray, weights: FloatArray, weight: float) -> None:
-        self._system, self._slope, self._weights = system, slope, weights
-        # With dx = -R - R_w dw - A dd the border row acts on the unknowns dd and dw:
-        self._row = -system.comply_transposed(weights)[:, system.active.outputs].ravel()
-        self._corner = weight - float((weights * slope).sum())
-        self._column = system.deviation_change(slope)
+        self.system = system
+        self._slope, self._weights = slope, weights
+        column = system.deviation_change(slope)
+        row = -system.compliance.apply_transposed(weights).ravel()
+        corner = weight - float((weights * slope).sum())
+        size = float(np.linalg.norm(column))
+        self._column_scale = 1.0 / size if size > 0.0 else 1.0
+        length = float(np.hypot(np.linalg.norm(row), self._column_scale * corner))
+        self._row_scale = 1.0 / length if length > 0.0 else 1.0
+        self._column = self._column_scale * column
+        self._row = self._row_scale * row
+        self._corner = self._row_scale * self._column_scale * corner
+        self._factor: Any = None
 
-    def solve(self, residual: FloatArray, constraint: float) -> Step:
-        """The step for a residual (2H+1, m) and a value of the constraint."""
-        right = -self._system.deviation_change(residual)
-        unknowns, omega = self._unknowns(right, constraint + float((self._weights * residual).sum()))
-        deviation = self._system.scatter(unknowns)
-        relative = -residual - self._slope * omega - self._system.comply(deviation)
-        return Step(relative, deviation, omega)
+    def solve(self, residual: FloatArray, constraint: float, tolerance: float) -> Step:
+        """The step for a residual (2H+1, m) and a value of the constraint, to a relative ``tolerance``."""
+        system = self.system
+        right = np.append(
+            -system.deviation_change(residual),
+            self._row_scale * (constraint + float((self._weights * residual).sum())),
+        )
+        answer = None
+        if system.size > DIRECT_SIZE and self._factor is None:
+            answer = self._iterated(right, tolerance)
+        if answer is None:
+            answer = self._factored(right)
+        omega = self._column_scale * float(answer[-1])
+        relative = -residual - self._slope * omega - system.comply(answer[:-1])
+        return Step(relative, system.scatter(answer[:-1]), omega)
 
-    @abstractmethod
-    def _unknowns(self, right: FloatArray, constraint: float) -> tuple[FloatArray, float]:
-        """dd (size,) and dw for the right-hand sides of the rows and of the border."""
+    def _apply(self, unknowns: FloatArray) -> FloatArray:
+        """The bordered matrix @ unknowns (size + 1,)."""
+        inner, border = unknowns[:-1], float(unknowns[-1])
+        answer = np.empty_like(unknowns)
+        answer[:-1] = self.system.apply(inner) + border * self._column
+        answer[-1] = float(self._row @ inner) + self._corner * border
+        return answer
 
+    def _iterated(self, right: FloatArray, tolerance: float) -> FloatArray | None:
+        """The solution by GMRES, or None if it was not reached."""
+        if not right.any():
+            return np.zeros_like(right)
+        operator = LinearOperator((right.size, right.size), matvec=lambda v: self._apply(v.ravel()), dtype=float)
+        answer, failure = gmres(operator, right, rtol=tolerance, atol=0.0, restart=MAX_ITERATIONS, maxiter=2)
+        return None if failure else np.asarray(answer)
 
-class FactoredSystem(BorderedSystem):
-    """The bordered matrix, factored."""
-
-    def __init__(self, system: NewtonSystem, slope: FloatArray, weights: FloatArray, weight: float) -> None:
-        super().__init__(system, slope, weights, weight)
-        size = system.size
-        bordered = np.empty((size + 1, size + 1))
-        bordered[:size, :size] = system.matrix()
-        bordered[:size, size] = self._column
-        bordered[size, :size] = self._row
-        bordered[size, size] = self._corner
-        self._factor = scipy.linalg.lu_factor(bordered, overwrite_a=True, check_finite=False)
-
-    def _unknowns(self, right: FloatArray, constraint: float) -> tuple[FloatArray, float]:
-        answer = scipy.linalg.lu_solve(self._factor, np.append(right, constraint), check_finite=False)
-        return answer[:-1], float(answer[-1])
-
-
-class IteratedSystem(BorderedSystem):
-    """The border eliminated: one iterative solution for each right-hand side; a factor from the first that fails."""
-
-    def __init__(self, system: NewtonSystem, slope: FloatArray, weights: FloatArray, weight: float) -> None:
-        super().__init__(system, slope, weights, weight)
-        self._weight = weight
-        self._factored: FactoredSystem | None = None
-        self._column_answer = _gmres(system, self._column)
-
-    def _unknowns(self, right: FloatArray, constraint: float) -> tuple[FloatArray, float]:
-        if self._factored is None and self._column_answer is not None:
-            plain = _gmres(self._system, right)
-            if plain is not None:
-                schur = self._corner - float(self._row @ self._column_answer)
-                omega = (constraint - float(self._row @ plain)) / schur
-                return plain - omega * self._column_answer, omega
-        self._factored = self._factored or FactoredSystem(self._system, self._slope, self._weights, self._weight)
-        return self._factored._unknowns(right, constraint)
+    def _factored(self, right: FloatArray) -> FloatArray:
+        """The solution by a factor of the bordered matrix, which is kept."""
+        if self._factor is None:
+            size = self.system.size
+            bordered = np.empty((size + 1, size + 1))
+            bordered[:size, :size] = self.system.matrix()
+            bordered[:size, size] = self._column
+            bordered[size, :size] = self._row
+            bordered[size, size] = self._corner
+            self._factor = scipy.linalg.lu_factor(bordered, overwrite_a=True, check_finite=False)
+        return np.asarray(scipy.linalg.lu_solve(self._factor, right, check_finite=False))
 
 
 def bordered_system(
     balance: Balance, trial: Trial, slope: FloatArray, weights: FloatArray, weight: float
 ) -> BorderedSystem:
     """The Newton system of ``trial`` bordered by dR/dw = ``slope`` and the row ``weights . dx + weight dw``."""
-    system = NewtonSystem(balance, trial)
-    kind = FactoredSystem if system.size <= DIRECT_SIZE else IteratedSystem
-    return kind(system, slope, weights, weight)
+    return BorderedSystem(NewtonSystem(balance, trial), slope, weights, weight)
