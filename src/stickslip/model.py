@@ -23,6 +23,7 @@ from stickslip.interface.stiffness import (
 from stickslip.interface.surface import SurfaceStatistics, surface_statistics
 from stickslip.solve.damping import rayleigh_damping_matrix
 from stickslip.structure.blade_pair import BladePairElements, BladePairGeometry, blade_pair_mesh
+from stickslip.structure.cache import cached_superelement
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.elasticity import Material, Structure, assemble
 from stickslip.structure.superelement import Superelement
@@ -158,9 +159,12 @@ def boundary_nodes(structure: Structure, joint: Joint) -> NDArray[np.int64]:
     return np.unique(np.concatenate([joint.face_pairs.nodes, points])).astype(np.int64)
 
 
-def build_model(case: Case, structure: Structure, joint: Joint) -> Model:
+def build_model(case: Case, structure: Structure, joint: Joint, threads: int = 1) -> Model:
     """Reduce the structure and connect joint, forces and outputs to the reduced unknowns."""
-    superelement = craig_bampton(structure, boundary_nodes(structure, joint), n_modes=case.reduction.modes)
+    nodes, n_modes = boundary_nodes(structure, joint), case.reduction.modes
+    superelement = cached_superelement(
+        structure, nodes, n_modes, lambda: craig_bampton(structure, nodes, n_modes, threads=threads)
+    )
     pairs = ContactPairs(
         joint.face_pairs.operator(superelement),
         joint.normal_stiffness,

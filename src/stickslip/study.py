@@ -53,7 +53,8 @@ def run(case: Case, out_dir: str | PathLike[str], progress: Progress | None = No
     """
     out = Path(out_dir)
     out.mkdir(parents=True, exist_ok=True)
-    with threadpool_limits(limits=threads):
+    # One thread for the matrix products here: beside threads that solve for many right-hand sides more would be slower.
+    with threadpool_limits(limits=1):
         return _run(case, out, progress or SilentProgress(), threads)
 
 
@@ -62,7 +63,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int) -> StudyOutcom
     structure = build_structure(case)
     joint = build_joint(case, structure)
     progress.update("Structure", 0.3, "Craig-Bampton reduction")
-    model = build_model(case, structure, joint)
+    model = build_model(case, structure, joint, threads)
     progress.update("Structure", 0.6, "full against reduced frequencies")
     table = reduction_table(structure, model.superelement, joint.face_pairs, count=MODE_COUNT)
     progress.update("Structure", 1.0, f"{model.superelement.size} unknowns, {model.pairs.n_pairs} pairs")

@@ -1,26 +1,25 @@
-"""Threads: how many, and pairs shared among them by compiled functions that release the interpreter's lock."""
+"""How many threads, and independent work shared among them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
-from functools import lru_cache
 
-# Below this many items for each thread handing over costs more than it saves.
-FEWEST_ITEMS = 16
+# Rows of relative displacement below which a second thread of the linear algebra costs more than it brings.
+FEWEST_ROWS = 1000
 
 
-def shared(work: Callable[[slice], None], count: int, threads: int) -> None:
-    """Call ``work`` on slices that cover ``range(count)``, one for each thread, and wait for all of them."""
-    parts = min(threads, count // FEWEST_ITEMS)
-    if parts <= 1:
-        work(slice(0, count))
+def in_threads(work: Callable[[int], None], items: Iterable[int], threads: int) -> None:
+    """Call ``work`` for each item, ``threads`` at a time; for compiled work that releases the interpreter's lock."""
+    if threads == 1:
+        for item in items:
+            work(item)
         return
-    slices = [slice(count * part // parts, count * (part + 1) // parts) for part in range(parts)]
-    for done in [_pool(threads).submit(work, part) for part in slices]:
-        done.result()
+    with ThreadPoolExecutor(threads, thread_name_prefix="stickslip") as pool:
+        for _ in pool.map(work, items):
+            pass
 
 
-@lru_cache(maxsize=4)
-def _pool(threads: int) -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(threads, thread_name_prefix="stickslip")
+def blas_threads(rows: int, threads: int) -> int:
+    """Threads of the linear algebra for products with ``rows`` rows: small ones are slower with several."""
+    return threads if rows >= FEWEST_ROWS else 1

@@ -23,7 +23,6 @@ from stickslip.interface.friction_energy import dissipate_pairs
 from stickslip.interface.friction_kernel import CodeArray
 from stickslip.interface.friction_period import settle_pairs
 from stickslip.interface.friction_tangent import Basis, tangent_pairs
-from stickslip.threads import shared
 from stickslip.validation import FloatArray, finite_array
 
 Update = Literal["tractrix", "radial"]
@@ -93,7 +92,7 @@ class _Periods:
 
 
 def harmonic_force(
-    coefficients: ArrayLike, pairs: ContactPairs, samples: int, update: Update = "tractrix", threads: int = 1
+    coefficients: ArrayLike, pairs: ContactPairs, samples: int, update: Update = "tractrix"
 ) -> HarmonicForce:
     """Contact force coefficients for displacement coefficients (alternating frequency-time method).
 
@@ -106,8 +105,6 @@ def harmonic_force(
     update:
         "tractrix", exact for a step of linear motion and linearly varying normal load, or "radial" (backward Euler).
         Pairs with different tangential stiffness along t1 and t2 use the associated return with either name.
-    threads:
-        threads that share the pairs.
 
     Raises
     ------
@@ -119,7 +116,7 @@ def harmonic_force(
     width = displacement.shape[2]
     analysis = analysis_matrix(width // 2, samples)
     paths, limits = _sampled(displacement, pairs, samples)
-    periods = _periods(paths, limits, pairs, update, threads)
+    periods = _periods(paths, limits, pairs, update)
     force = np.empty_like(displacement)
     force[:, :2] = (periods.forces.reshape(-1, samples) @ analysis.T).reshape(-1, 2, width)
     stuck = ~periods.deviates
@@ -140,7 +137,6 @@ def harmonic_tangent(
     select: ArrayLike,
     update: Update = "tractrix",
     contact: HarmonicForce | None = None,
-    threads: int = 1,
 ) -> FloatArray:
     """Exact derivative of :func:`harmonic_force` for the pairs ``select`` (indices or a mask of pairs).
 
@@ -156,18 +152,12 @@ def harmonic_tangent(
     paths, limits = _sampled(displacement, pairs, samples)
     springs, normal_stiffness = pairs.tangential_springs[chosen], pairs.normal_stiffness[chosen]
     scales = np.column_stack([springs, pairs.friction_coefficient[chosen] * normal_stiffness])
-    ratios, basis, tractrix = _ratios(springs), _basis(width // 2, samples), update == "tractrix"
     if contact is None:
-        contact = harmonic_force(displacement, pairs, samples, update, threads)
-    paths, limits, starts = paths[chosen], limits[chosen], contact.period_start[chosen]
+        contact = harmonic_force(displacement, pairs, samples, update)
     tangent = np.zeros((len(chosen), 3, width, 3, width))
-    shared(
-        lambda part: tangent_pairs(
-            paths[part], limits[part], ratios[part], scales[part], normal_stiffness[part],
-            tractrix, basis, starts[part], tangent[part],
-        ),
-        len(chosen),
-        threads,
+    tangent_pairs(
+        paths[chosen], limits[chosen], _ratios(springs), scales, normal_stiffness, update == "tractrix",
+        _basis(width // 2, samples), contact.period_start[chosen], tangent,
     )  # fmt: skip
     return tangent
 
@@ -211,7 +201,7 @@ def contact_cycle(displacement: ArrayLike, pairs: ContactPairs, update: Update =
     return ContactCycle(force, tangential - force[:, :, :2] / springs, periods.state, energy, periods.closure)
 
 
-def _periods(paths: FloatArray, limits: FloatArray, pairs: ContactPairs, update: Update, threads: int = 1) -> _Periods:
+def _periods(paths: FloatArray, limits: FloatArray, pairs: ContactPairs, update: Update) -> _Periods:
     """March all pairs to their periodic states."""
     _check_update(update)
     n_pairs, samples = limits.shape
@@ -223,14 +213,9 @@ def _periods(paths: FloatArray, limits: FloatArray, pairs: ContactPairs, update:
         np.empty(n_pairs),
         np.empty((n_pairs, 4)),
     )
-    ratios, tractrix = _ratios(pairs.tangential_springs), update == "tractrix"
-    shared(
-        lambda part: settle_pairs(
-            paths[part], limits[part], ratios[part], tractrix, periods.forces[part], periods.modes[part],
-            periods.state[part], periods.deviates[part], periods.closure[part], periods.starts[part],
-        ),
-        n_pairs,
-        threads,
+    settle_pairs(
+        paths, limits, _ratios(pairs.tangential_springs), update == "tractrix",
+        periods.forces, periods.modes, periods.state, periods.deviates, periods.closure, periods.starts,
     )  # fmt: skip
     return periods
 

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.errors import InputError
+from stickslip.files import whole_file
 from stickslip.report.style import BLUE, GREY, INK, LINE_COLOURS, MICRO, ORANGE, STATES, VERMILLION
 from stickslip.report.view import View
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
-from stickslip.results.storage import whole_file
 from stickslip.validation import finite_array
 
 if TYPE_CHECKING:
@@ -143,7 +143,7 @@ def surface(x: ArrayLike, y: ArrayLike, heights: ArrayLike) -> Figure:
         )
     figure, axes = _new(7.0, 3.2)
     about_mean = MICRO * (grid[2] - grid[2].mean())
-    mesh = axes.pcolormesh(1e3 * grid[0], 1e3 * grid[1], about_mean, cmap="cividis", shading="gouraud", rasterized=True)
+    mesh = axes.pcolormesh(1e3 * grid[0], 1e3 * grid[1], about_mean, cmap="cividis", shading="nearest", rasterized=True)
     figure.colorbar(mesh, ax=axes, label="Height about the mean, µm")
     axes.set(xlabel="x, mm", ylabel="y, mm", aspect="equal")
     axes.set_title(f"Sq = {about_mean.std():.3g} µm on this grid", fontsize=10)
@@ -157,6 +157,7 @@ def save(figure: Figure, path: str | PathLike[str]) -> Path:
         raise InputError(f'the figure "{target}" must end in one of .{", .".join(FORMATS)}.')
     with whole_file(target, "figure", InputError) as part:
         figure.savefig(part, format=target.suffix.lstrip("."), dpi=200)
+    figure.set_layout_engine("none")  # laid out once; the next format takes it as it is
     return target
 
 

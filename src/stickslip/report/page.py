@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from stickslip.errors import InputError
+from stickslip.files import whole_file
 from stickslip.report import plots
 from stickslip.report.page_data import page_data
 from stickslip.report.style import number
@@ -20,7 +21,6 @@ from stickslip.report.view import View
 from stickslip.results.measures import summary_table
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import STATE_NAMES, ForcedResponse
-from stickslip.results.storage import whole_file
 
 _MODE_HEADINGS = {
     "mode": "#",

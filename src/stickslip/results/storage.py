@@ -7,9 +7,6 @@ in ``linear``, the joint in ``pairs``, the study in ``study``. Cosine and sine p
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.metadata import version
 from os import PathLike
@@ -18,7 +15,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from stickslip.errors import ResultsFileError, StickslipError
+from stickslip.errors import ResultsFileError
+from stickslip.files import whole_file
 from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.results.record import StudyRecord, plain
 from stickslip.results.response import ForcedResponse, LinearCurves
@@ -54,31 +52,12 @@ def save_results(path: str | PathLike[str], response: ForcedResponse, study: Stu
     with whole_file(target, "results", ResultsFileError) as part:
         for group, dataset in groups.items():
             encoding = {
-                str(name): {"zlib": True, "complevel": 4, "fletcher32": True}
+                str(name): {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
                 for name, variable in dataset.variables.items()
                 if variable.ndim and variable.dtype.kind in "fi"
             }
             mode: Literal["w", "a"] = "w" if group is None else "a"
             dataset.to_netcdf(part, mode=mode, group=group, engine="h5netcdf", encoding=encoding)
-
-
-@contextmanager
-def whole_file(target: Path, what: str, error: type[StickslipError]) -> Iterator[Path]:
-    """A hidden file beside ``target`` to write to; it takes that name once the block ends well, else it is removed.
-
-    ``what`` names the content ("results"); an operating system error becomes ``error`` with a sentence.
-    """
-    part = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
-        yield part
-        os.replace(part, target)
-    except OSError as problem:
-        raise error(
-            f'the {what} could not be written to "{target}": {problem.strerror or problem}. Choose a folder that '
-            "exists and that you may write to, with room on the disk."
-        ) from problem
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def load_results(path: str | PathLike[str]) -> SavedResults:

@@ -80,8 +80,6 @@ class Balance:
         time samples per period for the friction law.
     update:
         "tractrix" or "radial".
-    threads:
-        threads that share the pairs.
     """
 
     def __init__(
@@ -91,14 +89,12 @@ class Balance:
         force: FloatArray,
         samples: int,
         update: Update,
-        threads: int = 1,
     ) -> None:
         self.compliance = compliance
         self.pairs = pairs
         self.force = force
         self.samples = samples
         self.update = update
-        self.threads = threads
         self.harmonics = compliance.harmonics
         # Springs of a stuck pair, (2H+1, m). On the mean a stuck pair has no traction: its slider sits at the mean.
         springs = pairs.stuck_stiffness().reshape(-1, 3)
@@ -119,7 +115,7 @@ class Balance:
     def evaluate(self, relative: FloatArray, omega: float, load: float = 1.0) -> Trial:
         """Contact force, deviation and residual of a trial."""
         coefficients = np.ascontiguousarray(relative.T).reshape(self.pairs.n_pairs, 3, -1)
-        contact = harmonic_force(coefficients, self.pairs, self.samples, self.update, self.threads)
+        contact = harmonic_force(coefficients, self.pairs, self.samples, self.update)
         deviation = contact.force.reshape(self.rows, -1).T - self._springs * relative
         # Where the pair sticks the tangential deviation is zero by definition, where it never opens the normal one is
         # that of its gap (zero under preload): round-off must not enter.
@@ -151,9 +147,7 @@ class Balance:
     def deviation_tangent(self, active: ActiveRows, trial: Trial) -> FloatArray:
         """D (n_moving, 3, 2H+1, 3, 2H+1): derivative of the deviation of the moving pairs."""
         coefficients = np.ascontiguousarray(trial.relative.T).reshape(self.pairs.n_pairs, 3, -1)
-        tangent = harmonic_tangent(
-            coefficients, self.pairs, self.samples, active.pairs, self.update, trial.contact, self.threads
-        )
+        tangent = harmonic_tangent(coefficients, self.pairs, self.samples, active.pairs, self.update, trial.contact)
         springs = self._springs.T.reshape(self.pairs.n_pairs, 3, -1)[active.pairs]
         width = 2 * self.harmonics + 1
         diagonal = np.einsum("paqaq->paq", tangent.reshape(-1, 3, width, 3, width))

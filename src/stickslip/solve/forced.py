@@ -22,6 +22,7 @@ from stickslip.solve.linear import LinearLimit, linear_curves
 from stickslip.solve.newton import Newton, NewtonSettings
 from stickslip.solve.start import first_point
 from stickslip.structure.superelement import Superelement
+from stickslip.threads import blas_threads
 from stickslip.validation import FloatArray, finite_array
 
 # Residual of the equation of motion, relative to its forces, above which a curve gets a warning.
@@ -97,14 +98,14 @@ def forced_response(
     newton = newton or NewtonSettings()
     report = progress or (lambda fraction, detail: None)
     omega_start, omega_stop = (2.0 * np.pi * f for f in window)
-    with threadpool_limits(limits=threads):
+    with threadpool_limits(limits=blas_threads(3 * pairs.n_pairs, threads)):
         stuck = stuck_structure(superelement, pairs, max(omega_start, omega_stop), modal_damping_ratio)
-        balance = Balance(stuck.compliance(harmonics), pairs, force, samples, update, threads)
+        balance = Balance(stuck.compliance(harmonics), pairs, force, samples, update)
         solver = Newton(balance, newton)
         settings = continuation or ContinuationSettings()
 
         def simpler(count: int) -> Balance:
-            return Balance(stuck.compliance(count), pairs, force[: 2 * count + 1], samples, update, threads)
+            return Balance(stuck.compliance(count), pairs, force[: 2 * count + 1], samples, update)
 
         def walk(trial: Trial) -> Branch:
             return Branch(solver, trial, omega_start, settings)
@@ -116,7 +117,7 @@ def forced_response(
         measures = measure_curve(trials, balance, superelement, stuck)
         cut_off = max(harmonics, 4)
         more = np.vstack([force, np.zeros((2 * cut_off, superelement.size))])
-        fine = Balance(stuck.compliance(harmonics + cut_off), pairs, more, 2 * samples, update, threads)
+        fine = Balance(stuck.compliance(harmonics + cut_off), pairs, more, 2 * samples, update)
         check = check_resolution(fine, trials)
         closed = LinearLimit(stuck.circular_frequency, stuck.modes, stuck.modal_damping)
         free = LinearLimit.of_matrices(superelement.mass, superelement.stiffness, stuck.damping)

@@ -7,7 +7,7 @@ import scipy.linalg
 
 from stickslip.results.response import LinearCurves
 from stickslip.solve.damping import modal_basis
-from stickslip.solve.gain import to_complex
+from stickslip.solve.gain import ComplexArray, to_complex
 from stickslip.validation import FloatArray
 
 # Below this a mode is a body that moves freely; its frequency is round-off.
@@ -55,19 +55,19 @@ class LinearLimit:
         amplitudes = to_complex(force[1:])
         answer = np.zeros((omega.size, force.shape[1], force.shape[0]))
         for order in np.flatnonzero(np.abs(amplitudes).any(axis=1)) + 1:
-            motion = self._modes @ self._modal(order * omega, self._modes.T @ amplitudes[order - 1])
+            motion = _product(self._modes, self._modal(order * omega, self._modes.T @ amplitudes[order - 1]))
             answer[:, :, 2 * order - 1] = motion.real.T
             answer[:, :, 2 * order] = -motion.imag.T
         return answer
 
-    def _modal(self, x: FloatArray, force: FloatArray) -> FloatArray:
+    def _modal(self, x: FloatArray, force: ComplexArray) -> ComplexArray:
         """Modal amplitudes (n_modes, n_frequencies), complex."""
         gain = 1.0 / (self.circular_frequency[:, None] ** 2 - x**2 + 1j * x * self._diagonal[:, None])
         modal = gain * force[:, None]
         if self._rest is None:
             return modal
         for _ in range(40):
-            improved = gain * (force[:, None] - 1j * x * (self._rest @ modal))
+            improved = gain * (force[:, None] - 1j * x * _product(self._rest, modal))
             change = np.abs(improved - modal).max(axis=0)
             modal = improved
             if (change <= 1e-10 * np.abs(modal).max(axis=0)).all():
@@ -76,6 +76,11 @@ class LinearLimit:
             matrix = np.diag(1.0 / gain[:, k]) + 1j * x[k] * self._rest
             modal[:, k] = scipy.linalg.solve(matrix, force)
         return modal
+
+
+def _product(matrix: FloatArray, amplitudes: ComplexArray) -> ComplexArray:
+    """``matrix @ amplitudes`` without a complex copy of the real matrix, which would double the work."""
+    return np.asarray(matrix @ amplitudes.real + 1j * (matrix @ amplitudes.imag))
 
 
 def linear_curves(

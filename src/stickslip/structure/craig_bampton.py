@@ -18,7 +18,11 @@ from stickslip.validation import FloatArray
 
 
 def craig_bampton(
-    structure: Structure, boundary_nodes: ArrayLike, n_modes: int = 30, backend: Backend = "superlu"
+    structure: Structure,
+    boundary_nodes: ArrayLike,
+    n_modes: int = 30,
+    backend: Backend = "superlu",
+    threads: int = 1,
 ) -> Superelement:
     """Reduce a structure to its boundary nodes and ``n_modes`` fixed-interface modes.
 
@@ -32,6 +36,8 @@ def craig_bampton(
         nodes to keep, in the order of the unknowns: node ``boundary_nodes[i]`` owns unknowns 3i, 3i + 1, 3i + 2.
     n_modes:
         number of fixed-interface modes; their amplitudes are the last unknowns. 0 gives the Guyan reduction.
+    backend, threads:
+        how to factor, and how many right-hand sides to solve at a time (:func:`stickslip.structure.factor.factorize`).
 
     Returns
     -------
@@ -57,7 +63,7 @@ def craig_bampton(
     stiffness, mass = structure.stiffness, structure.mass
     stiffness_ii, stiffness_ib = stiffness[interior][:, interior], stiffness[interior][:, boundary]
     mass_ii, mass_ib = mass[interior][:, interior], mass[interior][:, boundary]
-    factor = factorize(stiffness_ii, backend)
+    factor = factorize(stiffness_ii, backend, threads)
     size, n_boundary = len(boundary) + n_modes, len(boundary)
 
     transformation = np.zeros((len(interior), size))

@@ -11,6 +11,7 @@ import scipy.sparse
 import scipy.sparse.linalg
 
 from stickslip.errors import ConvergenceError, InputError, MissingPackageError
+from stickslip.threads import in_threads
 from stickslip.validation import FloatArray
 
 Backend = Literal["superlu", "pardiso"]
@@ -31,10 +32,14 @@ class Factor:
 
     size: int
     residual: float
+    threads: int
     _solve: Callable[[FloatArray], FloatArray]
 
-    def solve(self, right_hand_sides: Any, block: int = 64) -> FloatArray:
-        """``matrix^-1 @ right_hand_sides``: (n,) or (n, k), dense or sparse, in blocks of ``block`` columns."""
+    def solve(self, right_hand_sides: Any, block: int = 32) -> FloatArray:
+        """``matrix^-1 @ right_hand_sides``: (n,) or (n, k), dense or sparse, in blocks of ``block`` columns.
+
+        ``threads`` of them are solved at a time.
+        """
         if not scipy.sparse.issparse(right_hand_sides):
             dense = np.asarray(right_hand_sides, dtype=float)
             if dense.ndim == 1:
@@ -43,14 +48,17 @@ class Factor:
         else:
             columns = right_hand_sides.tocsc()
         solution = np.empty(columns.shape)
-        for start in range(0, columns.shape[1], block):
+
+        def solve_block(start: int) -> None:
             part = columns[:, start : start + block]
             part = part.toarray() if scipy.sparse.issparse(part) else np.ascontiguousarray(part)
             solution[:, start : start + block] = self._solve(part)
+
+        in_threads(solve_block, range(0, columns.shape[1], block), self.threads)
         return solution
 
 
-def factorize(matrix: Any, backend: Backend = "superlu") -> Factor:
+def factorize(matrix: Any, backend: Backend = "superlu", threads: int = 1) -> Factor:
     """Factor a sparse symmetric matrix (n, n) and check the factor on one known solution.
 
     ``superlu`` comes with scipy; ``pardiso`` (several times faster beyond about 50,000 unknowns) needs the extra
@@ -84,7 +92,8 @@ def factorize(matrix: Any, backend: Backend = "superlu") -> Factor:
             f"the {backend} factor of a matrix with {matrix.shape[0]} unknowns has a relative residual of "
             f"{residual:.1e} (allowed: {RESIDUAL_LIMIT:.0e}). Scale the matrix, or try the other backend."
         )
-    return Factor(size=matrix.shape[0], residual=residual, _solve=solve)
+    # PARDISO brings threads of its own; a SuperLU factor may be used by several at a time.
+    return Factor(matrix.shape[0], residual, threads if backend == "superlu" else 1, solve)
 
 
 def _superlu(matrix: Any) -> Callable[[FloatArray], FloatArray]:

@@ -1,0 +1,116 @@
+"""Reduced structures on disk: taken where nothing changed, computed where anything did."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stickslip.structure import cache
+from stickslip.structure.blade_pair import BladePairElements, BladePairGeometry, blade_pair_mesh
+from stickslip.structure.cache import cache_folder, cached_superelement
+from stickslip.structure.craig_bampton import craig_bampton
+from stickslip.structure.elasticity import Material, Structure, assemble
+from stickslip.structure.superelement import Superelement
+
+COARSE = BladePairElements(
+    shank_columns=1, shank_rows=2, platform_rows=1, airfoil_rows=2, inner_columns=1, contact_columns=1, chordwise=1,
+    beyond_damper=1, damper_columns=2, damper_flank_rows=1,
+)  # fmt: skip
+
+
+class Counted:
+    """A reduction that counts how often it is asked for."""
+
+    def __init__(self, structure: Structure, nodes: np.ndarray, n_modes: int) -> None:
+        self.structure, self.nodes, self.n_modes, self.calls = structure, nodes, n_modes, 0
+
+    def __call__(self) -> Superelement:
+        self.calls += 1
+        return craig_bampton(self.structure, self.nodes, self.n_modes)
+
+    def cached(self) -> Superelement:
+        return cached_superelement(self.structure, self.nodes, self.n_modes, self)
+
+
+@pytest.fixture
+def reduction(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Counted:
+    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "kept"))
+    structure = assemble(blade_pair_mesh(BladePairGeometry(), COARSE), Material(200e9, 0.3, 7800.0))
+    damper = [structure.mesh.node_sets[name] for name in ("damper_left_face", "damper_right_face")]
+    return Counted(structure, np.unique(np.concatenate(damper)), 4)
+
+
+def test_second_call_reads_the_same_numbers(reduction: Counted) -> None:
+    first, second = reduction.cached(), reduction.cached()
+    assert reduction.calls == 1
+    for name in ("mass", "stiffness", "boundary_nodes", "recovery"):
+        assert np.array_equal(getattr(first, name), getattr(second, name))
+
+
+def test_any_change_computes_again(reduction: Counted) -> None:
+    reduction.cached()
+    structure = reduction.structure
+    heavier = Counted(replace(structure, mass=structure.mass * 1.001), reduction.nodes, 4)
+    fewer_nodes = Counted(structure, reduction.nodes[:-1], 4)
+    more_modes = Counted(structure, reduction.nodes, 5)
+    for changed in (heavier, fewer_nodes, more_modes):
+        changed.cached()
+        assert changed.calls == 1
+
+
+def test_changed_code_computes_again(reduction: Counted, monkeypatch: pytest.MonkeyPatch) -> None:
+    reduction.cached()
+    monkeypatch.setattr(cache, "_code", lambda: b"another version")
+    reduction.cached()
+    assert reduction.calls == 2
+
+
+def test_damaged_file_computes_again(reduction: Counted) -> None:
+    reduction.cached()
+    folder = cache_folder()
+    assert folder is not None
+    (file,) = folder.iterdir()
+    file.write_bytes(file.read_bytes()[:1000])
+    reduction.cached()
+    assert reduction.calls == 2
+    reduction.cached()
+    assert reduction.calls == 2
+
+
+def test_off_keeps_nothing(reduction: Counted, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv(cache.VARIABLE, "off")
+    reduction.cached()
+    reduction.cached()
+    assert reduction.calls == 2
+    assert not (tmp_path / "kept").exists()
+
+
+def test_folder_that_cannot_be_made_is_no_error(
+    reduction: Counted, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "file").write_text("not a folder", encoding="utf-8")
+    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "file"))
+    reduction.cached()
+    assert reduction.calls == 1
+
+
+def test_oldest_files_give_way(reduction: Counted, monkeypatch: pytest.MonkeyPatch) -> None:
+    reduction.cached()
+    folder = cache_folder()
+    assert folder is not None
+    (old,) = folder.iterdir()
+    os.utime(old, (1.0, 1.0))
+    monkeypatch.setattr(cache, "LARGEST_FOLDER", int(1.5 * old.stat().st_size))
+    Counted(reduction.structure, reduction.nodes, 3).cached()
+    assert not old.exists()
+    assert len(list(folder.iterdir())) == 1
+
+
+def test_default_folder_is_the_users(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(cache.VARIABLE)
+    monkeypatch.setenv("XDG_CACHE_HOME", "/somewhere")
+    assert cache_folder() == Path("/somewhere/stickslip")
