@@ -66,13 +66,14 @@ def test_all_modes_give_the_full_model_and_more_modes_never_raise_a_frequency(he
 
 def test_matrices_are_the_projection_of_the_full_ones(held_block):
     reduced = craig_bampton(held_block, [40, 20], 6)
-    basis = reduced.recovery[held_block.free_unknowns]
+    full = reduced.recovery @ np.eye(reduced.size)
+    basis = full[held_block.free_unknowns]
     scale = np.abs(reduced.stiffness).max()
     np.testing.assert_allclose(basis.T @ held_block.stiffness @ basis, reduced.stiffness, atol=1e-9 * scale)
     np.testing.assert_allclose(basis.T @ held_block.mass @ basis, reduced.mass, atol=1e-9)
     np.testing.assert_allclose(reduced.mass[6:, 6:], np.eye(6), atol=1e-9)
     coordinate = reduced.selector(20, (0.0, 1.0, 0.0))
-    np.testing.assert_array_equal(reduced.recovery[3 * 20 + 1], coordinate)
+    np.testing.assert_array_equal(full[3 * 20 + 1], coordinate)
 
 
 @pytest.mark.parametrize(

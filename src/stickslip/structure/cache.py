@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError, StickslipError
 from stickslip.files import whole_file
 from stickslip.structure.elasticity import Structure
+from stickslip.structure.recovery import Recovery
 from stickslip.structure.superelement import Superelement
 
 VARIABLE = "STICKSLIP_CACHE"
-LARGEST_FOLDER = 2_000_000_000  # bytes
-LARGEST_FILE = 500_000_000
+LARGEST_FOLDER = 1_000_000_000  # bytes
 
 
 def cached_superelement(
@@ -38,7 +38,7 @@ def cached_superelement(
     if folder is None:
         return reduce()
     path = folder / f"superelement-{_key(structure, boundary_nodes, n_modes)}.npz"
-    kept = _read(path)
+    kept = _read(path, structure)
     if kept is not None:
         return kept
     superelement = reduce()
@@ -74,15 +74,16 @@ def _code() -> bytes:
     return digest.digest()
 
 
-def _read(path: Path) -> Superelement | None:
+def _read(path: Path, structure: Structure) -> Superelement | None:
     """The superelement of a file; None if there is none, or if it is damaged."""
     try:
         with path.open("rb") as stream, np.load(stream) as data:
+            nodes = data["boundary_nodes"]
             kept = Superelement(
                 mass=data["mass"],
                 stiffness=data["stiffness"],
-                boundary_nodes=data["boundary_nodes"],
-                recovery=data["recovery"],
+                boundary_nodes=nodes,
+                recovery=Recovery(structure, nodes, data["modes"]),
             )
         os.utime(path)  # the file used last is the last to go
     except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile, InputError):
@@ -91,9 +92,6 @@ def _read(path: Path) -> Superelement | None:
 
 
 def _write(path: Path, superelement: Superelement) -> None:
-    size = sum(a.nbytes for a in (superelement.mass, superelement.stiffness, superelement.recovery))
-    if size > LARGEST_FILE:
-        return
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(path, "reduced structure", StickslipError) as part, part.open("wb") as stream:
@@ -102,7 +100,7 @@ def _write(path: Path, superelement: Superelement) -> None:
                 mass=superelement.mass,
                 stiffness=superelement.stiffness,
                 boundary_nodes=superelement.boundary_nodes,
-                recovery=superelement.recovery,
+                modes=superelement.recovery.modes,
             )
         _make_room(path.parent)
     except (OSError, StickslipError):

@@ -5,14 +5,17 @@ from __future__ import annotations
 import csv
 from dataclasses import dataclass
 from importlib.resources import files
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from threadpoolctl import threadpool_limits
 
 from stickslip.errors import InputError
 from stickslip.structure.elasticity import Structure, natural_frequencies
 from stickslip.structure.factor import Backend, factorize
 from stickslip.structure.joined import NodePairs, joined_modes
+from stickslip.structure.recovery import Recovery, partition
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
 
@@ -42,7 +45,7 @@ def craig_bampton(
     Returns
     -------
     Superelement
-        with 3 * n_boundary + n_modes unknowns and the dense ``recovery`` (3 * n_nodes, n) to the full mesh.
+        with 3 * n_boundary + n_modes unknowns and a ``recovery`` of shape (3 * n_nodes, n) to the full mesh.
 
     Raises
     ------
@@ -53,8 +56,7 @@ def craig_bampton(
     Source: R. R. Craig, M. C. C. Bampton, Coupling of substructures for dynamic analyses, AIAA J. 6 (1968) 1313-1319.
     """
     nodes = _boundary(structure, boundary_nodes)
-    boundary = structure.unknowns_of(nodes).ravel()
-    interior = np.setdiff1d(np.arange(structure.stiffness.shape[0]), boundary)
+    boundary, interior = partition(structure, nodes)
     if not 0 <= n_modes < len(interior):
         raise InputError(
             f"n_modes is {n_modes}; with {len(interior)} interior unknowns it must lie between 0 and "
@@ -66,32 +68,39 @@ def craig_bampton(
     factor = factorize(stiffness_ii, backend, threads)
     size, n_boundary = len(boundary) + n_modes, len(boundary)
 
-    transformation = np.zeros((len(interior), size))
-    transformation[:, :n_boundary] = -factor.solve(stiffness_ib)
+    transformation = np.empty((len(interior), size))
     squared = np.empty(0)
     if n_modes:
         frequency_hz, modes = natural_frequencies(stiffness_ii, mass_ii, n_modes, shift=0.0, factor=factor)
         transformation[:, n_boundary:] = modes
         squared = (2.0 * np.pi * frequency_hz) ** 2
+    constraint = transformation[:, :n_boundary]
+    factor.solve(-stiffness_ib, out=constraint)
 
     reduced_stiffness = np.zeros((size, size))
-    constraint = transformation[:, :n_boundary]
     reduced_stiffness[:n_boundary, :n_boundary] = (
         stiffness[boundary][:, boundary].toarray() + stiffness_ib.T @ constraint
     )
     reduced_stiffness[n_boundary:, n_boundary:] = np.diag(squared)
+    with threadpool_limits(limits=threads):
+        reduced_mass = _congruence(mass_ii, transformation)
     coupling = mass_ib.T @ transformation
-    reduced_mass = transformation.T @ (mass_ii @ transformation)
     reduced_mass[:n_boundary] += coupling
     reduced_mass[:, :n_boundary] += coupling.T
     reduced_mass[:n_boundary, :n_boundary] += mass[boundary][:, boundary].toarray()
+    recovery = Recovery(structure, nodes, transformation[:, n_boundary:].copy(), backend, threads, factor)
+    return Superelement(mass=reduced_mass, stiffness=reduced_stiffness, boundary_nodes=nodes, recovery=recovery)
 
-    free = np.zeros((stiffness.shape[0], size))
-    free[interior] = transformation
-    free[boundary, np.arange(n_boundary)] = 1.0
-    return Superelement(
-        mass=reduced_mass, stiffness=reduced_stiffness, boundary_nodes=nodes, recovery=structure.expand(free)
-    )
+
+def _congruence(matrix: Any, basis: FloatArray, block: int = 256) -> FloatArray:
+    """``basis^T matrix basis`` (k, k) of a sparse symmetric matrix, block by block and one triangle only."""
+    size = basis.shape[1]
+    answer = np.empty((size, size))
+    for start in range(0, size, block):
+        stop = min(start + block, size)
+        answer[start:stop, start:] = (matrix @ basis[:, start:stop]).T @ basis[:, start:]
+        answer[stop:, start:stop] = answer[start:stop, stop:].T
+    return answer
 
 
 def _boundary(structure: Structure, boundary_nodes: ArrayLike) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
@@ -142,10 +151,10 @@ def reduction_table(
 
     ``springs`` (3 * n_pairs,) N/m, t1, t2, n of each pair. The difference is ``100 (reduced / full - 1)`` and the modal
     assurance criterion ``|a.b|^2 / (a.a b.b)`` compares the modes on the full mesh. Raises InputError for a
-    superelement without recovery matrix.
+    superelement without recovery.
     """
     if superelement.recovery is None:
-        raise InputError("reduction_table needs a superelement with a recovery matrix, as craig_bampton makes it.")
+        raise InputError("reduction_table needs a superelement with a recovery, as craig_bampton makes it.")
     full_hz, full = joined_modes(structure, pairs, count, springs)
     reduced_hz, reduced = joined_modes(superelement, pairs, count, springs)
     product = np.einsum("ij,ij->j", full, reduced)

@@ -35,10 +35,10 @@ class Factor:
     threads: int
     _solve: Callable[[FloatArray], FloatArray]
 
-    def solve(self, right_hand_sides: Any, block: int = 32) -> FloatArray:
-        """``matrix^-1 @ right_hand_sides``: (n,) or (n, k), dense or sparse, in blocks of ``block`` columns.
+    def solve(self, right_hand_sides: Any, block: int = 32, out: FloatArray | None = None) -> FloatArray:
+        """``matrix^-1 @ right_hand_sides``: (n,) or (n, k), dense or sparse, into ``out`` (n, k) if it is given.
 
-        ``threads`` of them are solved at a time.
+        Columns are solved in blocks, ``threads`` blocks at a time.
         """
         if not scipy.sparse.issparse(right_hand_sides):
             dense = np.asarray(right_hand_sides, dtype=float)
@@ -47,7 +47,7 @@ class Factor:
             columns: Any = dense
         else:
             columns = right_hand_sides.tocsc()
-        solution = np.empty(columns.shape)
+        solution = np.empty(columns.shape) if out is None else out
 
         def solve_block(start: int) -> None:
             part = columns[:, start : start + block]

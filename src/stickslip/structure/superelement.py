@@ -26,7 +26,8 @@ class Superelement:
         (n_boundary,) node numbers of the mesh whose displacements are unknowns; node ``boundary_nodes[i]`` owns the
         unknowns ``3*i, 3*i+1, 3*i+2`` (x, y, z). Empty for matrices that a user brings.
     recovery:
-        (n_full, n) matrix that gives the displacements of the full mesh (3 per node, fixed ones zero), or None.
+        what ``recovery @ reduced`` gives the displacements of the full mesh with (3 per node, fixed ones zero): an
+        (n_full, n) matrix, a :class:`stickslip.structure.recovery.Recovery`, or None.
 
     Raises
     ------
