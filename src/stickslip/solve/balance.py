@@ -40,9 +40,20 @@ class Trial:
 
     @property
     def error(self) -> float:
-        """Norm of the residual relative to the norm of the relative displacement."""
-        scale = float(np.linalg.norm(self.relative))
+        """Norm of the residual relative to the norm of the relative displacement (of its part that has a residual)."""
+        scale = float(np.linalg.norm(acting(self.relative)))
         return float(np.linalg.norm(self.residual)) / scale if scale > 0 else float(np.linalg.norm(self.residual))
+
+
+def acting(relative: FloatArray) -> FloatArray:
+    """A copy (2H+1, m) without the mean tangential displacements, on which no contact force depends.
+
+    The slider of a pair starts at the mean of its motion, so these means only follow from the forces. Where friction
+    alone holds a body they are huge and mean nothing; no norm and no constraint may contain them.
+    """
+    part = relative.copy()
+    part[0].reshape(-1, 3)[:, :2] = 0.0
+    return part
 
 
 @dataclass(frozen=True)
@@ -113,7 +124,7 @@ class Balance:
         return self.compliance.relative(self.compliance.amplitude(omega, external, still), external, still)
 
     def evaluate(self, relative: FloatArray, omega: float, load: float = 1.0) -> Trial:
-        """Contact force, deviation and residual of a trial."""
+        """Contact force, deviation and residual of a trial; its mean tangential displacements follow (:func:`acting`)."""
         coefficients = np.ascontiguousarray(relative.T).reshape(self.pairs.n_pairs, 3, -1)
         contact = harmonic_force(coefficients, self.pairs, self.samples, self.update)
         deviation = contact.force.reshape(self.rows, -1).T - self._springs * relative
@@ -126,7 +137,10 @@ class Balance:
         deviation[0, 2::3][closed] = np.minimum(self.pairs.preload, 0.0)[closed]
         external = self._external.times(load)
         amplitude = self.compliance.amplitude(omega, external, deviation)
-        residual = relative - self.compliance.relative(amplitude, external, deviation)
+        answer = self.compliance.relative(amplitude, external, deviation)
+        residual = acting(relative - answer)
+        relative = relative.copy()
+        relative[0].reshape(-1, 3)[:, :2] = answer[0].reshape(-1, 3)[:, :2]
         return Trial(omega, load, relative, deviation, contact, amplitude, residual)
 
     def displacement(self, trials: Sequence[Trial]) -> FloatArray:

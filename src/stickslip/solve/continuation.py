@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.solve.balance import Trial
+from stickslip.solve.balance import Trial, acting
 from stickslip.solve.newton import Constraint, Correction, Newton
 from stickslip.solve.reduced import BorderedSystem
 from stickslip.validation import FloatArray
@@ -168,9 +168,10 @@ class Branch:
 
     def _constraint(self, point: Trial, tangent: Tangent, step: float) -> Constraint:
         """The plane across the tangent at its end, in (x, w); x is scaled so that both parts of the normal count."""
-        x_size = max(float(np.linalg.norm(tangent.relative)), 1e-300)
+        normal = acting(tangent.relative)
+        x_size = max(float(np.linalg.norm(normal)), 1e-300)
         return Constraint(
-            tangent.relative / x_size**2,
+            normal / x_size**2,
             tangent.omega / self._width**2,
             point.relative + step * tangent.relative,
             point.omega + step * tangent.omega,

@@ -32,6 +32,8 @@ ROUND_OFF_FACTOR = 100.0
 # Relative accuracy of the linear solution of a step while Newton's own error dominates, and the finest ever asked for.
 FAR_STEP_TOLERANCE = 1e-3
 FINEST_STEP_TOLERANCE = 1e-8
+# A step that leaves more than this part of the residual did not pay.
+POOR_STEP = 0.1
 
 
 @dataclass(frozen=True)
@@ -76,11 +78,15 @@ class Newton:
         slope = self.balance.frequency_slope(trial)
         return bordered_system(self.balance, trial, slope, constraint.weights, constraint.weight)
 
-    def _step_tolerance(self, error: float) -> float:
-        """Digits that a step can use: quadratic convergence ends far steps, the tolerance of Newton the last one."""
-        if error * error > self.settings.tolerance:
-            return FAR_STEP_TOLERANCE
-        return min(FAR_STEP_TOLERANCE, max(FINEST_STEP_TOLERANCE, 0.1 * self.settings.tolerance / error))
+    def _step_tolerance(self, error: float, sharper: float) -> float:
+        """Digits that a step can use: quadratic convergence ends far steps, the tolerance of Newton the last one.
+
+        ``sharper`` asks for more where steps did not pay: near corners of the branch the system is badly conditioned.
+        """
+        wanted = FAR_STEP_TOLERANCE
+        if error * error <= self.settings.tolerance:
+            wanted = min(wanted, 0.1 * self.settings.tolerance / error)
+        return max(FINEST_STEP_TOLERANCE, sharper * wanted)
 
     def correct(self, start: Trial, constraint: Constraint) -> Correction:
         """Iterate from ``start`` until the residual is below the tolerance or the iterations are used up.
@@ -88,7 +94,7 @@ class Newton:
         The law has kinks where a time sample switches state, so a full step can overshoot; a step that enlarges the
         residual is halved up to three times and the best of them taken.
         """
-        trial, system = start, None
+        trial, system, sharper = start, None, 1.0
         for iteration in range(self.settings.max_iterations + 1):
             if trial.error <= self.settings.tolerance:
                 return Correction(trial, True, iteration, system)
@@ -96,13 +102,15 @@ class Newton:
                 break
             system = self.border(trial, constraint)
             defect = constraint.defect(trial.relative, trial.omega)
-            step = system.solve(trial.residual, -defect, self._step_tolerance(trial.error))
+            step = system.solve(trial.residual, -defect, self._step_tolerance(trial.error, sharper))
             if not (np.isfinite(step.relative).all() and np.isfinite(step.omega)):
                 break
             improved = _best_along(self.balance, trial, step)
             if trial.error <= ROUND_OFF_FACTOR * self.settings.tolerance and improved.error > 0.5 * trial.error:
                 best = improved if improved.error < trial.error else trial
                 return Correction(best, True, iteration + 1, system)
+            if improved.error > POOR_STEP * trial.error:
+                sharper *= FAR_STEP_TOLERANCE
             trial = improved
         return Correction(trial, False, self.settings.max_iterations, system)
 
