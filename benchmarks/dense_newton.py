@@ -8,11 +8,15 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from blade_problem import BladeProblem, FloatArray, load_blade_problem
 from numba import njit
+
+# Relative displacement coefficients (n_contacts, 3, m) -> force coefficients of that shape, and their derivative.
+Law = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
 
 @dataclass(frozen=True)
@@ -76,9 +80,17 @@ class DenseBalance:
     """Residual and Jacobian of the harmonic balance of one problem in all its unknowns."""
 
     def __init__(
-        self, problem: BladeProblem, harmonics: int, samples: int, cycles: int = 2, opening: bool = True
+        self,
+        problem: BladeProblem,
+        harmonics: int,
+        samples: int,
+        cycles: int = 2,
+        opening: bool = True,
+        law: Law | None = None,
     ) -> None:
+        """``law`` replaces the friction law of this file by another one."""
         self.problem, self.harmonics, self.cycles, self.opening = problem, harmonics, cycles, opening
+        self.law = law or self._plain_law
         angle = 2.0 * np.pi * np.arange(samples) / samples
         rows = [np.ones(samples)]
         for k in range(1, harmonics + 1):
@@ -108,9 +120,19 @@ class DenseBalance:
         problem, n, m = self.problem, self.problem.size, 2 * self.harmonics + 1
         matrix, rate = self.linear_matrix(omega, problem.stiffness)
         count = problem.n_contacts
-        relative = (self.basis @ unknowns.reshape(m, n)[:, : 3 * count]).T.reshape(count, 3, -1)
-        force, force_rate = contact_forces(
-            np.ascontiguousarray(relative),
+        force, tangent = self.law(unknowns.reshape(m, n)[:, : 3 * count].T.reshape(count, 3, m))
+        residual = (matrix @ unknowns - self.load.ravel()).reshape(m, n)
+        residual[:, : 3 * count] += force.reshape(3 * count, m).T
+        jacobian = matrix.reshape(m, n, m, n)
+        for i in range(count):
+            jacobian[:, 3 * i : 3 * i + 3, :, 3 * i : 3 * i + 3] += tangent[i].transpose(1, 0, 3, 2)
+        return residual.ravel(), jacobian.reshape(m * n, m * n), rate @ unknowns
+
+    def _plain_law(self, relative: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Force coefficients (n_contacts, 3, m) and their derivative (n_contacts, 3, m, 3, m) for ``relative``."""
+        problem = self.problem
+        force, rate = contact_forces(
+            np.ascontiguousarray(relative @ self.basis.T),
             self.basis,
             problem.tangential_stiffness,
             problem.normal_stiffness,
@@ -119,13 +141,10 @@ class DenseBalance:
             self.cycles,
             self.opening,
         )
-        residual = (matrix @ unknowns - self.load.ravel()).reshape(m, n)
-        residual[:, : 3 * count] += (force @ self.analysis.T).reshape(3 * count, m).T
-        jacobian = matrix.reshape(m, n, m, n)
-        for i in range(count):
-            block = np.einsum("ps,asbq->paqb", self.analysis, force_rate[i], optimize=True)
-            jacobian[:, 3 * i : 3 * i + 3, :, 3 * i : 3 * i + 3] += block
-        return residual.ravel(), jacobian.reshape(m * n, m * n), rate @ unknowns
+        count, samples, m = len(force), self.basis.shape[0], self.basis.shape[1]
+        flat = rate.transpose(2, 0, 1, 3, 4).reshape(samples, -1)
+        tangent = (self.analysis @ flat).reshape(m, count, 3, 3, m).transpose(1, 2, 0, 3, 4)
+        return force @ self.analysis.T, tangent
 
     def linear_stuck(self, omega: float) -> FloatArray:
         """Response with every contact stuck, the start of a curve."""
@@ -152,10 +171,7 @@ class DenseBalance:
         here = np.append(points[0].coefficients.ravel(), omega)
         tangent = np.append(np.zeros(self.load.size), 1.0)
         while len(points) < max_points and here[-1] < stop:
-            _, jacobian, omega_rate = self.evaluate(here[-1], here[:-1])
-            bordered = np.vstack([np.column_stack([jacobian, omega_rate]) * scale, tangent])
-            tangent = np.linalg.solve(bordered, np.append(np.zeros(self.load.size), 1.0))
-            tangent /= np.linalg.norm(tangent)
+            tangent = self.tangent(here, tangent, scale)
             trial, iterations = self._correct(here + step * scale * tangent, tangent, scale)
             if trial is None:
                 step *= 0.5
@@ -166,6 +182,24 @@ class DenseBalance:
             points.append(Point(float(here[-1]), here[:-1].reshape(2 * self.harmonics + 1, -1)))
             step *= min(2.0, max(0.5, 4.0 / iterations))
         return points
+
+    def tangent(self, here: FloatArray, ahead: FloatArray, scale: FloatArray) -> FloatArray:
+        """Unit tangent in scaled unknowns (m n + 1,) of the curve at ``here``, on the side of ``ahead``."""
+        _, jacobian, omega_rate = self.evaluate(here[-1], here[:-1])
+        bordered = np.vstack([np.column_stack([jacobian, omega_rate]) * scale, ahead])
+        direction = np.linalg.solve(bordered, np.append(np.zeros(self.load.size), 1.0))
+        return np.asarray(direction / np.linalg.norm(direction))
+
+    def refine(self, omega: float, coefficients: FloatArray, iterations: int = 3) -> Point:
+        """Newton from a solution of another program, in the plane across the curve: works at folds too."""
+        here = np.append(coefficients.ravel(), omega)
+        scale = np.append(np.full(self.load.size, np.linalg.norm(coefficients)), omega)
+        tangent = self.tangent(here, np.append(np.zeros(self.load.size), 1.0), scale)
+        for _ in range(iterations):
+            residual, jacobian, omega_rate = self.evaluate(here[-1], here[:-1])
+            bordered = np.vstack([np.column_stack([jacobian, omega_rate]) * scale, tangent])
+            here = here - scale * np.linalg.solve(bordered, np.append(residual, 0.0))
+        return Point(float(here[-1]), here[:-1].reshape(2 * self.harmonics + 1, -1))
 
     def _correct(
         self, predicted: FloatArray, tangent: FloatArray, scale: FloatArray, max_iterations: int = 8

@@ -21,11 +21,13 @@ from stickslip.interface.stiffness import (
     reduced_modulus,
 )
 from stickslip.interface.surface import SurfaceStatistics, surface_statistics
+from stickslip.progress import ProgressCallback
 from stickslip.solve.damping import rayleigh_damping_matrix
 from stickslip.structure.blade_pair import BladePairElements, BladePairGeometry, blade_pair_mesh
 from stickslip.structure.cache import cached_superelement
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.elasticity import Material, Structure, assemble
+from stickslip.structure.factor import best_backend
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
 
@@ -159,11 +161,14 @@ def boundary_nodes(structure: Structure, joint: Joint) -> NDArray[np.int64]:
     return np.unique(np.concatenate([joint.face_pairs.nodes, points])).astype(np.int64)
 
 
-def build_model(case: Case, structure: Structure, joint: Joint, threads: int = 1) -> Model:
+def build_model(
+    case: Case, structure: Structure, joint: Joint, threads: int = 1, progress: ProgressCallback | None = None
+) -> Model:
     """Reduce the structure and connect joint, forces and outputs to the reduced unknowns."""
     nodes, n_modes = boundary_nodes(structure, joint), case.reduction.modes
+    backend = best_backend(structure.stiffness.shape[0])
     superelement = cached_superelement(
-        structure, nodes, n_modes, lambda: craig_bampton(structure, nodes, n_modes, threads=threads)
+        structure, nodes, n_modes, lambda: craig_bampton(structure, nodes, n_modes, backend, threads, progress)
     )
     pairs = ContactPairs(
         joint.face_pairs.operator(superelement),

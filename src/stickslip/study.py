@@ -62,9 +62,10 @@ def _run(case: Case, out: Path, progress: Progress, threads: int) -> StudyOutcom
     progress.update("Structure", 0.0, "mesh and matrices")
     structure = build_structure(case)
     joint = build_joint(case, structure)
-    progress.update("Structure", 0.3, "Craig-Bampton reduction")
-    model = build_model(case, structure, joint, threads)
-    progress.update("Structure", 0.6, "full against reduced frequencies")
+    model = build_model(
+        case, structure, joint, threads, lambda share, detail: progress.update("Structure", 0.1 + 0.7 * share, detail)
+    )
+    progress.update("Structure", 0.8, "full against reduced frequencies")
     table = reduction_table(structure, model.superelement, joint.face_pairs, count=MODE_COUNT)
     progress.update("Structure", 1.0, f"{model.superelement.size} unknowns, {model.pairs.n_pairs} pairs")
     response = solve(case, model, progress, threads)

@@ -124,7 +124,7 @@ class Balance:
         return self.compliance.relative(self.compliance.amplitude(omega, external, still), external, still)
 
     def evaluate(self, relative: FloatArray, omega: float, load: float = 1.0) -> Trial:
-        """Contact force, deviation and residual of a trial; its mean tangential displacements follow (:func:`acting`)."""
+        """Contact force, deviation and residual; the trial's mean tangential displacements follow (:func:`acting`)."""
         coefficients = np.ascontiguousarray(relative.T).reshape(self.pairs.n_pairs, 3, -1)
         contact = harmonic_force(coefficients, self.pairs, self.samples, self.update)
         deviation = contact.force.reshape(self.rows, -1).T - self._springs * relative

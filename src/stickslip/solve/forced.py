@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +11,7 @@ from threadpoolctl import threadpool_limits
 from stickslip.errors import InputError
 from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.interface.friction import Update
+from stickslip.progress import ProgressCallback
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.balance import Balance, Trial
 from stickslip.solve.checks import ResolutionCheck, check_resolution
@@ -27,8 +27,6 @@ from stickslip.validation import FloatArray, finite_array
 
 # Residual of the equation of motion, relative to its forces, above which a curve gets a warning.
 LARGEST_RESIDUAL = 1e-6
-
-ProgressCallback = Callable[[float, str], None]
 
 
 def forced_response(

@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
 from stickslip.errors import InputError
+from stickslip.progress import ProgressCallback
 from stickslip.structure.elasticity import Structure, natural_frequencies
-from stickslip.structure.factor import Backend, factorize
+from stickslip.structure.factor import Backend, factor_forecast, factorize
 from stickslip.structure.joined import NodePairs, joined_modes
 from stickslip.structure.recovery import Recovery, partition
 from stickslip.structure.superelement import Superelement
@@ -26,6 +27,7 @@ def craig_bampton(
     n_modes: int = 30,
     backend: Backend = "superlu",
     threads: int = 1,
+    progress: ProgressCallback | None = None,
 ) -> Superelement:
     """Reduce a structure to its boundary nodes and ``n_modes`` fixed-interface modes.
 
@@ -41,6 +43,8 @@ def craig_bampton(
         number of fixed-interface modes; their amplitudes are the last unknowns. 0 gives the Guyan reduction.
     backend, threads:
         how to factor, and how many right-hand sides to solve at a time (:func:`stickslip.structure.factor.factorize`).
+    progress:
+        called with the share that is done and a sentence, which says how long the factor of a large mesh may take.
 
     Returns
     -------
@@ -65,17 +69,22 @@ def craig_bampton(
     stiffness, mass = structure.stiffness, structure.mass
     stiffness_ii, stiffness_ib = stiffness[interior][:, interior], stiffness[interior][:, boundary]
     mass_ii, mass_ib = mass[interior][:, interior], mass[interior][:, boundary]
+    report = progress or (lambda fraction, detail: None)
+    report(0.0, factor_forecast(len(interior), backend))
     factor = factorize(stiffness_ii, backend, threads)
     size, n_boundary = len(boundary) + n_modes, len(boundary)
 
     transformation = np.empty((len(interior), size))
     squared = np.empty(0)
+    report(0.2, f"{n_modes} fixed-interface modes")
     if n_modes:
         frequency_hz, modes = natural_frequencies(stiffness_ii, mass_ii, n_modes, shift=0.0, factor=factor)
         transformation[:, n_boundary:] = modes
         squared = (2.0 * np.pi * frequency_hz) ** 2
     constraint = transformation[:, :n_boundary]
-    factor.solve(-stiffness_ib, out=constraint)
+    solved = f"{n_boundary} constraint modes"
+    factor.solve(-stiffness_ib, out=constraint, progress=lambda share: report(0.3 + 0.5 * share, solved))
+    report(0.8, "reduced matrices")
 
     reduced_stiffness = np.zeros((size, size))
     reduced_stiffness[:n_boundary, :n_boundary] = (

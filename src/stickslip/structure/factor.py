@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib.util
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -20,6 +22,10 @@ Backend = Literal["superlu", "pardiso"]
 # A singular one still has a small backward error, but it misses the known solution by about 1.
 RESIDUAL_LIMIT = 1e-10
 SOLUTION_ERROR_LIMIT = 1e-3
+# From here on PARDISO is faster than SuperLU, by a factor that grows with the size.
+PARDISO_SIZE = 40_000
+# Time of a SuperLU factor of a solid mesh, measured (docs/performance.md).
+SUPERLU_SECONDS, SUPERLU_SIZE, SUPERLU_GROWTH = 50.0, 100_000, 2.0
 _SINGULAR_ADVICE = (
     "A body or node that nothing holds makes it so: fix more nodes (or keep them as boundary nodes), or use a negative "
     "shift for free structures."
@@ -35,10 +41,16 @@ class Factor:
     threads: int
     _solve: Callable[[FloatArray], FloatArray]
 
-    def solve(self, right_hand_sides: Any, block: int = 32, out: FloatArray | None = None) -> FloatArray:
+    def solve(
+        self,
+        right_hand_sides: Any,
+        block: int = 32,
+        out: FloatArray | None = None,
+        progress: Callable[[float], None] | None = None,
+    ) -> FloatArray:
         """``matrix^-1 @ right_hand_sides``: (n,) or (n, k), dense or sparse, into ``out`` (n, k) if it is given.
 
-        Columns are solved in blocks, ``threads`` blocks at a time.
+        Columns are solved in blocks, ``threads`` blocks at a time; ``progress`` hears the share that is done.
         """
         if not scipy.sparse.issparse(right_hand_sides):
             dense = np.asarray(right_hand_sides, dtype=float)
@@ -48,14 +60,36 @@ class Factor:
         else:
             columns = right_hand_sides.tocsc()
         solution = np.empty(columns.shape) if out is None else out
+        starts = range(0, columns.shape[1], block)
+        done = itertools.count(1)
 
         def solve_block(start: int) -> None:
             part = columns[:, start : start + block]
             part = part.toarray() if scipy.sparse.issparse(part) else np.ascontiguousarray(part)
             solution[:, start : start + block] = self._solve(part)
+            if progress is not None:
+                progress(next(done) / len(starts))
 
-        in_threads(solve_block, range(0, columns.shape[1], block), self.threads)
+        in_threads(solve_block, starts, self.threads)
         return solution
+
+
+def best_backend(size: int) -> Backend:
+    """PARDISO where it is installed and pays, else SuperLU."""
+    if size >= PARDISO_SIZE and importlib.util.find_spec("pypardiso") is not None:
+        return "pardiso"
+    return "superlu"
+
+
+def factor_forecast(size: int, backend: Backend) -> str:
+    """A sentence on the factor of a solid mesh with ``size`` unknowns; says how long SuperLU may take."""
+    if backend == "pardiso" or size < PARDISO_SIZE:
+        return f"factor of {size} unknowns"
+    seconds = SUPERLU_SECONDS * (size / SUPERLU_SIZE) ** SUPERLU_GROWTH
+    return (
+        f"factor of {size} unknowns with SuperLU, about {max(1, round(seconds / 60))} min; "
+        "the extra stickslip[pardiso] is several times faster"
+    )
 
 
 def factorize(matrix: Any, backend: Backend = "superlu", threads: int = 1) -> Factor:
