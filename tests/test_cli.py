@@ -37,7 +37,7 @@ class Study:
     error: BaseException | None = None
     calls: list[tuple[Any, ...]] = field(default_factory=list)
 
-    def run(self, case: Case, out_dir: Path, progress: Progress, threads: int) -> Outcome:
+    def run(self, case: Case, out_dir: Path, progress: Progress, threads: int | None) -> Outcome:
         """Two stages, then the outcome."""
         self.threads = threads
         self.calls.append(("run", case, out_dir))
@@ -258,7 +258,7 @@ def test_report_of_no_folder(study: Study, tmp_path: Path) -> None:
 
 def test_threads_reach_the_study(study: Study, study_file: Path, tmp_path: Path) -> None:
     assert invoke("run", study_file, "--out", tmp_path / "out").exit_code == 0
-    assert study.threads == 1
+    assert study.threads is None
     assert invoke("run", study_file, "--out", tmp_path / "out", "--threads", "2").exit_code == 0
     assert study.threads == 2
     assert invoke("run", study_file, "--out", tmp_path / "out", "--threads", "0").exit_code == 2

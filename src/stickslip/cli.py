@@ -103,7 +103,15 @@ def check(path: StudyFile, debug: Debug = False) -> None:
 def run(
     path: StudyFile,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False)],
-    threads: Annotated[int, typer.Option("--threads", min=1, help="Threads of the linear algebra.")] = 1,
+    threads: Annotated[
+        int | None,
+        typer.Option(
+            "--threads",
+            min=1,
+            help="Threads, else STICKSLIP_THREADS, else the usable cores (at most 4).",
+            show_default=False,
+        ),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
     debug: Debug = False,
 ) -> None:

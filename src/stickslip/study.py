@@ -25,6 +25,7 @@ from stickslip.solve.forced import forced_response
 from stickslip.solve.newton import NewtonSettings
 from stickslip.structure.craig_bampton import ReductionRow, reduction_table
 from stickslip.structure.joined import joined_modes
+from stickslip.threads import thread_count
 
 if TYPE_CHECKING:
     from stickslip.case import Case
@@ -45,17 +46,20 @@ class StudyOutcome:
     message: str
 
 
-def run(case: Case, out_dir: str | PathLike[str], progress: Progress | None = None, threads: int = 1) -> StudyOutcome:
+def run(
+    case: Case, out_dir: str | PathLike[str], progress: Progress | None = None, threads: int | None = None
+) -> StudyOutcome:
     """Solve a case and write results.nc, report.html, single figures, and shapes for ParaView into ``out_dir``.
 
-    A curve that could not be followed to its end is written all the same; ``converged`` is then False.
+    A curve that could not be followed to its end is written all the same; ``converged`` is then False. ``threads`` None
+    takes the environment variable STICKSLIP_THREADS, or else the usable cores, at most 4.
     Raises InputError (geometry, roughness), ConvergenceError (not even a first point), ResultsFileError.
     """
     out = Path(out_dir)
     out.mkdir(parents=True, exist_ok=True)
     # One thread for the matrix products here: beside threads that solve for many right-hand sides more would be slower.
     with threadpool_limits(limits=1):
-        return _run(case, out, progress or SilentProgress(), threads)
+        return _run(case, out, progress or SilentProgress(), thread_count(threads))
 
 
 def _run(case: Case, out: Path, progress: Progress, threads: int) -> StudyOutcome:
@@ -82,7 +86,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int) -> StudyOutcom
     return StudyOutcome(response, tuple(files), response.converged, _closing_words(response, record))
 
 
-def solve(case: Case, model: Model, progress: Progress | None = None, threads: int = 1) -> ForcedResponse:
+def solve(case: Case, model: Model, progress: Progress | None = None, threads: int | None = None) -> ForcedResponse:
     """The forced response of a model with the settings of its case; provenance says inputs and versions."""
     settings, told = case.solver, progress or SilentProgress()
     compiling = "preparing; the first run on a machine compiles the friction law, which takes about half a minute"

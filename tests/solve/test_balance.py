@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from helpers import Blade
+from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.solve import reduced
 from stickslip.solve.balance import ActiveRows, Balance, Trial
 from stickslip.solve.compliance import stuck_structure
 from stickslip.solve.newton import Constraint, Newton, NewtonSettings
+from stickslip.structure.superelement import Superelement
 
 HARMONICS, SAMPLES = 3, 128
 HIGHEST_OMEGA = 2 * np.pi * 1100.0
@@ -94,3 +96,40 @@ def test_stuck_trial_is_the_linear_response(blade: Blade) -> None:
     trial = balance.evaluate(balance.linear(omega), omega)
     assert not trial.contact.deviates.any()
     assert trial.error == 0.0
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_loose_body_with_all_pairs_open_ends_newton_without_a_number() -> None:
+    """Nothing holds its mean position then: the Newton matrix is singular, and the correction says that it failed."""
+    pairs = ContactPairs(np.eye(3), 1e6, 8e5, 0.3, 10.0)
+    stuck = stuck_structure(Superelement(np.eye(3), np.zeros((3, 3))), pairs, 100.0, 0.01)
+    force = np.zeros((3, 3))
+    force[1, 2] = 1.0
+    balance = Balance(stuck.compliance(1), pairs, force, 64, "tractrix")
+    away = np.zeros((3, 3))
+    away[0, 2] = -1.0
+    start = balance.evaluate(away, 50.0)
+    assert (start.contact.state == 2).all()
+    correction = Newton(balance, NewtonSettings()).correct(start, Constraint.fixed(away, 50.0))
+    assert not correction.converged
+
+
+def test_mean_tangential_displacements_follow(blade: Blade) -> None:
+    """No force depends on them, so a trial takes those of its forces and has no residual there."""
+    balance, trial = moving_trial(blade, 0.4)
+    shifted = trial.relative.copy()
+    shifted[0].reshape(-1, 3)[:, :2] += 1.0
+    again = balance.evaluate(shifted, trial.omega)
+    # The force comes from K (s - mean s): the shift is gone up to the round-off of its size.
+    assert np.abs(again.relative - trial.relative).max() < 1e-9 * np.abs(trial.relative).max()
+    assert again.error == pytest.approx(trial.error, rel=1e-6)
+    assert not again.residual[0].reshape(-1, 3)[:, :2].any()
+
+
+def test_steps_that_do_not_pay_are_solved_more_sharply() -> None:
+    newton = Newton.__new__(Newton)
+    newton.settings = NewtonSettings(1e-9)
+    assert newton._step_tolerance(1e-2, 1.0) == 1e-3
+    assert newton._step_tolerance(1e-2, 1e-3) == 1e-6
+    assert newton._step_tolerance(1e-6, 1.0) == pytest.approx(1e-4)
+    assert newton._step_tolerance(1e-2, 1e-9) == 1e-8

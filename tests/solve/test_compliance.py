@@ -142,3 +142,16 @@ def test_operator_of_another_size_is_refused(blade: Blade) -> None:
     pairs = ContactPairs(np.eye(3, 5), 1e6, 8e5, 0.3, 10.0)
     with pytest.raises(InputError, match="operator has 5 columns, but the superelement has 38"):
         stuck_structure(blade.superelement, pairs, 100.0, None)
+
+
+def test_a_body_that_only_gaps_could_hold_is_refused() -> None:
+    superelement = Superelement(np.eye(3), np.zeros((3, 3)))
+    pairs = ContactPairs(np.eye(3), 1e6, 8e5, 0.3, -10.0)
+    with pytest.raises(InputError, match="a gap\\) at 1 of 1 pairs, and the others do not hold every body"):
+        stuck_structure(superelement, pairs, 100.0, 0.01)
+
+
+def test_gaps_are_fine_where_other_pairs_hold(blade: Blade) -> None:
+    preload = blade.pairs.preload.copy()
+    preload[::2] = -1.0
+    assert stuck_structure(blade.superelement, blade.pairs_with(preload), 4000.0, None).mean.restraint == 0.0

@@ -68,14 +68,9 @@ class MeanCompliance:
         springs = pairs.stuck_stiffness().reshape(-1, 3)
         for restraint in (0.0, MEAN_RESTRAINT):
             scaled = springs * np.array([restraint, restraint, 1.0])
-            matrix = superelement.stiffness + pairs.operator.T @ (scaled.reshape(-1, 1) * pairs.operator)
-            scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-            matrix *= scale
-            matrix *= scale[:, None]
-            norm = float(np.abs(matrix).sum(axis=0).max())
-            factor, failure = scipy.linalg.lapack.dpotrf(matrix, lower=1, clean=0)
-            if failure == 0 and scipy.linalg.lapack.dpocon(factor, norm, uplo="L")[0] > SINGULAR_MEAN:
-                return cls(restraint, scale, (factor, True))
+            held = _scaled_cholesky(superelement, pairs, scaled)
+            if held is not None:
+                return cls(restraint, *held)
         raise InputError(
             "the structure with all contacts closed and stuck is singular to working accuracy: some body can move "
             "freely, or the contact is many orders stiffer than the structure. Fix the body somewhere, check that the "
@@ -87,6 +82,35 @@ class MeanCompliance:
         """Static displacement under forces (n,) or (n, k)."""
         scale = self._scale if force.ndim == 1 else self._scale[:, None]
         return np.asarray(scale * scipy.linalg.cho_solve(self._factor, scale * force))
+
+
+def _scaled_cholesky(
+    superelement: Superelement, pairs: ContactPairs, springs: FloatArray
+) -> tuple[FloatArray, tuple[FloatArray, bool]] | None:
+    """Scale s and Cholesky factor of ``diag(s) (K + B^T diag(springs) B) diag(s)``; None if that is singular."""
+    matrix = superelement.stiffness + pairs.operator.T @ (springs.reshape(-1, 1) * pairs.operator)
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    matrix *= scale
+    matrix *= scale[:, None]
+    norm = float(np.abs(matrix).sum(axis=0).max())
+    factor, failure = scipy.linalg.lapack.dpotrf(matrix, lower=1, clean=0)
+    if failure or scipy.linalg.lapack.dpocon(factor, norm, uplo="L")[0] <= SINGULAR_MEAN:
+        return None
+    return scale, (factor, True)
+
+
+def _require_held_at_rest(superelement: Superelement, pairs: ContactPairs) -> None:
+    """Raise InputError for a body that only pairs with a gap could hold: it has no state at rest."""
+    closed = pairs.preload > 0.0
+    if closed.all():
+        return
+    springs = pairs.stuck_stiffness().reshape(-1, 3) * closed[:, None]
+    if _scaled_cholesky(superelement, pairs, springs) is None:
+        raise InputError(
+            f"preload is zero or negative (a gap) at {int((~closed).sum())} of {closed.size} pairs, and the others do "
+            "not hold every body: displacements count from a state at rest that does not exist. Press at least some "
+            "pairs of each body together, or fix it elsewhere."
+        )
 
 
 @dataclass(frozen=True)
@@ -241,6 +265,7 @@ def stuck_structure(
     if modal_damping_ratio is not None and superelement.damping is not None:
         raise InputError("give either a damping matrix in the superelement or modal_damping_ratio, not both.")
     mean = MeanCompliance.build(superelement, pairs)
+    _require_held_at_rest(superelement, pairs)
     frequency, modes = modal_basis(superelement.mass, stuck_stiffness_matrix(superelement, pairs))
     modal: FloatArray | None
     if modal_damping_ratio is not None:

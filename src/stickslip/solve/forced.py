@@ -22,7 +22,7 @@ from stickslip.solve.linear import LinearLimit, linear_curves
 from stickslip.solve.newton import Newton, NewtonSettings
 from stickslip.solve.start import first_point
 from stickslip.structure.superelement import Superelement
-from stickslip.threads import blas_threads
+from stickslip.threads import blas_threads, thread_count
 from stickslip.validation import FloatArray, finite_array
 
 # Residual of the equation of motion, relative to its forces, above which a curve gets a warning.
@@ -42,7 +42,7 @@ def forced_response(
     update: Update = "tractrix",
     newton: NewtonSettings | None = None,
     continuation: ContinuationSettings | None = None,
-    threads: int = 1,
+    threads: int | None = None,
     progress: ProgressCallback | None = None,
 ) -> ForcedResponse:
     """Follow the periodic response to ``p(t) = sum_k force_cos[:, k-1] cos(k w t) + force_sin[:, k-1] sin(k w t)``.
@@ -71,7 +71,8 @@ def forced_response(
     newton, continuation:
         tolerances and step control.
     threads:
-        threads of the linear algebra.
+        threads of the linear algebra, used where the joint is large enough; None takes the environment variable
+        STICKSLIP_THREADS, or else the usable cores, at most 4.
     progress:
         called with the share of the window that is done, and a sentence.
 
@@ -88,7 +89,8 @@ def forced_response(
     """
     began = time.perf_counter()
     window = _checked_window(frequency_hz)
-    _check_counts(harmonics, samples, threads)
+    _check_counts(harmonics, samples)
+    threads = thread_count(threads)
     _check_update(update)
     if modal_damping_ratio is not None and not modal_damping_ratio >= 0:
         raise InputError(f"modal_damping_ratio is {modal_damping_ratio}, but it must be 0 or more, for example 0.001.")
@@ -166,8 +168,8 @@ def _checked_window(frequency_hz: tuple[float, float]) -> tuple[float, float]:
     return start, stop
 
 
-def _check_counts(harmonics: int, samples: int, threads: int) -> None:
-    for name, value in (("harmonics", harmonics), ("samples", samples), ("threads", threads)):
+def _check_counts(harmonics: int, samples: int) -> None:
+    for name, value in (("harmonics", harmonics), ("samples", samples)):
         if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
             raise InputError(f"{name} is {value!r}, but it must be a whole number of at least 1.")
     if samples < 2 * harmonics + 1:

@@ -8,6 +8,7 @@ that one Newton step can use; where they do not, the matrix is formed and factor
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -154,7 +155,10 @@ class BorderedSystem:
             bordered[:size, size] = self._column
             bordered[size, :size] = self._row
             bordered[size, size] = self._corner
-            self._factor = scipy.linalg.lu_factor(bordered, overwrite_a=True, check_finite=False)
+            # A singular matrix gives a step that is not finite; Newton ends there and says so.
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", scipy.linalg.LinAlgWarning)
+                self._factor = scipy.linalg.lu_factor(bordered, overwrite_a=True, check_finite=False)
         return np.asarray(scipy.linalg.lu_solve(self._factor, right, check_finite=False))
 
 
