@@ -9,11 +9,14 @@ from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 
+import numpy as np
+
 from stickslip.case import Case
 from stickslip.errors import InputError, StickslipError
 from stickslip.model import build_mesh, find_pairs, load_joint
 from stickslip.progress import Progress, SilentProgress
 from stickslip.report.sweep_page import write_sweep_page
+from stickslip.report.sweep_view import SweepView
 from stickslip.results.record import run_provenance
 from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable
 from stickslip.sweeps.axes import Vary, swept_keys
@@ -111,7 +114,8 @@ def sweep(
             run.solve(groups, chosen, at_a_time)
     table = SweepTable(keys, tuple(run.row(each) for each in planned))
     curves = tuple(run.outcomes[each.key].curve for each in planned)
-    files = () if run.folder is None else _written(run.folder, case, table, curves)
+    forces = np.array([each.case.excitation.amplitude for each in planned])
+    files = () if run.folder is None else _written(run.folder, case, SweepView(table, curves, forces))
     case_files = tuple(run.folder.path / row.file if run.folder and row.file else None for row in table.rows)
     return Sweep(table, curves, case_files, files, run.found, tuple(run.notices))
 
@@ -268,12 +272,10 @@ class _Run:
         )
 
 
-def _written(
-    folder: SweepFolder, case: Case, table: SweepTable, curves: tuple[SweepCurve | None, ...]
-) -> tuple[Path, ...]:
+def _written(folder: SweepFolder, case: Case, view: SweepView) -> tuple[Path, ...]:
     """Tables and page."""
     files = tuple(folder.path / name for name in (TABLE_FILE, DATASET_FILE, PAGE_FILE))
-    table.to_csv(files[0])
-    table.to_netcdf(files[1])
-    write_sweep_page(files[2], table, curves, case.study.title, case.to_text(), run_provenance())
+    view.table.to_csv(files[0])
+    view.table.to_netcdf(files[1])
+    write_sweep_page(files[2], view, case.study.title, case.to_text(), run_provenance())
     return files
