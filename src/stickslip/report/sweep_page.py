@@ -14,7 +14,7 @@ from stickslip.report import sweep_plots as plots
 from stickslip.report.html_parts import asset, filled, notice, script_json, table_rows
 from stickslip.report.look import Figure
 from stickslip.report.style import MICRO, number
-from stickslip.report.sweep_view import LOAD_KEY, SweepView, axis_title
+from stickslip.report.sweep_view import LOAD_KEY, SweepView, short_name
 from stickslip.results.storage import whole_file
 from stickslip.results.sweep_table import SweepRow
 
@@ -161,7 +161,9 @@ def _optimum_words(view: SweepView) -> str:
     for optimum in found[: plots.LEGEND_ENTRIES]:
         load = view.table.keys[place].labels[view.positions[optimum.row, place]]
         group = f"{optimum.label}: " if optimum.label else ""
-        end = ", at an end of the loads, so the true optimum may lie beyond" if optimum.at_end else ""
+        end = (
+            ", at an end of the loads whose peak is known, so the true optimum may lie beyond" if optimum.at_end else ""
+        )
         words = f"{group}lowest computed peak {number(MICRO * float(peak[optimum.row]))} µm at F_N = {load}{end}."
         sentences.append(escape(words[0].upper() + words[1:]))
     if len(found) > len(sentences):
@@ -177,17 +179,20 @@ def _maps(view: SweepView, figures: dict[str, Figure]) -> str:
         figures[f"map-{count}"] = figure
         caption = f"<figcaption>{escape(heading)}</figcaption>"
         panels.append(f'<figure class="panel">{caption}<div id="map-{count}" class="plot" role="img"></div></figure>')
-    first, second = (axis_title(key) for key in view.table.keys[:2])
+    first, second = (key.name for key in view.table.keys[:2])
     total = math.prod(len(key.values) for key in view.table.keys[2:])
     rest = ""
     if total > plots.LARGEST_MAP_COUNT:
         rest = f" The first {plots.LARGEST_MAP_COUNT} of {total} combinations of the other keys are shown."
-    note = f'<p class="note">{escape(first)} and {escape(second)}. An empty cell is a case that failed.{rest}</p>'
+    note = (
+        f'<p class="note">{escape(first)} and {escape(second)}. An empty cell is a case that failed; "at an end" marks '
+        f"the largest amplitude of a curve whose peak lies outside the computed range.{rest}</p>"
+    )
     return f'<section><h2>Maps of two keys</h2>{note}<div class="two">{"".join(panels)}</div></section>'
 
 
 def _table(view: SweepView) -> str:
-    head = "".join(f"<th>{escape(axis_title(key).split(',')[0])}</th>" for key in view.table.keys)
+    head = "".join(f"<th>{escape(short_name(key))}</th>" for key in view.table.keys)
     head += "".join(f"<th>{heading}</th>" for heading, _, _ in _COLUMNS.values()) + '<th class="word">Remarks</th>'
     body = "".join(_table_row(view, place, row) for place, row in enumerate(view.table.rows))
     return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
@@ -199,9 +204,12 @@ def _table_row(view: SweepView, place: int, row: SweepRow) -> str:
     for name, (_, factor, digits) in _COLUMNS.items():
         value = row.measures.get(name, math.nan)
         cells.append("–" if math.isnan(value) else number(factor * value, digits))
-    remarks = [] if row.converged else [f"Failed: {row.message}"]
+    remarks = "" if row.converged else escape(f"Failed: {row.message} ")
     if row.converged and row.measures.get("peak_bracketed") == 0.0:
-        remarks.append("The largest amplitude lies at an end of the range.")
-    remarks += row.warnings
+        remarks = "The largest amplitude lies at an end of the range. "
+    if row.warnings:
+        listed = "".join(f"<li>{escape(sentence)}</li>" for sentence in row.warnings)
+        count = "1 warning" if len(row.warnings) == 1 else f"{len(row.warnings)} warnings"
+        remarks += f"<details><summary>{count}</summary><ul>{listed}</ul></details>"
     plain_cells = "".join(f"<td>{cell}</td>" for cell in cells)
-    return f'<tr>{plain_cells}<td class="word">{escape(" ".join(remarks))}</td></tr>'
+    return f'<tr>{plain_cells}<td class="word">{remarks}</td></tr>'

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.report.look import FREQUENCY, Figure, axis_look, figure_of, line_trace, plain_list
 from stickslip.report.style import BLUE, MICRO, ORANGE, VERMILLION
@@ -109,20 +110,19 @@ def against_key(view: SweepView, place: int) -> Figure:
     """Peak amplitude (above) and its frequency (below) against one key; a line for each combination of the others."""
     key = view.table.keys[place]
     inside, usable = view.inside(), view.usable()
-    traces = []
+    traces: list[dict[str, Any]] = []
     groups = list(view.groups((place,)))
     for number, group in enumerate(groups):
         rows = group.members[usable[group.members]]
         x = _coordinates(view, place, rows)
-        symbols = ["circle" if inside[row] else "circle-open" for row in rows]
         for column, factor, axis, unit in (
             ("peak_amplitude_m", MICRO, "y", "µm"),
             ("peak_frequency_hz", 1.0, "y2", "Hz"),
         ):
-            trace = _group_line(number, group, len(groups), x, factor * view.number(column)[rows])
-            trace["marker"]["symbol"] = symbols
-            trace["hovertemplate"] = f"{group.label or short_name(key)}<br>%{{x}}<br>%{{y:.5g}} {unit}<extra></extra>"
-            traces.append(trace | {"xaxis": "x", "yaxis": axis, "showlegend": trace["showlegend"] and axis == "y"})
+            hover = f"{group.label or short_name(key)}<br>%{{x}}<br>%{{y:.5g}} {unit}<extra></extra>"
+            look = {"xaxis": "x", "yaxis": axis, "hovertemplate": hover}
+            traces += _group_lines(number, group.label, x, factor * view.number(column)[rows], inside[rows], look)
+    _tell_once(traces, len(groups) > 1)
     kind = {"type": "category"} if key.is_choice else _number_axis(np.array(key.shown))
     return figure_of(
         traces,
@@ -145,21 +145,36 @@ def _number_axis(values: FloatArray) -> dict[str, Any]:
     return {"type": "log"} if is_logarithmic(values) else {}
 
 
-def _group_line(number: int, group: Group, count: int, x: Any, y: FloatArray) -> dict[str, Any]:
-    """A line with markers; few groups stand in the legend."""
+def _group_lines(
+    number: int, label: str, x: Sequence[float | str], y: FloatArray, inside: NDArray[np.bool_], look: dict[str, Any]
+) -> Iterator[dict[str, Any]]:
+    """A line through the peaks that lie inside their range; the others as open circles that no line joins."""
     colour, dash = COLOURS[number % len(COLOURS)], DASHES[number // len(COLOURS) % len(DASHES)]
-    line = {"color": colour, "dash": dash, "width": 2.0}
-    return {
-        "type": "scatter",
+    common = {"type": "scatter", "name": label or "peak", "legendgroup": str(number)} | look
+    yield common | {
         "mode": "lines+markers",
-        "name": group.label,
-        "legendgroup": str(number),
-        "showlegend": 1 < count <= LEGEND_ENTRIES,
-        "x": x,
-        "y": plain_list(y),
-        "line": line,
-        "marker": {"size": 8, "color": colour, "line": {"width": 2, "color": colour}},
+        "x": [value for value, kept in zip(x, inside, strict=True) if kept],
+        "y": plain_list(y[inside]),
+        "line": {"color": colour, "dash": dash, "width": 2.0},
+        "marker": {"size": 8, "color": colour},
     }
+    if not inside.all():
+        yield common | {
+            "mode": "markers",
+            "x": [value for value, kept in zip(x, inside, strict=True) if not kept],
+            "y": plain_list(y[~inside]),
+            "marker": {"size": 9, "color": colour, "symbol": "circle-open", "line": {"width": 2}},
+            "showlegend": False,
+        }
+
+
+def _tell_once(traces: list[dict[str, Any]], shown: bool = True) -> None:
+    """Leave the first line of each legend group in the legend, or none; more groups than fit show none."""
+    groups = list(dict.fromkeys(trace["legendgroup"] for trace in traces if "lines" in trace["mode"]))
+    told = set() if shown and len(groups) <= LEGEND_ENTRIES else set(groups)
+    for trace in traces:
+        trace.setdefault("showlegend", trace["legendgroup"] not in told)
+        told.add(trace["legendgroup"])
 
 
 @dataclass(frozen=True)
@@ -182,7 +197,7 @@ def optima(view: SweepView) -> list[Optimum]:
         rows = group.members[inside[group.members]]
         if rows.size:
             best = int(rows[peak[rows].argmin()])
-            found.append(Optimum(group.label, best, best in (int(group.members[0]), int(group.members[-1]))))
+            found.append(Optimum(group.label, best, best in (int(rows[0]), int(rows[-1]))))
     return found
 
 
@@ -206,10 +221,8 @@ def performance(view: SweepView, by_ratio: bool) -> Figure:
         rows = group.members[usable[group.members]]
         rows = rows[np.argsort(x[rows], kind="stable")]
         peak = scale * view.number("peak_amplitude_m")
-        trace = _group_line(number, group, len(groups), plain_list(x[rows]), peak[rows])
-        trace["marker"]["symbol"] = ["circle" if inside[row] else "circle-open" for row in rows]
-        trace["hovertemplate"] = f"{group.label or 'peak'}<br>%{{x:.5g}}<br>%{{y:.4g}} {unit}<extra></extra>"
-        traces.append(trace | ({"name": "peak", "showlegend": True} if len(groups) == 1 else {}))
+        look = {"hovertemplate": f"{group.label or 'peak'}<br>%{{x:.5g}}<br>%{{y:.4g}} {unit}<extra></extra>"}
+        traces += _group_lines(number, group.label, plain_list(x[rows]), peak[rows], inside[rows], look)
         traces += _limits(view, rows, x, scale, unit)
         traces += [_optimum_mark(x[row], peak[row], unit) for row in rows if row in best]
     _tell_once(traces)
@@ -239,15 +252,6 @@ def _limits(view: SweepView, rows: Any, x: FloatArray, scale: FloatArray, unit: 
                 legendgroup=limit,
                 hovertemplate=hover,
             )
-
-
-def _tell_once(traces: list[dict[str, Any]]) -> None:
-    """Leave each legend group's first trace in the legend only."""
-    told = set()
-    for trace in traces:
-        if trace["legendgroup"] in told:
-            trace["showlegend"] = False
-        told.add(trace["legendgroup"])
 
 
 def _optimum_mark(x: float, y: float, unit: str) -> dict[str, Any]:
@@ -283,6 +287,7 @@ def _map(view: SweepView, group: Group, numbers: FloatArray) -> Figure:
     rows = group.members.reshape(shape)
     values = np.where(view.usable(), numbers, np.nan)[rows]
     cells = [[None if np.isnan(value) else float(f"{value:.7g}") for value in line] for line in values.T]
+    open_ends = (view.usable() & ~view.inside())[rows]
     positions = view.positions
     labels = (
         [first.labels[positions[row, 0]] for row in rows[:, 0]],
@@ -293,6 +298,8 @@ def _map(view: SweepView, group: Group, numbers: FloatArray) -> Figure:
         "x": labels[0],
         "y": labels[1],
         "z": cells,
+        "text": [["at an end" if open_end else "" for open_end in line] for line in open_ends.T],
+        "texttemplate": "%{text}",
         "colorscale": [list(stop) for stop in SCALE],
         "colorbar": {"thickness": 12, "outlinewidth": 0},
         "hoverongaps": False,

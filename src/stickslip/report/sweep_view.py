@@ -90,8 +90,8 @@ def short_name(key: SweptKey) -> str:
 
 
 def axis_title(key: SweptKey) -> str:
-    """Name of a key and its unit."""
-    return f"{short_name(key).capitalize()}{', ' + key.shown_unit if key.shown_unit else ''}"
+    """Name of a key as in the study file, and its unit."""
+    return f"{key.name}{', ' + key.shown_unit if key.shown_unit else ''}"
 
 
 def is_logarithmic(values: FloatArray) -> bool:

@@ -107,7 +107,7 @@ class SweepRow:
     message:
         how it ended, or why there is no result.
     measures:
-        column of ``MEASURES`` -> number, NaN where not defined; empty for a case without result.
+        column of ``MEASURES`` -> number, without those that are not defined; empty for a case without result.
     warnings:
         sentences of the study and of the solver.
     file:
@@ -208,9 +208,9 @@ def _csv_cell(name: str, cell: Any) -> str:
 
 
 def curve_and_measures(response: ForcedResponse, study: StudyRecord) -> tuple[SweepCurve, dict[str, float]]:
-    """Amplitude curve of a study's response output, and its cells of the table. Raises InputError."""
+    """Amplitude curve of a study's response output, and those of its measures that are defined. Raises InputError."""
     row = study.outputs[study.response_output]
     found = summary(response, row)
     numbers = {name: entry[2](found) for name, entry in _MEASURES.items()}
-    cells = {name: float("nan") if number is None else float(number) for name, number in numbers.items()}
+    cells = {name: float(number) for name, number in numbers.items() if number is not None}
     return SweepCurve(response.frequency_hz, response.amplitude(row)), cells

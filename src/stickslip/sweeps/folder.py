@@ -52,6 +52,9 @@ class SweepFolder:
         _make(target.parent)
         with whole_file(target, "results", ResultsFileError) as part:
             part.write_bytes(content)
+        if outcome.file:
+            for left_over in (FAILED_FILE, TRACEBACK_FILE):
+                target.with_name(left_over).unlink(missing_ok=True)
 
     def store_traceback(self, planned: PlannedCase, error: BaseException) -> Path:
         """Keep the traceback of a fault of the program; returns its file."""
