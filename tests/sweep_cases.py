@@ -21,6 +21,7 @@ QUICK = {
     "excitation.amplitude": "50 N",
     "solver.frequency_start": "440 Hz",
     "solver.frequency_stop": "480 Hz",
+    "solver.largest_step": 0.15,
     "solver.harmonics": 1,
     "solver.samples": 128,
 }
