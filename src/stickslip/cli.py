@@ -159,9 +159,13 @@ def sweep(
         varied = axes.split_options(vary)
         axes.swept_keys(varied)  # a wrong key is told before a folder is made or a cluster is asked
         _require_writable(out)
-        cluster = cluster_executor(scheduler) if scheduler else nullcontext((None, workers))
-        with terminal_progress(quiet) as progress, _about(path), cluster as (executor, count):
-            result = run.sweep(case, varied, executor, out, progress, workers=count, threads=threads)
+        cluster = cluster_executor(scheduler) if scheduler else nullcontext(None)
+        try:
+            with terminal_progress(quiet) as progress, _about(path), cluster as executor:
+                result = run.sweep(case, varied, executor, out, progress, workers=workers, threads=threads)
+        except KeyboardInterrupt:
+            typer.echo("Finished cases are kept; the same command goes on with the others.", err=True)
+            raise
         _close_sweep(result, quiet)
 
 

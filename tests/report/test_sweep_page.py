@@ -57,6 +57,20 @@ def test_many_values_have_a_colour_bar() -> None:
     assert len({trace["line"]["color"] for trace in data[:-1]}) == 15
 
 
+def test_very_many_curves_share_lines_and_none_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(plots, "SEPARATE_CURVES", 10)
+    loads = load_key(tuple(np.linspace(100.0, 800.0, 200).tolist()))
+    view = sweep_view((loads,), [1e-4 * (1.0 + k / 200) for k in range(200)])
+    lines = figures_of(view)["curves"]["data"][:-1]
+    assert 55 <= len(lines) <= 61
+    drawn = [value for line in lines for value in line["y"] if value is not None]
+    assert sorted(drawn) == pytest.approx(
+        sorted(float(1e6 * value) for curve in view.curves for value in curve.amplitude_m), rel=1e-6
+    )
+    assert sum(line["y"].count(None) for line in lines) == 200 - len(lines)
+    assert re.search("centrifugal force 100 N to ", lines[0]["hovertemplate"])
+
+
 def test_peaks_against_a_key_leave_failed_cases_out_and_mark_open_ends() -> None:
     view = sweep_view((LOADS, MODE), [1e-4, 2e-4, None, 3e-4, 4e-4, 5e-4, 6e-4, 7e-4], at_end=(4,))
     data = figures_of(view)["key-0"]["data"]

@@ -7,7 +7,8 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import BrokenExecutor
+import traceback
+from concurrent.futures import BrokenExecutor, Executor
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -18,7 +19,7 @@ import sweep_deaths
 from stickslip.case import load_case
 from stickslip.errors import InputError
 from stickslip.sweeps import schedule
-from stickslip.sweeps.pool import LocalProcesses, usable_processors
+from stickslip.sweeps.pool import LocalProcesses, WorkerDied, usable_processors
 from stickslip.sweeps.schedule import Schedule, StructureGroup
 from sweep_cases import quick_file
 
@@ -49,15 +50,44 @@ def test_a_worker_that_dies_fails_its_own_case_only(tmp_path: Path) -> None:
     try:
         Schedule(
             pool,
-            4,
+            lambda: 4,
             lambda planned, outcome: finished.__setitem__(planned.name, outcome),
             lambda planned, error: broken.__setitem__(planned.name, error),
         ).run([group(["good", "dies", "good", "dies once", "fault", "good"], tmp_path / "died")])
     finally:
         pool.shutdown()
     assert finished == {"0": "good reduced", "2": "good reduced", "3": "dies once reduced", "5": "good reduced"}
-    assert isinstance(broken["1"], BrokenExecutor)
+    assert isinstance(broken["1"], WorkerDied)
     assert isinstance(broken["4"], ZeroDivisionError)
+    assert "in solve" in "".join(traceback.format_exception(broken["4"]))  # where it happened, in the other process
+
+
+@pytest.mark.usefixtures("light_tasks")
+def test_an_executor_that_is_broken_fails_its_cases(tmp_path: Path) -> None:
+    class Broken(Executor):
+        def submit(self, *_: object, **__: object) -> object:
+            raise BrokenExecutor("gone")
+
+    broken: list[str] = []
+    Schedule(Broken(), lambda: 4, lambda *_: None, lambda planned, error: broken.append(f"{planned.name} {error}")).run(
+        [group(["good", "good"], tmp_path)]
+    )
+    assert broken == ["0 gone", "1 gone"]
+
+
+def test_answers_that_cannot_travel_and_processes_that_are_ended(tmp_path: Path) -> None:
+    pool = LocalProcesses(1)
+    with pytest.raises(RuntimeError, match="cannot travel"):
+        pool.submit(sweep_deaths.unpicklable).result()
+    with pytest.raises((AttributeError, TypeError), match="pickle"):
+        pool.submit(lambda: 1).result()
+    first = pool.submit(time.sleep, 60.0)
+    second = pool.submit(time.sleep, 60.0)
+    while not first.running():
+        time.sleep(0.01)
+    pool.shutdown(wait=False, cancel_futures=True)
+    assert isinstance(first.exception(), WorkerDied)
+    assert second.cancelled()
 
 
 def test_a_script_without_main_guard_is_told(tmp_path: Path) -> None:
@@ -130,7 +160,7 @@ def test_an_interrupted_and_a_killed_sweep_go_on_without_solving_again(tmp_path:
         os.killpg(process.pid, signal.SIGINT)
         _, said = process.communicate(timeout=60)
         assert process.returncode == 130, said
-        assert "Interrupted" in said
+        assert "Finished cases are kept; the same command goes on" in said
         assert "Traceback" not in said
         require_end(workers)
     before = len(list(out.glob("cases/*/results.nc")))

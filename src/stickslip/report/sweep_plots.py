@@ -27,6 +27,8 @@ from stickslip.validation import FloatArray
 
 DRAWN_POINTS = 200_000
 LEGEND_ENTRIES = 12
+SEPARATE_CURVES = 300
+SHADES = 60
 LARGEST_MAP_COUNT = 12
 # Cividis without its palest end, which white paper swallows.
 SCALE = ((0.0, "#00224e"), (0.25, "#35456c"), (0.5, "#666970"), (0.75, "#948e77"), (1.0, "#c8b866"))
@@ -39,32 +41,24 @@ def thinned_curves(view: SweepView) -> Thinned:
 
 
 def all_curves(view: SweepView, points: Thinned) -> Figure:
-    """Every amplitude curve; colour tells the first key, dash the second one."""
+    """Every amplitude curve; colour tells the first key, dash the second one.
+
+    Browsers are slow with very many lines, so above SEPARATE_CURVES those of like colour are one line with gaps.
+    """
     first = view.table.keys[0]
-    positions = view.positions
-    few = len(first.values) <= LEGEND_ENTRIES
+    rows = [row for row, curve in enumerate(view.curves) if curve is not None]
+    apart = len(rows) <= SEPARATE_CURVES
     colours = _colours(first)
-    kept = iter(points.kept)
-    traces, told = [], set()
-    for row, curve in enumerate(view.curves):
-        if curve is None:
-            continue
-        index, place = next(kept), int(positions[row, 0])
-        label = view.label(row) + ("" if view.table.rows[row].converged else " (not followed to its end)")
-        traces.append(
-            line_trace(
-                first.labels[place],
-                curve.frequency_hz[index],
-                MICRO * curve.amplitude_m[index],
-                colours[place],
-                DASHES[int(positions[row, 1]) % len(DASHES)] if positions.shape[1] > 1 else "solid",
-                1.6,
-                legendgroup=str(place),
-                showlegend=few and place not in told,
-                hovertemplate=f"{label}<br>%{{x:.2f}} Hz<br>%{{y:.4g}} µm<extra></extra>",
-            )
-        )
-        told.add(place)
+    batches: dict[tuple[str, str], list[_Drawn]] = {}
+    for row, kept in zip(rows, points.kept, strict=True):
+        curve, place = view.curves[row], view.positions[row]
+        assert curve is not None  # rows without a curve were left out above
+        dash = DASHES[int(place[1]) % len(DASHES)] if place.size > 1 else "solid"
+        drawn = _Drawn(row, int(place[0]), curve.frequency_hz[kept], MICRO * curve.amplitude_m[kept])
+        batches.setdefault((colours[place[0]], f"{dash} {row if apart else ''}"), []).append(drawn)
+    traces = [_curve_trace(view, colour, dash.split()[0], batch) for (colour, dash), batch in batches.items()]
+    few = len(first.values) <= LEGEND_ENTRIES
+    _tell_once(traces, few)
     if not few and first.shown:
         traces.append(_colour_bar(first))
     return figure_of(
@@ -76,12 +70,45 @@ def all_curves(view: SweepView, points: Thinned) -> Figure:
     )
 
 
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    """A curve as it is drawn: its row, the place of its first key's value, Hz and µm."""
+
+    row: int
+    place: int
+    x: FloatArray
+    y: FloatArray
+
+
+def _curve_trace(view: SweepView, colour: str, dash: str, batch: Sequence[_Drawn]) -> dict[str, Any]:
+    """One line for curves of one colour and dash, with a gap between them."""
+    key = view.table.keys[0]
+    first, last = batch[0], batch[-1]
+    if len(batch) == 1:
+        label = view.label(first.row) + ("" if view.table.rows[first.row].converged else " (not followed to its end)")
+    else:
+        ends = dict.fromkeys((key.labels[first.place], key.labels[last.place]))
+        label = f"{short_name(key)} {' to '.join(ends)}"
+    x, y = ([each for drawn in batch for each in (*plain_list(getattr(drawn, axis)), None)][:-1] for axis in "xy")
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "name": key.labels[first.place],
+        "legendgroup": str(first.place),
+        "x": x,
+        "y": y,
+        "line": {"color": colour, "dash": dash, "width": 1.6},
+        "hovertemplate": f"{label}<br>%{{x:.2f}} Hz<br>%{{y:.4g}} µm<extra></extra>",
+    }
+
+
 def _colours(key: SweptKey) -> list[str]:
     """A colour for each value: distinct ones for choices and few values, else a scale over the numbers."""
     if key.is_choice or len(key.values) <= len(COLOURS):
         return [COLOURS[place % len(COLOURS)] for place in range(len(key.values))]
     low, high = min(key.shown), max(key.shown)
-    return [_scale_colour((number - low) / (high - low)) for number in key.shown]
+    # whole steps of the scale, so that neighbours among very many values share a colour
+    return [_scale_colour(round(SHADES * (number - low) / (high - low)) / SHADES) for number in key.shown]
 
 
 def _scale_colour(share: float) -> str:

@@ -16,7 +16,7 @@ from stickslip.results.storage import FORMAT_VERSION
 from stickslip.results.sweep_table import SweptKey, Value
 from stickslip.sweeps.axes import UNSWEPT_SECTIONS, study_value
 
-LARGEST_SWEEP = 100_000
+LARGEST_SWEEP = 20_000
 _SHOWN_ERRORS = 10
 _STRUCTURE_SECTIONS = ("geometry", "mesh", "material", "reduction")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -22,7 +22,7 @@ from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable
 from stickslip.sweeps.axes import Vary, swept_keys
 from stickslip.sweeps.folder import SweepFolder
 from stickslip.sweeps.plan import PlannedCase, plan_cases
-from stickslip.sweeps.pool import InProcess, LocalProcesses, usable_processors
+from stickslip.sweeps.pool import InProcess, LocalProcesses, SizedExecutor, WorkerDied, usable_processors
 from stickslip.sweeps.schedule import Schedule, StructureGroup
 from stickslip.sweeps.work import CaseOutcome, CaseTask, worker_version
 
@@ -108,10 +108,13 @@ def sweep(
     groups = run.check_joints(threads)
     if groups:
         count = sum(len(group.cases) for group in groups)
-        with _executor(executor, workers or max(1, usable_processors() // threads), count) as (chosen, at_a_time):
-            if executor is not None and workers is None:
-                at_a_time = TASKS_AT_A_TIME
-            run.solve(groups, chosen, at_a_time)
+        if executor is not None:
+            _require_same_version(executor)
+            run.solve(groups, executor, _room(executor, workers))
+        else:
+            wanted = workers or max(1, usable_processors() // threads)
+            with _local_executor(min(wanted, count)) as local:
+                run.solve(groups, local, _room(local, None))
     table = SweepTable(keys, tuple(run.row(each) for each in planned))
     curves = tuple(run.outcomes[each.key].curve for each in planned)
     forces = np.array([each.case.excitation.amplitude for each in planned])
@@ -121,23 +124,27 @@ def sweep(
 
 
 @contextmanager
-def _executor(given: Executor | None, workers: int, cases: int) -> Iterator[tuple[Executor, int]]:
-    """The executor and how many tasks it holds at a time; ours is ended, at once if something went wrong."""
-    if given is not None:
-        _require_same_version(given)
-        yield given, 2 * workers
+def _local_executor(workers: int) -> Iterator[SizedExecutor]:
+    """This process or some more, which end at once if something goes wrong."""
+    if workers == 1:
+        yield InProcess()
         return
-    if min(workers, cases) == 1:
-        yield InProcess(), 1
-        return
-    pool = LocalProcesses(min(workers, cases))
+    pool = LocalProcesses(workers)
     try:
         pool.require_start(worker_version)
-        yield pool, 2 * pool.workers
+        yield pool
     except BaseException:
         pool.shutdown(wait=False, cancel_futures=True)
         raise
     pool.shutdown()
+
+
+def _room(executor: Executor, workers: int | None) -> Callable[[], int]:
+    """How many tasks may be out: what the executor says, or what the caller's number of workers allows."""
+    if isinstance(executor, SizedExecutor):
+        return lambda: executor.tasks_at_a_time
+    number = TASKS_AT_A_TIME if workers is None else 2 * workers
+    return lambda: number
 
 
 def _require_same_version(executor: Executor) -> None:
@@ -223,7 +230,7 @@ class _Run:
             raise known
         return known
 
-    def solve(self, groups: list[StructureGroup], executor: Executor, at_a_time: int) -> None:
+    def solve(self, groups: list[StructureGroup], executor: Executor, at_a_time: Callable[[], int]) -> None:
         """Solve the cases of the groups; each is kept as soon as it is there."""
         self._to_solve = sum(len(group.cases) for group in groups)
         self._progress.update("Cases", 0.0, f"0 of {self._to_solve}")
@@ -238,8 +245,11 @@ class _Run:
 
     def _break(self, planned: PlannedCase, error: BaseException) -> None:
         """A case that ended with an exception of another kind is not kept as finished, so it is tried again."""
-        if isinstance(error, BrokenExecutor):
-            words = "the worker process died while it solved this case, perhaps because the memory was too small."
+        if isinstance(error, BrokenExecutor | WorkerDied):
+            words = (
+                "the worker process died twice while it solved this case, perhaps because the memory was too small. Try "
+                "fewer workers."
+            )
         elif isinstance(error, MemoryError):
             words = (
                 "the memory of the worker was too small. Take fewer elements, harmonics or samples, or fewer workers."
