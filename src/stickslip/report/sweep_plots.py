@@ -257,7 +257,7 @@ def performance(view: SweepView, by_ratio: bool) -> Figure:
     return figure_of(
         traces,
         400,
-        xaxis=axis_look(words, **_number_axis(x)),
+        xaxis=axis_look(words, **({} if by_ratio else _number_axis(x))),
         yaxis=axis_look(f"Peak amplitude{'' if one_force else ' per force'}, {unit}", rangemode="tozero"),
         hovermode="closest",
     )

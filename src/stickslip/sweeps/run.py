@@ -247,8 +247,8 @@ class _Run:
         """A case that ended with an exception of another kind is not kept as finished, so it is tried again."""
         if isinstance(error, BrokenExecutor | WorkerDied):
             words = (
-                "the worker process died twice while it solved this case, perhaps because the memory was too small. Try "
-                "fewer workers."
+                "the worker process died twice while it solved this case, perhaps because the memory was too small. "
+                "Try fewer workers."
             )
         elif isinstance(error, MemoryError):
             words = (
