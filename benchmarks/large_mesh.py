@@ -38,7 +38,7 @@ def measure(backend: Backend, threads: int = 2) -> dict[str, float | str]:
     begin = time.perf_counter()
     reduced = craig_bampton(
         structure,
-        boundary_nodes(structure, joint),
+        boundary_nodes(structure.mesh, joint.face_pairs),
         case.reduction.modes,
         backend,
         threads,

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +17,16 @@ from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
 from stickslip.structure.superelement import Superelement
 
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+BROWSER_ARGUMENTS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
 EXAMPLE_DATA = Path(__file__).parents[1] / "examples" / "data"
 
 
@@ -49,3 +62,17 @@ def absent_tool(name: str, advice: str) -> None:
     if os.environ.get("STICKSLIP_REQUIRE_TOOLS"):
         pytest.fail(sentence)
     pytest.skip(sentence)
+
+
+@contextmanager
+def opened_browser() -> Iterator[Any]:
+    """A Chromium without network; skips the test where none is installed."""
+    program = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if program is None:
+        absent_tool("chromium", "none of " + ", ".join(BROWSERS) + " is on the path (apt-get install chromium).")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=program, args=BROWSER_ARGUMENTS)
+        yield opened
+        opened.close()

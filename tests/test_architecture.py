@@ -23,6 +23,7 @@ ROWS = (
     ("solve", "report"),
     ("case",),
     ("study",),
+    ("sweeps",),
     ("cli", ""),
 )
 LAYER_OF = {
@@ -32,7 +33,6 @@ LAYER_OF = {
     "case_sections": "case",
     "facts": "study",
     "model": "study",
-    "sweep": "study",
 }
 BASE = ROWS[0]
 

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import glob
 import re
 import runpy
+import shlex
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from stickslip.cli import app
+from sweep_cases import quick_file
 
 ROOT = Path(__file__).parents[1]
 
@@ -57,6 +61,29 @@ def test_readme_commands_exist(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     for name, arguments in commands[2:]:
         shown = runner.invoke(app, [name, "--help"]).output
         assert all(word in shown for word in arguments.split() if word.startswith("--"))
+
+
+def test_guide_to_sweeps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """The commands of docs/sweeps.md run as printed, in one process and on a coarse mesh; so does its script."""
+    guide = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("stickslip.sweeps.run.usable_processors", lambda: 1)
+    runner, block = CliRunner(), re.findall(r"```sh\n(.*?)```", guide, flags=re.DOTALL)[0]
+    for line in block.splitlines():
+        words = [next(iter(sorted(glob.glob(word))), word) for word in shlex.split(line)[1:]]
+        result = runner.invoke(app, ["1" if before == "--workers" else word for before, word in pairwise(["", *words])])
+        assert result.exit_code == 0, result.output
+        if words[0] == "new":
+            quick_file(tmp_path)
+    assert len(list(tmp_path.glob("loads/cases/*/results.nc"))) == 5
+    assert len(list(tmp_path.glob("loads/cases/*/report.html"))) == 1
+    assert len(list(tmp_path.glob("modes/cases/*/results.nc"))) == 6
+    script = re.findall(r"<!-- tested -->\n```python\n(.*?)```", guide, flags=re.DOTALL)[0]
+    exec(compile(script, "sweeps.md", "exec"), {"__name__": "__main__"})
+    assert capsys.readouterr().out.count("0-to-peak") == 4
+    options = runner.invoke(app, ["sweep", "--help"]).output
+    for option in set(re.findall(r"--(?:vary|out|workers|scheduler|threads)", guide)):
+        assert option in options
 
 
 def test_make_targets_of_the_readme_exist() -> None:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from stickslip.structure.mesh import Mesh
     from stickslip.structure.superelement import Superelement
     from stickslip.study import report, run
+    from stickslip.sweeps.run import sweep
 
     __version__: str
 
@@ -44,6 +45,7 @@ _HOME = {
     "load_case": "case",
     "pair_faces": "interface.pairing",
     "run": "study",
+    "sweep": "sweeps.run",
 }
 
 __all__ = [
@@ -65,6 +67,7 @@ __all__ = [
     "pair_faces",
     "report",
     "run",
+    "sweep",
 ]
 
 

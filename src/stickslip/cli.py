@@ -1,4 +1,4 @@
-"""The command line: ``stickslip new | check | run | report``.
+"""The command line: ``stickslip new | check | run | sweep | report``.
 
 Exit codes: 0 done, 1 fault of the program, 2 bad input, 3 not converged (what was computed is kept), 130 interrupted.
 Everything heavy is imported inside the commands, so that ``stickslip --help`` answers at once.
@@ -22,10 +22,12 @@ from stickslip.progress import terminal_progress
 if TYPE_CHECKING:
     from stickslip.case import Case
     from stickslip.study import StudyOutcome
+    from stickslip.sweeps.run import Sweep
 
 EXIT_FAULT = 1
 EXIT_NOT_CONVERGED = 3
 EXIT_INTERRUPTED = 130
+SHOWN_FAILURES = 10
 LOG_NAME = "stickslip-error.log"
 
 app = typer.Typer(
@@ -127,6 +129,55 @@ def run(
 
 
 @app.command()
+def sweep(
+    path: StudyFile,
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            "--vary",
+            metavar="KEY=VALUES",
+            help="A key of the study file and its values: a comma list (100,300 or single,same) or a range "
+            "start:stop:count or start:stop:count:log. Several --vary give every combination.",
+            show_default=False,
+        ),
+    ],
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False)],
+    workers: Annotated[
+        int | None,
+        typer.Option("--workers", min=1, help="Processes; one for each processor unless given.", show_default=False),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option("--scheduler", metavar="ADDRESS", help="Solve on the Dask cluster with this scheduler."),
+    ] = None,
+    threads: Annotated[int, typer.Option("--threads", min=1, help="Threads of each worker.")] = 1,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    debug: Debug = False,
+) -> None:
+    """Solve a study for every combination of some values; goes on where an earlier sweep into DIR ended."""
+    with _sentences(debug, log_folder=out):
+        if scheduler is not None and workers is not None:
+            raise InputError("--workers and --scheduler cannot both be given: the cluster has its own workers.")
+        case = _load(path, quiet)
+        from contextlib import nullcontext
+
+        from stickslip.sweeps import axes, run
+        from stickslip.sweeps.cluster import cluster_executor
+
+        varied = axes.split_options(vary)
+        axes.swept_keys(varied)  # a wrong key is told before a folder is made or a cluster is asked
+        _require_writable(out)
+        cluster = cluster_executor(scheduler) if scheduler else nullcontext(None)
+        try:
+            with terminal_progress(quiet) as progress, _about(path), cluster as executor:
+                result = run.sweep(case, varied, executor, out, progress, workers=workers, threads=threads)
+        except KeyboardInterrupt:
+            typer.echo("Finished cases are kept; the same command goes on with the others.", err=True)
+            raise
+        _close_sweep(result, quiet)
+
+
+@app.command()
 def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder with results.nc.", show_default=False)],
     debug: Debug = False,
@@ -164,6 +215,24 @@ def _close(outcome: StudyOutcome, quiet: bool) -> None:
         for file in outcome.files:
             typer.echo(f"Wrote {file}")
         typer.echo(outcome.message)
+
+
+def _close_sweep(result: Sweep, quiet: bool) -> None:
+    """Name the files and the cases that failed; raises the exit of a sweep with such cases."""
+    failed, count = result.table.failed, len(result.table.rows)
+    for notice in result.notices:
+        typer.echo(notice, err=True)
+    if not quiet:
+        for file in result.files:
+            typer.echo(f"Wrote {file}")
+        typer.echo(f"{count} cases, {result.found} of them finished before; {len(failed)} failed.")
+    for row in failed[:SHOWN_FAILURES]:
+        typer.echo(f"Failed: {row.name}: {row.message}", err=True)
+    if failed:
+        rest = len(failed) - SHOWN_FAILURES
+        more = f" {rest} more failed." if rest > 0 else ""
+        typer.echo(f"{more} The table {result.files[0]} has every case with its message.".lstrip(), err=True)
+        raise typer.Exit(EXIT_NOT_CONVERGED)
 
 
 def _require_writable(folder: Path) -> None:

@@ -79,7 +79,7 @@ def study_warnings(joint: Joint) -> tuple[str, ...]:
 def sizes(case: Case, structure: Structure, joint: Joint) -> tuple[tuple[str, str], ...]:
     """What would run: elements, nodes, unknowns before and after reduction, pairs, and unknowns of the balance."""
     mesh, pairs = structure.mesh, joint.face_pairs
-    boundary = boundary_nodes(structure, joint).size
+    boundary = boundary_nodes(structure.mesh, joint.face_pairs).size
     reduced = 3 * boundary + case.reduction.modes
     columns = 2 * case.solver.harmonics + 1
     return (

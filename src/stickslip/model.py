@@ -28,6 +28,7 @@ from stickslip.structure.cache import cached_superelement
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.elasticity import Material, Structure, assemble
 from stickslip.structure.factor import best_backend
+from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
 
@@ -63,10 +64,9 @@ class Joint:
 
 
 @dataclass(frozen=True)
-class Model:
-    """Everything that is needed to solve one case and to show it."""
+class ReducedModel:
+    """What is needed to solve one case and to describe it; the mesh and its matrices are no longer part of it."""
 
-    structure: Structure
     superelement: Superelement
     joint: Joint
     pairs: ContactPairs
@@ -75,20 +75,41 @@ class Model:
     signal_groups: Mapping[str, tuple[str, ...]]
 
 
-def build_structure(case: Case) -> Structure:
-    """Mesh and matrices of the two blades and the damper. Raises InputError for a geometry that does not fit."""
+@dataclass(frozen=True)
+class Model(ReducedModel):
+    """Everything that is needed to solve one case and to show it."""
+
+    structure: Structure
+
+
+def build_mesh(case: Case) -> Mesh:
+    """Mesh of the two blades and the damper. Raises InputError for a geometry that does not fit."""
     dimensions = case.geometry.model_dump()
     dimensions["platform_angle_deg"] = float(np.degrees(dimensions.pop("platform_angle")))
     counts = case.mesh.model_dump()
     element = counts.pop("element")
     mesh = blade_pair_mesh(BladePairGeometry(**dimensions), BladePairElements(**counts))
+    return mesh.quadratic() if element == "serendipity" else mesh
+
+
+def build_structure(case: Case, mesh: Mesh | None = None) -> Structure:
+    """Matrices on ``mesh``, or on the case's own. Raises InputError for a geometry that does not fit."""
     material = Material(case.material.young_modulus, case.material.poisson_ratio, case.material.density)
-    return assemble(mesh, material, element=element)
+    return assemble(build_mesh(case) if mesh is None else mesh, material, element=case.mesh.element)
+
+
+def find_pairs(mesh: Mesh) -> FacePairs:
+    """Contact pairs of both faces: left face first."""
+    return FacePairs.concatenate([pair_faces(mesh, *names) for names in FACES])
 
 
 def build_joint(case: Case, structure: Structure) -> Joint:
     """Pairs, preload and stiffness. Raises RoughnessError where the roughness gives no usable contact."""
-    face_pairs = FacePairs.concatenate([pair_faces(structure.mesh, *names) for names in FACES])
+    return load_joint(case, find_pairs(structure.mesh))
+
+
+def load_joint(case: Case, face_pairs: FacePairs) -> Joint:
+    """Preload and stiffness of given pairs. Raises RoughnessError where the roughness gives no usable contact."""
     preload = _preload(case, face_pairs)
     if case.contact_stiffness is not None:
         share = area_share(face_pairs.area, face_pairs.face)
@@ -154,22 +175,39 @@ def _roughness(case: Case) -> Roughness:
     )
 
 
-def boundary_nodes(structure: Structure, joint: Joint) -> NDArray[np.int64]:
+def boundary_nodes(mesh: Mesh, face_pairs: FacePairs) -> NDArray[np.int64]:
     """Nodes that keep their displacements in the reduction: contact nodes, N1, N2 and A."""
-    sets = structure.mesh.node_sets
+    sets = mesh.node_sets
     points = np.concatenate([sets[name] for name in ("excitation_left", "excitation_right", "response")])
-    return np.unique(np.concatenate([joint.face_pairs.nodes, points])).astype(np.int64)
+    return np.unique(np.concatenate([face_pairs.nodes, points])).astype(np.int64)
+
+
+def reduce_structure(
+    case: Case,
+    structure: Structure,
+    face_pairs: FacePairs,
+    threads: int = 1,
+    progress: ProgressCallback | None = None,
+) -> Superelement:
+    """The structure in the unknowns of its contact nodes, N1, N2, A and a few modes, from the disk if known."""
+    nodes, n_modes = boundary_nodes(structure.mesh, face_pairs), case.reduction.modes
+    backend = best_backend(structure.stiffness.shape[0])
+    return cached_superelement(
+        structure, nodes, n_modes, lambda: craig_bampton(structure, nodes, n_modes, backend, threads, progress)
+    )
 
 
 def build_model(
     case: Case, structure: Structure, joint: Joint, threads: int = 1, progress: ProgressCallback | None = None
 ) -> Model:
     """Reduce the structure and connect joint, forces and outputs to the reduced unknowns."""
-    nodes, n_modes = boundary_nodes(structure, joint), case.reduction.modes
-    backend = best_backend(structure.stiffness.shape[0])
-    superelement = cached_superelement(
-        structure, nodes, n_modes, lambda: craig_bampton(structure, nodes, n_modes, backend, threads, progress)
-    )
+    superelement = reduce_structure(case, structure, joint.face_pairs, threads, progress)
+    connected = connect(case, superelement, structure.mesh.node_sets, joint)
+    return Model(**vars(connected), structure=structure)
+
+
+def connect(case: Case, superelement: Superelement, node_sets: Mapping[str, IntArray], joint: Joint) -> ReducedModel:
+    """Connect joint, damping, forces and outputs of a case to a reduced structure, which several cases may share."""
     pairs = ContactPairs(
         joint.face_pairs.operator(superelement),
         joint.normal_stiffness,
@@ -182,13 +220,13 @@ def build_model(
             superelement, case.damping.rayleigh_alpha or 0.0, case.damping.rayleigh_beta or 0.0
         )
         superelement = replace(superelement, damping=damping)
-    outputs, groups = _outputs(case, structure, superelement)
-    return Model(structure, superelement, joint, pairs, _force(case, structure, superelement), outputs, groups)
+    outputs, groups = _outputs(case, node_sets, superelement)
+    return ReducedModel(superelement, joint, pairs, _force(case, node_sets, superelement), outputs, groups)
 
 
-def _force(case: Case, structure: Structure, superelement: Superelement) -> FloatArray:
+def _force(case: Case, sets: Mapping[str, IntArray], superelement: Superelement) -> FloatArray:
     """(n,) N at N1 and N2: single (N1 alone), same direction, or opposite."""
-    sets, excitation = structure.mesh.node_sets, case.excitation
+    excitation = case.excitation
     second = {"single": 0.0, "same": 1.0, "opposite": -1.0}[excitation.mode]
     left = superelement.selector(int(sets["excitation_left"][0]), excitation.direction)
     right = superelement.selector(int(sets["excitation_right"][0]), excitation.direction)
@@ -196,10 +234,9 @@ def _force(case: Case, structure: Structure, superelement: Superelement) -> Floa
 
 
 def _outputs(
-    case: Case, structure: Structure, superelement: Superelement
+    case: Case, sets: Mapping[str, IntArray], superelement: Superelement
 ) -> tuple[dict[str, FloatArray], dict[str, tuple[str, ...]]]:
     """Rows that read A along the excitation's direction and both sides of the damper along x, y, z."""
-    sets = structure.mesh.node_sets
     outputs = {"blade tip A": superelement.selector(int(sets["response"][0]), case.excitation.direction)}
     groups = {}
     for side in ("left", "right"):

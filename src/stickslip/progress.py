@@ -88,5 +88,6 @@ def terminal_progress(quiet: bool = False) -> Iterator[Progress]:
         TimeRemainingColumn(),
         TextColumn("{task.fields[detail]}", markup=False),
     )
-    with RichBars(*columns, console=console) as bars:
+    # The cases of a sweep may take minutes each, and the time left is estimated from those of the last day.
+    with RichBars(*columns, console=console, speed_estimate_period=86_400.0) as bars:
         yield BarProgress(bars)

@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip.facts import derived_quantities, natural_frequencies_found, sizes, study_warnings
 from stickslip.interface.surface import draw_phases, fractal_surface, frequency_count
-from stickslip.model import FACE_NAMES, Model, build_joint, build_model, build_structure
+from stickslip.model import FACE_NAMES, Model, ReducedModel, build_joint, build_model, build_structure
 from stickslip.progress import Progress, SilentProgress
 from stickslip.results.measures import peaks, summary, summary_table
 from stickslip.results.record import StudyRecord, run_provenance
@@ -86,7 +86,9 @@ def _run(case: Case, out: Path, progress: Progress, threads: int) -> StudyOutcom
     return StudyOutcome(response, tuple(files), response.converged, _closing_words(response, record))
 
 
-def solve(case: Case, model: Model, progress: Progress | None = None, threads: int | None = None) -> ForcedResponse:
+def solve(
+    case: Case, model: ReducedModel, progress: Progress | None = None, threads: int | None = None
+) -> ForcedResponse:
     """The forced response of a model with the settings of its case; provenance says inputs and versions."""
     settings, told = case.solver, progress or SilentProgress()
     compiling = "preparing; the first run on a machine compiles the friction law, which takes about half a minute"
@@ -114,7 +116,9 @@ def solve(case: Case, model: Model, progress: Progress | None = None, threads: i
     return replace(response, provenance={**response.provenance, **run_provenance()})
 
 
-def study_record(case: Case, model: Model, table: tuple[ReductionRow, ...], response: ForcedResponse) -> StudyRecord:
+def study_record(
+    case: Case, model: ReducedModel, table: tuple[ReductionRow, ...], response: ForcedResponse
+) -> StudyRecord:
     """What the report shows beside the response."""
     pairs = model.joint.face_pairs
     return StudyRecord(

@@ -1,39 +1,21 @@
 """The page in a real browser: no error, no request, every plot drawn, and it answers to the reader."""
 
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from helpers import absent_tool
+from helpers import opened_browser
 from stickslip.report.page import write_page
 from synthetic import synthetic_response, synthetic_study
 
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-ARGUMENTS = [
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
 PLOTS = 2 + 2 + 4 + 2
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator:
-    program = next(filter(None, map(shutil.which, NAMES)), None)
-    if program is None:
-        absent_tool("chromium", "none of " + ", ".join(NAMES) + " is on the path (apt-get install chromium).")
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=program, args=ARGUMENTS)
+    with opened_browser() as opened:
         yield opened
-        opened.close()
 
 
 @pytest.fixture(scope="module")

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
-import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from html import escape
 from importlib.metadata import version
-from importlib.resources import files
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 from stickslip.errors import InputError
 from stickslip.files import whole_file
 from stickslip.report import plots
+from stickslip.report.html_parts import asset, filled, notice, script_json, table_rows, word_class
+from stickslip.report.look import Figure
 from stickslip.report.page_data import page_data
 from stickslip.report.style import number
 from stickslip.report.view import View
@@ -73,34 +71,25 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
         "imbalance": number(view.summary.energy_imbalance, 2),
         "groups": _groups(study),
         "modes": _mode_table(study),
-        "measures": _rows(
+        "measures": table_rows(
             (name, "–" if value == "-" else f"{value} {unit}".replace("-", "−"))
             for name, value, unit in _measures(view)
         ),
         "derived": _derived(study),
         "inputs": escape(study.inputs),
-        "settings": _rows((key, number(value)) for key, value in response.settings.items()),
-        "provenance": _rows(response.provenance.items()),
+        "settings": table_rows((key, number(value)) for key, value in response.settings.items()),
+        "provenance": table_rows(response.provenance.items()),
         "version": version("stickslip"),
-        "data": _script_json(page_data(view)),
-        "figures": _script_json(_figures(view)),
-        "css": _asset("page.css"),
-        "js": _asset("page.js"),
+        "data": script_json(page_data(view)),
+        "figures": script_json(_figures(view)),
+        "css": asset("page.css"),
+        "js": asset("page.js"),
         "plotly": get_plotlyjs(),
     }
-    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match.group(1)], _asset("page.html"))
+    return filled("page.html", parts)
 
 
-def _asset(name: str) -> str:
-    return (files("stickslip.report") / "assets" / name).read_text(encoding="utf-8")
-
-
-def _script_json(value: Any) -> str:
-    # "<" would let a text such as "</script>" end the element; JSON may write it as an escape.
-    return json.dumps(value, separators=(",", ":"), ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
-
-
-def _figures(view: View) -> dict[str, plots.Figure]:
+def _figures(view: View) -> dict[str, Figure]:
     figures = {
         "curve": plots.amplitude_frequency(view),
         "loop": plots.hysteresis_loop(),
@@ -120,7 +109,7 @@ def _notices(view: View) -> str:
     blocks = []
     if not response.converged:
         words = "These are partial results: the figures show the points that were computed."
-        blocks.append(_notice("bad", "The solve did not converge", [response.message, words]))
+        blocks.append(notice("bad", "The solve did not converge", [response.message, words]))
     warnings = [*response.warnings, *view.study.warnings]
     if not view.summary.peak.bracketed:
         warnings.append(
@@ -128,13 +117,8 @@ def _notices(view: View) -> str:
             "frequency range."
         )
     if warnings:
-        blocks.append(_notice("warn", "Warnings" if len(warnings) > 1 else "Warning", warnings))
+        blocks.append(notice("warn", "Warnings" if len(warnings) > 1 else "Warning", warnings))
     return "\n".join(blocks)
-
-
-def _notice(kind: str, heading: str, sentences: Sequence[str]) -> str:
-    body = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences)
-    return f'<div class="notice {kind}" role="alert"><h2>{heading}</h2><ul>{body}</ul></div>'
 
 
 def _tiles(view: View) -> str:
@@ -225,18 +209,14 @@ def _mode_table(study: StudyRecord) -> str:
         cells = [(key == "description", _mode_cell(key, row.get(key))) for key in columns]
         if compared:
             cells.append((False, _deviation(row)))
-        body.append("<tr>" + "".join(f"<td{_word(text)}>{value}</td>" for text, value in cells) + "</tr>")
-    head = "".join(f"<th{_word(heading == 'Mode')}>{heading}</th>" for heading in headings)
+        body.append("<tr>" + "".join(f"<td{word_class(text)}>{value}</td>" for text, value in cells) + "</tr>")
+    head = "".join(f"<th{word_class(heading == 'Mode')}>{heading}</th>" for heading in headings)
     note = f'<p class="note">{_INFERRED}</p>' if compared else ""
     return (
         f"<section><h2>Natural frequencies, contact tied{' (geometry inferred)' if compared else ''}</h2>{note}"
         f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{"".join(body)}</tbody></table></div>'
         "</section>"
     )
-
-
-def _word(is_text: bool) -> str:
-    return ' class="word"' if is_text else ""
 
 
 def _mode_cell(key: str, value: str | float | int | None) -> str:
@@ -270,8 +250,3 @@ def _derived(study: StudyRecord) -> str:
         '<section><h2>Derived quantities</h2><div class="scroll"><table class="plain">'
         f"<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div></section>"
     )
-
-
-def _rows(items: Iterable[tuple[str, str]]) -> str:
-    rows = (f'<tr><th scope="row">{escape(name)}</th><td>{escape(value)}</td></tr>' for name, value in items)
-    return f"<tbody>{''.join(rows)}</tbody>"

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.report.look import FREQUENCY, Figure, axis_look, figure_of, line_trace, plain_list
 from stickslip.report.style import (
     AXIS_NAMES,
     BLUE,
@@ -23,48 +24,7 @@ from stickslip.report.style import (
 )
 from stickslip.report.view import View
 
-Figure = dict[str, Any]
-FREQUENCY = "Excitation frequency, Hz"
 TIME = "Time over period"
-_FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
-
-
-def _axis(title: str, **options: Any) -> dict[str, Any]:
-    look = {
-        "title": {"text": title, "font": {"size": 13}, "standoff": 8},
-        "showline": True,
-        "linecolor": "#9aa5b1",
-        "gridcolor": "#e8ecf0",
-        "zeroline": False,
-        "ticks": "outside",
-        "tickcolor": "#9aa5b1",
-        "automargin": True,
-    }
-    return look | options
-
-
-def _figure(data: list[dict[str, Any]], height: int, **layout: Any) -> Figure:
-    look = {
-        "height": height,
-        "autosize": True,
-        "font": {"family": _FONT, "size": 12, "color": INK},
-        "paper_bgcolor": "rgba(0,0,0,0)",
-        "plot_bgcolor": "#ffffff",
-        "margin": {"l": 56, "r": 16, "t": 12, "b": 44},
-        "legend": {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom", "font": {"size": 12}},
-        "hoverlabel": {"font": {"family": _FONT}},
-        "dragmode": "zoom",
-    }
-    return {"data": data, "layout": look | layout}
-
-
-def _line(name: str, x: Any, y: Any, colour: str, dash: str = "solid", width: float = 2.0, **options: Any) -> Any:
-    line = {"color": colour, "dash": dash, "width": width}
-    return {"type": "scatter", "mode": "lines", "name": name, "x": _list(x), "y": _list(y), "line": line} | options
-
-
-def _list(values: Any) -> list[float]:
-    return [float(f"{value:.7g}") for value in np.asarray(values, dtype=float).ravel()]
 
 
 def amplitude_frequency(view: View) -> Figure:
@@ -74,7 +34,7 @@ def amplitude_frequency(view: View) -> Figure:
     shown = (linear.frequency_hz >= low) & (linear.frequency_hz <= high)
     hover = "%{x:.2f} Hz<br>%{y:.4g} µm"
     frequency = linear.frequency_hz[shown]
-    curve = _line("with friction", response.frequency_hz, view.amplitude_um, INK, width=2.5, hovertemplate=hover)
+    curve = line_trace("with friction", response.frequency_hz, view.amplitude_um, INK, width=2.5, hovertemplate=hover)
     curve |= {"mode": "lines+markers", "marker": {"size": 5, "color": INK}}
     top = 1e6 * peak.amplitude
     words = f"{'peak' if peak.bracketed else 'highest'} {top:.4g} µm<br>at {peak.frequency_hz:.2f} Hz"
@@ -108,17 +68,19 @@ def amplitude_frequency(view: View) -> Figure:
         "ay": -30,
         "align": "right",
     }
-    return _figure(
+    return figure_of(
         [
-            _line("linear, all stuck", frequency, view.stuck_um[shown], BLUE, "dash", hovertemplate=hover),
-            _line("linear, no contact", frequency, view.free_um[shown], ORANGE, "dot", width=2.5, hovertemplate=hover),
+            line_trace("linear, all stuck", frequency, view.stuck_um[shown], BLUE, "dash", hovertemplate=hover),
+            line_trace(
+                "linear, no contact", frequency, view.free_um[shown], ORANGE, "dot", width=2.5, hovertemplate=hover
+            ),
             curve,
             mark,
             cursor,
         ],
         440,
-        xaxis=_axis(FREQUENCY, range=[low, high]),
-        yaxis=_axis("Amplitude, 0-to-peak, µm", rangemode="tozero"),
+        xaxis=axis_look(FREQUENCY, range=[low, high]),
+        yaxis=axis_look("Amplitude, 0-to-peak, µm", rangemode="tozero"),
         annotations=[label],
         hovermode="closest",
     )
@@ -133,8 +95,8 @@ def face_map(view: View, face: int, quantity: str) -> Figure:
     dots: dict[str, Any] = {
         "type": "scatter",
         "mode": "markers",
-        "x": _list(position[:, 0]),
-        "y": _list(position[:, 1]),
+        "x": plain_list(position[:, 0]),
+        "y": plain_list(position[:, 1]),
         "customdata": pairs.tolist(),
         "showlegend": False,
         "hovertemplate": "%{text}<extra></extra>",
@@ -151,7 +113,7 @@ def face_map(view: View, face: int, quantity: str) -> Figure:
         dots["marker"] = {
             "size": 17,
             "symbol": "square",
-            "color": _list(energy[view.point, pairs]),
+            "color": plain_list(energy[view.point, pairs]),
             "colorscale": "Cividis",
             "cmin": 0.0,
             "cmax": max(float(energy[view.point].max()), 1e-30),
@@ -175,11 +137,11 @@ def face_map(view: View, face: int, quantity: str) -> Figure:
     }
     pad = 0.06 * np.ptp(position, axis=0) + 0.4
     ranges = np.stack([position.min(axis=0) - pad, position.max(axis=0) + pad], axis=1).tolist()
-    return _figure(
+    return figure_of(
         [dots, chosen],
         230,
-        xaxis=_axis("Along the length, mm", range=ranges[0], showgrid=False, fixedrange=True),
-        yaxis=_axis("Across, mm", range=ranges[1], showgrid=False, fixedrange=True),
+        xaxis=axis_look("Along the length, mm", range=ranges[0], showgrid=False, fixedrange=True),
+        yaxis=axis_look("Across, mm", range=ranges[1], showgrid=False, fixedrange=True),
         hovermode="closest",
         dragmode=False,
         margin={"l": 48, "r": 12, "t": 6, "b": 42},
@@ -189,14 +151,14 @@ def face_map(view: View, face: int, quantity: str) -> Figure:
 def hysteresis_loop() -> Figure:
     """Tangential force against relative displacement along t1 and t2; filled by page.js."""
     traces = [
-        _line(f"along {axis}", [], [], colour, width=2.5)
+        line_trace(f"along {axis}", [], [], colour, width=2.5)
         for axis, colour in zip(AXIS_NAMES, LINE_COLOURS, strict=False)
     ]
-    return _figure(
+    return figure_of(
         traces[:2],
         480,
-        xaxis=_axis("Relative displacement about the mean, µm"),
-        yaxis=_axis("Friction force, N"),
+        xaxis=axis_look("Relative displacement about the mean, µm"),
+        yaxis=axis_look("Friction force, N"),
         hovermode="closest",
     )
 
@@ -204,25 +166,25 @@ def hysteresis_loop() -> Figure:
 def pair_signals() -> Figure:
     """Forces (above) and displacements with the slider (below) of one pair over a period; filled by page.js."""
     forces = [
-        _line("T1", [], [], LINE_COLOURS[0]),
-        _line("T2", [], [], LINE_COLOURS[1], "dash"),
-        _line("N", [], [], LINE_COLOURS[2], "dot", width=2.5),
-        _line("±µN", [], [], GREY, "solid", width=1.0),
+        line_trace("T1", [], [], LINE_COLOURS[0]),
+        line_trace("T2", [], [], LINE_COLOURS[1], "dash"),
+        line_trace("N", [], [], LINE_COLOURS[2], "dot", width=2.5),
+        line_trace("±µN", [], [], GREY, "solid", width=1.0),
     ]
     motion = [
-        _line(axis, [], [], colour, dash, xaxis="x", yaxis="y2", legend="legend2")
+        line_trace(axis, [], [], colour, dash, xaxis="x", yaxis="y2", legend="legend2")
         for axis, colour, dash in zip(AXIS_NAMES, LINE_COLOURS, LINE_DASHES, strict=True)
     ]
     sliders = [
-        _line(f"slider {axis}", [], [], colour, "dashdot", width=1.4, xaxis="x", yaxis="y2", legend="legend2")
+        line_trace(f"slider {axis}", [], [], colour, "dashdot", width=1.4, xaxis="x", yaxis="y2", legend="legend2")
         for axis, colour in zip(AXIS_NAMES[:2], (PURPLE, ORANGE), strict=True)
     ]
-    return _figure(
+    return figure_of(
         forces + motion + sliders,
         480,
-        xaxis=_axis(TIME, range=[0, 1], anchor="y2"),
-        yaxis=_axis("Force, N", domain=[0.57, 1]),
-        yaxis2=_axis("Displacement, µm", domain=[0, 0.4]),
+        xaxis=axis_look(TIME, range=[0, 1], anchor="y2"),
+        yaxis=axis_look("Force, N", domain=[0.57, 1]),
+        yaxis2=axis_look("Displacement, µm", domain=[0, 0.4]),
         legend2={"orientation": "h", "x": 0, "y": 0.42, "yanchor": "bottom", "font": {"size": 12}},
         hovermode="x unified",
     )
@@ -243,18 +205,20 @@ def energy_curve(view: View) -> Figure:
         "hoverinfo": "skip",
         "showlegend": False,
     }
-    return _figure(
+    return figure_of(
         [
-            _line("friction", response.frequency_hz, friction, INK, width=2.5, hovertemplate=hover),
-            _line(
+            line_trace("friction", response.frequency_hz, friction, INK, width=2.5, hovertemplate=hover),
+            line_trace(
                 "viscous", response.frequency_hz, factor * response.viscous_energy, BLUE, "dash", hovertemplate=hover
             ),
-            _line("input", response.frequency_hz, factor * response.input_energy, ORANGE, "dot", hovertemplate=hover),
+            line_trace(
+                "input", response.frequency_hz, factor * response.input_energy, ORANGE, "dot", hovertemplate=hover
+            ),
             cursor,
         ],
         340,
-        xaxis=_axis(FREQUENCY),
-        yaxis=_axis(f"Energy per cycle, {view.energy_unit}", rangemode="tozero"),
+        xaxis=axis_look(FREQUENCY),
+        yaxis=axis_look(f"Energy per cycle, {view.energy_unit}", rangemode="tozero"),
         hovermode="closest",
     )
 
@@ -269,12 +233,13 @@ def output_signals(names: tuple[str, ...]) -> Figure:
     """Displacements of a group of outputs over one period; filled by page.js."""
     styles = zip(LINE_COLOURS * len(names), LINE_DASHES * len(names), strict=True)
     traces = [
-        _line(label, [], [], colour, dash) for label, (colour, dash) in zip(group_labels(names), styles, strict=False)
+        line_trace(label, [], [], colour, dash)
+        for label, (colour, dash) in zip(group_labels(names), styles, strict=False)
     ]
-    return _figure(
+    return figure_of(
         traces,
         300,
-        xaxis=_axis(TIME, range=[0, 1]),
-        yaxis=_axis("Displacement, µm"),
+        xaxis=axis_look(TIME, range=[0, 1]),
+        yaxis=axis_look("Displacement, µm"),
         hovermode="x unified",
     )

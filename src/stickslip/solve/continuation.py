@@ -196,7 +196,9 @@ class Branch:
                 system = correction.system or self._newton.border(correction.trial, constraint)
                 turned = self._direction_of(correction.trial, system, 1.0)
                 metric = self._measure(correction.trial)
-                angle = metric.angle_deg(turned, tangent)
+                angle = max(
+                    metric.angle_deg(turned, tangent), self._detour_deg(metric, point, correction.trial, tangent)
+                )
                 if angle <= settings.largest_angle_deg or step < 4.0 * settings.smallest_step:
                     return correction, metric.unit(turned), step, self._next_step(step, correction.iterations, angle)
                 reason = f"the branch turned by {angle:.0f} degrees"
@@ -208,6 +210,17 @@ class Branch:
             f"({settings.smallest_step:g} of the window). Try more samples, fewer harmonics, or a lower force."
         )
         return None
+
+    @staticmethod
+    def _detour_deg(metric: Metric, before: Trial, after: Trial, tangent: Tangent) -> float:
+        """Twice the angle from the tangent to the chord of a step: on an arc this is how much the tangent turns.
+
+        It is large where Newton came down on another part of the curve, whose tangent may look alike.
+        """
+        chord = Tangent(
+            after.relative - before.relative, after.amplitude - before.amplitude, after.omega - before.omega
+        )
+        return 2.0 * metric.angle_deg(chord, tangent)
 
     def _next_step(self, step: float, iterations: int, angle_deg: float) -> float:
         settings = self._settings

@@ -1,0 +1,216 @@
+"""The table of a sweep: one row for each case, with its keys, its measures at the peak, and how it ended."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.errors import InputError, ResultsFileError
+from stickslip.files import whole_file
+from stickslip.results.measures import Summary, summary
+from stickslip.results.record import StudyRecord
+from stickslip.results.response import ForcedResponse
+from stickslip.validation import FloatArray
+
+if TYPE_CHECKING:
+    import xarray
+
+Value = float | int | str
+
+# column -> (unit, meaning, how a summary gives it); None of a summary is an empty cell
+_MEASURES: dict[str, tuple[str, str, Callable[[Summary], float | bool | None]]] = {
+    "peak_amplitude_m": ("m", "highest peak, 0-to-peak, mean included", lambda s: s.peak.amplitude),
+    "peak_frequency_hz": ("Hz", "frequency of the highest peak", lambda s: s.peak.frequency_hz),
+    "peak_bracketed": ("1", "1 if the peak lies inside the computed range, 0 at an end", lambda s: s.peak.bracketed),
+    "shift_from_stuck_hz": ("Hz", "peak frequency less that of the linear stuck peak", lambda s: s.shift_from_stuck_hz),
+    "shift_from_free_hz": ("Hz", "peak frequency less that of the linear free peak", lambda s: s.shift_from_free_hz),
+    "reduction_from_stuck": ("1", "1 - peak / linear stuck peak", lambda s: s.reduction_from_stuck),
+    "reduction_from_free": ("1", "1 - peak / linear free peak", lambda s: s.reduction_from_free),
+    "stuck_peak_amplitude_m": ("m", "highest linear peak, all stuck", lambda s: _inside(s, "stuck", "amplitude")),
+    "stuck_peak_frequency_hz": ("Hz", "its frequency", lambda s: _inside(s, "stuck", "frequency_hz")),
+    "free_peak_amplitude_m": ("m", "highest linear peak, no contact", lambda s: _inside(s, "free", "amplitude")),
+    "free_peak_frequency_hz": ("Hz", "its frequency", lambda s: _inside(s, "free", "frequency_hz")),
+    "damping_ratio": ("1", "half-power bandwidth ratio (equivalent damping)", lambda s: s.damping_ratio),
+    "pairs_stuck": ("1", "pairs stuck at the peak", lambda s: s.state_counts[0]),
+    "pairs_stick_slip": ("1", "pairs in stick-slip at the peak", lambda s: s.state_counts[1]),
+    "pairs_separating": ("1", "pairs separating at the peak", lambda s: s.state_counts[2]),
+    "friction_energy_j": ("J", "dissipated by friction per cycle at the peak", lambda s: s.friction_energy),
+    "viscous_energy_j": ("J", "dissipated by viscous damping per cycle at the peak", lambda s: s.viscous_energy),
+    "input_energy_j": ("J", "put in by the excitation per cycle at the peak", lambda s: s.input_energy),
+    "largest_friction_energy_j": ("J", "largest friction energy per cycle on the curve", lambda s: s.peak_energy),
+    "largest_friction_energy_hz": ("Hz", "frequency of that energy", lambda s: s.peak_energy_frequency_hz),
+    "energy_imbalance": ("1", "largest energy imbalance on the curve, of the input", lambda s: s.energy_imbalance),
+}
+MEASURES = tuple(_MEASURES)
+_WHOLE = frozenset({"peak_bracketed", "pairs_stuck", "pairs_stick_slip", "pairs_separating"})
+
+
+def _inside(found: Summary, limit: str, what: str) -> float | None:
+    """Amplitude or frequency of a linear peak, None where it does not lie inside the computed range."""
+    peak = getattr(found, f"{limit}_peak")
+    return getattr(peak, what) if peak.bracketed else None
+
+
+@dataclass(frozen=True)
+class SweptKey:
+    """A key of the study file that a sweep varies.
+
+    name:
+        ``section.key``.
+    unit:
+        unit of ``values``: SI, "" for pure numbers, counts and choices.
+    values:
+        (n,) floats in SI, counts, or choices.
+    shown, shown_unit:
+        (n,) the same numbers in the unit that engineers use, or () for choices.
+    labels:
+        (n,) words for each value, such as "500 N".
+    """
+
+    name: str
+    unit: str
+    values: tuple[Value, ...]
+    shown: tuple[float, ...]
+    shown_unit: str
+    labels: tuple[str, ...]
+
+    @property
+    def is_choice(self) -> bool:
+        """Whether the values are words."""
+        return not self.shown
+
+
+@dataclass(frozen=True, eq=False)
+class SweepCurve:
+    """Amplitude curve of one case: (n_points,) Hz and (n_points,) m, 0-to-peak, in the order of the curve."""
+
+    frequency_hz: FloatArray
+    amplitude_m: FloatArray
+
+
+@dataclass(frozen=True)
+class SweepRow:
+    """One case of a sweep.
+
+    name:
+        short readable name with the hash of the inputs.
+    values:
+        its value of each swept key.
+    converged:
+        whether the whole curve was followed.
+    message:
+        how it ended, or why there is no result.
+    measures:
+        column of ``MEASURES`` -> number, without those that are not defined; empty for a case without result.
+    warnings:
+        sentences of the study and of the solver.
+    file:
+        its results file, relative to the folder of the sweep; "" if there is none.
+    """
+
+    name: str
+    values: tuple[Value, ...]
+    converged: bool
+    message: str
+    measures: Mapping[str, float]
+    warnings: tuple[str, ...] = ()
+    file: str = ""
+
+
+@dataclass(frozen=True)
+class SweepTable:
+    """All cases of a sweep in the order of their values, the last key running fastest."""
+
+    keys: tuple[SweptKey, ...]
+    rows: tuple[SweepRow, ...]
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns: case, one for each key, the measures, converged, message, warnings, file."""
+        return ("case", *(key.name for key in self.keys), *MEASURES, "converged", "message", "warnings", "file")
+
+    @property
+    def failed(self) -> tuple[SweepRow, ...]:
+        """Rows of the cases that have no result, or whose curve was not followed to its end."""
+        return tuple(row for row in self.rows if not row.converged)
+
+    def column(self, name: str) -> list[Any]:
+        """One column as a list; a measure that is not defined is NaN. Raises InputError for an unknown name."""
+        if name not in self.columns:
+            raise InputError(f'the table has no column "{name}". Its columns are {", ".join(self.columns)}.')
+        place = self.columns.index(name)
+        return [cells[place] for cells in self._cells()]
+
+    def to_csv(self, path: str | PathLike[str]) -> None:
+        """Write comma-separated text (UTF-8), numbers in SI with every digit, cells without value empty.
+
+        Written whole or not at all. Raises ResultsFileError if the place cannot be written.
+        """
+        with (
+            whole_file(Path(path), "table", ResultsFileError) as part,
+            part.open("w", encoding="utf-8", newline="") as stream,
+        ):
+            writer = csv.writer(stream)
+            writer.writerow(self.columns)
+            for cells in self._cells():
+                named = zip(self.columns, cells, strict=True)
+                writer.writerow([_csv_cell(name, cell) for name, cell in named])
+
+    def to_dataset(self) -> xarray.Dataset:
+        """The table along the dimension ``case``: every column is a variable with units and long_name."""
+        import xarray
+
+        cells = list(self._cells())
+        about = {key.name: (key.unit or "1", f"{key.name} of the study file") for key in self.keys}
+        about |= {name: (unit, meaning) for name, (unit, meaning, _) in _MEASURES.items()}
+        about |= {
+            "converged": ("1", "1 if the curve was followed to its end"),
+            "message": ("", "how the case ended"),
+            "warnings": ("", "warnings of the study and of the solver"),
+            "file": ("", "results file, relative to the folder of the sweep"),
+            "case": ("", "name of the case"),
+        }
+        data = {}
+        for place, name in enumerate(self.columns):
+            unit, meaning = about[name]
+            values = [row[place] for row in cells]
+            array = np.array(values, dtype=object if isinstance(values[0], str) else None)
+            array = array.astype(np.int8) if array.dtype == bool else array
+            data[name] = (("case",), array, {"units": unit, "long_name": meaning} if unit else {"long_name": meaning})
+        return xarray.Dataset(data, attrs={"title": "Sweep of stickslip, one entry for each case"})
+
+    def to_netcdf(self, path: str | PathLike[str]) -> None:
+        """Write ``to_dataset`` as NetCDF-4, whole or not at all. Raises ResultsFileError."""
+        dataset = self.to_dataset()
+        with whole_file(Path(path), "table", ResultsFileError) as part:
+            dataset.to_netcdf(part, engine="h5netcdf")
+
+    def _cells(self) -> Iterator[tuple[Any, ...]]:
+        for row in self.rows:
+            measures = (row.measures.get(name, float("nan")) for name in MEASURES)
+            yield (row.name, *row.values, *measures, row.converged, row.message, " ".join(row.warnings), row.file)
+
+
+def _csv_cell(name: str, cell: Any) -> str:
+    if isinstance(cell, bool):
+        return "yes" if cell else "no"
+    if isinstance(cell, float):
+        if np.isnan(cell):
+            return ""
+        return str(int(cell)) if name in _WHOLE else repr(cell)
+    return str(cell)
+
+
+def curve_and_measures(response: ForcedResponse, study: StudyRecord) -> tuple[SweepCurve, dict[str, float]]:
+    """Amplitude curve of a study's response output, and those of its measures that are defined. Raises InputError."""
+    row = study.outputs[study.response_output]
+    found = summary(response, row)
+    numbers = {name: entry[2](found) for name, entry in _MEASURES.items()}
+    cells = {name: float(number) for name, number in numbers.items() if number is not None}
+    return SweepCurve(response.frequency_hz, response.amplitude(row)), cells

@@ -1,0 +1,181 @@
+"""What a sweep varies: ``section.key=values`` becomes a ``SweptKey``, or a sentence says why it cannot.
+
+Values are a comma list of single values, written as in a study file, and of ranges ``start:stop:count`` (evenly spaced,
+both ends included) or ``start:stop:count:log`` (a constant factor from one to the next).
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Mapping, Sequence
+from typing import Literal, get_args, get_origin
+
+import numpy as np
+
+from stickslip.case import Case
+from stickslip.errors import InputError
+from stickslip.results.sweep_table import SweptKey, Value
+from stickslip.template import quantity_of, section_type
+from stickslip.units import Count, Quantity
+
+# These change what is written beside the results of a single run, never an answer.
+UNSWEPT_SECTIONS = ("study", "output")
+LARGEST_COUNT = 10_000
+_RANGE = "A range is start:stop:count, evenly spaced with both ends, or start:stop:count:log, for example 50:1000:10."
+Vary = Mapping[str, str | Sequence[Value]]
+
+
+def split_options(options: Sequence[str]) -> dict[str, str]:
+    """Key -> values of texts ``section.key=values``. Raises InputError for another form or a key that comes twice."""
+    varied: dict[str, str] = {}
+    for option in options:
+        key, equals, values = (part.strip() for part in option.partition("="))
+        if not (equals and key and values):
+            raise InputError(
+                f'--vary "{option}" must be section.key=values, for example --vary preload.centrifugal_force=100,300.'
+            )
+        if key in varied:
+            raise InputError(f"--vary {key} is given twice. Give it once, with all its values: {key}={varied[key]},...")
+        varied[key] = values
+    return varied
+
+
+def swept_keys(vary: Vary) -> tuple[SweptKey, ...]:
+    """The keys of a sweep with their values; a text holds lists and ranges, a sequence single values.
+
+    Raises InputError for an unknown key, a key that holds neither numbers nor choices, or values that it cannot take.
+    """
+    if not vary:
+        raise InputError("there is no key to vary. Give at least one, for example preload.centrifugal_force=100,300.")
+    return tuple(_swept_key(name, values) for name, values in vary.items())
+
+
+def _swept_key(name: str, values: str | Sequence[Value]) -> SweptKey:
+    kind = _kind(name)
+    if isinstance(values, str):
+        parsed = [value for item in values.split(",") for value in _item(name, kind, item.strip())]
+    else:
+        parsed = [_single(name, kind, value) for value in values]
+    if not parsed:
+        raise InputError(f"{name} has no values. Give at least one.")
+    for place, value in enumerate(parsed):
+        if value in parsed[:place]:
+            raise InputError(f"{name} has the value {_label(kind, value)} twice. Give each value once.")
+    shown = tuple(_shown(kind, value)[0] for value in parsed if not isinstance(value, str))
+    labels = tuple(_label(kind, value) for value in parsed)
+    unit = kind.si_unit if isinstance(kind, Quantity) else ""
+    return SweptKey(name, unit, tuple(parsed), shown, _shown(kind, parsed[0])[1], labels)
+
+
+def _kind(name: str) -> Quantity | Count | tuple[str, ...]:
+    """What values a key takes: a quantity, a count, or the words of a choice. Raises InputError."""
+    known = Case.known_keys()
+    section, _, key = name.partition(".")
+    if section not in known or key not in known.get(section, ()):
+        everything = [f"{each}.{inner}" for each, keys in known.items() for inner in keys]
+        homes = [full for full in everything if full.split(".")[1] == name.split(".")[-1]]
+        nearest = homes or difflib.get_close_matches(name, everything, n=1)
+        advice = f"Did you mean {nearest[0]}?" if nearest else '"stickslip new FILE" writes a file with every key.'
+        raise InputError(f"{name} is not a key of a study file (section.key). {advice}")
+    if section in UNSWEPT_SECTIONS:
+        raise InputError(f"{name} does not change the answer of a case, so there is nothing to vary. Leave it out.")
+    model = section_type(Case.model_fields[section])
+    quantity = quantity_of(model, key)
+    annotation, metadata = model.model_fields[key].annotation, model.model_fields[key].metadata
+    count = next((entry for entry in metadata if isinstance(entry, Count)), None)
+    if get_origin(annotation) is Literal:
+        return get_args(annotation)
+    if quantity is not None:
+        return quantity
+    if count is not None:
+        return count
+    raise InputError(f"{name} holds a list; a sweep varies keys that hold one number or one choice.")
+
+
+def _item(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> list[Value]:
+    """The values of one item between commas."""
+    if not item:
+        raise InputError(f"{name} has an empty value between commas. Write for example {name}=100,300,500.")
+    if ":" in item:
+        return _range(name, kind, item)
+    return [_single(name, kind, _number_or_text(item))]
+
+
+def _single(name: str, kind: Quantity | Count | tuple[str, ...], value: Value) -> Value:
+    """One value in SI, after checking that the key may take it. Raises InputError."""
+    if isinstance(kind, tuple):
+        if value not in kind:
+            nearest = difflib.get_close_matches(str(value).lower(), kind, n=1)
+            advice = f' Did you mean "{nearest[0]}"?' if nearest else ""
+            raise InputError(f"{name} = {value} is not allowed: it must be one of {', '.join(kind)}.{advice}")
+        return value
+    try:
+        return kind.parse(value.item() if isinstance(value, np.generic) else value)
+    except InputError as error:
+        raise InputError(f"{name} = {value} {error}") from error
+
+
+def _range(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> list[Value]:
+    """The values of ``start:stop:count`` or ``start:stop:count:log``. Raises InputError."""
+    found = f'{name} has the range "{item}"'
+    parts = [part.strip() for part in item.split(":")]
+    if isinstance(kind, tuple):
+        raise InputError(f"{found}, but it holds a choice: {', '.join(kind)}. Give a list of these words.")
+    if len(parts) not in (3, 4) or not all(parts) or (len(parts) == 4 and parts[3] != "log"):
+        raise InputError(f"{found}, which cannot be read. {_RANGE}")
+    start, stop = (float(_single(name, kind, _number_or_text(part))) for part in parts[:2])
+    if not parts[2].isdecimal() or not 2 <= int(parts[2]) <= LARGEST_COUNT:
+        raise InputError(f"{found}, whose count is {parts[2]}: it must be a whole number from 2 to 10000. {_RANGE}")
+    if not stop > start:
+        raise InputError(
+            f"{found}, whose stop is not above its start. The third number is the count, no step. {_RANGE}"
+        )
+    count, logarithmic = int(parts[2]), len(parts) == 4
+    if logarithmic and not start > 0:
+        raise InputError(f"{found}, but a logarithmic range must start above zero. Start it above zero, or drop :log.")
+    spaced = np.geomspace(start, stop, count) if logarithmic else np.linspace(start, stop, count)
+    # 15 digits, so that 0.1:0.3:3 holds 0.2 and not 0.19999999999999998; the ends stay as they were given
+    values = [start, *(float(f"{value:.15g}") for value in spaced[1:-1]), stop]
+    if isinstance(kind, Quantity):
+        return [*values]
+    broken = next((value for value in values if not value.is_integer()), None)
+    if broken is not None:
+        raise InputError(
+            f"{found}, which holds {broken:g}, but this key takes whole numbers. Choose a count that divides "
+            f"{stop - start:g} evenly, or list the numbers: {name}=1,3,5."
+        )
+    return [int(value) for value in values]
+
+
+def _number_or_text(item: str) -> Value:
+    """A number as TOML would read it, or the text itself."""
+    for kind in (int, float):
+        try:
+            return kind(item)
+        except ValueError:
+            continue
+    return item
+
+
+def _shown(kind: Quantity | Count | tuple[str, ...], value: Value) -> tuple[float, str]:
+    """A value in the unit that study files show, and this unit; NaN for a choice."""
+    if isinstance(value, str):
+        return math.nan, ""
+    if not isinstance(kind, Quantity):
+        return float(value), ""
+    number, _, unit = kind.text(float(value)).strip('"').partition(" ")
+    return float(number), unit
+
+
+def _label(kind: Quantity | Count | tuple[str, ...], value: Value) -> str:
+    if isinstance(value, str):
+        return value
+    number, unit = _shown(kind, value)
+    return f"{number:.6g} {unit}".rstrip()
+
+
+def study_value(key: SweptKey, place: int) -> Value:
+    """Value ``place`` of a key as a study file takes it: with its SI unit, every digit kept."""
+    value = key.values[place]
+    return f"{value!r} {key.unit}" if key.unit else value

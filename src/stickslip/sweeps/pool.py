@@ -1,0 +1,212 @@
+"""Executors of a sweep: this process, or processes on this machine that neither outlive it nor ruin each other.
+
+The pool of the standard library gives up all tasks when one process dies, and may then wait for ever
+(Python 3.11). Here every process has a pipe and a thread of its own, so that a death is the matter of one task.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+import traceback
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import SpawnProcess
+from queue import Empty, SimpleQueue
+from typing import Any, ParamSpec, TypeVar
+
+from stickslip.errors import InputError
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+def usable_processors() -> int:
+    """Processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+class SizedExecutor(Executor):
+    """An executor that knows how many tasks it should hold, so that all its workers are busy and few tasks wait."""
+
+    @property
+    def tasks_at_a_time(self) -> int:
+        """How many tasks may be out now."""
+        raise NotImplementedError
+
+
+class InProcess(SizedExecutor):
+    """Runs every task at once, in this process and thread."""
+
+    @property
+    def tasks_at_a_time(self) -> int:
+        """One."""
+        return 1
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        """Run the task; the future that is returned is done."""
+        future: Future[T] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+class WorkerDied(RuntimeError):
+    """A worker process ended before it answered: it was killed, crashed, or could not start."""
+
+
+class LocalProcesses(SizedExecutor):
+    """Processes on this machine, started afresh (spawn); one that dies fails its task only and is replaced.
+
+    They ignore the interrupt key, which is the parent's to answer, and end by themselves if the parent is killed.
+    """
+
+    def __init__(self, workers: int) -> None:
+        self._tasks: SimpleQueue[_Task | None] = SimpleQueue()
+        self._workers = [_Worker(self._tasks) for _ in range(workers)]
+
+    @property
+    def tasks_at_a_time(self) -> int:
+        """One for each process, and one that waits for it."""
+        return 2 * len(self._workers)
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        """Hand a task to the processes; its future raises WorkerDied if its process dies."""
+        future: Future[T] = Future()
+        self._tasks.put((future, (fn, args, kwargs)))
+        return future
+
+    def require_start(self, probe: Callable[[], Any]) -> None:
+        """Raise InputError unless a worker process can be started and run ``probe``."""
+        try:
+            self.submit(probe).result()
+        except WorkerDied as error:
+            raise InputError(
+                "worker processes cannot be started. In a script the call of stickslip.sweep must stand below "
+                'if __name__ == "__main__": because every worker process reads the script first; or give workers=1.'
+            ) from error
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """End the processes; without ``wait`` also those that are at work."""
+        while cancel_futures:
+            try:
+                task = self._tasks.get_nowait()
+            except Empty:
+                break
+            if task is not None:
+                task[0].cancel()
+        for _ in self._workers:
+            self._tasks.put(None)
+        for worker in self._workers:
+            worker.end(at_once=not wait)
+
+
+_Task = tuple[Future[Any], tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any]]]
+
+
+class _Worker:
+    """A process with the thread that hands it one task after the other."""
+
+    def __init__(self, tasks: SimpleQueue[_Task | None]) -> None:
+        self._tasks = tasks
+        self._process: SpawnProcess | None = None
+        self._pipe: Connection | None = None
+        self._ended = False
+        self._lock = threading.Lock()  # no process may start once the end has begun
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread.start()
+
+    def end(self, at_once: bool) -> None:
+        """End thread and process, after the task at hand or at once."""
+        if at_once:
+            with self._lock:
+                self._ended = True
+                if self._process is not None:
+                    self._process.terminate()
+        self._thread.join()
+
+    def _serve(self) -> None:
+        while (task := self._tasks.get()) is not None:
+            future, call = task
+            if not future.set_running_or_notify_cancel():
+                continue
+            try:
+                worked, answer = self._answer(call)
+            except Exception as error:  # also what cannot be pickled
+                future.set_exception(error)
+                continue
+            if worked:
+                future.set_result(answer)
+            else:
+                future.set_exception(answer)
+        self._close()
+
+    def _answer(self, call: Any) -> tuple[bool, Any]:
+        """(True, result) or (False, exception) of a call in the process. Raises WorkerDied."""
+        try:
+            pipe = self._started()
+            pipe.send(call)
+            answer: tuple[bool, Any] = pipe.recv()
+        except (EOFError, OSError) as error:
+            self._close()
+            raise WorkerDied("the worker process ended before it answered") from error
+        return answer
+
+    def _started(self) -> Connection:
+        """The pipe to the process, which is started for the first task and after a death."""
+        with self._lock:
+            if self._ended:
+                raise WorkerDied("the worker processes were ended")
+            if self._pipe is None:
+                context = multiprocessing.get_context("spawn")
+                self._pipe, theirs = context.Pipe()
+                self._process = context.Process(target=_work, args=(theirs,), daemon=True)
+                self._process.start()
+                theirs.close()  # else the pipe would stay open when the process dies
+            return self._pipe
+
+    def _close(self) -> None:
+        with self._lock:
+            if self._pipe is not None:
+                self._pipe.close()
+            if self._process is not None:
+                self._process.join()
+            self._pipe = self._process = None
+
+
+def _work(pipe: Connection) -> None:
+    """Life of a worker process: answer calls until the pipe is closed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    while True:
+        try:
+            call, args, kwargs = pipe.recv()
+        except EOFError:
+            return
+        except Exception as error:  # a call that this process cannot read
+            pipe.send((False, RuntimeError(f"the worker process cannot read a task: {error!r}")))
+            continue
+        try:
+            answer = True, call(*args, **kwargs)
+        except Exception as error:
+            error.add_note("In the worker process:\n" + traceback.format_exc())
+            answer = False, error
+        try:
+            pipe.send(answer)
+        except Exception as error:  # an answer that cannot be pickled; nothing of it was sent
+            pipe.send((False, RuntimeError(f"the answer of a task cannot travel ({error}): {answer[1]!r}")))
+
+
+def _end_with_parent() -> None:
+    """End at once when the parent is killed, also in the midst of a case."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        os._exit(1)

@@ -1,0 +1,291 @@
+"""A sweep from its keys to its table: plan, what is finished already, checks, the cases, table and page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import BrokenExecutor, Executor
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from stickslip.case import Case
+from stickslip.errors import InputError, StickslipError
+from stickslip.model import build_mesh, find_pairs, load_joint
+from stickslip.progress import Progress, SilentProgress
+from stickslip.report.sweep_page import write_sweep_page
+from stickslip.report.sweep_view import SweepView
+from stickslip.results.record import run_provenance
+from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable
+from stickslip.sweeps.axes import Vary, swept_keys
+from stickslip.sweeps.folder import SweepFolder
+from stickslip.sweeps.plan import PlannedCase, plan_cases
+from stickslip.sweeps.pool import InProcess, LocalProcesses, SizedExecutor, WorkerDied, usable_processors
+from stickslip.sweeps.schedule import Schedule, StructureGroup
+from stickslip.sweeps.work import CaseOutcome, CaseTask, worker_version
+
+TABLE_FILE = "sweep.csv"
+DATASET_FILE = "sweep.nc"
+PAGE_FILE = "sweep.html"
+# Tasks that an executor of the caller holds at a time if the caller does not say how many workers it has.
+TASKS_AT_A_TIME = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """What a sweep gave.
+
+    table:
+        one row for each case; ``table.to_csv(path)``, ``table.to_dataset()``, ``table.column(name)``.
+    curves:
+        amplitude curve of each row, None for a case without result.
+    case_files:
+        results file of each row, None for a case without one.
+    files:
+        table as CSV and NetCDF, and the page.
+    found:
+        number of cases that an earlier sweep had finished.
+    notices:
+        sentences about files that could not be used.
+    """
+
+    table: SweepTable
+    curves: tuple[SweepCurve | None, ...]
+    case_files: tuple[Path | None, ...]
+    files: tuple[Path, ...]
+    found: int
+    notices: tuple[str, ...]
+
+
+def sweep(
+    case: Case,
+    vary: Vary,
+    executor: Executor | None = None,
+    out: str | PathLike[str] | None = None,
+    progress: Progress | None = None,
+    *,
+    workers: int | None = None,
+    threads: int = 1,
+) -> Sweep:
+    """Solve a case for every combination of the values of some of its keys.
+
+    Parameters
+    ----------
+    case:
+        the case that all others are made from.
+    vary:
+        "section.key" -> values as in a study file (300, "300 N", "single"), or one text with a comma list and ranges
+        "start:stop:count" or "start:stop:count:log". The last key runs fastest.
+    executor:
+        any ``concurrent.futures.Executor``, for example that of a Dask cluster; by default processes of this machine.
+    out:
+        folder for results files, tables and page. A sweep into a folder that holds finished cases of the same inputs
+        and version does not solve these again. Without a folder nothing is written.
+    workers:
+        local processes, by default one for each usable processor; 1 solves in this process. With ``executor`` the
+        number of its workers: twice as many tasks are handed to it at a time (by default 64 tasks).
+    threads:
+        threads of each worker.
+
+    Raises
+    ------
+    InputError
+        for keys, values or cases that are not valid, before anything is solved. ResultsFileError where files cannot be
+        written. A case that fails raises nothing: its row has the message.
+    """
+    for name, number in (("workers", workers), ("threads", threads)):
+        if number is not None and number < 1:
+            raise InputError(f"{name} is {number}, but it must be a whole number of at least 1.")
+    keys = swept_keys(vary)
+    planned = plan_cases(case, keys)
+    folder = None if out is None else SweepFolder(Path(out))
+    if folder is not None:
+        folder.make()
+    run = _Run(planned, folder, progress or SilentProgress())
+    run.find_finished()
+    groups = run.check_joints(threads)
+    if groups:
+        count = sum(len(group.cases) for group in groups)
+        if executor is not None:
+            _require_same_version(executor)
+            run.solve(groups, executor, _room(executor, workers))
+        else:
+            wanted = workers or max(1, usable_processors() // threads)
+            with _local_executor(min(wanted, count)) as local:
+                run.solve(groups, local, _room(local, None))
+    table = SweepTable(keys, tuple(run.row(each) for each in planned))
+    curves = tuple(run.outcomes[each.key].curve for each in planned)
+    forces = np.array([each.case.excitation.amplitude for each in planned])
+    files = () if run.folder is None else _written(run.folder, case, SweepView(table, curves, forces))
+    case_files = tuple(run.folder.path / row.file if run.folder and row.file else None for row in table.rows)
+    return Sweep(table, curves, case_files, files, run.found, tuple(run.notices))
+
+
+@contextmanager
+def _local_executor(workers: int) -> Iterator[SizedExecutor]:
+    """This process or some more, which end at once if something goes wrong."""
+    if workers == 1:
+        yield InProcess()
+        return
+    pool = LocalProcesses(workers)
+    try:
+        pool.require_start(worker_version)
+        yield pool
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        raise
+    pool.shutdown()
+
+
+def _room(executor: Executor, workers: int | None) -> Callable[[], int]:
+    """How many tasks may be out: what the executor says, or what the caller's number of workers allows."""
+    if isinstance(executor, SizedExecutor):
+        return lambda: executor.tasks_at_a_time
+    number = TASKS_AT_A_TIME if workers is None else 2 * workers
+    return lambda: number
+
+
+def _require_same_version(executor: Executor) -> None:
+    """Raise InputError unless the executor runs tasks with the same version of stickslip."""
+    try:
+        found = executor.submit(worker_version).result()
+    except (ImportError, BrokenExecutor) as error:
+        raise InputError(
+            f"the workers of the executor cannot run stickslip ({type(error).__name__}: {error}). Install it where "
+            'they run; in a script the call must stand below if __name__ == "__main__":.'
+        ) from error
+    if found != worker_version():
+        raise InputError(
+            f"the workers run stickslip {found}, but this is {worker_version()}. Install the same version where they "
+            "run."
+        )
+
+
+class _Run:
+    """The cases of one sweep and what became of them so far."""
+
+    def __init__(self, planned: tuple[PlannedCase, ...], folder: SweepFolder | None, progress: Progress) -> None:
+        self.planned, self.folder, self._progress = planned, folder, progress
+        self.outcomes: dict[str, CaseOutcome] = {}
+        self.notices: list[str] = []
+        self.found = 0
+        self._filed: set[str] = set()
+        self._to_solve = self._solved = self._failed = 0
+
+    def find_finished(self) -> None:
+        """Take over what an earlier sweep finished in the folder."""
+        if self.folder is None:
+            return
+        for number, planned in enumerate(self.planned):
+            self._progress.update("Finished cases", number / len(self.planned), planned.name)
+            outcome, notice = self.folder.finished(planned)
+            if notice:
+                self.notices.append(notice)
+            if outcome is not None:
+                self.outcomes[planned.key] = outcome
+                if outcome.curve is not None:
+                    self._filed.add(planned.key)
+        self.found = len(self.outcomes)
+        self._progress.update("Finished cases", 1.0, f"{self.found} of {len(self.planned)}")
+
+    def check_joints(self, threads: int) -> list[StructureGroup]:
+        """Mesh, pairs and joint of every case that is left; a case whose joint is not usable gets its message.
+
+        Raises InputError where no case at all could be solved.
+        """
+        left = [planned for planned in self.planned if planned.key not in self.outcomes]
+        groups: dict[str, StructureGroup | StickslipError] = {}
+        first_error: StickslipError | None = None
+        for number, planned in enumerate(left):
+            self._progress.update("Checks", number / len(left), planned.name)
+            try:
+                group = self._group(groups, planned)
+                joint = load_joint(planned.case, group.face_pairs)
+            except StickslipError as error:
+                first_error = first_error or error
+                self.outcomes[planned.key] = CaseOutcome(converged=False, message=str(error), measures={})
+                continue
+            task = CaseTask(planned.case, planned.key, joint, threads, wants_file=self.folder is not None)
+            group.cases.append((planned, task))
+        if first_error is not None and len(self.planned) == len(self.outcomes) and not self.found:
+            raise type(first_error)(f"none of the {len(left)} cases can be solved. The first: {first_error}")
+        if left:
+            self._progress.update("Checks", 1.0, f"{len(left)} cases")
+        return [group for group in groups.values() if isinstance(group, StructureGroup) and group.cases]
+
+    @staticmethod
+    def _group(groups: dict[str, StructureGroup | StickslipError], planned: PlannedCase) -> StructureGroup:
+        """The group of a case; its mesh and pairs are made once. Raises InputError for a geometry that does not fit."""
+        known = groups.get(planned.structure)
+        if known is None:
+            try:
+                mesh = build_mesh(planned.case)
+                known = StructureGroup(mesh, find_pairs(mesh))
+            except StickslipError as error:
+                known = error
+            groups[planned.structure] = known
+        if isinstance(known, StickslipError):
+            raise known
+        return known
+
+    def solve(self, groups: list[StructureGroup], executor: Executor, at_a_time: Callable[[], int]) -> None:
+        """Solve the cases of the groups; each is kept as soon as it is there."""
+        self._to_solve = sum(len(group.cases) for group in groups)
+        self._progress.update("Cases", 0.0, f"0 of {self._to_solve}")
+        Schedule(executor, at_a_time, self._finish, self._break).run(groups)
+
+    def _finish(self, planned: PlannedCase, outcome: CaseOutcome) -> None:
+        if self.folder is not None:
+            self.folder.store(planned, outcome)
+            if outcome.file:
+                self._filed.add(planned.key)
+        self._note(planned, outcome)
+
+    def _break(self, planned: PlannedCase, error: BaseException) -> None:
+        """A case that ended with an exception of another kind is not kept as finished, so it is tried again."""
+        if isinstance(error, BrokenExecutor | WorkerDied):
+            words = (
+                "the worker process died twice while it solved this case, perhaps because the memory was too small. "
+                "Try fewer workers."
+            )
+        elif isinstance(error, MemoryError):
+            words = (
+                "the memory of the worker was too small. Take fewer elements, harmonics or samples, or fewer workers."
+            )
+        else:
+            words = f"fault of stickslip or of the executor ({type(error).__name__}: {error})."
+            if self.folder is not None:
+                words += f" The traceback is in {self.folder.store_traceback(planned, error)}"
+        self._note(planned, CaseOutcome(converged=False, message=words, measures={}))
+
+    def _note(self, planned: PlannedCase, outcome: CaseOutcome) -> None:
+        self.outcomes[planned.key] = replace(outcome, file=b"")  # on the disk by now, and too large to collect
+        self._solved += 1
+        self._failed += not outcome.converged
+        failed = f", {self._failed} failed" if self._failed else ""
+        self._progress.update("Cases", self._solved / self._to_solve, f"{self._solved} of {self._to_solve}{failed}")
+
+    def row(self, planned: PlannedCase) -> SweepRow:
+        """The row of a case that has an outcome."""
+        outcome = self.outcomes[planned.key]
+        file = self.folder.relative(planned) if self.folder is not None and planned.key in self._filed else ""
+        return SweepRow(
+            planned.name,
+            planned.values,
+            outcome.converged,
+            outcome.message,
+            outcome.measures,
+            outcome.warnings,
+            file,
+        )
+
+
+def _written(folder: SweepFolder, case: Case, view: SweepView) -> tuple[Path, ...]:
+    """Tables and page."""
+    files = tuple(folder.path / name for name in (TABLE_FILE, DATASET_FILE, PAGE_FILE))
+    view.table.to_csv(files[0])
+    view.table.to_netcdf(files[1])
+    write_sweep_page(files[2], view, case.study.title, case.to_text(), run_provenance())
+    return files

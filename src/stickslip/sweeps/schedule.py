@@ -1,0 +1,115 @@
+"""Which task goes to the executor next: reductions once for each structure, cases as their structure is ready."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
+from dataclasses import dataclass, field
+from typing import Any
+
+from stickslip.errors import StickslipError
+from stickslip.interface.pairing import FacePairs
+from stickslip.structure.mesh import Mesh
+from stickslip.sweeps.plan import PlannedCase
+from stickslip.sweeps.pool import WorkerDied
+from stickslip.sweeps.work import CaseOutcome, CaseTask, ReducedStructure, reduce_task, solve_task
+
+
+@dataclass(frozen=True, eq=False)
+class StructureGroup:
+    """Cases that share a structure, with the mesh and the pairs that the check of their joints needed already."""
+
+    mesh: Mesh
+    face_pairs: FacePairs
+    cases: list[tuple[PlannedCase, CaseTask]] = field(default_factory=list)
+
+
+@dataclass(eq=False)
+class _Job:
+    """A reduction of a group, or the solution of one of its cases; how often its worker died."""
+
+    group: StructureGroup
+    planned: PlannedCase | None = None
+    task: CaseTask | None = None
+    reduced: ReducedStructure | None = None
+    deaths: int = 0
+
+    @property
+    def cases(self) -> list[PlannedCase]:
+        return [self.planned] if self.planned else [planned for planned, _ in self.group.cases]
+
+
+class Schedule:
+    """Carries groups of cases through an executor, with at most ``at_a_time()`` tasks out.
+
+    ``finished(planned, outcome)`` hears of every case that stickslip answered, ``broke(planned, error)`` of every case
+    that ended with another exception. A task whose worker process dies is tried once more.
+    """
+
+    def __init__(
+        self,
+        executor: Executor,
+        at_a_time: Callable[[], int],
+        finished: Callable[[PlannedCase, CaseOutcome], None],
+        broke: Callable[[PlannedCase, BaseException], None],
+    ) -> None:
+        self._executor, self._at_a_time = executor, at_a_time
+        self._finished, self._broke = finished, broke
+        self._reductions: deque[_Job] = deque()
+        self._solutions: deque[_Job] = deque()
+        self._out: dict[Future[Any], _Job] = {}
+
+    def run(self, groups: list[StructureGroup]) -> None:
+        """Carry every case to its end; on an exception (an interrupt, a full disk) what is out is cancelled."""
+        self._reductions.extend(_Job(group) for group in groups)
+        try:
+            while self._out or self._solutions or self._reductions:
+                self._fill()
+                done, _ = wait(self._out, return_when=FIRST_COMPLETED)
+                for future in done:
+                    self._take(self._out.pop(future), future)
+        except BaseException:
+            for future in self._out:
+                future.cancel()
+            raise
+
+    def _fill(self) -> None:
+        """Hand out tasks as long as there is room; solutions first, so that few structures are held at once."""
+        while (self._solutions or self._reductions) and len(self._out) < self._at_a_time():
+            job = (self._solutions or self._reductions).popleft()
+            try:
+                self._out[self._submit(job)] = job
+            except BrokenExecutor as error:
+                self._fail(job, error)
+
+    def _submit(self, job: _Job) -> Future[Any]:
+        if job.planned is None or job.task is None or job.reduced is None:
+            planned, task = job.group.cases[0]
+            group = job.group
+            return self._executor.submit(reduce_task, planned.case, group.mesh, group.face_pairs, task.threads)
+        return self._executor.submit(solve_task, job.task, job.reduced)
+
+    def _take(self, job: _Job, future: Future[Any]) -> None:
+        try:
+            result = future.result()
+        except WorkerDied as error:
+            job.deaths += 1
+            if job.deaths > 1:
+                self._fail(job, error)
+            else:
+                (self._solutions if job.planned else self._reductions).append(job)
+        except StickslipError as error:
+            for planned in job.cases:
+                self._finished(planned, CaseOutcome(converged=False, message=str(error), measures={}))
+        except (Exception, CancelledError) as error:
+            self._fail(job, error)
+        else:
+            if job.planned is None:
+                self._solutions.extend(_Job(job.group, planned, task, result) for planned, task in job.group.cases)
+            else:
+                self._finished(job.planned, result)
+
+    def _fail(self, job: _Job, error: BaseException) -> None:
+        for planned in job.cases:
+            self._broke(planned, error)

@@ -1,0 +1,101 @@
+"""What a worker does, as plain functions of plain data: any executor can carry them, on this machine or another.
+
+Cases that share a structure share its reduction (``ReducedStructure``): one task makes it, the tasks of the cases
+receive it without the large recovery matrix. A worker writes no file; it returns the bytes of the results file.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
+
+from threadpoolctl import threadpool_limits
+
+from stickslip.case import Case
+from stickslip.errors import StickslipError
+from stickslip.interface.pairing import FacePairs
+from stickslip.model import Joint, build_structure, connect, reduce_structure
+from stickslip.results.storage import save_results
+from stickslip.results.sweep_table import SweepCurve, curve_and_measures
+from stickslip.structure.craig_bampton import ReductionRow, reduction_table
+from stickslip.structure.mesh import IntArray, Mesh
+from stickslip.structure.superelement import Superelement
+from stickslip.study import MODE_COUNT, solve, study_record
+
+# Entry of a results file's provenance that says which inputs and version it answers.
+CASE_KEY = "sweep_case"
+
+
+@dataclass(frozen=True)
+class ReducedStructure:
+    """A structure after reduction, as all cases with the same geometry, mesh, material and mode count share it."""
+
+    superelement: Superelement
+    node_sets: Mapping[str, IntArray]
+    mode_table: tuple[ReductionRow, ...]
+
+
+@dataclass(frozen=True)
+class CaseTask:
+    """One case to solve: ``key`` is stored with its results; ``wants_file`` asks for the bytes of a results file."""
+
+    case: Case
+    key: str
+    joint: Joint
+    threads: int
+    wants_file: bool
+
+
+@dataclass(frozen=True, eq=False)
+class CaseOutcome:
+    """What a case gave. ``curve`` is None and ``measures`` empty where there is no result but its ``message``."""
+
+    converged: bool
+    message: str
+    measures: Mapping[str, float]
+    curve: SweepCurve | None = None
+    warnings: tuple[str, ...] = ()
+    file: bytes = b""
+
+
+def worker_version() -> str:
+    """The version of stickslip where the tasks run; also the sign that a worker runs at all."""
+    return version("stickslip")
+
+
+def reduce_task(case: Case, mesh: Mesh, face_pairs: FacePairs, threads: int) -> ReducedStructure:
+    """Assemble and reduce the structure of a case. Raises InputError."""
+    # Workers share a machine: more threads than they were given would hinder each other.
+    with threadpool_limits(limits=threads):
+        structure = build_structure(case, mesh)
+        superelement = reduce_structure(case, structure, face_pairs)
+        table = reduction_table(structure, superelement, face_pairs, count=MODE_COUNT)
+    return ReducedStructure(replace(superelement, recovery=None), structure.mesh.node_sets, table)
+
+
+def solve_task(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
+    """Solve one case; what stickslip itself refuses or does not reach becomes the message of an outcome."""
+    try:
+        with threadpool_limits(limits=task.threads):
+            return _solved(task, reduced)
+    except StickslipError as error:
+        return CaseOutcome(converged=False, message=str(error), measures={})
+
+
+def _solved(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
+    model = connect(task.case, reduced.superelement, reduced.node_sets, task.joint)
+    response = solve(task.case, model, threads=task.threads)
+    response = replace(response, provenance={**response.provenance, CASE_KEY: task.key})
+    record = study_record(task.case, model, reduced.mode_table, response)
+    curve, measures = curve_and_measures(response, record)
+    content = b""
+    if task.wants_file:
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "results.nc"
+            save_results(file, response, record)
+            content = file.read_bytes()
+    warnings = (*record.warnings, *response.warnings)
+    return CaseOutcome(response.converged, response.message, measures, curve, warnings, content)

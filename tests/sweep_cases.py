@@ -1,0 +1,39 @@
+"""A coarse two-blade case whose every curve takes about half a second, for the tests of sweeps."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from stickslip.case import Case
+
+QUICK = {
+    "mesh.shank_columns": 1,
+    "mesh.shank_rows": 4,
+    "mesh.platform_rows": 2,
+    "mesh.airfoil_rows": 6,
+    "mesh.inner_columns": 1,
+    "mesh.contact_columns": 2,
+    "mesh.chordwise": 4,
+    "mesh.damper_columns": 2,
+    "mesh.damper_flank_rows": 1,
+    "reduction.modes": 8,
+    "geometry.excitation_height": "9 mm",
+    "excitation.amplitude": "50 N",
+    "solver.frequency_start": "440 Hz",
+    "solver.frequency_stop": "480 Hz",
+    "solver.largest_step": 0.15,
+    "solver.harmonics": 1,
+    "solver.samples": 128,
+}
+
+
+def quick_case() -> Case:
+    """The coarse case; its first resonance with stuck contact lies inside the range."""
+    return Case().replace(QUICK)
+
+
+def quick_file(folder: Path) -> Path:
+    """The same as a study file."""
+    path = folder / "study.toml"
+    path.write_text(quick_case().to_text(), encoding="utf-8")
+    return path

@@ -1,0 +1,29 @@
+"""Tasks for worker processes that die, import nothing heavy, and count how often they ran."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+
+def reduce(*_: Any) -> str:
+    """Stand-in for the reduction of a structure."""
+    return "reduced"
+
+
+def solve(task: Any, reduced: str) -> str:
+    """Answer, or die: always, or at the first call for a task with a ``marker`` file; or raise a fault."""
+    if task.deed == "dies":
+        os._exit(1)
+    if task.deed == "dies once" and not Path(task.marker).exists():
+        Path(task.marker).touch()
+        os._exit(1)
+    if task.deed == "fault":
+        raise ZeroDivisionError("division by zero")
+    return f"{task.deed} {reduced}"
+
+
+def unpicklable() -> Any:
+    """An answer that no pipe carries."""
+    return lambda: None

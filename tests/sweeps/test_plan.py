@@ -1,0 +1,75 @@
+"""The plan: every combination once, validated first, under a name that follows from its inputs."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from stickslip.case import Case
+from stickslip.errors import InputError, StudyFileError
+from stickslip.sweeps import plan
+from stickslip.sweeps.axes import swept_keys
+from stickslip.sweeps.plan import PlannedCase, plan_cases
+
+
+def planned(vary: dict, case: Case | None = None) -> tuple[PlannedCase, ...]:
+    return plan_cases(case or Case(), swept_keys(vary))
+
+
+def test_every_combination_the_last_key_fastest() -> None:
+    cases = planned({"preload.centrifugal_force": "100,300", "excitation.mode": "single,same,opposite"})
+    assert [case.values for case in cases][:4] == [
+        (100.0, "single"),
+        (100.0, "same"),
+        (100.0, "opposite"),
+        (300.0, "single"),
+    ]
+    assert cases[3].case.preload.centrifugal_force == 300.0
+    assert cases[1].case.excitation.mode == "same"
+    assert len({case.name for case in cases}) == len({case.key for case in cases}) == 6
+
+
+def test_names_are_short_readable_and_safe() -> None:
+    name = planned({"roughness.shortest_length": "1 um,2.5 um", "material.density": "7800 kg/m^3"})[1].name
+    assert re.fullmatch(r"shortest_length-2\.5um_density-7800kgm3_[0-9a-f]{12}", name)
+    every = {f"geometry.{key}": "5 mm" for key in ("width", "airfoil_thickness", "inner_overhang", "damper_length")}
+    assert len(planned(every)[0].name) <= 93
+
+
+def test_name_and_key_follow_from_the_inputs_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    first = planned({"preload.centrifugal_force": "100,300"})[1]
+    alone = planned({"preload.centrifugal_force": "0.3 kN"})[0]
+    assert (first.name, first.key) == (alone.name, alone.key)
+    retitled = planned({"preload.centrifugal_force": "300"}, Case().replace({"study.title": "Other"}))[0]
+    assert retitled.key == first.key  # a title changes no answer
+    assert planned({"preload.centrifugal_force": "300"}, Case().replace({"solver.harmonics": 3}))[0].key != first.key
+    monkeypatch.setattr(plan, "version", lambda name: "99.0")
+    assert planned({"preload.centrifugal_force": "300"})[0].key != first.key  # another version answers anew
+
+
+def test_structure_is_shared_unless_geometry_mesh_material_or_reduction_changes() -> None:
+    light = planned(
+        {"preload.centrifugal_force": "100,300", "excitation.mode": "single,same", "friction.coefficient": "0.2,0.4"}
+    )
+    assert len({case.structure for case in light}) == 1
+    for name, values in (
+        ("geometry.width", "27 mm,28 mm"),
+        ("mesh.chordwise", "6,8"),
+        ("material.density", "7000,7800"),
+        ("reduction.modes", "10,20"),
+    ):
+        assert len({case.structure for case in planned({name: values, "friction.coefficient": "0.2,0.4"})}) == 2
+
+
+def test_cases_that_are_not_valid_together_are_all_named_before_anything_runs() -> None:
+    with pytest.raises(StudyFileError, match="2 of 4 cases of the sweep are not valid; nothing was solved") as caught:
+        planned({"solver.harmonics": "5,50", "solver.samples": "32,64"})
+    assert "solver.harmonics = 50, solver.samples = 64: solver.samples = 64 is too few" in str(caught.value)
+    with pytest.raises(StudyFileError, match=r"and 10 more"):
+        planned({"solver.frequency_start": "530:549:20", "solver.largest_step": [0.001]})
+
+
+def test_a_sweep_without_end_is_refused() -> None:
+    with pytest.raises(InputError, match="10000 x 11 = 110000 cases; at most 20000"):
+        planned({"friction.coefficient": "0.1:0.5:10000", "preload.centrifugal_force": "1:11:11"})

@@ -1,0 +1,181 @@
+"""Worker processes: those that die, and sweeps that are interrupted or killed and go on."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+import traceback
+from concurrent.futures import BrokenExecutor, Executor
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+import stickslip as ss
+import sweep_deaths
+from stickslip.case import load_case
+from stickslip.errors import InputError
+from stickslip.sweeps import schedule
+from stickslip.sweeps.pool import LocalProcesses, WorkerDied, usable_processors
+from stickslip.sweeps.schedule import Schedule, StructureGroup
+from sweep_cases import quick_file
+
+LOADS = "450:700:6"
+
+
+def group(deeds: list[str], marker: Path) -> StructureGroup:
+    """A group whose cases do the deeds."""
+    cases = [
+        (SimpleNamespace(name=str(number), case=None), SimpleNamespace(deed=deed, marker=str(marker), threads=1))
+        for number, deed in enumerate(deeds)
+    ]
+    return StructureGroup(None, None, cases)
+
+
+@pytest.fixture
+def light_tasks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tasks without mechanics in place of the real ones."""
+    monkeypatch.setattr(schedule, "reduce_task", sweep_deaths.reduce)
+    monkeypatch.setattr(schedule, "solve_task", sweep_deaths.solve)
+
+
+@pytest.mark.usefixtures("light_tasks")
+def test_a_worker_that_dies_fails_its_own_case_only(tmp_path: Path) -> None:
+    finished: dict[str, str] = {}
+    broken: dict[str, BaseException] = {}
+    pool = LocalProcesses(2)
+    try:
+        Schedule(
+            pool,
+            lambda: 4,
+            lambda planned, outcome: finished.__setitem__(planned.name, outcome),
+            lambda planned, error: broken.__setitem__(planned.name, error),
+        ).run([group(["good", "dies", "good", "dies once", "fault", "good"], tmp_path / "died")])
+    finally:
+        pool.shutdown()
+    assert finished == {"0": "good reduced", "2": "good reduced", "3": "dies once reduced", "5": "good reduced"}
+    assert isinstance(broken["1"], WorkerDied)
+    assert isinstance(broken["4"], ZeroDivisionError)
+    assert "in solve" in "".join(traceback.format_exception(broken["4"]))  # where it happened, in the other process
+
+
+@pytest.mark.usefixtures("light_tasks")
+def test_an_executor_that_is_broken_fails_its_cases(tmp_path: Path) -> None:
+    class Broken(Executor):
+        def submit(self, *_: object, **__: object) -> object:
+            raise BrokenExecutor("gone")
+
+    broken: list[str] = []
+    Schedule(Broken(), lambda: 4, lambda *_: None, lambda planned, error: broken.append(f"{planned.name} {error}")).run(
+        [group(["good", "good"], tmp_path)]
+    )
+    assert broken == ["0 gone", "1 gone"]
+
+
+def test_answers_that_cannot_travel_and_processes_that_are_ended(tmp_path: Path) -> None:
+    pool = LocalProcesses(1)
+    with pytest.raises(RuntimeError, match="cannot travel"):
+        pool.submit(sweep_deaths.unpicklable).result()
+    with pytest.raises((AttributeError, TypeError), match="pickle"):
+        pool.submit(lambda: 1).result()
+    first = pool.submit(time.sleep, 60.0)
+    second = pool.submit(time.sleep, 60.0)
+    while not first.running():
+        time.sleep(0.01)
+    pool.shutdown(wait=False, cancel_futures=True)
+    assert isinstance(first.exception(), WorkerDied)
+    assert second.cancelled()
+
+
+def test_a_script_without_main_guard_is_told(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(
+        "from stickslip.sweeps.pool import LocalProcesses\nimport os\nLocalProcesses(1).require_start(os.getpid)\n",
+        encoding="utf-8",
+    )
+    result = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    assert f"{InputError.__name__}: worker processes cannot be started. In a script the call" in result.stderr
+    assert 1 <= usable_processors() <= (os.cpu_count() or 1)
+
+
+def start_sweep(study: Path, out: Path) -> subprocess.Popen[str]:
+    """``stickslip sweep`` with two workers, in a process group of its own."""
+    arguments = [
+        "sweep",
+        str(study),
+        "--vary",
+        f"preload.centrifugal_force={LOADS}",
+        "--out",
+        str(out),
+        "--workers",
+        "2",
+    ]
+    return subprocess.Popen(
+        [sys.executable, "-c", "from stickslip.cli import main; main()", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def wait_for_files(out: Path, count: int, process: subprocess.Popen[str]) -> None:
+    deadline = time.monotonic() + 120.0
+    while len(list(out.glob("cases/*/results.nc"))) < count:
+        assert process.poll() is None, process.stderr.read()
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+def children(process: subprocess.Popen[str]) -> list[int]:
+    listed = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    return [int(pid) for pid in listed.read_text().split()] if listed.exists() else []
+
+
+def is_alive(pid: int) -> bool:
+    status = Path(f"/proc/{pid}/stat")
+    try:
+        return status.read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def require_end(pids: list[int]) -> None:
+    deadline = time.monotonic() + 20.0
+    while any(is_alive(pid) for pid in pids):
+        assert time.monotonic() < deadline, "worker processes outlive their sweep"
+        time.sleep(0.05)
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="no process groups on this system")
+def test_an_interrupted_and_a_killed_sweep_go_on_without_solving_again(tmp_path: Path) -> None:
+    study, out = quick_file(tmp_path), tmp_path / "out"
+    with start_sweep(study, out) as process:
+        wait_for_files(out, 1, process)
+        workers = children(process)
+        os.killpg(process.pid, signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+        assert process.returncode == 130, said
+        assert "Finished cases are kept; the same command goes on" in said
+        assert "Traceback" not in said
+        require_end(workers)
+    before = len(list(out.glob("cases/*/results.nc")))
+    with start_sweep(study, out) as process:
+        wait_for_files(out, before + 1, process)
+        workers = children(process)
+        process.kill()
+        process.communicate(timeout=60)
+        require_end(workers)
+    assert process.returncode == -signal.SIGKILL
+    finished = {file: file.stat().st_mtime_ns for file in out.glob("cases/*/results.nc")}
+    assert before < len(finished) <= 6
+    assert not (out / "sweep.csv").exists()
+    result = ss.sweep(load_case(study), {"preload.centrifugal_force": LOADS}, out=out, workers=1)
+    assert result.found == len(finished)
+    assert {file: file.stat().st_mtime_ns for file in finished} == finished
+    assert [row.converged for row in result.table.rows] == [True] * 6
+    assert result.notices == ()

@@ -1,0 +1,233 @@
+"""A real sweep of a coarse model: tables, files, resume, failing cases; in this process and in two others."""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+
+import stickslip as ss
+from stickslip import study
+from stickslip.case import Case
+from stickslip.errors import ConvergenceError, InputError, RoughnessError
+from stickslip.model import ReducedModel
+from stickslip.results.measures import summary
+from stickslip.results.response import ForcedResponse
+from stickslip.results.storage import load_results
+from stickslip.sweeps import run as sweep_run
+from stickslip.sweeps import schedule, work
+from sweep_cases import quick_case
+
+VARY = {"preload.centrifugal_force": "450:600:2", "excitation.mode": ["single", "same"]}
+
+
+class Heard:
+    """Progress that remembers."""
+
+    def __init__(self) -> None:
+        self.news: list[tuple[str, float, str]] = []
+
+    def update(self, stage: str, fraction: float, detail: str = "") -> None:
+        self.news.append((stage, fraction, detail))
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, sweep_run.Sweep, Heard, Counter]:
+    """A sweep of four cases in this process, its progress, and how often each shared step ran."""
+    calls: Counter = Counter()
+
+    def counted(module: object, name: str) -> None:
+        original = getattr(module, name)
+
+        def call(*arguments: object, **options: object) -> object:
+            calls[name] += 1
+            return original(*arguments, **options)
+
+        patch.setattr(module, name, call)
+
+    folder, heard = tmp_path_factory.mktemp("sweep"), Heard()
+    with pytest.MonkeyPatch.context() as patch:
+        for module, name in ((sweep_run, "build_mesh"), (work, "reduce_structure"), (work, "solve")):
+            counted(module, name)
+        result = ss.sweep(quick_case(), VARY, out=folder, progress=heard, workers=1)
+    return folder, result, heard, calls
+
+
+def test_one_row_and_one_file_for_each_case(swept: tuple) -> None:
+    folder, result, _, _ = swept
+    table = result.table
+    assert table.column("preload.centrifugal_force") == [450.0, 450.0, 600.0, 600.0]
+    assert table.column("excitation.mode") == ["single", "same", "single", "same"]
+    assert table.failed == ()
+    for row, file, curve in zip(table.rows, result.case_files, result.curves, strict=True):
+        saved = load_results(file)
+        assert file == folder / "cases" / row.name / "results.nc"
+        found = summary(saved.response, saved.study.outputs["blade tip A"])
+        assert row.measures["peak_amplitude_m"] == found.peak.amplitude
+        assert row.measures["shift_from_stuck_hz"] == found.shift_from_stuck_hz
+        assert (row.measures["pairs_stuck"], row.measures["pairs_separating"]) == (
+            found.state_counts[0],
+            found.state_counts[2],
+        )
+        assert row.measures["friction_energy_j"] == found.friction_energy
+        assert curve.amplitude_m.max() == pytest.approx(row.measures["peak_amplitude_m"], rel=0.02)
+        assert len(saved.study.mode_table) == 10
+
+
+def test_a_case_of_a_sweep_is_the_case_of_a_run(swept: tuple, tmp_path: Path) -> None:
+    _, result, _, _ = swept
+    case = quick_case().replace(
+        {"preload.centrifugal_force": 600, "output.figure_formats": [], "output.mode_shapes": 0}
+    )
+    outcome = study.run(case.replace({"output.deflected_shape_frames": 0}), tmp_path)
+    saved = load_results(result.case_files[2])
+    np.testing.assert_array_equal(saved.response.displacement, outcome.response.displacement)
+    assert saved.study.derived == load_results(tmp_path / "results.nc").study.derived
+
+
+def test_shared_work_is_done_once(swept: tuple) -> None:
+    assert swept[3] == {"build_mesh": 1, "reduce_structure": 1, "solve": 4}
+
+
+def test_progress_counts_the_cases(swept: tuple) -> None:
+    news = swept[2].news
+    assert [stage for stage, fraction, _ in news if fraction == 1.0] == ["Finished cases", "Checks", "Cases"]
+    assert news[-1] == ("Cases", 1.0, "4 of 4")
+    fractions = [fraction for stage, fraction, _ in news if stage == "Cases"]
+    assert fractions == [0.0, 0.25, 0.5, 0.75, 1.0]
+
+
+def test_table_files_hold_the_table(swept: tuple) -> None:
+    folder, result, _, _ = swept
+    with (folder / "sweep.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [float(row["peak_amplitude_m"]) for row in rows] == result.table.column("peak_amplitude_m")
+    assert rows[1]["excitation.mode"] == "same"
+    assert rows[0]["converged"] == "yes"
+    assert rows[0]["free_peak_amplitude_m"] == ""  # its peak lies below the range
+    assert rows[0]["pairs_stuck"] == str(int(result.table.column("pairs_stuck")[0]))
+    with xarray.load_dataset(folder / "sweep.nc", engine="h5netcdf") as data:
+        assert data["peak_frequency_hz"].values.tolist() == result.table.column("peak_frequency_hz")
+        assert data["preload.centrifugal_force"].attrs["units"] == "N"
+        assert data["excitation.mode"].values.tolist() == ["single", "same", "single", "same"]
+        assert math.isnan(data["free_peak_amplitude_m"].values[0])
+    assert "Damper performance" in (folder / "sweep.html").read_text(encoding="utf-8")
+
+
+def test_two_processes_and_any_executor_give_the_same_table(swept: tuple, tmp_path: Path) -> None:
+    folder, result, _, _ = swept
+    local = ss.sweep(quick_case(), VARY, out=tmp_path / "processes", workers=2)
+    assert local.table == result.table
+    assert (tmp_path / "processes" / "sweep.csv").read_bytes() == (folder / "sweep.csv").read_bytes()
+    with ThreadPoolExecutor(1) as executor:
+        other = ss.sweep(quick_case(), VARY | {"excitation.mode": "same"}, executor)
+    assert [row.measures for row in other.table.rows] == [row.measures for row in result.table.rows[1::2]]
+    assert (other.files, other.case_files) == ((), (None, None))
+
+
+def test_a_sweep_goes_on_where_it_ended(swept: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder, result, _, _ = swept
+    monkeypatch.setattr(schedule, "solve_task", None)  # solving would be a fault
+    monkeypatch.setattr(sweep_run, "build_mesh", None)
+    page = (folder / "sweep.html").read_text(encoding="utf-8")
+    again = ss.sweep(quick_case(), VARY, out=folder)
+    assert (again.found, again.notices) == (4, ())
+    assert again.table == result.table
+    assert len((folder / "sweep.html").read_text(encoding="utf-8")) == pytest.approx(len(page), abs=50)
+    part = ss.sweep(quick_case(), VARY | {"excitation.mode": "same"}, out=folder)
+    assert part.table.rows == result.table.rows[1::2]
+
+
+def test_damaged_and_foreign_files_are_told_and_solved_again(swept: tuple, tmp_path: Path) -> None:
+    _, result, _, _ = swept
+    vary = {"preload.centrifugal_force": "450,600", "excitation.mode": ["single"]}
+    files = [tmp_path / "cases" / result.table.rows[place].name / "results.nc" for place in (0, 2)]
+    for file in files:
+        file.parent.mkdir(parents=True)
+    content = result.case_files[0].read_bytes()
+    files[0].write_bytes(content[: len(content) // 2])
+    files[1].write_bytes(content)  # whole, but of another case
+    abandoned = files[0].with_name(".results.nc.1.part")
+    abandoned.write_bytes(b"half")
+    os.utime(abandoned, (0.0, 0.0))
+    again = ss.sweep(quick_case(), vary, out=tmp_path, workers=1)
+    assert again.found == 0
+    assert "is damaged or incomplete" in again.notices[0]
+    assert "does not hold the results of this case" in again.notices[1]
+    assert again.table.rows == result.table.rows[::2]
+    displacement = [load_results(file).response.displacement for file in (files[0], result.case_files[0])]
+    np.testing.assert_array_equal(*displacement)
+    assert not abandoned.exists()
+
+
+def test_cases_that_fail_are_rows_and_the_others_go_on(swept: tuple, tmp_path: Path) -> None:
+    vary = {"roughness.fractal_roughness": ["1e-8 m", "1e-4 m"], "geometry.damper_length": ["28 mm", "40 mm"]}
+    case = quick_case().replace({"preload.centrifugal_force": 450})
+    result = ss.sweep(case, vary, out=tmp_path, workers=1)
+    good, long, rough, both = result.table.rows
+    assert good.measures == swept[1].table.rows[0].measures
+    assert [row.converged for row in result.table.rows] == [True, False, False, False]
+    assert "stiffness" in rough.message
+    assert "damper_length is 40 mm" in long.message
+    assert both.message == long.message
+    assert result.table.failed == (long, rough, both)
+    assert result.case_files[1:] == (None, None, None)
+    assert long.message in (tmp_path / "sweep.csv").read_text(encoding="utf-8")
+    with pytest.raises(RoughnessError, match="none of the 1 cases can be solved"):
+        ss.sweep(case, {"roughness.fractal_roughness": ["1e-4 m"]}, workers=1)
+
+
+def test_curves_without_end_or_start_are_kept_and_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stopped(case: Case, model: ReducedModel, threads: int) -> ForcedResponse:
+        if case.excitation.mode == "same":
+            raise ConvergenceError("No first point at 440 Hz.")
+        if case.excitation.mode == "opposite":
+            raise ZeroDivisionError("division by zero")
+        return replace(study.solve(case, model, threads=threads), converged=False, message="The step became too small.")
+
+    monkeypatch.setattr(work, "solve", stopped)
+    vary = {"excitation.mode": "single,same,opposite"}
+    result = ss.sweep(quick_case(), vary, out=tmp_path, workers=1)
+    partial, absent, fault = result.table.failed
+    assert (partial.message, absent.message) == ("The step became too small.", "No first point at 440 Hz.")
+    assert partial.measures["peak_amplitude_m"] > 0
+    assert not load_results(result.case_files[0]).response.converged
+    assert (absent.measures, absent.file) == ({}, "")
+    log = tmp_path / "cases" / fault.name / "traceback.log"
+    assert f"(ZeroDivisionError: division by zero). The traceback is in {log}" in fault.message
+    assert "in stopped" in log.read_text(encoding="utf-8")
+    page = (tmp_path / "sweep.html").read_text(encoding="utf-8")
+    assert "3 cases failed" in page
+    assert "mode same: No first point at 440 Hz." in page
+
+    monkeypatch.undo()  # the fault is repaired: what stickslip answered stands, the fault is tried again
+    again = ss.sweep(quick_case(), vary, out=tmp_path, workers=1)
+    assert again.found == 2
+    assert again.table.rows[:2] == result.table.rows[:2]
+    assert again.table.rows[2].converged
+    assert not log.exists()
+    (tmp_path / "cases" / absent.name / "failed.json").write_text("half", encoding="utf-8")
+    once_more = ss.sweep(quick_case(), vary, out=tmp_path, workers=1)
+    assert "failed.json" in once_more.notices[0]
+    assert once_more.table.rows[1].converged
+
+
+def test_wrong_input_is_refused_before_a_folder_is_made(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    for vary, options, sentence in (
+        ({"preload.centrifugal_force": "-1"}, {}, "above 0 N"),
+        ({"solver.samples": "11,9"}, {}, "1 of 2 cases"),
+        (VARY, {"workers": 0}, "workers is 0"),
+        (VARY, {"threads": 0}, "threads is 0"),
+    ):
+        with pytest.raises(InputError, match=sentence):
+            ss.sweep(quick_case().replace({"solver.harmonics": 5}), vary, out=out, **options)
+    assert not out.exists()

@@ -1,0 +1,84 @@
+"""``stickslip sweep``: exit codes, sentences, and what is printed where."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from stickslip import cli
+from stickslip.sweeps import work
+from sweep_cases import quick_case, quick_file
+
+LOAD = "preload.centrifugal_force"
+
+
+def invoke(*arguments: object) -> Any:
+    """Run the command line in this process."""
+    return CliRunner().invoke(cli.app, ["sweep", *(str(each) for each in arguments)])
+
+
+def test_files_and_exit_code_of_a_sweep_that_worked(tmp_path: Path) -> None:
+    file, out = quick_file(tmp_path), tmp_path / "out"
+    arguments = (file, "--vary", f"{LOAD}=600 N,650", "--out", out, "--workers", 1)
+    result = invoke(*arguments)
+    assert result.exit_code == 0, result.stderr
+    written = "".join(f"Wrote {out / name}\n" for name in ("sweep.csv", "sweep.nc", "sweep.html"))
+    assert result.stdout == written + "2 cases, 0 of them finished before; 0 failed.\n"
+    assert "Cases: 2 of 2" in result.stderr
+    again = invoke(*arguments, "--quiet")
+    assert (again.exit_code, again.stdout, again.stderr) == (0, "", "")
+    assert "2 of them finished before" in invoke(*arguments).stdout
+
+
+def test_failed_cases_are_exit_3_with_the_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file, out = quick_file(tmp_path), tmp_path / "out"
+    rough = "roughness.fractal_roughness=1e-8 m,1e-4 m"
+    result = invoke(file, "--vary", rough, "--out", out, "--workers", 1, "--quiet")
+    assert result.exit_code == 3
+    assert result.stdout == ""
+    assert "Failed: fractal_roughness-0.0001m_" in result.stderr
+    assert f"The table {out / 'sweep.csv'} has every case with its message." in result.stderr
+    assert (out / "sweep.csv").read_text(encoding="utf-8").count("\n") == 3
+    monkeypatch.setattr(cli, "SHOWN_FAILURES", 0)
+    monkeypatch.setattr(work, "solve", None)  # nothing is solved again
+    assert "1 more failed." in invoke(file, "--vary", rough, "--out", out, "--workers", 1).stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("--vary", LOAD), "must be section.key=values"),
+        (("--vary", f"{LOAD}=1", "--vary", f"{LOAD}=2"), f"--vary {LOAD} is given twice"),
+        (("--vary", f"{LOAD}=-1"), f"{LOAD} = -1 is not allowed: a value above 0 N is needed."),
+        (("--vary", "solver.samples=1000,2"), "solver.samples = 2 is not allowed"),
+        (("--vary", "solver.largest_step=1e-3"), "1 of 1 cases of the sweep are not valid"),
+        (("--vary", f"{LOAD}=5", "--workers", "2", "--scheduler", "tcp://h:1"), "cannot both be given"),
+        (("--vary", f"{LOAD}=5", "--workers", "0"), "--workers"),
+        ((), "--vary"),
+    ],
+)
+def test_wrong_input_is_exit_2_without_results(tmp_path: Path, arguments: tuple[str, ...], sentence: str) -> None:
+    out = tmp_path / "out"
+    result = invoke(quick_file(tmp_path), *arguments, "--out", out)
+    assert result.exit_code == 2
+    assert sentence in " ".join(result.stderr.split())
+    assert "Traceback" not in result.stderr
+    assert not list(out.glob("*"))
+
+
+def test_a_sweep_none_of_whose_cases_can_be_solved_is_wrong_input(tmp_path: Path) -> None:
+    result = invoke(quick_file(tmp_path), "--vary", "geometry.damper_length=40 mm,50 mm", "--out", tmp_path / "out")
+    assert result.exit_code == 2
+    assert "none of the 2 cases can be solved" in result.stderr
+    assert "damper_length is 40 mm" in result.stderr
+
+
+def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
+    file = quick_file(tmp_path)
+    result = invoke(file, "--vary", f"{LOAD}=600", "--out", file / "out")
+    assert result.exit_code == 2
+    assert "cannot be written" in result.stderr
+    assert quick_case().to_text() == file.read_text(encoding="utf-8")
