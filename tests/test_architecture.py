@@ -32,6 +32,7 @@ LAYER_OF = {
     "case_file": "case",
     "case_sections": "case",
     "facts": "study",
+    "drawing": "study",
     "model": "study",
 }
 BASE = ROWS[0]

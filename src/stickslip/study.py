@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from stickslip.drawing import Drawing, SecondProcess
 from stickslip.facts import derived_quantities, natural_frequencies_found, sizes, study_warnings
-from stickslip.interface.surface import draw_phases, fractal_surface, frequency_count
 from stickslip.model import FACE_NAMES, Model, ReducedModel, build_joint, build_model, build_structure
 from stickslip.progress import Progress, SilentProgress
 from stickslip.results.measures import peaks, summary, summary_table
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 RESULTS_FILE = "results.nc"
 REPORT_FILE = "report.html"
+FIGURE_FOLDER = "figures"
 MODE_COUNT = 10
 SHOWN_FREQUENCIES = 4
 
@@ -58,11 +59,11 @@ def run(
     out = Path(out_dir)
     out.mkdir(parents=True, exist_ok=True)
     # One thread for the matrix products here: beside threads that solve for many right-hand sides more would be slower.
-    with threadpool_limits(limits=1):
-        return _run(case, out, progress or SilentProgress(), thread_count(threads))
+    with threadpool_limits(limits=1), SecondProcess() as artist:
+        return _run(case, out, progress or SilentProgress(), thread_count(threads), artist)
 
 
-def _run(case: Case, out: Path, progress: Progress, threads: int) -> StudyOutcome:
+def _run(case: Case, out: Path, progress: Progress, threads: int, artist: SecondProcess) -> StudyOutcome:
     progress.update("Structure", 0.0, "mesh and matrices")
     structure = build_structure(case)
     joint = build_joint(case, structure)
@@ -75,13 +76,14 @@ def _run(case: Case, out: Path, progress: Progress, threads: int) -> StudyOutcom
     response = solve(case, model, progress, threads)
     record = study_record(case, model, table, response)
     progress.update("Files", 0.0, RESULTS_FILE)
+    artist.start(Drawing(out / FIGURE_FOLDER, case, response, record))
     save_results(out / RESULTS_FILE, response, record)
-    files = [out / RESULTS_FILE]
-    progress.update("Files", 0.2, REPORT_FILE)
-    files += _shown(out, response, record, case.output.figure_formats)
-    files += _rough_face(out, case)
-    progress.update("Files", 0.7, "shapes for ParaView")
-    files += _shapes(out, case, model, response)
+    progress.update("Files", 0.3, REPORT_FILE)
+    page = _page(out, response, record)
+    progress.update("Files", 0.5, "shapes for ParaView")
+    shapes = list(_shapes(out, case, model, response))
+    progress.update("Files", 0.7, FIGURE_FOLDER)
+    files = [out / RESULTS_FILE, page, *artist.files(), *shapes]
     progress.update("Files", 1.0, f"{len(files)} files")
     return StudyOutcome(response, tuple(files), response.converged, _closing_words(response, record))
 
@@ -160,42 +162,12 @@ def _mode_rows(case: Case, table: tuple[ReductionRow, ...]) -> Iterator[dict[str
         yield cells
 
 
-def _shown(out: Path, response: ForcedResponse, record: StudyRecord, formats: tuple[str, ...] = ()) -> Iterator[Path]:
-    """Write the page and the single figures."""
+def _page(out: Path, response: ForcedResponse, record: StudyRecord) -> Path:
+    """Write the page."""
     from stickslip.report.page import write_page
 
     write_page(out / REPORT_FILE, response, record)
-    yield out / REPORT_FILE
-    if formats:
-        from stickslip.report.figures import save_all
-
-        yield from save_all(_figure_folder(out), response, record, formats)
-
-
-def _figure_folder(out: Path) -> Path:
-    folder = out / "figures"
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder
-
-
-def _rough_face(out: Path, case: Case) -> Iterator[Path]:
-    """A picture of one rough face: heights from the roughness, its ridges and its seed, over the contact face."""
-    if case.roughness is None or not case.output.figure_formats:
-        return
-    from stickslip.report.figures import save, surface
-
-    given, geometry = case.roughness, case.geometry
-    n_max = frequency_count(given.sample_length, given.shortest_length)
-    along = np.linspace(0.0, geometry.damper_length, 420)
-    across = np.linspace(0.0, geometry.contact_face_width, 98)
-    x, y = np.meshgrid(along, across)
-    phases = draw_phases(given.seed, given.ridges, n_max)
-    heights = fractal_surface(
-        x, y, given.fractal_dimension, given.fractal_roughness, given.sample_length, given.ridges, phases
-    )
-    figure = surface(x, y, heights)
-    for ending in case.output.figure_formats:
-        yield save(figure, _figure_folder(out) / f"rough_face.{ending}")
+    return out / REPORT_FILE
 
 
 def _shapes(out: Path, case: Case, model: Model, response: ForcedResponse) -> Iterator[Path]:
@@ -235,7 +207,7 @@ def report(folder: str | PathLike[str]) -> tuple[Path, ...]:
             f'"{source}" holds a response without a study, so there is nothing to say about faces and outputs. '
             'Only "stickslip run" writes files that the report needs.'
         )
-    return tuple(_shown(Path(folder), saved.response, saved.study))
+    return (_page(Path(folder), saved.response, saved.study),)
 
 
 def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:

@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from stickslip.validation import FloatArray
 
 CodeArray = NDArray[np.int8]
+# Sample numbers; constants are written np.int64(...), else numba compiles a version for each constant.
+Index = int | np.int64
 STICK, SLIP, OPEN = 0, 1, 2
 # |T| may pass the limit by this relative amount and still count as stick: round-off of a pair that touches its limit.
 STICK_TOLERANCE = 1e-14

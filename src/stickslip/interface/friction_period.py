@@ -19,6 +19,7 @@ from stickslip.interface.friction_kernel import (
     SLIP,
     STICK,
     CodeArray,
+    Index,
     advance,
     associated_return,
     slip_jacobian,
@@ -49,7 +50,7 @@ class Motion(NamedTuple):
 @njit(cache=True, nogil=True, error_model="numpy")
 def march(
     motion: Motion,
-    first: int,
+    first: Index,
     t1: float,
     t2: float,
     known: float,
@@ -123,6 +124,15 @@ def sticks_released(path: FloatArray, limit: FloatArray) -> bool:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def slips(mode: CodeArray) -> bool:
+    """True if any step slips."""
+    for code in mode:  # noqa: SIM110  any() is slow to compile
+        if code == SLIP:
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def newton_step(
     motion: Motion,
     t1: float,
@@ -148,7 +158,7 @@ def settle(
     motion: Motion,
     force: FloatArray,
     mode: CodeArray,
-) -> tuple[int, float, float, float, int]:
+) -> tuple[Index, float, float, float, int]:
     """Periodic state of one pair: fills ``force`` (2, n) and ``mode`` (n,).
 
     Plain cycles from the released start come first; where they creep, Newton on the period map takes over and is given
@@ -159,12 +169,13 @@ def settle(
     """
     path, limit, ratio1, ratio2 = motion.path, motion.limit, motion.ratio1, motion.ratio2
     n = limit.shape[0]
-    first_open, largest = -1, 0.0
+    first_open, largest = np.int64(-1), 0.0
     for j in range(n):
         if limit[j] <= 0.0:
-            first_open = j
+            first_open = np.int64(j)
         largest = max(largest, limit[j])
-    mode[:] = -1
+    for j in range(n):
+        mode[j] = -1
     if first_open >= 0:
         # An open sample carries no force whatever came before: one march from there is the periodic state.
         march(motion, first_open, 0.0, 0.0, -1.0, force, mode)
@@ -176,11 +187,11 @@ def settle(
     plain1, plain2 = t1, t2
     length = math.inf  # of the Newton step that led to this march; inf after a plain cycle
     while True:
-        end1, end2 = march(motion, 0, t1, t2, known, force, mode)
+        end1, end2 = march(motion, np.int64(0), t1, t2, known, force, mode)
         cycles += 1
         closure = math.hypot(end1 - t1, end2 - t2) / largest
         newton = length < math.inf
-        overshoot = newton and length > SLIP_TOLERANCE * largest and not np.any(mode == SLIP)
+        overshoot = newton and length > SLIP_TOLERANCE * largest and not slips(mode)
         if (closure <= CLOSURE_TOLERANCE and not overshoot) or cycles >= MAX_CYCLES:
             break
         if not newton:
@@ -245,10 +256,11 @@ def settle_pairs(
     for pair in range(limits.shape[0]):
         path, limit, force, mode = paths[pair], limits[pair], forces[pair], modes[pair]
         if sticks_released(path, limit):
-            force[:] = path
-            mode[:] = STICK
+            for j in range(limit.shape[0]):
+                force[0, j], force[1, j], mode[j] = path[0, j], path[1, j], STICK
             states[pair], deviates[pair], closures[pair] = STICK, False, 0.0
-            starts[pair] = 0.0
+            for k in range(4):
+                starts[pair, k] = 0.0
             continue
         motion = Motion(path, limit, ratios[pair, 0], ratios[pair, 1], tractrix)
         first, t1, t2, closures[pair], plain = settle(motion, force, mode)

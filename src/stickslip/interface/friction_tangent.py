@@ -12,6 +12,7 @@ from stickslip.interface.friction_kernel import (
     OPEN,
     SLIP,
     STICK,
+    Index,
     advance,
     associated_return,
     return_jacobian,
@@ -41,8 +42,8 @@ class Basis(NamedTuple):
 @njit(cache=True, nogil=True, error_model="numpy")
 def gather_stick(
     basis: Basis,
-    anchor: int,
-    last: int,
+    anchor: Index,
+    last: Index,
     scale: FloatArray,
     derivative: FloatArray,
     coefficients: FloatArray,
@@ -77,7 +78,7 @@ def gather_stick(
 @njit(cache=True, nogil=True, error_model="numpy")
 def march_tangent(
     motion: Motion,
-    first: int,
+    first: Index,
     t1: float,
     t2: float,
     basis: Basis,
@@ -100,7 +101,7 @@ def march_tangent(
     kept_weights = np.empty((n if gather else 0, gather))
     count = 0
     jacobian = np.zeros((2, 6))
-    previous, anchor = first, -1
+    previous, anchor = first, np.int64(-1)
     for step in range(1, n + 1):
         j = first + step
         if j >= n:
@@ -109,11 +110,11 @@ def march_tangent(
         new1, new2, code = advance(t1, t2, d1, d2, limit[previous], limit[j], ratio1, ratio2, tractrix)
         if code == STICK and limit[previous] > 0.0:
             if anchor < 0:
-                anchor = previous
+                anchor = np.int64(previous)
         else:
             if anchor >= 0:
                 gather_stick(basis, anchor, previous, scale, derivative, coefficients)
-                anchor = -1
+                anchor = np.int64(-1)
             if code == OPEN:
                 derivative[:] = 0.0
             else:
@@ -126,20 +127,35 @@ def march_tangent(
                     stick_jacobian(d1, d2, limit[previous], limit[j], jacobian)
                 carry(basis, previous, j, scale, jacobian, derivative)
                 if gather:
-                    kept[count] = derivative
-                    kept_weights[count] = basis.analysis[j]
+                    keep_sample(basis, j, derivative, kept[count], kept_weights[count])
                     count += 1
         t1, t2, previous = new1, new2, j
     if anchor >= 0:
         gather_stick(basis, anchor, previous, scale, derivative, coefficients)
     if count:
         flat = kept[:count].reshape(count, 2 * columns)
-        coefficients += np.dot(kept_weights[:count].T, flat).reshape(gather, 2, columns)
+        product = np.dot(kept_weights[:count].T, flat)
+        for p in range(gather):
+            for row in range(2):
+                for c in range(columns):
+                    coefficients[p, row, c] += product[p, row * columns + c]
     return t1, t2
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def carry(basis: Basis, previous: int, j: int, scale: FloatArray, jacobian: FloatArray, derivative: FloatArray) -> None:
+def keep_sample(basis: Basis, j: Index, derivative: FloatArray, kept: FloatArray, kept_weights: FloatArray) -> None:
+    """Copy ``derivative`` (2, columns) and the analysis weights of sample ``j``; loops compile quicker than slices."""
+    for row in range(2):
+        for c in range(derivative.shape[1]):
+            kept[row, c] = derivative[row, c]
+    for p in range(kept_weights.shape[0]):
+        kept_weights[p] = basis.analysis[j, p]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def carry(
+    basis: Basis, previous: Index, j: Index, scale: FloatArray, jacobian: FloatArray, derivative: FloatArray
+) -> None:
     """Carry ``derivative`` over a step with ``jacobian`` (2, 6) from sample ``previous`` to sample ``j``."""
     synthesis = basis.synthesis
     width = synthesis.shape[1]
@@ -161,7 +177,7 @@ def carry(basis: Basis, previous: int, j: int, scale: FloatArray, jacobian: Floa
 @njit(cache=True, nogil=True, error_model="numpy")
 def transient_start_derivative(
     motion: Motion,
-    plain: int,
+    plain: Index,
     basis: Basis,
     scale: FloatArray,
     derivative: FloatArray,
@@ -171,8 +187,9 @@ def transient_start_derivative(
     synthesis = basis.synthesis
     width = synthesis.shape[1]
     derivative[:] = 0.0
-    derivative[0, 1:width] = scale[0] * synthesis[0, 1:]
-    derivative[1, width + 1 : 2 * width] = scale[1] * synthesis[0, 1:]
+    for q in range(1, width):
+        derivative[0, q] = scale[0] * synthesis[0, q]
+        derivative[1, width + q] = scale[1] * synthesis[0, q]
     t1, t2 = released_start(path, limit[0], ratio1, ratio2)
     if math.hypot(path[0, 0], path[1, 0]) > limit[0]:
         _, _, x = associated_return(path[0, 0], path[1, 0], limit[0], ratio1, ratio2)
@@ -185,7 +202,7 @@ def transient_start_derivative(
             derivative[1, 2 * width + q] = l2 * scale[2] * synthesis[0, q]
     nothing = np.zeros((0, 2, derivative.shape[1]))
     for _ in range(plain):
-        t1, t2 = march_tangent(motion, 0, t1, t2, basis, scale, derivative, nothing)
+        t1, t2 = march_tangent(motion, np.int64(0), t1, t2, basis, scale, derivative, nothing)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -205,22 +222,32 @@ def pair_tangent(
     """
     width = basis.synthesis.shape[1]
     columns = 3 * width + 2
-    first, plain = int(period_start[0]), int(period_start[3])
+    first, plain = np.int64(period_start[0]), np.int64(period_start[3])
     derivative = np.zeros((2, columns))
     derivative[0, columns - 2] = derivative[1, columns - 1] = 1.0
     gathered = np.zeros((width, 2, columns))
     march_tangent(motion, first, period_start[1], period_start[2], basis, scale, derivative, gathered)
     start = np.zeros((2, columns - 2))
     if motion.limit[first] > 0.0:
-        balance = np.eye(2) - derivative[:, columns - 2 :]
-        load = np.ascontiguousarray(derivative[:, : columns - 2])
-        if abs(balance[0, 0] * balance[1, 1] - balance[0, 1] * balance[1, 0]) > SINGULAR:
-            start = np.linalg.solve(balance, load)
+        b11, b12 = 1.0 - derivative[0, columns - 2], -derivative[0, columns - 1]
+        b21, b22 = -derivative[1, columns - 2], 1.0 - derivative[1, columns - 1]
+        determinant = b11 * b22 - b12 * b21
+        size = b11 * b11 + b12 * b12 + b21 * b21 + b22 * b22
+        if abs(determinant) > SINGULAR:
+            for c in range(columns - 2):
+                start[0, c] = (b22 * derivative[0, c] - b12 * derivative[1, c]) / determinant
+                start[1, c] = (b11 * derivative[1, c] - b21 * derivative[0, c]) / determinant
         else:
-            transient_start_derivative(motion, plain, basis, scale, derivative)
-            start = np.ascontiguousarray(derivative[:, : columns - 2])
-            if balance.any():
-                start += np.linalg.pinv(balance, SINGULAR) @ (load - balance @ start)
+            left = np.zeros((2, columns))
+            transient_start_derivative(motion, plain, basis, scale, left)
+            for c in range(columns - 2):
+                start[0, c], start[1, c] = left[0, c], left[1, c]
+                if size > 0.0:
+                    # I - Phi has rank 1 here: its pseudo-inverse is its transpose over the square of its norm.
+                    r1 = derivative[0, c] - b11 * left[0, c] - b12 * left[1, c]
+                    r2 = derivative[1, c] - b21 * left[0, c] - b22 * left[1, c]
+                    start[0, c] += (b11 * r1 + b21 * r2) / size
+                    start[1, c] += (b12 * r1 + b22 * r2) / size
     for row in range(2):
         for p in range(width):
             by1, by2 = gathered[p, row, columns - 2], gathered[p, row, columns - 1]
@@ -275,4 +302,7 @@ def tangent_pairs(
             continue
         motion = Motion(paths[pair], limits[pair], ratios[pair, 0], ratios[pair, 1], tractrix)
         pair_tangent(motion, basis, scales[pair], starts[pair], tangential)
-        tangents[pair, :2] = tangential.reshape(2, width, 3, width)
+        for row in range(2):
+            for p in range(width):
+                for c in range(3 * width):
+                    tangents[pair, row, p, c // width, c % width] = tangential[row, p, c]

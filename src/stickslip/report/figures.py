@@ -156,7 +156,9 @@ def save(figure: Figure, path: str | PathLike[str]) -> Path:
     if target.suffix.lstrip(".") not in FORMATS:
         raise InputError(f'the figure "{target}" must end in one of .{", .".join(FORMATS)}.')
     with whole_file(target, "figure", InputError) as part:
-        figure.savefig(part, format=target.suffix.lstrip("."), dpi=200)
+        ending = target.suffix.lstrip(".")
+        quick: dict[str, Any] = {"pil_kwargs": {"compress_level": 1}} if ending == "png" else {}
+        figure.savefig(part, format=ending, dpi=200, **quick)
     figure.set_layout_engine("none")  # laid out once; the next format takes it as it is
     return target
 

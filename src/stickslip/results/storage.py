@@ -126,19 +126,30 @@ def _text(value: Any, long_name: str) -> tuple[Any, ...]:
     return ((), value if isinstance(value, str) else json.dumps(plain(value)), {"long_name": long_name})
 
 
-def _split(name: str, array: FloatArray, dims: tuple[str, ...], unit: str, what: str) -> dict[str, tuple[Any, ...]]:
+def _split(
+    name: str, array: FloatArray, dims: tuple[str, ...], unit: str, what: str, harmonic: str = "harmonic"
+) -> dict[str, tuple[Any, ...]]:
     """Mean (..., n), cosine and sine parts (..., n, harmonics) of coefficients (..., n, 2 * harmonics + 1)."""
     return {
         f"{name}_mean": _variable(dims, array[..., 0], unit, f"{what}, mean over the period"),
-        f"{name}_cosine": _variable((*dims, "harmonic"), array[..., 1::2], unit, f"{what}, cosine part"),
-        f"{name}_sine": _variable((*dims, "harmonic"), array[..., 2::2], unit, f"{what}, sine part"),
+        f"{name}_cosine": _variable((*dims, harmonic), array[..., 1::2], unit, f"{what}, cosine part"),
+        f"{name}_sine": _variable((*dims, harmonic), array[..., 2::2], unit, f"{what}, sine part"),
     }
 
 
-def _joined(dataset: xarray.Dataset, name: str) -> FloatArray:
+def _excited(array: FloatArray) -> FloatArray:
+    """Coefficients (..., 2H+1) without the harmonics above the highest one that is not zero, but at least the first."""
+    present = np.flatnonzero(array.any(axis=tuple(range(array.ndim - 1))))
+    harmonics = max(1, (int(present.max(initial=0)) + 1) // 2)
+    return array[..., : 2 * harmonics + 1]
+
+
+def _joined(dataset: xarray.Dataset, name: str, harmonics: int) -> FloatArray:
+    """Coefficients (..., 2 * harmonics + 1); harmonics that were not stored are zero."""
     mean, cosine = dataset[f"{name}_mean"].values, dataset[f"{name}_cosine"].values
-    array = np.empty((*mean.shape, 2 * cosine.shape[-1] + 1))
-    array[..., 0], array[..., 1::2], array[..., 2::2] = mean, cosine, dataset[f"{name}_sine"].values
+    array = np.zeros((*mean.shape, 2 * harmonics + 1))
+    stop = 2 * cosine.shape[-1] + 1
+    array[..., 0], array[..., 1:stop:2], array[..., 2:stop:2] = mean, cosine, dataset[f"{name}_sine"].values
     return array
 
 
@@ -183,8 +194,8 @@ def _linear_dataset(response: ForcedResponse) -> xarray.Dataset:
     dims = ("linear_point", "unknown")
     data = {
         "frequency": _variable(("linear_point",), linear.frequency_hz, "Hz", "excitation frequency"),
-        **_split("stuck", linear.stuck, dims, "m", "displacement with every contact stuck"),
-        **_split("free", linear.free, dims, "m", "displacement without contact"),
+        **_split("stuck", _excited(linear.stuck), dims, "m", "displacement with every contact stuck", "stuck_harmonic"),
+        **_split("free", _excited(linear.free), dims, "m", "displacement without contact", "free_harmonic"),
         "stuck_frequency": _variable(("stuck_mode",), linear.stuck_frequency_hz, "Hz", "natural frequency, all stuck"),
         "free_frequency": _variable(("free_mode",), linear.free_frequency_hz, "Hz", "natural frequency, no contact"),
     }
@@ -214,16 +225,17 @@ def _response_from(root: xarray.Dataset, linear: xarray.Dataset, pairs: xarray.D
             for name in ("normal_stiffness", "tangential_stiffness", "friction_coefficient", "preload")
         },
     )
+    harmonics = int(root.sizes["harmonic"])
     curves = LinearCurves(
         frequency_hz=linear["frequency"].values,
-        stuck=_joined(linear, "stuck"),
-        free=_joined(linear, "free"),
+        stuck=_joined(linear, "stuck", harmonics),
+        free=_joined(linear, "free", harmonics),
         stuck_frequency_hz=linear["stuck_frequency"].values,
         free_frequency_hz=linear["free_frequency"].values,
     )
     return ForcedResponse(
         frequency_hz=root["frequency"].values,
-        displacement=_joined(root, "displacement"),
+        displacement=_joined(root, "displacement", harmonics),
         **{
             name: root[name].values
             for name in (
@@ -239,11 +251,11 @@ def _response_from(root: xarray.Dataset, linear: xarray.Dataset, pairs: xarray.D
         converged=bool(root.attrs["converged"]),
         message=str(root["message"].item()),
         warnings=tuple(json.loads(root["warnings"].item())),
-        harmonics=int(root.sizes["harmonic"]),
+        harmonics=harmonics,
         samples=int(root.attrs["samples"]),
         pairs=joint,
         linear=curves,
-        force=_joined(root, "force"),
+        force=_joined(root, "force", harmonics),
         settings=json.loads(root["settings"].item()),
         provenance=json.loads(root["provenance"].item()),
     )
