@@ -48,7 +48,7 @@ def test_a_fault_of_the_drawing_comes_with_its_traceback(drawing: Drawing, tmp_p
     (tmp_path / "file").write_text("not a folder", encoding="utf-8")
     with SecondProcess() as artist:
         artist.start(replace(drawing, folder=tmp_path / "file"))
-        with pytest.raises(RuntimeError, match="(?s)could not be drawn:.*FileExistsError"):
+        with pytest.raises(RuntimeError, match=r"(?s)could not be drawn:.*FileExistsError"):
             artist.files()
 
 

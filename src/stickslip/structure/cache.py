@@ -1,4 +1,4 @@
-"""Reduced structures kept on disk: the same mesh, material and boundary nodes are reduced once.
+"""Reduced structures and their modes kept on disk: the same mesh, material and nodes are computed once.
 
 The folder is ``$STICKSLIP_CACHE`` ("off" keeps nothing), else ``stickslip`` in the user's cache folder. The name of a
 file is a digest of all that the reduction depends on: the matrices, the nodes, and the code of this package. A file
@@ -13,37 +13,69 @@ import zipfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError, StickslipError
+from stickslip.errors import StickslipError
 from stickslip.files import whole_file
 from stickslip.structure.elasticity import Structure
+from stickslip.structure.joined import NodePairs, joined_modes
+from stickslip.structure.mesh import IntArray
 from stickslip.structure.recovery import Recovery
 from stickslip.structure.superelement import Superelement
+from stickslip.validation import FloatArray
+
+Arrays = dict[str, FloatArray]
 
 VARIABLE = "STICKSLIP_CACHE"
 LARGEST_FOLDER = 1_000_000_000  # bytes
 
 
 def cached_superelement(
-    structure: Structure, boundary_nodes: NDArray[np.int64], n_modes: int, reduce: Callable[[], Superelement]
+    structure: Structure, boundary_nodes: IntArray, n_modes: int, reduce: Callable[[], Superelement]
 ) -> Superelement:
     """The superelement that ``reduce()`` gives for these inputs, from the disk if it was computed before.
 
     A folder that cannot be written only costs the time of the next run; nothing else depends on it.
     """
+    made: list[Superelement] = []
+
+    def compute() -> Arrays:
+        made.append(reduce())
+        new = made[0]
+        return {"mass": new.mass, "stiffness": new.stiffness, "modes": new.recovery.modes}
+
+    kept = _kept("superelement", _digest(structure, boundary_nodes, np.array([n_modes])), compute)
+    if made:
+        return made[0]
+    recovery = Recovery(structure, boundary_nodes, kept["modes"])
+    return Superelement(kept["mass"], kept["stiffness"], boundary_nodes=boundary_nodes, recovery=recovery)
+
+
+def cached_tied_modes(structure: Structure, pairs: NodePairs, count: int) -> tuple[FloatArray, FloatArray]:
+    """:func:`stickslip.structure.joined.joined_modes` of a full structure with tied pairs, kept in the same way."""
+
+    def compute() -> Arrays:
+        frequency_hz, modes = joined_modes(structure, pairs, count)
+        return {"frequency_hz": frequency_hz, "modes": modes}
+
+    kept = _kept("modes", _digest(structure, pairs.first_node, pairs.second_node, np.array([count])), compute)
+    return kept["frequency_hz"], kept["modes"]
+
+
+def _kept(kind: str, digest: str, compute: Callable[[], Arrays]) -> Arrays:
+    """The arrays of a file, or what ``compute()`` gives, then kept for the next time."""
     folder = cache_folder()
     if folder is None:
-        return reduce()
-    path = folder / f"superelement-{_key(structure, boundary_nodes, n_modes)}.npz"
-    kept = _read(path, structure)
-    if kept is not None:
-        return kept
-    superelement = reduce()
-    _write(path, superelement)
-    return superelement
+        return compute()
+    path = folder / f"{kind}-{digest}.npz"
+    arrays = _read(path)
+    if arrays is None:
+        arrays = compute()
+        _write(path, arrays)
+    return arrays
 
 
 def cache_folder() -> Path | None:
@@ -55,53 +87,41 @@ def cache_folder() -> Path | None:
     return (Path(base) if base else Path.home() / ".cache") / "stickslip"
 
 
-def _key(structure: Structure, boundary_nodes: NDArray[np.int64], n_modes: int) -> str:
+def _digest(structure: Structure, *numbers: NDArray[np.integer[Any]]) -> str:
     digest = hashlib.blake2b(_code(), digest_size=16)
     for matrix in (structure.stiffness, structure.mass):
         for array in (matrix.indptr, matrix.indices, matrix.data):
             digest.update(np.ascontiguousarray(array).tobytes())
-    for array in (structure.free_unknowns, boundary_nodes, np.array([structure.mesh.n_nodes, n_modes])):
-        digest.update(np.asarray(array, dtype=np.int64).tobytes())
+    for numbers_of in (structure.free_unknowns, np.array([structure.mesh.n_nodes]), *numbers):
+        digest.update(np.asarray(numbers_of, dtype=np.int64).tobytes() + b"|")
     return digest.hexdigest()
 
 
 @cache
 def _code() -> bytes:
-    """Digest of the modules that make superelements: results of an older version are never taken."""
+    """Digest of the modules that reduce structures: results of other code are never taken."""
     digest = hashlib.blake2b()
     for source in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(source.read_bytes())
     return digest.digest()
 
 
-def _read(path: Path, structure: Structure) -> Superelement | None:
-    """The superelement of a file; None if there is none, or if it is damaged."""
+def _read(path: Path) -> Arrays | None:
+    """The arrays of a file; None if there is none, or if it is damaged."""
     try:
         with path.open("rb") as stream, np.load(stream) as data:
-            nodes = data["boundary_nodes"]
-            kept = Superelement(
-                mass=data["mass"],
-                stiffness=data["stiffness"],
-                boundary_nodes=nodes,
-                recovery=Recovery(structure, nodes, data["modes"]),
-            )
+            arrays = {name: data[name] for name in data.files}
         os.utime(path)  # the file used last is the last to go
-    except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile, InputError):
+    except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile):
         return None
-    return kept
+    return arrays
 
 
-def _write(path: Path, superelement: Superelement) -> None:
+def _write(path: Path, arrays: Arrays) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(path, "reduced structure", StickslipError) as part, part.open("wb") as stream:
-            np.savez(
-                stream,
-                mass=superelement.mass,
-                stiffness=superelement.stiffness,
-                boundary_nodes=superelement.boundary_nodes,
-                modes=superelement.recovery.modes,
-            )
+        with whole_file(path, "kept structure", StickslipError) as part, part.open("wb") as stream:
+            np.savez(stream, allow_pickle=False, **arrays)
         _make_room(path.parent)
     except (OSError, StickslipError):
         return
@@ -109,7 +129,7 @@ def _write(path: Path, superelement: Superelement) -> None:
 
 def _make_room(folder: Path) -> None:
     """Remove the files that were not used for longest until the folder is small enough."""
-    files = sorted(folder.glob("superelement-*.npz"), key=lambda file: file.stat().st_mtime)
+    files = sorted(folder.glob("*.npz"), key=lambda file: file.stat().st_mtime)
     total = sum(file.stat().st_size for file in files)
     for file in files:
         if total <= LARGEST_FOLDER:

@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip.errors import InputError
 from stickslip.progress import ProgressCallback
+from stickslip.structure.cache import cached_tied_modes
 from stickslip.structure.elasticity import Structure, natural_frequencies
 from stickslip.structure.factor import Backend, factor_forecast, factorize
 from stickslip.structure.joined import NodePairs, joined_modes
@@ -164,7 +165,10 @@ def reduction_table(
     """
     if superelement.recovery is None:
         raise InputError("reduction_table needs a superelement with a recovery, as craig_bampton makes it.")
-    full_hz, full = joined_modes(structure, pairs, count, springs)
+    if springs is None:
+        full_hz, full = cached_tied_modes(structure, pairs, count)
+    else:
+        full_hz, full = joined_modes(structure, pairs, count, springs)
     reduced_hz, reduced = joined_modes(superelement, pairs, count, springs)
     product = np.einsum("ij,ij->j", full, reduced)
     mac = product**2 / (np.einsum("ij,ij->j", full, full) * np.einsum("ij,ij->j", reduced, reduced))
