@@ -4,7 +4,7 @@
 while it runs. ``--quick`` leaves out what takes minutes.
 
 Bench cases: the blade with 10, 40 and 110 contacts, 3 harmonics, 128 samples, whole window. The dense Newton follows
-the whole curve, or with ``--quick`` its first points. pyHarm solves a few points before the peak of the same blade with
+the whole curve, or with ``--quick`` its first points. pyHarm solves a few points on the rise of the same blade with
 four times the preload, each from the one before: where contacts open its law is another one and its Newton fails, so
 only its time counts here (compare_pyharm.py compares values). "Difference to dense" is the largest change that three
 iterations of a dense Newton in all unknowns, with the same friction law, make to our points.
@@ -107,7 +107,7 @@ def dense_seconds(problem: BladeProblem, quick: bool) -> float:
 
 
 def pyharm_seconds(problem: BladeProblem) -> float | None:
-    """Seconds for each point of pyHarm at points just before the peak of a pressed blade; None without pyHarm."""
+    """Seconds for each point of pyHarm up to half the peak of a pressed blade; None without pyHarm."""
     if importlib.util.find_spec("pyHarm") is None:
         return None
     from pyharm_case import PyHarmCase
@@ -116,7 +116,8 @@ def pyharm_seconds(problem: BladeProblem) -> float | None:
     curve = blade_curve(problem)
     peer = PyHarmCase(problem, "cone", HARMONICS, SAMPLES)
     count = PYHARM_POINTS[problem.n_contacts]
-    last = max(int(curve.amplitude(problem.output).argmax()) - 2, count + 1)
+    amplitude = curve.amplitude(problem.output)
+    last = max(int((amplitude > 0.5 * amplitude.max()).argmax()), count + 1)
     solution = curve.displacement[last - count - 1].T
     seconds = []
     for point in range(last - count, last + 1):

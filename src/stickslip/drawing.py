@@ -12,7 +12,6 @@ import signal
 import subprocess
 import sys
 import traceback
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, cast
@@ -30,30 +29,29 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Drawing:
-    """What the figures of a study are drawn from."""
+    """The figures of a case, written into a folder in the formats of the case."""
 
     folder: Path
     case: Case
-    response: ForcedResponse
-    record: StudyRecord
 
-    def draw(self) -> list[Path]:
-        """Write every figure in the formats of the case; returns the files. Raises InputError."""
+    def of_response(self, response: ForcedResponse, record: StudyRecord) -> list[Path]:
+        """Write every figure of a response; returns the files. Raises InputError."""
         formats = self.case.output.figure_formats
         if not formats:
             return []
         from stickslip.report.figures import save_all
 
         self.folder.mkdir(parents=True, exist_ok=True)
-        return [*save_all(self.folder, self.response, self.record, formats), *self._rough_face()]
+        return save_all(self.folder, response, record, formats)
 
-    def _rough_face(self) -> Iterator[Path]:
-        """A picture of one rough face: heights from the roughness, its ridges and its seed, over the contact face."""
-        if self.case.roughness is None:
-            return
+    def of_roughness(self) -> list[Path]:
+        """Write a picture of one rough face: heights from the roughness, its ridges and its seed. Raises InputError."""
+        given, geometry, formats = self.case.roughness, self.case.geometry, self.case.output.figure_formats
+        if given is None or not formats:
+            return []
         from stickslip.report.figures import save, surface
 
-        given, geometry = self.case.roughness, self.case.geometry
+        self.folder.mkdir(parents=True, exist_ok=True)
         n_max = frequency_count(given.sample_length, given.shortest_length)
         along = np.linspace(0.0, geometry.damper_length, 420)
         across = np.linspace(0.0, geometry.contact_face_width, 98)
@@ -63,12 +61,17 @@ class Drawing:
             x, y, given.fractal_dimension, given.fractal_roughness, given.sample_length, given.ridges, phases
         )
         figure = surface(x, y, heights)
-        for ending in self.case.output.figure_formats:
-            yield save(figure, self.folder / f"rough_face.{ending}")
+        return [save(figure, self.folder / f"rough_face.{ending}") for ending in formats]
 
 
 class SecondProcess:
-    """A process that waits for one :class:`Drawing`; leaving the ``with`` block ends it."""
+    """A process that draws the rough face at once, and the rest when it gets the response.
+
+    Leaving the ``with`` block ends it.
+    """
+
+    def __init__(self, drawing: Drawing) -> None:
+        self._drawing = drawing
 
     def __enter__(self) -> SecondProcess:
         self._process = subprocess.Popen(
@@ -76,14 +79,18 @@ class SecondProcess:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
         )
+        self._send(self._drawing)
         return self
 
-    def start(self, drawing: Drawing) -> None:
+    def start(self, response: ForcedResponse, record: StudyRecord) -> None:
         """Hand over what is to be drawn, and go on."""
+        self._send((response, record))
+
+    def _send(self, data: object) -> None:
         stream = cast(IO[bytes], self._process.stdin)
         try:
-            pickle.dump(drawing, stream)
-            stream.close()
+            pickle.dump(data, stream)
+            stream.flush()
         except BrokenPipeError:
             return  # it died; files() says so
 
@@ -109,17 +116,16 @@ class SecondProcess:
 
 
 def serve() -> None:
-    """What the second process does: import, read one drawing, draw it, answer."""
+    """What the second process does: read a drawing, draw the rough face, read a response, draw it, answer."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process decides what an interrupt means
-    import stickslip.report.figures  # noqa: F401  the slow import, beside the solver
-
-    try:
-        drawing = pickle.load(sys.stdin.buffer)
-    except EOFError:
-        return  # the study ended without a response
     answer: Any
     try:
-        answer = drawing.draw()
+        drawing = pickle.load(sys.stdin.buffer)
+        files = drawing.of_roughness()
+        response, record = pickle.load(sys.stdin.buffer)
+        answer = [*drawing.of_response(response, record), *files]
+    except EOFError:
+        return  # the study ended without a response
     except StickslipError as error:
         answer = error
     except Exception:

@@ -59,7 +59,7 @@ def run(
     out = Path(out_dir)
     out.mkdir(parents=True, exist_ok=True)
     # One thread for the matrix products here: beside threads that solve for many right-hand sides more would be slower.
-    with threadpool_limits(limits=1), SecondProcess() as artist:
+    with threadpool_limits(limits=1), SecondProcess(Drawing(out / FIGURE_FOLDER, case)) as artist:
         return _run(case, out, progress or SilentProgress(), thread_count(threads), artist)
 
 
@@ -76,7 +76,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
     response = solve(case, model, progress, threads)
     record = study_record(case, model, table, response)
     progress.update("Files", 0.0, RESULTS_FILE)
-    artist.start(Drawing(out / FIGURE_FOLDER, case, response, record))
+    artist.start(response, record)
     save_results(out / RESULTS_FILE, response, record)
     progress.update("Files", 0.3, REPORT_FILE)
     page = _page(out, response, record)
