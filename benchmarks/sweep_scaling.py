@@ -24,7 +24,7 @@ def seconds(workers: int, values: list[float]) -> float:
         begin = time.perf_counter()
         sweep = ss.sweep(Case(), {"preload.centrifugal_force": values}, out=Path(folder), workers=workers)
         spent = time.perf_counter() - begin
-    failed = sum(not row.converged for row in sweep.rows)
+    failed = sum(not row.converged for row in sweep.table.rows)
     print(f"{workers} process(es): {spent:.1f} s, {spent / len(values):.2f} s a case, {failed} of {len(values)} failed")
     return spent
 

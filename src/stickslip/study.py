@@ -93,7 +93,7 @@ def solve(
 ) -> ForcedResponse:
     """The forced response of a model with the settings of its case; provenance says inputs and versions."""
     settings, told = case.solver, progress or SilentProgress()
-    compiling = "preparing; the first run on a machine compiles the friction law, which takes about half a minute"
+    compiling = "preparing; the first run on a machine compiles the friction law, about ten seconds"
     told.update("Response", 0.0, compiling)
     response = forced_response(
         model.superelement,

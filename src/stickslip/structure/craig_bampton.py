@@ -88,18 +88,24 @@ def craig_bampton(
     report(0.8, "reduced matrices")
 
     reduced_stiffness = np.zeros((size, size))
-    reduced_stiffness[:n_boundary, :n_boundary] = (
-        stiffness[boundary][:, boundary].toarray() + stiffness_ib.T @ constraint
-    )
+    reduced_stiffness[:n_boundary, :n_boundary] = stiffness_ib.T @ constraint
+    _add_sparse(reduced_stiffness, stiffness[boundary][:, boundary])
     reduced_stiffness[n_boundary:, n_boundary:] = np.diag(squared)
     with threadpool_limits(limits=threads):
         reduced_mass = _congruence(mass_ii, transformation)
     coupling = mass_ib.T @ transformation
     reduced_mass[:n_boundary] += coupling
     reduced_mass[:, :n_boundary] += coupling.T
-    reduced_mass[:n_boundary, :n_boundary] += mass[boundary][:, boundary].toarray()
+    del coupling
+    _add_sparse(reduced_mass, mass[boundary][:, boundary])
     recovery = Recovery(structure, nodes, transformation[:, n_boundary:].copy(), backend, threads, factor)
     return Superelement(mass=reduced_mass, stiffness=reduced_stiffness, boundary_nodes=nodes, recovery=recovery)
+
+
+def _add_sparse(dense: FloatArray, part: Any) -> None:
+    """Add a sparse matrix (k, k) to the first k rows and columns, without a dense copy of it."""
+    entries = part.tocoo()
+    dense[entries.row, entries.col] += entries.data
 
 
 def _congruence(matrix: Any, basis: FloatArray, block: int = 256) -> FloatArray:
