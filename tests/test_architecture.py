@@ -30,6 +30,8 @@ LAYER_OF = {
     "template": "case",
     "case_file": "case",
     "case_sections": "case",
+    "profile_file": "case",
+    "measured_roughness": "study",
     "facts": "study",
     "model": "study",
     "sweep": "study",
