@@ -57,12 +57,10 @@ def _length(name: str, text: str) -> float:
 def rows(measured: MeasuredRoughness) -> list[tuple[str, str]]:
     """(label, value) of the result."""
     profile, fit = measured.profile, measured.fit
+    points, length = profile.heights.size, profile.heights.size * profile.spacing
     low, high = fit.scale_range
     found = [
-        (
-            "points",
-            f"{profile.heights.size} at {_shown(profile.spacing)}, {_shown(profile.heights.size * profile.spacing)} long",
-        ),
+        ("points", f"{points} at {_shown(profile.spacing)}, {_shown(length)} long"),
         ("units", f"position in {profile.units[0]}, height in {profile.units[1]}"),
         ("removed", "mean straight line; the fit allows for it"),
         ("Sq", f"{_shown(fit.rms_height)} about that line"),

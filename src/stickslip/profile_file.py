@@ -158,8 +158,8 @@ def _spacing(source: Path, position: FloatArray, lines: list[int]) -> float:
     if wrong.size:
         at = int(np.abs(steps - spacing).argmax())
         raise InputError(
-            f"{source}, line {lines[at + 1]}: the position is {steps[at]:g} after that of the line before, but the mean "
-            f"distance is {spacing:g} ({wrong.size} of {steps.size} distances differ by more than "
+            f"{source}, line {lines[at + 1]}: the position is {steps[at]:g} after that of the line before, but the "
+            f"mean distance is {spacing:g} ({wrong.size} of {steps.size} distances differ by more than "
             f"{100 * SPACING_TOLERANCE:g} %). Export the profile at equal distances, with enough digits."
         )
     return spacing

@@ -76,7 +76,7 @@ class LineModel:
 
     @classmethod
     def build(cls, points: int, spacing: float, waves: FloatArray, lags: NDArray[np.intp]) -> LineModel:
-        """The model for lines of ``points`` at ``spacing`` (m). Waves come from all sides: 1 - J0(2 pi tau / lambda)."""
+        """The model for lines of ``points`` at ``spacing`` (m); waves from all sides: 1 - J0(2 pi tau / lambda)."""
         distance = spacing * np.arange(points)
         each = np.array([expected_structure(1.0 - j0(2.0 * np.pi * distance / wave), lags) for wave in waves])
         return cls(waves, each, expected_structure((distance > 0).astype(float), lags))

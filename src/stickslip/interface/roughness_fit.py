@@ -1,8 +1,8 @@
 """Fractal dimension D and fractal roughness G from measured heights, by their structure function.
 
 S(tau) = G^(2(D-2)) sum_n ln gamma lambda_n^(2(3-D)) [1 - J0(2 pi tau / lambda_n)] + c,   c: noise, or missing waves
-is fitted to the structure function of detrended lines, what the detrending takes away included. Lags of one profile hang
-together, so weights and intervals come from simulated surfaces. Derivation and checks: docs/theory_roughness_fit.md.
+is fitted to the structure function of detrended lines, what the detrending takes away included. Lags of one profile are
+correlated, so weights and intervals come from simulated surfaces. Derivation and checks: docs/theory_roughness_fit.md.
 """
 
 from __future__ import annotations
@@ -86,18 +86,17 @@ def fit_roughness(
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
         raise InputError(f"seed is {seed!r}, but it must be a whole number, 0 or above.")
     wave_end = _longest_wave(longest_wave, parts)
-    given = scales is not None
     low, high = _scales(scales, parts)
-    problem = _Problem.build(parts, low, high, wave_end)
+    rng = np.random.default_rng(seed)
+    fitted = _Fitted.to(_Problem.build(parts, low, high, wave_end), rng)
     raised = False
-    while not given:  # waves that the instrument does not show must lie below the range
-        start = problem.first_guess()
-        shortest = problem.spectrum(start).shortest
+    while scales is None:  # waves that the instrument does not show must lie below the range
+        shortest = fitted.problem.spectrum(fitted.best).shortest
         if shortest <= 2.0 * low or shortest > 0.3 * high:
             break
         low, raised = shortest, True
-        problem = _Problem.build(parts, low, high, wave_end)
-    return _judge(problem, np.random.default_rng(seed), raised)
+        fitted = _Fitted.to(_Problem.build(parts, low, high, wave_end), rng)
+    return _judge(fitted, rng, raised)
 
 
 @dataclass(frozen=True)
@@ -274,20 +273,35 @@ class _Problem:
             )
             for surface in islice(surfaces, SIMULATIONS)
         ]
-        return np.log(np.array(rows))
+        return np.asarray(np.log(np.array(rows)))
 
 
-def _judge(problem: _Problem, rng: np.random.Generator, raised: bool) -> RoughnessFit:
-    """Weights from surfaces that are like the first guess, the fit, and its scatter over surfaces that are like it."""
-    guess = problem.first_guess()
-    trial = problem.simulated(guess, rng)
-    # ln of a mean over few long waves lies below ln of its expectation: the same shift in measurement and simulation
-    shift = trial.mean(axis=0) - problem.log_structure(guess)
-    covariance = np.cov(trial.T) + MODEL_ERROR**2 * np.eye(problem.measured.size)
-    whitening = np.linalg.inv(np.linalg.cholesky(covariance))
-    best, misfit = problem.fit(problem.measured - shift, whitening, guess)
+@dataclass(frozen=True)
+class _Fitted:
+    """The best parameters, with weights and shift from surfaces that are like the first guess."""
+
+    problem: _Problem
+    shift: FloatArray  # ln of a mean over few long waves lies below ln of its expectation
+    whitening: FloatArray
+    best: FloatArray
+    misfit: float
+
+    @classmethod
+    def to(cls, problem: _Problem, rng: np.random.Generator) -> _Fitted:
+        """Generalised least squares."""
+        guess = problem.first_guess()
+        trial = problem.simulated(guess, rng)
+        shift = trial.mean(axis=0) - problem.log_structure(guess)
+        covariance = np.cov(trial.T) + MODEL_ERROR**2 * np.eye(problem.measured.size)
+        whitening = np.linalg.inv(np.linalg.cholesky(covariance))
+        return cls(problem, shift, whitening, *problem.fit(problem.measured - shift, whitening, guess))
+
+
+def _judge(fitted: _Fitted, rng: np.random.Generator, raised: bool) -> RoughnessFit:
+    """The scatter of the fit over surfaces that are like the best one, and what follows from it."""
+    problem, best, misfit, shift = fitted.problem, fitted.best, fitted.misfit, fitted.shift
     again = problem.simulated(best, rng)
-    outcomes = [problem.fit(row - shift, whitening, best) for row in again]
+    outcomes = [problem.fit(row - shift, fitted.whitening, best) for row in again]
     scatter = np.array([parameters for parameters, _ in outcomes])
     dimensions, log_roughness = 3.0 - scatter[:, 0], _log_roughness(scatter)
     constants = np.array([problem.constant(row) for row in scatter])

@@ -65,8 +65,8 @@ def _sentences(found: Evidence) -> Iterator[str]:
         yield f"Too few points: {found.points} on a line; {FEW_POINTS} or more make the intervals narrower."
     if found.noise_share > LARGE_NOISE:
         yield (
-            f"Noise: a constant makes up {100 * found.noise_share:.0f} % of the structure function at the shortest lag, "
-            f"as heights without neighbourhood of {found.noise_height:.3g} m rms do. The fit leaves it out; waves "
+            f"Noise: a constant makes up {100 * found.noise_share:.0f} % of S at the shortest lag, as "
+            f"heights without neighbourhood of {found.noise_height:.3g} m rms do. The fit leaves it out; waves "
             "shorter than the range cannot be told from it."
         )
     if found.raised:
@@ -82,8 +82,8 @@ def _sentences(found: Evidence) -> Iterator[str]:
     lowest, highest = found.dimension_interval
     if found.usable and min(lowest - 2.0, 3.0 - highest) < NEAR_LIMIT:
         yield (
-            f"D is poorly determined: its interval, {lowest:.2f} to {highest:.2f}, reaches the limit of 2 or 3, so that "
-            "of G says little. Use more scales, or take the mean of several lines."
+            f"D is poorly determined: its interval, {lowest:.2f} to {highest:.2f}, reaches the limit of 2 or 3, so "
+            "that of G says little. Use more scales, or take the mean of several lines."
         )
     if found.usable and min(found.dimension - 2.0, 3.0 - found.dimension) < NEAR_LIMIT:
         yield f"D = {found.dimension:.3f} is near its limit, where G and the contact law are ill-determined."
