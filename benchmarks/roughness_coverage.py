@@ -33,7 +33,7 @@ def mandelbrot(longest: float, shortest: float) -> Callable[[float, float, int, 
     def make(dimension: float, roughness: float, points: int, seed: int) -> FloatArray:
         length = longest * points * SPACING
         phases = draw_phases(seed, RIDGES, frequency_count(length, shortest * SPACING))
-        along, angle = SPACING * np.arange(points), np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi)
+        along, angle = SPACING * np.arange(points), np.random.default_rng([7, seed]).uniform(0.0, 2.0 * np.pi)
         x, y = along * np.cos(angle), along * np.sin(angle)
         return ss.fractal_surface(x, y, dimension, roughness, length, RIDGES, phases)
 

@@ -26,6 +26,19 @@ def test_own_matrices(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.Mo
     assert abs(numbers["difference"]) < 3e-3
 
 
+def test_measured_roughness(capsys: pytest.CaptureFixture[str]) -> None:
+    module = runpy.run_path(str(ROOT / "examples" / "measured_roughness.py"))
+    fit = module["main"]()
+    assert "true value 2.4" in capsys.readouterr().out
+    for name, true in (("fractal_dimension", 2.4), ("fractal_roughness", 1e-9)):
+        low, high = getattr(fit, f"{name}_interval")
+        assert low < true < high
+    stored = module["DATA"].read_text(encoding="utf-8").splitlines()[2:]
+    recipe = module["make_profile"]().splitlines()[2:]
+    numbers = [[float(word) for line in text for word in line.split(",")] for text in (stored, recipe)]
+    assert numbers[0] == pytest.approx(numbers[1], abs=2e-4)  # the last digit of um may round otherwise elsewhere
+
+
 def test_two_blades(capsys: pytest.CaptureFixture[str]) -> None:
     module = runpy.run_path(str(ROOT / "examples" / "two_blades.py"))
     peaks = module["main"](harmonics=1, samples=64)
