@@ -57,9 +57,14 @@ KINDS: dict[str, tuple[Callable[[float, float, int, int], FloatArray], bool]] = 
 
 
 def main(profiles: int = 50, points: int = 1000) -> None:
-    """Print a table: mean and scatter of D, mean half-width of its interval, median log10 G, share of hits."""
+    """Print a table: mean and scatter of D, mean half-width of its interval, median log10 G, share of hits.
+
+    "line" is the D that a straight line through ln S over ln tau at the same lags would give, 3 less half its slope.
+    """
     print(f"{profiles} profiles of {points} points each")
-    print("surface            D    log10 G | mean D  sd D   half-width | median log10 G | D held, G held | warned")
+    print(
+        "surface            D    log10 G | line  | mean D  sd D  half-width | median log10 G | D held G held | unlike"
+    )
     for kind, (make, told) in KINDS.items():
         for dimension, roughness in SURFACES:
             fits = [
@@ -77,11 +82,12 @@ def main(profiles: int = 50, points: int = 1000) -> None:
             ranges = np.array([fit.fractal_roughness_interval for fit in fits])
             roughness_held = np.mean((ranges[:, 0] <= roughness) & (roughness <= ranges[:, 1]))
             middle = np.log10(np.median([fit.fractal_roughness for fit in fits]))
+            slopes = [np.polyfit(np.log(fit.lag), np.log(fit.structure_function), 1)[0] for fit in fits]
             unlike = np.mean([any("Not fractal" in each for each in fit.warnings) for fit in fits])
             print(
-                f"{kind:<17} {dimension:.1f} {np.log10(roughness):6.1f}    | {found.mean():.3f} {found.std():.3f} "
-                f"{0.5 * np.ptp(ends, axis=1).mean():9.3f}    | {middle:10.2f}     | {100 * held:4.0f} %  "
-                f"{100 * roughness_held:4.0f} %  | {100 * unlike:.0f} %",
+                f"{kind:<17} {dimension:.1f} {np.log10(roughness):6.1f}    | {3.0 - 0.5 * np.mean(slopes):.3f} | "
+                f"{found.mean():.3f}  {found.std():.3f} {0.5 * np.ptp(ends, axis=1).mean():8.3f}   | {middle:10.2f} "
+                f"    | {100 * held:4.0f} % {100 * roughness_held:4.0f} % | {100 * unlike:.0f} %",
                 flush=True,
             )
 

@@ -39,6 +39,19 @@ def test_measured_roughness(capsys: pytest.CaptureFixture[str]) -> None:
     assert numbers[0] == pytest.approx(numbers[1], abs=2e-4)  # the last digit of um may round otherwise elsewhere
 
 
+def test_roughness_page_shows_what_the_command_prints(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = (ROOT / "docs" / "roughness.md").read_text(encoding="utf-8")
+    command = re.search(r"^stickslip (roughness .+)$", page, flags=re.MULTILINE).group(1)
+    promised = re.search(r"```text\n(.*?)```", page, flags=re.DOTALL).group(1)
+    words = command.replace("examples/", f"{ROOT}/examples/").split()
+    monkeypatch.chdir(tmp_path)
+    printed = CliRunner().invoke(app, words).stdout
+    numbers = r"\d+(?:\.\d+)?(?:e[-+]\d+)?"
+    assert re.sub(numbers, "", printed).replace("\\", "/") == re.sub(numbers, "", promised)
+    for one, other in zip(re.findall(numbers, printed), re.findall(numbers, promised), strict=True):
+        assert float(one) == pytest.approx(float(other), rel=0.02)
+
+
 def test_two_blades(capsys: pytest.CaptureFixture[str]) -> None:
     module = runpy.run_path(str(ROOT / "examples" / "two_blades.py"))
     peaks = module["main"](harmonics=1, samples=64)
@@ -63,7 +76,7 @@ def test_readme_commands_exist(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     block = next(part for part in re.findall(r"```sh\n(.*?)```", readme, flags=re.DOTALL) if "stickslip" in part)
     commands = re.findall(r"^stickslip (\w+)((?: [^#\n]+)?)", block, flags=re.MULTILINE)
-    assert [name for name, _ in commands] == ["new", "check", "run", "report"]
+    assert [name for name, _ in commands] == ["new", "check", "run", "report", "roughness"]
     runner = CliRunner()
     for name, arguments in commands[:2]:
         assert runner.invoke(app, [name, *arguments.split()]).exit_code == 0
