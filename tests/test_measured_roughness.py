@@ -31,7 +31,7 @@ def test_prints_lines_that_a_study_file_accepts_and_writes_files(tmp_path: Path)
     given = Case.from_text(section).roughness
     assert given is not None
     assert 2.3 < given.fractal_dimension < 2.5
-    low, high = re.search(r"G .*95 %: (\S+) to (\S+)\)", result.stdout).groups()
+    low, high = re.search(r"G .*95 %: (\S+) to (\S+) m\)", result.stdout).groups()
     assert float(low) < 1e-9 < float(high)
     assert float(low) < given.fractal_roughness < float(high)
     assert {path.name for path in tmp_path.iterdir()} == {f"structure_function.{end}" for end in ("svg", "png", "csv")}

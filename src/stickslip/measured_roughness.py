@@ -72,7 +72,7 @@ def rows(measured: MeasuredRoughness) -> list[tuple[str, str]]:
     if fit.usable:
         found += [
             ("D of the surface", f"{fit.fractal_dimension:.3f} {_between(fit.fractal_dimension_interval, '.3f')}"),
-            ("G", f"{fit.fractal_roughness:.3g} m {_between(fit.fractal_roughness_interval, '.2g')}"),
+            ("G", f"{fit.fractal_roughness:.3g} m {_between(fit.fractal_roughness_interval, '.2g', ' m')}"),
         ]
     return found
 
@@ -102,9 +102,9 @@ def write(folder: str | PathLike[str], measured: MeasuredRoughness) -> tuple[Pat
     return (*files, out / TABLE)
 
 
-def _between(interval: Interval, digits: str) -> str:
+def _between(interval: Interval, digits: str, unit: str = "") -> str:
     low, high = interval
-    return f"(95 %: {low:{digits}} to {high:{digits}})"
+    return f"(95 %: {low:{digits}} to {high:{digits}}{unit})"
 
 
 def _shown(length: float) -> str:

@@ -135,6 +135,7 @@ def test_scales_and_longest_wave_are_used() -> None:
     ("heights", "options", "words"),
     [
         (np.zeros((3, 4, 5)), {}, "a line"),
+        (np.zeros(100_001), {}, "100000 is the most"),
         (np.zeros(50), {}, "50 points on a line"),
         (np.arange(200.0), {}, "straight lines"),
         (np.where(np.arange(200) == 7, np.nan, 1.0), {}, r"heights\[7\] is nan"),

@@ -24,6 +24,7 @@ from stickslip.interface.roughness_warnings import Evidence, sentences
 from stickslip.validation import FloatArray, finite_array
 
 FEWEST_POINTS = 100  # on a line; its tenth part then holds six lags
+MOST_POINTS = 100_000  # on a line; every simulated surface has as many
 SHARE_OF_LENGTH = 0.1  # longest lag: longer ones vary so much from surface to surface that they tell nothing of D
 FIRST_LAG = 2  # in spacings: one step is closest to what instrument and sampling do
 LAGS_PER_DECADE = 8
@@ -113,6 +114,11 @@ def _line_sets(heights: FloatArray, spacing: float | Sequence[float]) -> tuple[_
     if heights.ndim not in (1, 2):
         raise InputError(f"heights must be a line (n,) or a map (n_y, n_x), but its shape is {heights.shape}.")
     grid = heights[None] if heights.ndim == 1 else heights
+    if max(grid.shape) > MOST_POINTS:
+        raise InputError(
+            f"heights has {max(grid.shape)} points on a line, but {MOST_POINTS} is the most that simulated surfaces "
+            "follow. Give a part of it, or every second or third point."
+        )
     steps = _spacings(spacing, heights.ndim)
     parts = []
     for along_x, lines in ((True, grid), (False, grid.T)):
