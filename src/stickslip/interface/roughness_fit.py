@@ -33,6 +33,7 @@ MOST_LINES = 32  # of a map in each direction; neighbouring lines tell nearly th
 BEYOND = 100.0  # longest wave over line length where none is given; longer ones are straight lines, which are removed
 MODEL_ERROR = 0.02  # relative, of S: ripple of separate waves, few directions
 SIMULATIONS = 200
+WIDENING = 1.3  # surfaces like the fitted one scatter less than those like the true one, most near the limits of D
 HURST_RANGE = (0.02, 0.98)
 CONSTANT_RANGE = (-3.0, 3.0)  # of ln[1 + c / S at the shortest lag]
 
@@ -312,10 +313,10 @@ def _judge(fitted: _Fitted, rng: np.random.Generator, raised: bool) -> Roughness
     dimensions, log_roughness = 3.0 - scatter[:, 0], _log_roughness(scatter)
     constants = np.array([problem.constant(row) for row in scatter])
     dimension, roughness = 3.0 - float(best[0]), float(_roughness(_log_roughness(best[None]))[0])
-    low, high = (float(end) for end in np.quantile(dimensions, [0.025, 0.975]))
-    smallest, largest = (float(end) for end in _roughness(np.quantile(log_roughness, [0.025, 0.975])))
-    interval = (min(low, dimension), max(high, dimension))
-    roughness_interval = (min(smallest, roughness), max(largest, roughness))
+    low, high = _interval(dimension, dimensions)
+    interval = (max(low, 2.0), min(high, 3.0))
+    roughness_interval = _interval(float(_log_roughness(best[None])[0]), log_roughness)
+    smallest, largest = (float(end) for end in _roughness(np.array(roughness_interval)))
     probability = float(np.mean([value >= misfit for _, value in outcomes]))
     constant = problem.constant(best)
     noisy = constant > 0.0 and float(np.quantile(constants, 0.025)) > 0.0
@@ -340,7 +341,7 @@ def _judge(fitted: _Fitted, rng: np.random.Generator, raised: bool) -> Roughness
         fractal_dimension=dimension,
         fractal_roughness=roughness,
         fractal_dimension_interval=interval,
-        fractal_roughness_interval=roughness_interval,
+        fractal_roughness_interval=(smallest, largest),
         scale_range=evidence.scale_range,
         lag=lag,
         structure_function=structure,
@@ -356,6 +357,12 @@ def _judge(fitted: _Fitted, rng: np.random.Generator, raised: bool) -> Roughness
         usable=usable,
         warnings=sentences(evidence),
     )
+
+
+def _interval(best: float, scatter: FloatArray) -> Interval:
+    """95 % of ``scatter`` about ``best``, widened."""
+    low, high = (float(end) for end in np.quantile(scatter, [0.025, 0.975]))
+    return best - WIDENING * max(best - low, 0.0), best + WIDENING * max(high - best, 0.0)
 
 
 def _log_roughness(parameters: FloatArray) -> FloatArray:
