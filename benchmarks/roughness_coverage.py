@@ -45,7 +45,7 @@ def gaussian(dimension: float, roughness: float, points: int, seed: int) -> Floa
     waves = wavelengths(100.0 * points * SPACING, SPACING)
     spectrum = Spectrum.of(waves, 3.0 - dimension, roughness ** (2.0 * (dimension - 2.0)), 0.0)
     lines = (LineSet(points, SPACING, np.zeros(1), along_x=True),)
-    return next(simulate(lines, spectrum, np.random.default_rng([1, seed])))[0][0]
+    return next(simulate(lines, spectrum, np.random.default_rng([2, seed])))[0][0]
 
 
 KINDS: dict[str, tuple[Callable[[float, float, int, int], FloatArray], bool]] = {

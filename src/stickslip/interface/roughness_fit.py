@@ -33,7 +33,7 @@ MOST_LINES = 32  # of a map in each direction; neighbouring lines tell nearly th
 BEYOND = 100.0  # longest wave over line length where none is given; longer ones are straight lines, which are removed
 MODEL_ERROR = 0.02  # relative, of S: ripple of separate waves, few directions
 SIMULATIONS = 200
-WIDENING = 1.3  # surfaces like the fitted one scatter less than those like the true one, most near the limits of D
+WIDENING = 1.3  # surfaces like the fitted one can scatter less than those like the true one; theory page, section 4
 HURST_RANGE = (0.02, 0.98)
 CONSTANT_RANGE = (-3.0, 3.0)  # of ln[1 + c / S at the shortest lag]
 
