@@ -31,6 +31,8 @@ LAYER_OF = {
     "template": "case",
     "case_file": "case",
     "case_sections": "case",
+    "profile_file": "case",
+    "measured_roughness": "study",
     "facts": "study",
     "drawing": "study",
     "model": "study",

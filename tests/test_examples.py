@@ -30,6 +30,32 @@ def test_own_matrices(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.Mo
     assert abs(numbers["difference"]) < 3e-3
 
 
+def test_measured_roughness(capsys: pytest.CaptureFixture[str]) -> None:
+    module = runpy.run_path(str(ROOT / "examples" / "measured_roughness.py"))
+    fit = module["main"]()
+    assert "true value 2.4" in capsys.readouterr().out
+    for name, true in (("fractal_dimension", 2.4), ("fractal_roughness", 1e-9)):
+        low, high = getattr(fit, f"{name}_interval")
+        assert low < true < high
+    stored = module["DATA"].read_text(encoding="utf-8").splitlines()[2:]
+    recipe = module["make_profile"]().splitlines()[2:]
+    numbers = [[float(word) for line in text for word in line.split(",")] for text in (stored, recipe)]
+    assert numbers[0] == pytest.approx(numbers[1], abs=2e-4)  # the last digit of um may round otherwise elsewhere
+
+
+def test_roughness_page_shows_what_the_command_prints(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = (ROOT / "docs" / "roughness.md").read_text(encoding="utf-8")
+    command = re.search(r"^stickslip (roughness .+)$", page, flags=re.MULTILINE).group(1)
+    promised = re.search(r"```text\n(.*?)```", page, flags=re.DOTALL).group(1)
+    words = command.replace("examples/", f"{ROOT}/examples/").split()
+    monkeypatch.chdir(tmp_path)
+    printed = CliRunner().invoke(app, words).stdout
+    numbers = r"\d+(?:\.\d+)?(?:e[-+]\d+)?"
+    assert re.sub(numbers, "", printed).replace("\\", "/") == re.sub(numbers, "", promised)
+    for one, other in zip(re.findall(numbers, printed), re.findall(numbers, promised), strict=True):
+        assert float(one) == pytest.approx(float(other), rel=0.02)
+
+
 def test_two_blades(capsys: pytest.CaptureFixture[str]) -> None:
     module = runpy.run_path(str(ROOT / "examples" / "two_blades.py"))
     peaks = module["main"](harmonics=1, samples=64)
@@ -54,7 +80,7 @@ def test_readme_commands_exist(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     block = next(part for part in re.findall(r"```sh\n(.*?)```", readme, flags=re.DOTALL) if "stickslip" in part)
     commands = re.findall(r"^stickslip (\w+)((?: [^#\n]+)?)", block, flags=re.MULTILINE)
-    assert [name for name, _ in commands] == ["new", "check", "run", "report"]
+    assert [name for name, _ in commands] == ["new", "check", "run", "report", "roughness"]
     runner = CliRunner()
     for name, arguments in commands[:2]:
         assert runner.invoke(app, [name, *arguments.split()]).exit_code == 0

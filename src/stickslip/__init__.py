@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from stickslip.interface.contact_pairs import ContactPairs
     from stickslip.interface.friction import contact_cycle
     from stickslip.interface.pairing import pair_faces
+    from stickslip.interface.roughness_fit import RoughnessFit, fit_roughness
     from stickslip.interface.stiffness import Roughness, contact_stiffness
     from stickslip.interface.surface import fractal_surface
     from stickslip.results.response import ForcedResponse
@@ -34,12 +35,14 @@ _HOME = {
     "ForcedResponse": "results.response",
     "Mesh": "structure.mesh",
     "Roughness": "interface.stiffness",
+    "RoughnessFit": "interface.roughness_fit",
     "Structure": "structure.elasticity",
     "Superelement": "structure.superelement",
     "assemble": "structure.elasticity",
     "contact_cycle": "interface.friction",
     "contact_stiffness": "interface.stiffness",
     "craig_bampton": "structure.craig_bampton",
+    "fit_roughness": "interface.roughness_fit",
     "forced_response": "solve.forced",
     "fractal_surface": "interface.surface",
     "load_case": "case",
@@ -54,6 +57,7 @@ __all__ = [
     "ForcedResponse",
     "Mesh",
     "Roughness",
+    "RoughnessFit",
     "Structure",
     "Superelement",
     "__version__",
@@ -61,6 +65,7 @@ __all__ = [
     "contact_cycle",
     "contact_stiffness",
     "craig_bampton",
+    "fit_roughness",
     "forced_response",
     "fractal_surface",
     "load_case",

@@ -1,4 +1,4 @@
-"""The command line: ``stickslip new | check | run | sweep | report``.
+"""The command line: ``stickslip new | check | run | sweep | report | roughness``.
 
 Exit codes: 0 done, 1 fault of the program, 2 bad input, 3 not converged (what was computed is kept), 130 interrupted.
 Everything heavy is imported inside the commands, so that ``stickslip --help`` answers at once.
@@ -96,9 +96,7 @@ def check(path: StudyFile, debug: Debug = False) -> None:
             sections = study.check(case)
         for title, rows in sections:
             typer.echo(f"\n{title}")
-            width = max((len(label) for label, _ in rows), default=0)
-            for label, value in rows:
-                typer.echo(f"  {label:<{width}}  {value}")
+            _print_rows(rows)
 
 
 @app.command()
@@ -191,6 +189,42 @@ def report(
 
         for file in study.report(folder):
             typer.echo(f"Wrote {file}")
+
+
+@app.command()
+def roughness(
+    path: Annotated[Path, typer.Argument(metavar="FILE", help="Line profile: position, height.", show_default=False)],
+    unit: Annotated[str | None, typer.Option("--unit", help="Unit of both columns, such as um.")] = None,
+    position_unit: Annotated[str | None, typer.Option("--position-unit", help="Unit of the first column.")] = None,
+    height_unit: Annotated[str | None, typer.Option("--height-unit", help="Unit of the second column.")] = None,
+    scales: Annotated[
+        tuple[str, str] | None, typer.Option("--scales", help='Shortest and longest lag: "4 um" "0.2 mm".')
+    ] = None,
+    longest_wave: Annotated[
+        str | None, typer.Option("--longest-wave", help='Where waves end, such as the cut-off of a filter: "0.8 mm".')
+    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder for plot and table.")] = None,
+    debug: Debug = False,
+) -> None:
+    """Fractal dimension and fractal roughness of a measured profile."""
+    with _sentences(debug):
+        if out is not None:
+            _require_writable(out)
+        from stickslip import measured_roughness
+
+        measured = measured_roughness.measure(path, position_unit or unit, height_unit or unit, scales, longest_wave)
+        _print_rows(measured_roughness.rows(measured))
+        for sentence in measured.fit.warnings:
+            typer.echo(f"Warning: {sentence}")
+        for file in measured_roughness.write(out, measured) if out is not None else ():
+            typer.echo(f"Wrote {file}")
+        typer.echo(f"\nFor the study file:\n{measured_roughness.study_lines(measured.fit)}", nl=False)
+
+
+def _print_rows(rows: list[tuple[str, str]]) -> None:
+    width = max((len(label) for label, _ in rows), default=0)
+    for label, value in rows:
+        typer.echo(f"  {label:<{width}}  {value}")
 
 
 def _load(path: Path, quiet: bool = False) -> Case:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stickslip.errors import InputError
+from stickslip.interface.roughness_fit import RoughnessFit
 from stickslip.report import figures
 from stickslip.report.style import STATES, energy_unit, number
 from synthetic import synthetic_response, synthetic_study
@@ -51,6 +52,19 @@ def test_loop_encloses_the_energy_of_its_pair(case):
     assert area == pytest.approx(response.dissipated_energy[point, pair], rel=0.03)
     with pytest.raises(InputError, match="numbered 0 to 109"):
         figures.hysteresis_loop(response, study, pair=110)
+
+
+def test_structure_function_draws_measurement_and_fit_of_each_direction():
+    lag = np.array([1e-6, 2e-6, 4e-6, 1e-6, 3e-6])
+    values = {field.name: 1.0 for field in dataclasses.fields(RoughnessFit)}
+    values |= {"lag": lag, "structure_function": lag**1.2, "fitted": 1.1 * lag**1.2, "points_along_x": 3}
+    lines = figures.structure_function(RoughnessFit(**values)).axes[0].lines
+    np.testing.assert_allclose(lines[0].get_xdata(), [1.0, 2.0, 4.0])
+    np.testing.assert_allclose(lines[2].get_ydata(), 1e12 * lag[3:] ** 1.2)
+    np.testing.assert_allclose(lines[1].get_ydata(), 1.1 * lines[0].get_ydata())
+    assert [line.get_label() for line in lines[:3:2]] == ["measured along x", "measured along y"]
+    one = figures.structure_function(RoughnessFit(**(values | {"points_along_x": 5}))).axes[0].lines
+    assert [line.get_label() for line in one] == ["measured", "D = 1.000, G = 1 m"]
 
 
 def test_all_figures_are_written(case, tmp_path):

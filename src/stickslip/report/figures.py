@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from stickslip.errors import InputError
 from stickslip.files import whole_file
+from stickslip.interface.roughness_fit import RoughnessFit
 from stickslip.report.style import BLUE, GREY, INK, LINE_COLOURS, MICRO, ORANGE, STATES, VERMILLION
 from stickslip.report.view import View
 from stickslip.results.record import StudyRecord
@@ -147,6 +148,22 @@ def surface(x: ArrayLike, y: ArrayLike, heights: ArrayLike) -> Figure:
     figure.colorbar(mesh, ax=axes, label="Height about the mean, µm")
     axes.set(xlabel="x, mm", ylabel="y, mm", aspect="equal")
     axes.set_title(f"Sq = {about_mean.std():.3g} µm on this grid", fontsize=10)
+    return figure
+
+
+def structure_function(fit: RoughnessFit) -> Figure:
+    """Measured structure function and the fit of D and G against the lag; a map has one curve for each direction."""
+    figure, axes = _new(6.0, 4.2)
+    split = fit.points_along_x
+    directions = (("x", slice(0, split), "o", BLUE), ("y", slice(split, None), "s", ORANGE))
+    shown = [each for each in directions if fit.lag[each[1]].size]
+    for axis, part, marker, colour in shown:
+        label = "measured" if len(shown) == 1 else f"measured along {axis}"
+        axes.loglog(MICRO * fit.lag[part], MICRO**2 * fit.structure_function[part], marker, color=colour, label=label)
+        words = f"D = {fit.fractal_dimension:.3f}, G = {fit.fractal_roughness:.3g} m" if axis == shown[0][0] else None
+        axes.loglog(MICRO * fit.lag[part], MICRO**2 * fit.fitted[part], color=INK, label=words)
+    axes.set(xlabel="Lag, µm", ylabel="Structure function, µm²\nmean line removed")
+    axes.legend(frameon=False)
     return figure
 
 

@@ -21,6 +21,9 @@ from stickslip.structure.recovery import Recovery, partition
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
 
+# Columns that matrix products take at a time.
+BLOCK = 256
+
 
 def craig_bampton(
     structure: Structure,
@@ -88,7 +91,9 @@ def craig_bampton(
     report(0.8, "reduced matrices")
 
     reduced_stiffness = np.zeros((size, size))
-    reduced_stiffness[:n_boundary, :n_boundary] = stiffness_ib.T @ constraint
+    for start in range(0, n_boundary, BLOCK):  # the product of all columns at once would copy them
+        columns = slice(start, min(start + BLOCK, n_boundary))
+        reduced_stiffness[:n_boundary, columns] = stiffness_ib.T @ constraint[:, columns]
     _add_sparse(reduced_stiffness, stiffness[boundary][:, boundary])
     reduced_stiffness[n_boundary:, n_boundary:] = np.diag(squared)
     with threadpool_limits(limits=threads):
@@ -108,12 +113,12 @@ def _add_sparse(dense: FloatArray, part: Any) -> None:
     dense[entries.row, entries.col] += entries.data
 
 
-def _congruence(matrix: Any, basis: FloatArray, block: int = 256) -> FloatArray:
+def _congruence(matrix: Any, basis: FloatArray) -> FloatArray:
     """``basis^T matrix basis`` (k, k) of a sparse symmetric matrix, block by block and one triangle only."""
     size = basis.shape[1]
     answer = np.empty((size, size))
-    for start in range(0, size, block):
-        stop = min(start + block, size)
+    for start in range(0, size, BLOCK):
+        stop = min(start + BLOCK, size)
         answer[start:stop, start:] = (matrix @ basis[:, start:stop]).T @ basis[:, start:]
         answer[stop:, start:stop] = answer[start:stop, stop:].T
     return answer

@@ -1,0 +1,94 @@
+"""What speaks against D and G that were fitted to a measurement, in sentences with numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+NEAR_LIMIT = 0.05  # of D to 2 or 3, where the exponents of the contact law explode
+FEW_POINTS = 500
+LARGE_TREND = 0.8  # share of the height variance
+LARGE_NOISE = 0.1  # share of S at the shortest lag
+UNLIKELY = 0.01
+DIRECTIONS_DIFFER = 3.0  # standard deviations
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What the fit found, as far as a warning can follow from it; lengths in m."""
+
+    dimension: float
+    dimension_interval: tuple[float, float]
+    roughness: float
+    usable: bool
+    scale_range: tuple[float, float]
+    points: int
+    trend_share: float
+    noise_share: float
+    noise_height: float
+    raised: bool
+    probability: float
+    direction_deviation: float
+
+
+def sentences(found: Evidence) -> tuple[str, ...]:
+    """The warnings, gravest first."""
+    return tuple(_sentences(found))
+
+
+def _sentences(found: Evidence) -> Iterator[str]:
+    low, high = found.scale_range
+    if not found.usable:
+        limit = 2 if found.dimension < 2.5 else 3
+        like = "smoother than any fractal surface" if limit == 2 else "like noise"
+        yield (
+            f"D out of 2..3: the best fit lies at the limit {limit}, so the heights are {like} over these scales; "
+            "D and G are not usable. Choose other scales or check the filter of the instrument."
+        )
+    if found.probability < UNLIKELY:
+        yield (
+            f"Not fractal over the range: of simulated surfaces with this D and G only {100 * found.probability:.1f} % "
+            "fit worse. Look at the plot and choose the scales over which it is straight."
+        )
+    if abs(found.direction_deviation) > DIRECTIONS_DIFFER:
+        more = "x" if found.direction_deviation > 0 else "y"
+        yield (
+            f"Not isotropic: the heights change more along {more} than along the other direction, by "
+            f"{abs(found.direction_deviation):.0f} standard deviations of an isotropic surface; D and G are a mean."
+        )
+    if high < 10.0 * low:
+        yield (
+            f"Range below a decade: the fit uses scales from {low:.3g} m to {high:.3g} m only, over which a power "
+            "law is hard to tell from another curve."
+        )
+    if found.points < FEW_POINTS:
+        yield f"Too few points: {found.points} on a line; {FEW_POINTS} or more make the intervals narrower."
+    if found.noise_share > LARGE_NOISE:
+        yield (
+            f"Noise: a constant makes up {100 * found.noise_share:.0f} % of S at the shortest lag, as "
+            f"heights without neighbourhood of {found.noise_height:.3g} m rms do. The fit leaves it out; waves "
+            "shorter than the range cannot be told from it."
+        )
+    if found.raised:
+        yield (
+            f"Short waves are missing (stylus tip, spot or filter): the fit starts at {low:.3g} m, and D and G say "
+            "nothing about shorter scales."
+        )
+    if found.trend_share > LARGE_TREND:
+        yield (
+            f"Trend removed: the mean line of the heights held {100 * found.trend_share:.0f} % of their variance. If "
+            "that is form or tilt, all is well; if it is long waves, measure a longer line."
+        )
+    lowest, highest = found.dimension_interval
+    if found.usable and min(lowest - 2.0, 3.0 - highest) < NEAR_LIMIT:
+        yield (
+            f"D is poorly determined: its interval, {lowest:.2f} to {highest:.2f}, reaches the limit of 2 or 3, so "
+            "that of G says little. Use more scales, or take the mean of several lines."
+        )
+    if found.usable and min(found.dimension - 2.0, 3.0 - found.dimension) < NEAR_LIMIT:
+        yield f"D = {found.dimension:.3f} is near its limit, where G and the contact law are ill-determined."
+    if found.usable and found.roughness >= low:
+        yield (
+            f"G = {found.roughness:.3g} m is not below the shortest scale of the fit, {low:.3g} m: waves of that "
+            "length are steeper than 1, and the contact law does not hold for them."
+        )

@@ -1,0 +1,85 @@
+"""The command ``stickslip roughness``: what it prints and writes, and what it refuses."""
+
+from __future__ import annotations
+
+import csv
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from stickslip.case import Case
+from stickslip.cli import app
+
+PROFILE = Path(__file__).parents[1] / "examples" / "data" / "profile.csv"
+
+
+def invoke(*arguments: object) -> Any:
+    """Run ``stickslip roughness``."""
+    return CliRunner().invoke(app, ["roughness", *map(str, arguments)])
+
+
+def test_prints_lines_that_a_study_file_accepts_and_writes_files(tmp_path: Path) -> None:
+    result = invoke(PROFILE, "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    for words in ("1500 at 2 um, 3 mm long", "Sq ", "Sdq", "mean straight line", "4 um to 300 um"):
+        assert words in result.stdout
+    section = result.stdout.split("For the study file:\n")[1]
+    given = Case.from_text(section).roughness
+    assert given is not None
+    assert 2.3 < given.fractal_dimension < 2.5
+    low, high = re.search(r"G .*95 %: (\S+) to (\S+) m\)", result.stdout).groups()
+    assert float(low) < 1e-9 < float(high)
+    assert float(low) < given.fractal_roughness < float(high)
+    assert {path.name for path in tmp_path.iterdir()} == {f"structure_function.{end}" for end in ("svg", "png", "csv")}
+    with (tmp_path / "structure_function.csv").open(encoding="utf-8", newline="") as stream:
+        table = list(csv.DictReader(stream))
+    lag = np.array([float(row["lag_m"]) for row in table])
+    assert lag[[0, -1]] == pytest.approx([4e-6, 3e-4])
+    heights = 1e-6 * np.loadtxt(PROFILE, delimiter=",", skiprows=2)[:, 1]
+    along = np.arange(heights.size)
+    flat = heights - np.polyval(np.polyfit(along, heights, 1), along)
+    assert float(table[0]["structure_function_m2"]) == pytest.approx(np.mean((flat[2:] - flat[:-2]) ** 2), rel=1e-6)
+
+
+def test_options_reach_the_fit() -> None:
+    result = invoke(PROFILE, "--scales", "10 um", "0.2 mm", "--longest-wave", "60 mm")
+    assert result.exit_code == 0, result.output
+    assert "10 um to 200 um" in result.stdout
+
+
+def test_a_profile_without_d_ends_with_a_sentence(tmp_path: Path) -> None:
+    along = np.arange(400)
+    np.savetxt(tmp_path / "smooth.txt", np.column_stack([along, 1e-4 * (along / 100.0) ** 4]))
+    result = invoke(tmp_path / "smooth.txt", "--unit", "um")
+    assert result.exit_code == 2
+    assert "no D and G for a study file" in result.stderr
+    assert "D out of 2..3" in result.stdout
+    assert "[roughness]" not in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--unit", "um"), "states the position in mm, but um"),
+        (("--scales", "4", "0.2 mm"), 'the scale "4" has no unit'),
+        (("--scales", "4 um", "0.2 N"), 'the scale "0.2 N"'),
+        (("--scales", "4 um", "9 mm"), "half the length"),
+        (("--longest-wave", "-1 mm"), "longest wave"),
+    ],
+)
+def test_bad_options_are_refused(arguments: tuple[str, ...], words: str) -> None:
+    result = invoke(PROFILE, *arguments)
+    assert result.exit_code == 2
+    assert result.stderr.startswith("Error: ")
+    assert words in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_missing_file_is_named(tmp_path: Path) -> None:
+    result = invoke(tmp_path / "none.txt", "--unit", "um")
+    assert result.exit_code == 2
+    assert "none.txt" in result.stderr
