@@ -10,7 +10,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 help:
 	@echo "make demo   the two-blade case: solve it and write demo/report.html"
 	@echo "make test   linters, type check and all tests"
-	@echo "make bench  comparison with pyHarm (installs the extra [bench])"
+	@echo "make bench  curves beside a dense Newton and pyHarm (installs the extra [bench]; some minutes)"
 
 $(INSTALLED): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "stickslip needs Python 3.11 or newer, but $(PYTHON) is " + sys.version.split()[0] + "; name another one: make PYTHON=python3.12")'
@@ -36,7 +36,7 @@ test: lint
 
 bench: $(INSTALLED)
 	$(PIP) install --constraint constraints.txt --editable .[bench]
-	$(BIN)/python -W ignore benchmarks/compare_pyharm.py
+	$(BIN)/python -W ignore benchmarks/bench.py
 
 clean:
 	rm -rf $(VENV) demo .pytest_cache .mypy_cache .ruff_cache .hypothesis
