@@ -56,7 +56,7 @@ class LineProgress:
         """Print a line where the stage begins or ends."""
         if stage not in self._started:
             self._started.add(stage)
-            self._print(f"{stage} ...")
+            self._print(f"{stage}: {detail} ..." if detail and fraction == 0.0 else f"{stage} ...")
         if fraction >= 1.0 and stage not in self._finished:
             self._finished.add(stage)
             self._print(f"{stage}: {detail or 'done'}")
