@@ -7,7 +7,7 @@ import scipy.sparse
 from stickslip.errors import ConvergenceError, InputError, MissingPackageError
 from stickslip.structure import factor as factor_module
 from stickslip.structure.elasticity import Material, assemble
-from stickslip.structure.factor import factorize
+from stickslip.structure.factor import PARDISO_SIZE, best_backend, factor_forecast, factorize
 
 
 @pytest.fixture(scope="module")
@@ -68,3 +68,30 @@ def test_pardiso_where_it_is_installed(stiffness):
     solution = np.random.default_rng(0).standard_normal((stiffness.shape[0], 5))
     factor = factorize(stiffness, backend="pardiso")
     np.testing.assert_allclose(factor.solve(stiffness @ solution, block=2), solution, atol=1e-11)
+
+
+def test_a_large_factor_with_superlu_says_how_long_it_may_take():
+    assert factor_forecast(10_000, "superlu") == "factor of 10000 unknowns"
+    assert factor_forecast(200_000, "pardiso") == "factor of 200000 unknowns"
+    sentence = factor_forecast(100_000, "superlu")
+    assert "from 7 s (slender mesh) to 50 s (full body)" in sentence
+    assert "stickslip[pardiso]" in sentence
+
+
+def test_the_best_backend_needs_its_package_and_a_size_where_it_pays(monkeypatch):
+    assert best_backend(PARDISO_SIZE - 1) == "superlu"
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    assert best_backend(10**6) == "superlu"
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: object())
+    assert best_backend(10**6) == "pardiso"
+
+
+def test_blocks_in_threads_give_the_same_columns_and_tell_their_progress(stiffness):
+    right = np.random.default_rng(0).normal(size=(stiffness.shape[0], 50))
+    heard: list[float] = []
+    one = factorize(stiffness).solve(right, block=8)
+    out = np.empty_like(right)
+    two = factorize(stiffness, threads=3).solve(right, block=8, out=out, progress=heard.append)
+    assert two is out
+    np.testing.assert_array_equal(one, two)
+    assert sorted(heard) == pytest.approx(np.arange(1, 8) / 7)

@@ -24,8 +24,8 @@ RESIDUAL_LIMIT = 1e-10
 SOLUTION_ERROR_LIMIT = 1e-3
 # From here on PARDISO is faster than SuperLU, by a factor that grows with the size.
 PARDISO_SIZE = 40_000
-# Time of a SuperLU factor of a solid mesh, measured (docs/performance.md).
-SUPERLU_SECONDS, SUPERLU_SIZE, SUPERLU_GROWTH = 50.0, 100_000, 2.0
+# Time of a SuperLU factor of a slender and of a full solid mesh of 100,000 unknowns, measured (docs/performance.md).
+SUPERLU_SECONDS, SUPERLU_SIZE, SUPERLU_GROWTH = (7.0, 50.0), 100_000, 1.9
 _SINGULAR_ADVICE = (
     "A body or node that nothing holds makes it so: fix more nodes (or keep them as boundary nodes), or use a negative "
     "shift for free structures."
@@ -85,10 +85,11 @@ def factor_forecast(size: int, backend: Backend) -> str:
     """A sentence on the factor of a solid mesh with ``size`` unknowns; says how long SuperLU may take."""
     if backend == "pardiso" or size < PARDISO_SIZE:
         return f"factor of {size} unknowns"
-    seconds = SUPERLU_SECONDS * (size / SUPERLU_SIZE) ** SUPERLU_GROWTH
+    growth = (size / SUPERLU_SIZE) ** SUPERLU_GROWTH
+    slender, full = (max(1, round(seconds * growth)) for seconds in SUPERLU_SECONDS)
     return (
-        f"factor of {size} unknowns with SuperLU, about {max(1, round(seconds / 60))} min; "
-        "the extra stickslip[pardiso] is several times faster"
+        f"factor of {size} unknowns with SuperLU, from {slender} s (slender mesh) to {full} s (full body); "
+        "the extra stickslip[pardiso] helps with full bodies"
     )
 
 
