@@ -67,3 +67,8 @@ def blade_structure(blade_mesh):
 def blade_superelement(blade_mesh, blade_structure, pairs_of):
     points = [blade_mesh.node_set(name) for name in ("excitation_left", "excitation_right", "response")]
     return craig_bampton(blade_structure, np.concatenate([pairs_of(blade_mesh).nodes, *points]), n_modes=30)
+
+
+@pytest.fixture(scope="module")
+def held_block(make_block):
+    return assemble(make_block((4, 2, 2), (2.0, 1.0, 1.0)), Material(), fixed_nodes=np.arange(9))

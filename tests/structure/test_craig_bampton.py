@@ -3,13 +3,8 @@ import pytest
 
 from stickslip.errors import InputError
 from stickslip.structure.craig_bampton import craig_bampton, paper_table, reduction_table
-from stickslip.structure.elasticity import Material, assemble, natural_frequencies
+from stickslip.structure.elasticity import natural_frequencies
 from stickslip.structure.superelement import Superelement
-
-
-@pytest.fixture(scope="module")
-def held_block(make_block):
-    return assemble(make_block((4, 2, 2), (2.0, 1.0, 1.0)), Material(), fixed_nodes=np.arange(9))
 
 
 def test_blade_pair_has_699_unknowns(blade_mesh, blade_superelement):
