@@ -1,0 +1,178 @@
+"""Figures of the study, one function each; the style is that of the single figures of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stickslip.paper.claims import MICRO, energy_at, friction_energy, series
+from stickslip.paper.plan import EXCITATIONS
+from stickslip.paper.records import SHOWN_PLACES, Solved
+from stickslip.report.figures import plain_axes, save
+from stickslip.report.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, STATES, VERMILLION
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+COLOURS = (BLUE, VERMILLION, GREEN, ORANGE, PURPLE, INK, GREY)
+DASHES = ("-", "--", "-.", ":", "-", "--", "-.")
+FORMATS = ("svg", "png")
+
+
+def panels(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Figure, Any]:
+    """A figure with (rows, columns) plain axes."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False, **options)
+    for each in axes.ravel():
+        plain_axes(each)
+    return figure, axes
+
+
+def label(one: Solved, along: str) -> str:
+    """The value of D or G of a curve."""
+    return f"D = {one.setting.dimension:g}" if along == "D" else f"G = {one.setting.scale:g} m"
+
+
+def reduction(mode_table: np.ndarray[Any, Any], paper: Sequence[Any]) -> Figure:
+    """Frequency difference and MAC of the reduced model, the paper's beside."""
+    figure, axes = panels(1, 2, 9.0, 3.4)
+    mode = mode_table[:, 0]
+    axes[0, 0].bar(mode - 0.2, np.abs(mode_table[:, 3]), 0.4, color=BLUE, label="ours")
+    axes[0, 0].bar(mode + 0.2, [row["frequency_difference_percent"] for row in paper], 0.4, color=ORANGE, label="paper")
+    axes[0, 0].axhline(0.01, color=INK, linewidth=0.8, linestyle="--", label="1/10,000")
+    axes[0, 0].set(yscale="log", xlabel="Mode", ylabel="Reduced from full, %", xticks=mode)
+    axes[0, 0].legend(frameon=False)
+    axes[0, 1].bar(mode - 0.2, mode_table[:, 4], 0.4, color=BLUE, label="ours")
+    axes[0, 1].bar(mode + 0.2, [row["mac"] for row in paper], 0.4, color=ORANGE, label="paper")
+    axes[0, 1].set(ylim=(0.98, 1.001), xlabel="Mode", ylabel="MAC", xticks=mode)
+    return figure
+
+
+def curves(solutions: Sequence[Solved], along: str) -> Figure:
+    """Amplitude against frequency: a column for each excitation, a row for each force and load."""
+    lines = list(series(solutions, along))
+    runs = list(dict.fromkeys((line[0].setting.force, line[0].setting.load) for line in lines))
+    figure, axes = panels(len(runs), len(EXCITATIONS), 11.0, 2.9 * len(runs), sharex=True)
+    for line in lines:
+        s = line[0].setting
+        panel = axes[runs.index((s.force, s.load)), EXCITATIONS.index(s.excitation)]
+        for place, one in enumerate(line):
+            panel.plot(
+                one.frequency_hz, MICRO * one.amplitude_m, color=COLOURS[place % 7], linestyle=DASHES[place % 7],
+                label=label(one, along), linewidth=1.3,
+            )  # fmt: skip
+        panel.set_title(f"{s.excitation}, {s.force:g} N, F_N {s.load:g} N", fontsize=9)
+        panel.set(ylim=(0.0, None))
+    for panel in axes[-1]:
+        panel.set_xlabel("Excitation frequency, Hz")
+    for panel in axes[:, 0]:
+        panel.set_ylabel("Tip amplitude, 0-to-peak, µm")
+    axes[0, 0].legend(frameon=False, fontsize=8)
+    return figure
+
+
+def energies(solutions: Sequence[Solved], along: str) -> Figure:
+    """Friction energy for each period against D or G: at the peak (left) and at a fixed frequency (right)."""
+    figure, axes = panels(1, 2, 9.5, 3.8)
+    for line in series(solutions, along):
+        s = line[0].setting
+        value = [one.setting.dimension if along == "D" else one.setting.scale for one in line]
+        middle = line[len(line) // 2].numbers["peak_hz"]
+        style = {
+            "color": COLOURS[EXCITATIONS.index(s.excitation)],
+            "linestyle": "-" if s.force > 2.0 and s.load > 50.0 else "--" if s.load > 50.0 else ":",
+            "marker": "o",
+            "markersize": 4,
+        }
+        name = f"{s.excitation}, {s.force:g} N, F_N {s.load:g} N"
+        axes[0, 0].plot(value, [MICRO * friction_energy(one) for one in line], label=name, **style)
+        axes[0, 1].plot(value, [MICRO * energy_at(one, middle) for one in line], label=name, **style)
+    for panel, title in zip(axes[0], ("at the peak", "at the peak frequency of the middle curve"), strict=True):
+        panel.set_title(title, fontsize=10)
+        panel.set(xlabel="D" if along == "D" else "G, m (falling to the right)", ylabel="Friction energy per cycle, µJ")
+        panel.set_yscale("symlog", linthresh=1e-3)
+        if along == "G":
+            panel.set_xscale("log")
+            panel.invert_xaxis()
+    axes[0, 1].legend(frameon=False, fontsize=7)
+    return figure
+
+
+def state_maps(solutions: Sequence[Solved], along: str, force: float) -> Figure:
+    """Contact states of all pairs at the peak: a row for each roughness, a column for each excitation."""
+    lines = [line for line in series(solutions, along) if line[0].setting.force == force]
+    figure, axes = panels(len(lines[0]), len(EXCITATIONS), 10.0, 1.5 * len(lines[0]) + 0.6, sharex=True, sharey=True)
+    for line in lines:
+        column = EXCITATIONS.index(line[0].setting.excitation)
+        for row, one in enumerate(line):
+            panel = axes[row, column]
+            x, y = 1e3 * one.pair_position.T
+            span = float(np.ptp(y)) + 2.0
+            for code, state in enumerate(STATES):
+                here = one.pair_state == code
+                panel.scatter(
+                    x[here], (y + np.where(one.pair_face == 0, 0.6, -0.6) * span)[here],
+                    marker=state.matplotlib_marker, color=state.colour, s=12, label=state.name,
+                )  # fmt: skip
+            counts = "/".join(f"{one.numbers[name]:g}" for name in ("stuck", "stick_slip", "separating"))
+            panel.set_title(f"{one.setting.excitation}, {label(one, along)}: {counts}", fontsize=8)
+            panel.set_yticks([])
+    for panel in axes[-1]:
+        panel.set_xlabel("Along the damper, mm")
+    for panel in axes[:, 0]:
+        panel.set_ylabel("right | left face", fontsize=8)
+    handles, names = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside lower center", ncols=3, frameon=False)
+    return figure
+
+
+def period(solutions: Sequence[Solved], along: str, place: int) -> Figure:
+    """Forces and state of one pair over one period: rows T1, T2, N, state; columns same and opposite."""
+    lines = [line for line in series(solutions, along) if line[0].setting.excitation != "single"]
+    figure, axes = panels(4, 2, 9.5, 8.0, sharex=True)
+    for line in lines:
+        column = ("same", "opposite").index(line[0].setting.excitation)
+        for number, one in enumerate(line):
+            style = {"color": COLOURS[number % 7], "linestyle": DASHES[number % 7], "linewidth": 1.2}
+            phase = np.linspace(0.0, 1.0, one.signals.shape[2], endpoint=False)
+            for row in range(3):
+                axes[row, column].plot(phase, one.signals[place, 3 + row], label=label(one, along), **style)
+            axes[3, column].plot(phase, one.phase_state[place] + 0.06 * number, drawstyle="steps-post", **style)
+        axes[0, column].set_title(f"{line[0].setting.excitation} direction, {SHOWN_PLACES[place]}", fontsize=10)
+    for row, name in enumerate(("T1, N", "T2, N", "Normal force, N")):
+        axes[row, 0].set_ylabel(name)
+    axes[3, 0].set_yticks([0, 1, 2], ["stuck", "slipping", "open"])
+    axes[3, 1].set_yticks([0, 1, 2], ["", "", ""])
+    axes[0, 0].legend(frameon=False, fontsize=8)
+    for panel in axes[3]:
+        panel.set_xlabel("Time over period")
+    return figure
+
+
+def damper_sides(same: Solved, opposite: Solved) -> Figure:
+    """Displacement of the damper's symmetric nodes in three directions over one period."""
+    figure, axes = panels(3, 2, 9.5, 6.0, sharex=True)
+    for column, one in enumerate((same, opposite)):
+        phase = np.linspace(0.0, 1.0, one.sides.shape[2], endpoint=False)
+        for row, axis in enumerate("xyz"):
+            for side, (name, colour, dash) in enumerate((("left", BLUE, "-"), ("right", VERMILLION, "--"))):
+                signal = MICRO * (one.sides[side, row] - one.sides[side, row].mean())
+                axes[row, column].plot(phase, signal, dash, color=colour, label=f"{name} node")
+            axes[row, column].set_ylabel(f"{axis}, µm")
+        share = 100.0 * np.asarray(one.shares)
+        words = f"{one.setting.excitation}: translation {share[0]:.1f} %, rotation {share[1]:.1f} %"
+        axes[0, column].set_title(words, fontsize=10)
+        axes[2, column].set_xlabel("Time over period")
+    axes[0, 0].legend(frameon=False)
+    return figure
+
+
+def write(folder: Path, name: str, draw: Callable[[], Figure]) -> tuple[Path, ...]:
+    """Draw a figure and write it as SVG and PNG. Raises InputError where the folder cannot be written."""
+    figure = draw()
+    return tuple(save(figure, folder / f"{name}.{ending}") for ending in FORMATS)
