@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -15,7 +15,6 @@ from stickslip.paper.verdicts import Answer, Judgement, falls, judge, rises, ris
 Solutions = Sequence[Solved]
 # Friction energy below this share of the input energy is none: the balance of energies is no better than this.
 NO_ENERGY = 1e-3
-# Pairs that leave the stuck state count as more from this number on.
 MICRO = 1e6
 
 
@@ -40,13 +39,14 @@ def friction_energy(one: Solved) -> float:
 
 
 def energy_at(one: Solved, frequency_hz: float) -> float:
-    """J per cycle at a fixed frequency, the largest of the branches there, 0 where no branch passes it."""
+    """J per cycle at a fixed frequency, the largest branch; 0 below what can be told, or off the curve."""
     f, energy = one.frequency_hz, one.energy_j
     low, high = np.minimum(f[:-1], f[1:]), np.maximum(f[:-1], f[1:])
     found = np.flatnonzero((low <= frequency_hz) & (frequency_hz <= high) & (high > low))
     share = (frequency_hz - f[found]) / (f[found + 1] - f[found])
     values = energy[found] + share * (energy[found + 1] - energy[found])
-    return max(float(values.max()), 0.0) if values.size else 0.0
+    largest = float(values.max()) if values.size else 0.0
+    return largest if largest > NO_ENERGY * one.numbers["viscous_energy_j"] else 0.0
 
 
 def moving(one: Solved) -> float:
@@ -103,20 +103,34 @@ _FIELD = {"D": "dimension", "G": "scale"}
 
 
 def energy_along(along: str, trend: Trend, fixed: bool) -> Callable[..., list[Answer]]:
-    """The friction energy at the peak of each curve, or at one frequency: the peak of the series' middle curve."""
+    """The friction energy at the peak of each curve, or at one frequency for all: the peak of the first, the middle or
+    the last curve of the series."""
 
     def ask(solutions: Solutions) -> list[Answer]:
         answers = []
         for line in series(solutions, along):
-            middle = line[len(line) // 2].numbers["peak_hz"]
-            values = [energy_at(one, middle) if fixed else friction_energy(one) for one in line]
-            told = trend(values) if max(values) > 0.0 else None
-            at = f"at {middle:.1f} Hz" if fixed else "at the peak"
-            shown = ", ".join(f"{MICRO * value:.3g}" for value in values)
-            answers.append(Answer(where(line[0], along), told, f"{shown} µJ {at}"))
+            if not fixed:
+                answers.append(_energy_answer([friction_energy(one) for one in line], line, along, trend, "the peak"))
+                continue
+            for name, frequency_hz in fixed_frequencies(line).items():
+                values = [energy_at(one, frequency_hz) for one in line]
+                answer = _energy_answer(values, line, along, trend, f"{frequency_hz:.1f} Hz")
+                answers.append(replace(answer, where={"frequency": name, **answer.where}))
         return answers
 
     return ask
+
+
+def fixed_frequencies(line: Sequence[Solved]) -> dict[str, float]:
+    """The paper does not say which frequency it holds, so three are tried: the peaks of three curves of the series."""
+    chosen = {"softest": line[0], "middle": line[len(line) // 2], "stiffest": line[-1]}
+    return {f"of the {name} curve's peak": one.numbers["peak_hz"] for name, one in chosen.items()}
+
+
+def _energy_answer(values: Sequence[float], line: Sequence[Solved], along: str, trend: Trend, at: str) -> Answer:
+    told = trend(values) if max(values) > 0.0 else None
+    shown = ", ".join(f"{MICRO * value:.3g}" for value in values)
+    return Answer(where(line[0], along), told, f"{shown} µJ at {at}")
 
 
 def by_excitation(solutions: Solutions) -> Iterator[dict[str, Solved]]:
@@ -136,7 +150,7 @@ def same_is_largest(measure: Measure, factor: float, unit: str) -> Callable[...,
         for group in by_excitation(solutions):
             values = {name: measure(group[name]) for name in EXCITATIONS}
             others = max(values["single"], values["opposite"])
-            told = None if max(values.values()) <= 0.0 else values["same"] > others
+            told = None if values["same"] == others else values["same"] > others
             shown = ", ".join(f"{name} {factor * value:.3g}" for name, value in values.items())
             answers.append(Answer(where(group["same"], "excitation"), told, f"{shown} {unit}"))
         return answers
@@ -206,9 +220,12 @@ def _dominated_by(excitation: str, part: int) -> Callable[..., list[Answer]]:
 def _all_states(solutions: Solutions) -> list[Answer]:
     answers = []
     for one in solutions:
-        seen = [int((np.asarray(one.phase_state) == code).any()) for code in range(3)]
+        phases = np.asarray(one.phase_state)
+        seen = np.stack([(phases == code).any(axis=1) for code in range(3)])
         counts = f"{one.numbers['stuck']:g} / {one.numbers['stick_slip']:g} / {one.numbers['separating']:g}"
-        answers.append(Answer(where(one), sum(seen) == 3, f"stuck / stick-slip / separating pairs {counts}"))
+        answers.append(
+            Answer(where(one), bool(seen.all(axis=0).any()), f"stuck / stick-slip / separating pairs {counts}")
+        )
     return answers
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from stickslip.paper.plan import EXCITATIONS
 from stickslip.paper.records import SHOWN_PLACES, Solved
 from stickslip.report.figures import plain_axes, save
 from stickslip.report.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, STATES, VERMILLION
+from stickslip.validation import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,6 +54,33 @@ def reduction(mode_table: np.ndarray[Any, Any], paper: Sequence[Any]) -> Figure:
     return figure
 
 
+def surfaces(faces: Sequence[tuple[str, FloatArray, FloatArray, FloatArray]]) -> Figure:
+    """Heights of rough faces, each with its own colour scale: (title, x, y, heights), m."""
+    figure, axes = panels(len(faces), 1, 8.0, 2.2 * len(faces))
+    for panel, (title, x, y, heights) in zip(axes[:, 0], faces, strict=True):
+        about_mean = MICRO * (heights - heights.mean())
+        drawn = panel.pcolormesh(1e3 * x, 1e3 * y, about_mean, cmap="cividis", shading="nearest", rasterized=True)
+        figure.colorbar(drawn, ax=panel, label="Height, µm")
+        panel.set(aspect="equal", ylabel="y, mm")
+        panel.set_title(f"{title}; Sq of this face {about_mean.std():.3g} µm", fontsize=10)
+    axes[-1, 0].set_xlabel("x, mm")
+    return figure
+
+
+def stiffness(lines: Mapping[str, Sequence[tuple[str, Sequence[float], Sequence[float]]]]) -> Figure:
+    """Normal stiffness of a face against G, a panel for each law; faces without stiffness have no point."""
+    figure, axes = panels(1, len(lines), 3.7 * len(lines), 3.8, sharey=True)
+    for panel, (law, drawn) in zip(axes[0], lines.items(), strict=True):
+        for place, (name, scale, normal) in enumerate(drawn):
+            shown = np.where(np.asarray(normal) > 0.0, normal, np.nan)
+            panel.plot(scale, shown, "o", color=COLOURS[place], linestyle=DASHES[place], markersize=4, label=name)
+        panel.set(xscale="log", yscale="log", xlabel="G, m")
+        panel.set_title(law, fontsize=10)
+    axes[0, 0].set_ylabel("K_n of a face, N/m")
+    axes[0, 0].legend(frameon=False, fontsize=8)
+    return figure
+
+
 def curves(solutions: Sequence[Solved], along: str) -> Figure:
     """Amplitude against frequency: a column for each excitation, a row for each force and load."""
     lines = list(series(solutions, along))
@@ -63,9 +91,13 @@ def curves(solutions: Sequence[Solved], along: str) -> Figure:
         panel = axes[runs.index((s.force, s.load)), EXCITATIONS.index(s.excitation)]
         for place, one in enumerate(line):
             panel.plot(
-                one.frequency_hz, MICRO * one.amplitude_m, color=COLOURS[place % 7], linestyle=DASHES[place % 7],
-                label=label(one, along), linewidth=1.3,
-            )  # fmt: skip
+                one.frequency_hz,
+                MICRO * one.amplitude_m,
+                color=COLOURS[place % 7],
+                linestyle=DASHES[place % 7],
+                label=label(one, along),
+                linewidth=1.3,
+            )
         panel.set_title(f"{s.excitation}, {s.force:g} N, F_N {s.load:g} N", fontsize=9)
         panel.set(ylim=(0.0, None))
     for panel in axes[-1]:
@@ -103,9 +135,9 @@ def energies(solutions: Sequence[Solved], along: str) -> Figure:
     return figure
 
 
-def state_maps(solutions: Sequence[Solved], along: str, force: float) -> Figure:
+def state_maps(solutions: Sequence[Solved], along: str) -> Figure:
     """Contact states of all pairs at the peak: a row for each roughness, a column for each excitation."""
-    lines = [line for line in series(solutions, along) if line[0].setting.force == force]
+    lines = list(series(solutions, along))
     figure, axes = panels(len(lines[0]), len(EXCITATIONS), 10.0, 1.5 * len(lines[0]) + 0.6, sharex=True, sharey=True)
     for line in lines:
         column = EXCITATIONS.index(line[0].setting.excitation)
@@ -116,9 +148,13 @@ def state_maps(solutions: Sequence[Solved], along: str, force: float) -> Figure:
             for code, state in enumerate(STATES):
                 here = one.pair_state == code
                 panel.scatter(
-                    x[here], (y + np.where(one.pair_face == 0, 0.6, -0.6) * span)[here],
-                    marker=state.matplotlib_marker, color=state.colour, s=12, label=state.name,
-                )  # fmt: skip
+                    x[here],
+                    (y + np.where(one.pair_face == 0, 0.6, -0.6) * span)[here],
+                    marker=state.matplotlib_marker,
+                    color=state.colour,
+                    s=12,
+                    label=state.name,
+                )
             counts = "/".join(f"{one.numbers[name]:g}" for name in ("stuck", "stick_slip", "separating"))
             panel.set_title(f"{one.setting.excitation}, {label(one, along)}: {counts}", fontsize=8)
             panel.set_yticks([])

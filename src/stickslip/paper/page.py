@@ -6,6 +6,7 @@ import base64
 from collections.abc import Mapping, Sequence
 from html import escape
 from importlib.metadata import version
+from math import isnan
 from pathlib import Path
 
 from stickslip.errors import InputError
@@ -70,7 +71,7 @@ def _failures(failures: Sequence[Failure]) -> str:
 
 def _item(item: Item, figures: Mapping[str, Path]) -> str:
     body = "".join(f'<p class="note">{escape(note)}</p>' for note in item.notes)
-    judged = _judgement(item.judgement) if item.judgement else ""
+    judged = "".join(_judgement(question, judgement) for question, judgement in item.judgements)
     drawn = "".join(_figure(name, figures[name]) for name in item.figures)
     tables = "".join(_table(table) for table in item.tables)
     return (
@@ -84,8 +85,8 @@ def badge(verdict: str) -> str:
     return f'<span class="verdict {_CLASS[Verdict(verdict)]}">{escape(verdict)}</span>'
 
 
-def _judgement(judgement: Judgement) -> str:
-    return f"<p><b>Verdict:</b> {badge(judgement.verdict.value)} {escape(judgement.reason)}</p>"
+def _judgement(question: str, judgement: Judgement) -> str:
+    return f"<p><b>{escape(question)}</b> {badge(judgement.verdict.value)} {escape(judgement.reason)}</p>"
 
 
 def _figure(name: str, file: Path) -> str:
@@ -118,4 +119,5 @@ def _unit(unit: str) -> str:
 def _cell(cell: Cell, is_word: bool) -> str:
     if isinstance(cell, str):
         return f'<td class="word">{badge(cell) if cell in set(Verdict) else escape(cell)}</td>'
-    return f"<td{word_class(is_word)}>{number(cell)}</td>"
+    shown = "–" if isnan(cell) else number(cell)
+    return f"<td{word_class(is_word)}>{shown}</td>"

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip.errors import ConvergenceError
 from stickslip.model import build_mesh, find_pairs
-from stickslip.paper import figures, items
-from stickslip.paper.claims import CLAIMS
+from stickslip.paper import figures, model_items, motion_items, verdict_items
 from stickslip.paper.compute import Computed, Failure, compute
-from stickslip.paper.items import Item, base
+from stickslip.paper.errata import errata_item
+from stickslip.paper.items import Item, base, peak_table
+from stickslip.paper.motion_items import main_series
 from stickslip.paper.page import write_page
 from stickslip.paper.plan import Scope, base_case, computations
 from stickslip.paper.records import Solved
@@ -61,15 +64,14 @@ def paper_study(
 
 def _written(folder: Path, scope: Scope, computed: Computed, told: Progress) -> PaperOutcome:
     told.update("Files", 0.0, "verdicts")
-    shown = _items(scope, computed.solved)
-    verdicts: dict[Verdict, int] = {}
-    for claim in CLAIMS:
-        verdict = claim.judged(base(computed.solved)).verdict
-        verdicts[verdict] = verdicts.get(verdict, 0) + 1
+    shown, claims = _items(scope, computed.solved)
+    counts = Counter(judged.verdict for _, _, judged in claims)
+    verdicts = {verdict: counts[verdict] for verdict in Verdict}
     told.update("Files", 0.1, FIGURE_FOLDER)
-    drawn = _drawn(folder / FIGURE_FOLDER, scope, computed.solved)
+    wanted = [name for item in shown for name in item.figures]
+    drawn = _drawn(folder / FIGURE_FOLDER, wanted, _drawings(scope, computed.solved), told)
     tables = [table for item in shown for table in item.tables]
-    tables += [items.answers_table(computed.solved), items.peak_table("curves", "All curves", computed.solved)]
+    tables += [verdict_items.answers_table(computed.solved), peak_table("curves", "All curves", computed.solved)]
     told.update("Files", 0.8, TABLE_FOLDER)
     files = [*_tables(folder / TABLE_FOLDER, tables), write_netcdf(tables, computed.solved, folder / NUMBERS_FILE)]
     page = folder / PAGE_FILE
@@ -80,14 +82,28 @@ def _written(folder: Path, scope: Scope, computed: Computed, told: Progress) -> 
     return PaperOutcome(tuple(files), len(computed.solved), computed.found, computed.failures, verdicts)
 
 
-def _items(scope: Scope, solved: Sequence[Solved]) -> tuple[Item, ...]:
-    mesh = build_mesh(base_case(scope))
-    pairs = find_pairs(mesh).n_pairs
-    return (
-        items.reduction_item(solved, 3 * mesh.n_nodes, pairs),
-        items.conclusions_item(solved),
-        items.choices_item(solved, scope),
+def _items(scope: Scope, solved: Sequence[Solved]) -> tuple[tuple[Item, ...], list[verdict_items.Judged]]:
+    """The items of the page in its order, and the claims that they judge."""
+    case = base_case(scope)
+    mesh = build_mesh(case)
+    surfaces, stiffness = model_items.surface_item(case), model_items.stiffness_item(case)
+    reduction = model_items.reduction_item(solved, 3 * mesh.n_nodes, find_pairs(mesh).n_pairs)
+    claims = verdict_items.judged_claims(solved, (surfaces, reduction, stiffness))
+    items = (
+        verdict_items.conclusions_item(claims),
+        verdict_items.choices_item(solved, scope),
+        reduction,
+        surfaces,
+        stiffness,
+        motion_items.period_item(solved, scope),
+        motion_items.damper_item(solved, scope),
+        motion_items.states_item(solved, scope),
+        motion_items.curves_item(solved),
+        motion_items.energy_item(solved),
+        motion_items.laws_item(solved),
+        errata_item(solved, surfaces.tables[0], stiffness.tables[0]),
     )
+    return items, claims
 
 
 def _tables(folder: Path, tables: Sequence[Table]) -> list[Path]:
@@ -95,9 +111,36 @@ def _tables(folder: Path, tables: Sequence[Table]) -> list[Path]:
     return [write_csv(table, folder) for table in tables]
 
 
-def _drawn(folder: Path, scope: Scope, solved: Sequence[Solved]) -> dict[str, tuple[Path, ...]]:
+def _drawn(
+    folder: Path, wanted: Sequence[str], drawings: dict[str, Callable[[], Figure]], told: Progress
+) -> dict[str, tuple[Path, ...]]:
+    """Write the wanted figures, in every format."""
     folder.mkdir(parents=True, exist_ok=True)
+    drawn = {}
+    for place, name in enumerate(wanted):
+        told.update("Files", 0.1 + 0.7 * place / len(wanted), name)
+        drawn[name] = figures.write(folder, name, drawings[name])
+    return drawn
+
+
+def _drawings(scope: Scope, solved: Sequence[Solved]) -> dict[str, Callable[[], Figure]]:
+    """Every figure of the page by its name."""
+    case, chosen, main = base_case(scope), base(solved), motion_items.main_run(solved, scope)
+    pairs = [one for one in main if one.setting.excitation != "single"]
+    place = motion_items.shown_place(pairs)
+    same, opposite = motion_items.pick_pair(main, scope)
     drawings: dict[str, Callable[[], Figure]] = {
         "fig02_reduction": lambda: figures.reduction(solved[0].mode_table, paper_table()),
+        "fig04_surfaces": lambda: figures.surfaces(model_items.drawn_faces(case)),
+        "contact_stiffness": lambda: figures.stiffness(model_items.stiffness_lines(case)),
+        "fig09_damper": lambda: figures.damper_sides(same, opposite),
+        "unloading_curves_D": lambda: figures.curves(base(solved, "unloading"), "D"),
     }
-    return {name: figures.write(folder, name, draw) for name, draw in drawings.items()}
+    for along, period, states, curves, energy in (("D", 7, 10, 12, 13), ("G", 8, 11, 14, 15)):
+        drawings[f"fig{period:02d}_period_{along}"] = partial(figures.period, main_series(main, along), along, place)
+        drawings[f"fig{curves}_curves_{along}"] = partial(figures.curves, chosen, along)
+        drawings[f"fig{energy}_energy_{along}"] = partial(figures.energies, chosen, along)
+        for force in dict.fromkeys(force for force, _ in scope.runs):
+            run = main_series(motion_items.main_run(solved, scope, force), along)
+            drawings[f"fig{states}_states_{along}_{force:g}N"] = partial(figures.state_maps, run, along)
+    return drawings

@@ -53,8 +53,9 @@ class Judgement:
 def judge(answers: Sequence[Answer]) -> Judgement:
     """holds: in every situation that says something; does not hold: in none; holds if: in some, with the condition.
 
-    The condition is the values of the factor that explain most: those for which the claim always holds. Where no single
-    factor has such a value the counts alone are told. Without any situation that says something: undecided.
+    The condition is the values of the one factor for which the claim always holds and that cover most. Where no factor
+    has such a value, the claim does not hold if it fails in more than half of the situations. Without any situation
+    that says something: undecided.
     """
     told = [answer for answer in answers if answer.holds is not None]
     silent = len(answers) - len(told)
@@ -70,23 +71,28 @@ def judge(answers: Sequence[Answer]) -> Judgement:
     if good == 0:
         return Judgement(Verdict.DOES_NOT_HOLD, f"In {counts}", tuple(answers))
     condition = _condition(told)
-    words = f"{condition[0].upper()}{condition[1:]}. " if condition else "No single condition decides. "
-    return Judgement(Verdict.HOLDS_IF, f"{words}In {counts}", tuple(answers))
+    if condition:
+        return Judgement(Verdict.HOLDS_IF, f"Always for {condition}. In {counts}", tuple(answers))
+    verdict = Verdict.HOLDS_IF if 2 * good >= len(told) else Verdict.DOES_NOT_HOLD
+    return Judgement(verdict, f"No single condition decides. In {counts}", tuple(answers))
 
 
 def _condition(told: Sequence[Answer]) -> str:
-    """The factor whose always-true values cover most of the true answers, in words; empty if there is none."""
+    """The factor whose always-true values cover most of the true answers, in words; empty if there is none.
+
+    A value that was asked once only is no condition.
+    """
     best, covered = "", 0
     total = sum(bool(answer.holds) for answer in told)
     for factor in dict.fromkeys(name for answer in told for name in answer.where):
         by_value: dict[str, list[bool]] = {}
         for answer in told:
             by_value.setdefault(answer.where.get(factor, "not given"), []).append(bool(answer.holds))
-        always = [value for value, outcomes in by_value.items() if all(outcomes)]
+        always = [value for value, outcomes in by_value.items() if all(outcomes) and len(outcomes) > 1]
         count = sum(len(by_value[value]) for value in always)
         if count > covered:
             never = [value for value, outcomes in by_value.items() if not any(outcomes)]
-            words = f"always for {factor} {' or '.join(always)}"
+            words = f"{factor} {' or '.join(always)}"
             if never:
                 words += f", never for {' or '.join(never)}"
             elif count < total:
@@ -125,9 +131,3 @@ def rises_then_falls(values: Sequence[float], tolerance: float = TOLERANCE) -> b
     place = list(values).index(largest)
     inside = 0 < place < len(values) - 1
     return inside and largest * (1.0 - tolerance) > max(values[0], values[-1])
-
-
-def mostly(answers: Sequence[bool | None]) -> str:
-    """Counts of true answers in words, "3 of 4"."""
-    told = [answer for answer in answers if answer is not None]
-    return f"{sum(told)} of {len(told)}"
