@@ -115,7 +115,7 @@ def energy_along(along: str, trend: Trend, fixed: bool) -> Callable[..., list[An
             for name, frequency_hz in fixed_frequencies(line).items():
                 values = [energy_at(one, frequency_hz) for one in line]
                 answer = _energy_answer(values, line, along, trend, f"{frequency_hz:.1f} Hz")
-                answers.append(replace(answer, where={"frequency": name, **answer.where}))
+                answers.append(replace(answer, where={"frequency held at": name, **answer.where}))
         return answers
 
     return ask
@@ -124,7 +124,7 @@ def energy_along(along: str, trend: Trend, fixed: bool) -> Callable[..., list[An
 def fixed_frequencies(line: Sequence[Solved]) -> dict[str, float]:
     """The paper does not say which frequency it holds, so three are tried: the peaks of three curves of the series."""
     chosen = {"softest": line[0], "middle": line[len(line) // 2], "stiffest": line[-1]}
-    return {f"of the {name} curve's peak": one.numbers["peak_hz"] for name, one in chosen.items()}
+    return {f"the {name} curve's peak": one.numbers["peak_hz"] for name, one in chosen.items()}
 
 
 def _energy_answer(values: Sequence[float], line: Sequence[Solved], along: str, trend: Trend, at: str) -> Answer:

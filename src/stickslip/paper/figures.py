@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.paper.claims import MICRO, energy_at, friction_energy, series
+from stickslip.paper.claims import MICRO, energy_at, fixed_frequencies, friction_energy, series
 from stickslip.paper.plan import EXCITATIONS
 from stickslip.paper.records import SHOWN_PLACES, Solved
 from stickslip.report.figures import plain_axes, save
@@ -82,13 +82,13 @@ def stiffness(lines: Mapping[str, Sequence[tuple[str, Sequence[float], Sequence[
 
 
 def curves(solutions: Sequence[Solved], along: str) -> Figure:
-    """Amplitude against frequency: a column for each excitation, a row for each force and load."""
+    """Amplitude against frequency: a column for each excitation, a row for each force, load and fixed G or D."""
     lines = list(series(solutions, along))
-    runs = list(dict.fromkeys((line[0].setting.force, line[0].setting.load) for line in lines))
+    runs = list(dict.fromkeys(_run_words(line, along) for line in lines))
     figure, axes = panels(len(runs), len(EXCITATIONS), 11.0, 2.9 * len(runs), sharex=True)
     for line in lines:
         s = line[0].setting
-        panel = axes[runs.index((s.force, s.load)), EXCITATIONS.index(s.excitation)]
+        panel = axes[runs.index(_run_words(line, along)), EXCITATIONS.index(s.excitation)]
         for place, one in enumerate(line):
             panel.plot(
                 one.frequency_hz,
@@ -98,40 +98,56 @@ def curves(solutions: Sequence[Solved], along: str) -> Figure:
                 label=label(one, along),
                 linewidth=1.3,
             )
-        panel.set_title(f"{s.excitation}, {s.force:g} N, F_N {s.load:g} N", fontsize=9)
+        panel.set_title(f"{s.excitation}, {_run_words(line, along)}", fontsize=9)
         panel.set(ylim=(0.0, None))
     for panel in axes[-1]:
         panel.set_xlabel("Excitation frequency, Hz")
     for panel in axes[:, 0]:
         panel.set_ylabel("Tip amplitude, 0-to-peak, µm")
-    axes[0, 0].legend(frameon=False, fontsize=8)
+        panel.legend(frameon=False, fontsize=7)
     return figure
 
 
+def _run_words(line: Sequence[Solved], along: str) -> str:
+    """Force, load and the fixed one of D and G of a series."""
+    s = line[0].setting
+    fixed = f"G = {s.scale:g} m" if along == "D" else f"D = {s.dimension:g}"
+    return f"{s.force:g} N, F_N {s.load:g} N, {fixed}"
+
+
 def energies(solutions: Sequence[Solved], along: str) -> Figure:
-    """Friction energy for each period against D or G: at the peak (left) and at a fixed frequency (right)."""
-    figure, axes = panels(1, 2, 9.5, 3.8)
+    """Friction energy for each period against D or G: at the peak, and at three fixed frequencies."""
+    figure, axes = panels(2, 2, 10.0, 7.0, sharex=True)
+    runs = list(dict.fromkeys((one.setting.force, one.setting.load) for one in solutions))
     for line in series(solutions, along):
         s = line[0].setting
         value = [one.setting.dimension if along == "D" else one.setting.scale for one in line]
-        middle = line[len(line) // 2].numbers["peak_hz"]
         style = {
             "color": COLOURS[EXCITATIONS.index(s.excitation)],
-            "linestyle": "-" if s.force > 2.0 and s.load > 50.0 else "--" if s.load > 50.0 else ":",
-            "marker": "o",
+            "linestyle": DASHES[runs.index((s.force, s.load)) % 7],
+            "marker": ("o", "s", "^")[EXCITATIONS.index(s.excitation)],
             "markersize": 4,
         }
-        name = f"{s.excitation}, {s.force:g} N, F_N {s.load:g} N"
-        axes[0, 0].plot(value, [MICRO * friction_energy(one) for one in line], label=name, **style)
-        axes[0, 1].plot(value, [MICRO * energy_at(one, middle) for one in line], label=name, **style)
-    for panel, title in zip(axes[0], ("at the peak", "at the peak frequency of the middle curve"), strict=True):
+        fixed = fixed_frequencies(line).values()
+        energy = [[friction_energy(one) for one in line]] + [[energy_at(one, hz) for one in line] for hz in fixed]
+        for panel, values in zip(axes.ravel(), energy, strict=True):
+            name = f"{s.excitation}, {s.force:g} N, F_N {s.load:g} N"
+            panel.plot(value, [MICRO * joule for joule in values], label=name, **style)
+    titles = (
+        "each curve at its peak",
+        *(f"all at the peak of the {name}" for name in ("softest", "middle", "stiffest")),
+    )
+    for panel, title in zip(axes.ravel(), titles, strict=True):
         panel.set_title(title, fontsize=10)
-        panel.set(xlabel="D" if along == "D" else "G, m (falling to the right)", ylabel="Friction energy per cycle, µJ")
-        panel.set_yscale("symlog", linthresh=1e-3)
-        if along == "G":
-            panel.set_xscale("log")
-            panel.invert_xaxis()
-    axes[0, 1].legend(frameon=False, fontsize=7)
+        panel.set_yscale("symlog", linthresh=1e-2)
+        panel.set_ylabel("Friction energy per cycle, µJ")
+    if along == "G":
+        axes[0, 0].set_xscale("log")
+        axes[0, 0].invert_xaxis()
+    for panel in axes[1]:
+        panel.set_xlabel("D" if along == "D" else "G, m (falling to the right)")
+    handles, names = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside lower center", ncols=3, frameon=False, fontsize=8)
     return figure
 
 

@@ -97,7 +97,7 @@ class Solved:
                 if (words["version"], words["key"]) != (RECORD_VERSION, key):
                     raise ResultsFileError("the file answers other inputs or an older version.")
                 arrays = {name: data[name] for name in _arrays()}
-        except (zipfile.BadZipFile, KeyError, ValueError, OSError) as error:
+        except (zipfile.BadZipFile, KeyError, ValueError, OSError, EOFError) as error:
             if isinstance(error, ResultsFileError):
                 raise
             raise ResultsFileError(f"the file of the computation {key[:12]} is damaged ({error}).") from error

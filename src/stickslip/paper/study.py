@@ -123,6 +123,13 @@ def _drawn(
     return drawn
 
 
+def _central(solved: Sequence[Solved], scope: Scope, along: str) -> list[Solved]:
+    """The curves of the long series of D or G, of every force and load."""
+    if along == "D":
+        return [one for one in solved if one.setting.scale == scope.scale]
+    return [one for one in solved if one.setting.dimension == scope.dimension]
+
+
 def _drawings(scope: Scope, solved: Sequence[Solved]) -> dict[str, Callable[[], Figure]]:
     """Every figure of the page by its name."""
     case, chosen, main = base_case(scope), base(solved), motion_items.main_run(solved, scope)
@@ -139,7 +146,7 @@ def _drawings(scope: Scope, solved: Sequence[Solved]) -> dict[str, Callable[[], 
     for along, period, states, curves, energy in (("D", 7, 10, 12, 13), ("G", 8, 11, 14, 15)):
         drawings[f"fig{period:02d}_period_{along}"] = partial(figures.period, main_series(main, along), along, place)
         drawings[f"fig{curves}_curves_{along}"] = partial(figures.curves, chosen, along)
-        drawings[f"fig{energy}_energy_{along}"] = partial(figures.energies, chosen, along)
+        drawings[f"fig{energy}_energy_{along}"] = partial(figures.energies, _central(chosen, scope, along), along)
         for force in dict.fromkeys(force for force, _ in scope.runs):
             run = main_series(motion_items.main_run(solved, scope, force), along)
             drawings[f"fig{states}_states_{along}_{force:g}N"] = partial(figures.state_maps, run, along)

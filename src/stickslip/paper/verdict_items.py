@@ -9,7 +9,21 @@ from stickslip.paper.items import Item, base
 from stickslip.paper.plan import BASE_CHOICE, Scope, variant
 from stickslip.paper.records import Solved
 from stickslip.paper.tables import Cell, Table, columns
-from stickslip.paper.verdicts import Answer, Judgement
+from stickslip.paper.verdicts import Answer, Judgement, Verdict
+
+# What explains a verdict and does not depend on the numbers of a run, for the claims that need it.
+REMARKS = {
+    "Opposite directions turn the damper.": "Mirrored blades that move as mirror images cannot turn a damper that "
+    "mirrors itself: it goes up and down. A turn needs a structure or a load without that symmetry.",
+    "The peak falls as D grows.": "Larger D means stiffer, not rougher. Under opposite forces the second mode moves "
+    "little at the place of the force for stiff faces, so its peak says more about that place than about friction.",
+    "The peak falls as G falls.": "Smaller G means stiffer, not rougher; for opposite forces see D.",
+    "The energy grows with D (at one frequency).": "Peaks move by more than their width, so the frequency that is held "
+    "decides this.",
+    "The energy first rises, then falls with D (at one frequency).": "The same: the curve that resonates at the held "
+    "frequency has the most.",
+    "A larger D or a smaller G raises Sq or Sdq.": "Both lower every wave longer than G.",
+}
 
 Judged = tuple[str, str, Judgement]  # statement, place in the paper, verdict
 
@@ -23,7 +37,13 @@ def judged_claims(solutions: Solutions, others: Sequence[Item]) -> list[Judged]:
 def conclusions_item(claims: Sequence[Judged]) -> Item:
     """Conclusions 1 to 4: a row for each claim."""
     rows: list[tuple[Cell, ...]] = [
-        (statement, place, _examples(judged), judged.verdict.value, judged.reason)
+        (
+            statement,
+            place,
+            _examples(judged),
+            judged.verdict.value,
+            f"{judged.reason} {REMARKS.get(statement, '')}".strip(),
+        )
         for statement, place, judged in claims
     ]
     table = Table(
@@ -53,7 +73,7 @@ def _examples(judged: Judgement) -> str:
 
 def _situation(answer: Answer) -> str:
     return ", ".join(
-        value if name in ("excitation", "mode") else f"{name} {value}" for name, value in answer.where.items()
+        value if name in ("excitation", "law") else f"{name} {value}" for name, value in answer.where.items()
     )
 
 
@@ -84,8 +104,12 @@ def choices_item(solutions: Solutions, scope: Scope) -> Item:
         tuple(rows),
     )
     sets = dict(changed_sets(solutions, scope))
-    body = [(claim.statement, *(claim.judged(chosen).verdict.value for chosen in sets.values())) for claim in CLAIMS]
-    heads = ("claim||Claim", *(f"set_{place}||{name}" for place, name in enumerate(sets)))
+    body = []
+    for claim in CLAIMS:
+        verdicts = [claim.judged(chosen).verdict for chosen in sets.values()]
+        if any(verdict is not Verdict.UNDECIDED for verdict in verdicts):
+            body.append((claim.statement, *(verdict.value for verdict in verdicts)))
+    heads = ("claim||Claim", *(f"{name.replace(' ', '_')}||{name}" for name in sets))
     table = Table("choices_verdicts", "Verdicts with one choice changed at a time", columns(*heads), tuple(body))
     return Item(
         "choices",
@@ -93,7 +117,7 @@ def choices_item(solutions: Solutions, scope: Scope) -> Item:
         "Friction coefficient, damping, hardness, centrifugal force and the place of the force are not given.",
         (
             "Each column is judged on the short series of D and G alone (the base as well), with one force and one "
-            "centrifugal force, so claims that compare forces or loads are undecided there.",
+            "centrifugal force, so claims that compare forces or loads are left out.",
         ),
         (choices, table),
     )
