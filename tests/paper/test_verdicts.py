@@ -52,6 +52,13 @@ def test_without_a_condition_the_majority_counts(good: int, verdict: Verdict) ->
     assert judged.reason == f"No single condition decides. In {good} of 4 situations."
 
 
+def test_without_a_condition_for_it_the_values_against_it_are_told() -> None:
+    answers = [answer(place < 3, excitation="same") for place in range(4)] + [answer(False, excitation="opposite")] * 2
+    judged = judge(answers)
+    assert judged.verdict is Verdict.HOLDS_IF
+    assert judged.reason == "Never for excitation opposite, sometimes otherwise. In 3 of 6 situations."
+
+
 @pytest.mark.parametrize("answers", [[], [answer(None)]])
 def test_undecided_where_nothing_is_said(answers: list[Answer]) -> None:
     assert judge(answers).verdict is Verdict.UNDECIDED

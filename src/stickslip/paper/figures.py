@@ -67,16 +67,21 @@ def surfaces(faces: Sequence[tuple[str, FloatArray, FloatArray, FloatArray]]) ->
     return figure
 
 
-def stiffness(lines: Mapping[str, Sequence[tuple[str, Sequence[float], Sequence[float]]]]) -> Figure:
-    """Normal stiffness of a face against G, a panel for each law; faces without stiffness have no point."""
-    figure, axes = panels(1, len(lines), 3.7 * len(lines), 3.8, sharey=True)
-    for panel, (law, drawn) in zip(axes[0], lines.items(), strict=True):
-        for place, (name, scale, normal) in enumerate(drawn):
-            shown = np.where(np.asarray(normal) > 0.0, normal, np.nan)
-            panel.plot(scale, shown, "o", color=COLOURS[place], linestyle=DASHES[place], markersize=4, label=name)
-        panel.set(xscale="log", yscale="log", xlabel="G, m")
-        panel.set_title(law, fontsize=10)
-    axes[0, 0].set_ylabel("K_n of a face, N/m")
+def stiffness(rows: Mapping[str, Mapping[str, Sequence[tuple[str, Sequence[float], Sequence[float]]]]]) -> Figure:
+    """Normal stiffness of a face: a row for each abscissa, a panel for each law; no point where there is no stiffness.
+
+    ``rows``: title of the abscissa -> law -> (label, abscissa, K_n in N/m) of each line.
+    """
+    laws = next(iter(rows.values()))
+    figure, axes = panels(len(rows), len(laws), 3.7 * len(laws), 3.4 * len(rows), sharey=True)
+    for panel_row, (abscissa, lines) in zip(axes, rows.items(), strict=True):
+        for panel, (law, drawn) in zip(panel_row, lines.items(), strict=True):
+            for place, (name, values, normal) in enumerate(drawn):
+                shown = np.where(np.asarray(normal) > 0.0, normal, np.nan)
+                panel.plot(values, shown, "o", color=COLOURS[place], linestyle=DASHES[place], markersize=4, label=name)
+            panel.set(xscale="log", yscale="log", xlabel=abscissa)
+            panel.set_title(law, fontsize=10)
+        panel_row[0].set_ylabel("K_n of a face, N/m")
     axes[0, 0].legend(frameon=False, fontsize=8)
     return figure
 

@@ -260,7 +260,21 @@ def drawn_faces(base: Case) -> list[tuple[str, FloatArray, FloatArray, FloatArra
     ]
 
 
-def stiffness_lines(base: Case) -> dict[str, list[tuple[str, list[float], list[float]]]]:
+Line = tuple[str, list[float], list[float]]
+
+
+def stiffness_over_load(base: Case, scale: float) -> dict[str, list[Line]]:
+    """The same over the centrifugal force in N, at one G."""
+    return {
+        law: [
+            (f"D = {d:g}", list(LOADS), [_stiffness(base, d, scale, load, law).normal for load in LOADS])
+            for d in DIMENSIONS
+        ]
+        for law in LAWS
+    }
+
+
+def stiffness_over_scale(base: Case) -> dict[str, list[Line]]:
     """Lines of the stiffness figure: law -> (label, G in m, K_n in N/m) at the base load, one line for each D."""
     load = float(base.preload.centrifugal_force or 0.0)
     result = {}

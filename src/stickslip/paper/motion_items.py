@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -219,9 +220,24 @@ def curves_item(solutions: Solutions) -> Item:
         "Figures 12 and 14: amplitude against frequency",
         "One force gives two peaks; peaks fall as D grows and G falls, and lean to the left.",
         tuple(notes),
-        (peak_table("fig12_14_peaks", "Peaks", chosen),),
+        (peak_table("fig12_14_peaks", "Peaks", chosen), warnings_table(solutions)),
         ("fig12_curves_D", "fig14_curves_G"),
         judged(chosen, "two peaks", "peak, D", "peak, G", "left shift"),
+    )
+
+
+def warnings_table(solutions: Solutions) -> Table:
+    """What the solver and the contact law say against curves, numbers left out of the sentences that are alike."""
+    found: dict[str, list[str]] = {}
+    for one in solutions:
+        for sentence in one.warnings:
+            found.setdefault(re.sub(r"[0-9.e+-]*[0-9]", "#", sentence), []).append(sentence)
+    rows = sorted(((len(same), same[0]) for same in found.values()), reverse=True)
+    return Table(
+        "warnings",
+        f"Warnings on {sum(bool(one.warnings) for one in solutions)} of {len(solutions)} curves, one of each kind",
+        columns("curves||Curves", "example||For example"),
+        tuple(rows),
     )
 
 

@@ -139,7 +139,12 @@ def _drawings(scope: Scope, solved: Sequence[Solved]) -> dict[str, Callable[[], 
     drawings: dict[str, Callable[[], Figure]] = {
         "fig02_reduction": lambda: figures.reduction(solved[0].mode_table, paper_table()),
         "fig04_surfaces": lambda: figures.surfaces(model_items.drawn_faces(case)),
-        "contact_stiffness": lambda: figures.stiffness(model_items.stiffness_lines(case)),
+        "contact_stiffness": lambda: figures.stiffness(
+            {
+                f"G, m (F_N {scope.runs[0][1]:g} N)": model_items.stiffness_over_scale(case),
+                f"F_N, N (G = {scope.scale:g} m)": model_items.stiffness_over_load(case, scope.scale),
+            }
+        ),
         "fig09_damper": lambda: figures.damper_sides(same, opposite),
         "unloading_curves_D": lambda: figures.curves(base(solved, "unloading"), "D"),
     }

@@ -70,32 +70,33 @@ def judge(answers: Sequence[Answer]) -> Judgement:
         return Judgement(Verdict.HOLDS, f"In {counts}", tuple(answers))
     if good == 0:
         return Judgement(Verdict.DOES_NOT_HOLD, f"In {counts}", tuple(answers))
-    condition = _condition(told)
+    condition = _condition(told, always=True)
     if condition:
         return Judgement(Verdict.HOLDS_IF, f"Always for {condition}. In {counts}", tuple(answers))
     verdict = Verdict.HOLDS_IF if 2 * good >= len(told) else Verdict.DOES_NOT_HOLD
-    return Judgement(verdict, f"No single condition decides. In {counts}", tuple(answers))
+    exception = _condition(told, always=False)
+    words = f"Never for {exception}. " if exception else "No single condition decides. "
+    return Judgement(verdict, f"{words}In {counts}", tuple(answers))
 
 
-def _condition(told: Sequence[Answer]) -> str:
-    """The factor whose always-true values cover most of the true answers, in words; empty if there is none.
+def _condition(told: Sequence[Answer], always: bool) -> str:
+    """The values of one factor for which the claim always (or never) holds, in words; empty if there is none.
 
-    A value that was asked once only is no condition.
+    The factor is the one whose values cover most answers. A value that was asked once only is no condition.
     """
     best, covered = "", 0
-    total = sum(bool(answer.holds) for answer in told)
     for factor in dict.fromkeys(name for answer in told for name in answer.where):
         by_value: dict[str, list[bool]] = {}
         for answer in told:
-            by_value.setdefault(answer.where.get(factor, "not given"), []).append(bool(answer.holds))
-        always = [value for value, outcomes in by_value.items() if all(outcomes) and len(outcomes) > 1]
-        count = sum(len(by_value[value]) for value in always)
+            by_value.setdefault(answer.where.get(factor, "not given"), []).append(bool(answer.holds) is always)
+        clear = [value for value, agrees in by_value.items() if all(agrees) and len(agrees) > 1]
+        opposed = [value for value, agrees in by_value.items() if not any(agrees)]
+        count = sum(len(by_value[value]) for value in clear)
         if count > covered:
-            never = [value for value, outcomes in by_value.items() if not any(outcomes)]
-            words = f"{factor} {' or '.join(always)}"
-            if never:
-                words += f", never for {' or '.join(never)}"
-            elif count < total:
+            words = f"{factor} {' or '.join(clear)}"
+            if opposed:
+                words += f", {'never' if always else 'always'} for {' or '.join(opposed)}"
+            if len(clear) + len(opposed) < len(by_value):
                 words += ", sometimes otherwise"
             best, covered = words, count
     return best
