@@ -45,7 +45,7 @@ class Schedule:
 
     ``finished(planned, outcome)`` hears of every case that stickslip answered, ``broke(planned, error)`` of every case
     that ended with another exception. A task whose worker process dies is tried once more. ``solve`` is what a worker
-    does with a case: a function of a module, so that it can travel.
+    does with a case, a function of a module, so that it can travel; by default :func:`solve_task`.
     """
 
     def __init__(
@@ -54,9 +54,9 @@ class Schedule:
         at_a_time: Callable[[], int],
         finished: Callable[[PlannedCase, CaseOutcome], None],
         broke: Callable[[PlannedCase, BaseException], None],
-        solve: Callable[[CaseTask, ReducedStructure], CaseOutcome] = solve_task,
+        solve: Callable[[CaseTask, ReducedStructure], CaseOutcome] | None = None,
     ) -> None:
-        self._executor, self._at_a_time, self._solve = executor, at_a_time, solve
+        self._executor, self._at_a_time, self._solve = executor, at_a_time, solve or solve_task
         self._finished, self._broke = finished, broke
         self._reductions: deque[_Job] = deque()
         self._solutions: deque[_Job] = deque()
