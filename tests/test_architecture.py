@@ -24,6 +24,7 @@ ROWS = (
     ("case",),
     ("study",),
     ("sweeps",),
+    ("paper",),
     ("cli", ""),
 )
 LAYER_OF = {

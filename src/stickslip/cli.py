@@ -1,4 +1,4 @@
-"""The command line: ``stickslip new | check | run | sweep | report | roughness``.
+"""The command line: ``stickslip new | check | run | sweep | report | roughness | paper``.
 
 Exit codes: 0 done, 1 fault of the program, 2 bad input, 3 not converged (what was computed is kept), 130 interrupted.
 Everything heavy is imported inside the commands, so that ``stickslip --help`` answers at once.
@@ -225,6 +225,34 @@ def _print_rows(rows: list[tuple[str, str]]) -> None:
     width = max((len(label) for label, _ in rows), default=0)
     for label, value in rows:
         typer.echo(f"  {label:<{width}}  {value}")
+
+
+@app.command()
+def paper(
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the study.", show_default=False)],
+    workers: Annotated[int, typer.Option("--workers", min=1, help="Processes.")] = 2,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    debug: Debug = False,
+) -> None:
+    """Compute a published study again, with a verdict on each of its claims; goes on where it was stopped."""
+    with _sentences(debug, log_folder=out):
+        _require_writable(out)
+        from stickslip.paper.study import paper_study
+
+        try:
+            with terminal_progress(quiet) as progress:
+                outcome = paper_study(out, workers, progress)
+        except KeyboardInterrupt:
+            typer.echo("Finished curves are kept; the same command goes on with the others.", err=True)
+            raise
+        if not quiet:
+            typer.echo(f"Wrote {outcome.files[0]} and {len(outcome.files) - 1} other files.")
+            words = ", ".join(f"{verdict.value}: {count}" for verdict, count in outcome.verdicts.items())
+            typer.echo(f"{outcome.curves} curves, {outcome.found} of them found. Claims: {words}.")
+        for failure in outcome.failures[:SHOWN_FAILURES]:
+            typer.echo(f"Failed: {failure.setting}: {failure.message}", err=True)
+        if outcome.failures:
+            raise typer.Exit(EXIT_NOT_CONVERGED)
 
 
 def _load(path: Path, quiet: bool = False) -> Case:

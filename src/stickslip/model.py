@@ -116,7 +116,7 @@ def load_joint(case: Case, face_pairs: FacePairs) -> Joint:
         given = case.contact_stiffness
         return Joint(face_pairs, preload, share * given.normal_stiffness, share * given.tangential_stiffness, ())
     assert case.roughness is not None  # one of the two is always given
-    roughness = _roughness(case)
+    roughness = case_roughness(case)
     rough_faces = []
     for face in range(len(FACES)):
         members = face_pairs.face == face
@@ -158,7 +158,8 @@ def _preload(case: Case, face_pairs: FacePairs) -> FloatArray:
     )
 
 
-def _roughness(case: Case) -> Roughness:
+def case_roughness(case: Case) -> Roughness:
+    """Roughness and material of a case that has a roughness."""
     given, material = case.roughness, case.material
     assert given is not None
     return Roughness(

@@ -200,10 +200,11 @@ def _new(width: float, height: float) -> tuple[Figure, Axes]:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height), layout="constrained")
-    return figure, _plain(figure.subplots())
+    return figure, plain_axes(figure.subplots())
 
 
-def _plain(axes: Any) -> Any:
+def plain_axes(axes: Any) -> Any:
+    """Grid behind the lines, no frame at the top and on the right."""
     axes.grid(color="#e8ecf0")
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
@@ -216,7 +217,7 @@ def _face_panels(study: StudyRecord, heading: str) -> tuple[Figure, list[Axes]]:
 
     count = len(study.face_names)
     figure = Figure(figsize=(7.0, 0.9 + 1.7 * count), layout="constrained")
-    panels = [_plain(axes) for axes in figure.subplots(count, 1, sharex=True, squeeze=False).ravel()]
+    panels = [plain_axes(axes) for axes in figure.subplots(count, 1, sharex=True, squeeze=False).ravel()]
     for face, axes in enumerate(panels):
         axes.set_title(f"{study.face_names[face]}, {heading}", fontsize=10, loc="left")
         axes.set_ylabel("Across, mm")

@@ -61,7 +61,7 @@ def plan_cases(case: Case, keys: tuple[SweptKey, ...]) -> tuple[PlannedCase, ...
             sentences = str(error).splitlines()[1:]
             wrong.append(f"  {where}: {' '.join(sentence.strip() for sentence in sentences)}")
             continue
-        key_of_case, structure = _hashes(valid)
+        key_of_case, structure = case_hashes(valid)
         words = "_".join(f"{_bare(key.name)}-{key.labels[place]}" for key, place in chosen)
         name = f"{re.sub(r'[^A-Za-z0-9.+_-]', '', words)[:80]}_{key_of_case[:12]}"
         values = tuple(key.values[place] for key, place in chosen)
@@ -77,7 +77,7 @@ def _bare(name: str) -> str:
     return name.split(".")[1]
 
 
-def _hashes(case: Case) -> tuple[str, str]:
+def case_hashes(case: Case) -> tuple[str, str]:
     """Hash of the case and version, hash of its structure."""
     inputs = case.to_dict()
     answer = {name: section for name, section in inputs.items() if name not in UNSWEPT_SECTIONS}

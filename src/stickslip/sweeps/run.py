@@ -113,7 +113,7 @@ def sweep(
             run.solve(groups, executor, _room(executor, workers))
         else:
             wanted = workers or max(1, usable_processors() // threads)
-            with _local_executor(min(wanted, count)) as local:
+            with local_executor(min(wanted, count)) as local:
                 run.solve(groups, local, _room(local, None))
     table = SweepTable(keys, tuple(run.row(each) for each in planned))
     curves = tuple(run.outcomes[each.key].curve for each in planned)
@@ -124,7 +124,7 @@ def sweep(
 
 
 @contextmanager
-def _local_executor(workers: int) -> Iterator[SizedExecutor]:
+def local_executor(workers: int) -> Iterator[SizedExecutor]:
     """This process or some more, which end at once if something goes wrong."""
     if workers == 1:
         yield InProcess()

@@ -44,7 +44,8 @@ class Schedule:
     """Carries groups of cases through an executor, with at most ``at_a_time()`` tasks out.
 
     ``finished(planned, outcome)`` hears of every case that stickslip answered, ``broke(planned, error)`` of every case
-    that ended with another exception. A task whose worker process dies is tried once more.
+    that ended with another exception. A task whose worker process dies is tried once more. ``solve`` is what a worker
+    does with a case, a function of a module, so that it can travel; by default :func:`solve_task`.
     """
 
     def __init__(
@@ -53,8 +54,9 @@ class Schedule:
         at_a_time: Callable[[], int],
         finished: Callable[[PlannedCase, CaseOutcome], None],
         broke: Callable[[PlannedCase, BaseException], None],
+        solve: Callable[[CaseTask, ReducedStructure], CaseOutcome] | None = None,
     ) -> None:
-        self._executor, self._at_a_time = executor, at_a_time
+        self._executor, self._at_a_time, self._solve = executor, at_a_time, solve or solve_task
         self._finished, self._broke = finished, broke
         self._reductions: deque[_Job] = deque()
         self._solutions: deque[_Job] = deque()
@@ -88,7 +90,7 @@ class Schedule:
             planned, task = job.group.cases[0]
             group = job.group
             return self._executor.submit(reduce_task, planned.case, group.mesh, group.face_pairs, task.threads)
-        return self._executor.submit(solve_task, job.task, job.reduced)
+        return self._executor.submit(self._solve, job.task, job.reduced)
 
     def _take(self, job: _Job, future: Future[Any]) -> None:
         try:

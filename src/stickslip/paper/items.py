@@ -1,0 +1,81 @@
+"""What the items of the page share: their form, and which curves they are made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from stickslip.paper.claims import MICRO, Solutions, friction_energy
+from stickslip.paper.plan import BASE_CHOICE
+from stickslip.paper.records import Solved
+from stickslip.paper.tables import Table, columns
+from stickslip.paper.verdicts import Judgement
+
+
+@dataclass(frozen=True)
+class Item:
+    """One item of the page; ``judgements`` are questions with their verdicts."""
+
+    anchor: str
+    title: str
+    statement: str
+    notes: tuple[str, ...] = ()
+    tables: tuple[Table, ...] = ()
+    figures: tuple[str, ...] = ()
+    judgements: tuple[tuple[str, Judgement], ...] = ()
+
+
+def base(solutions: Solutions, law: str = "consistent") -> list[Solved]:
+    """The curves without a varied choice, under one law."""
+    return [one for one in solutions if one.setting.choice == BASE_CHOICE and one.setting.law == law]
+
+
+def peak_table(name: str, caption: str, solutions: Solutions) -> Table:
+    """Peak, frequency, states and energies of curves."""
+    rows = []
+    for one in solutions:
+        s, n = one.setting, one.numbers
+        rows.append(
+            (
+                s.choice,
+                s.excitation,
+                s.force,
+                s.load,
+                s.dimension,
+                s.scale,
+                s.law,
+                n["normal_stiffness"],
+                MICRO * n["peak_m"],
+                n["peak_hz"],
+                n["first_stuck_hz"],
+                n["second_stuck_hz"],
+                int(n["stuck"]),
+                int(n["stick_slip"]),
+                int(n["separating"]),
+                MICRO * friction_energy(one),
+                MICRO * n["viscous_energy_j"],
+            )
+        )
+    return Table(
+        name,
+        caption,
+        columns(
+            "choice||Choice",
+            "excitation||Excitation",
+            "force|N|Force",
+            "load|N|F_N",
+            "dimension||D",
+            "scale|m|G",
+            "law||Law",
+            "normal_stiffness|N/m|K_n of a face",
+            "peak|um|Peak",
+            "peak_frequency|Hz|at",
+            "first_stuck|Hz|Stuck mode 1",
+            "second_stuck|Hz|Stuck mode 2",
+            "stuck||Stuck",
+            "stick_slip||Stick-slip",
+            "separating||Separating",
+            "friction_energy|uJ|Friction energy",
+            "viscous_energy|uJ|Viscous energy",
+        ),
+        tuple(rows),
+    )

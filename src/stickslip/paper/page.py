@@ -1,0 +1,123 @@
+"""The page of the study: one self-contained HTML file, each item beside the paper's statement, with its verdict."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping, Sequence
+from html import escape
+from importlib.metadata import version
+from math import isnan
+from pathlib import Path
+
+from stickslip.errors import InputError
+from stickslip.files import whole_file
+from stickslip.paper.compute import Failure
+from stickslip.paper.items import Item
+from stickslip.paper.tables import Cell, Table
+from stickslip.paper.verdicts import Judgement, Verdict
+from stickslip.report.html_parts import asset, filled, notice, table_rows, word_class
+from stickslip.report.style import number
+
+TITLE = "Interface roughness and an under-platform damper"
+DESCRIPTION = (
+    "Every table, figure and conclusion of the 2023 article on interface roughness and under-platform dampers, "
+    "computed again with an inferred geometry; verdicts follow from the numbers of this run."
+)
+_CLASS = {
+    Verdict.HOLDS: "holds",
+    Verdict.HOLDS_IF: "if",
+    Verdict.DOES_NOT_HOLD: "not",
+    Verdict.UNDECIDED: "open",
+}
+LARGEST_SHOWN = 60
+
+
+def write_page(
+    path: Path,
+    items: Sequence[Item],
+    figures: Mapping[str, Path],
+    counts: Mapping[Verdict, int],
+    failures: Sequence[Failure],
+    inputs: str,
+    provenance: Mapping[str, str],
+) -> None:
+    """Write the page, whole or not at all. ``figures``: name -> PNG file. Raises InputError."""
+    parts = {
+        "title": escape(TITLE),
+        "description": escape(DESCRIPTION),
+        "byline": escape(provenance.get("date", "date unknown").replace("T", " ").replace("+00:00", " UTC")),
+        "notices": _failures(failures),
+        "tiles": "".join(
+            f'<div class="tile"><h3>Claims: {verdict.value}</h3><p class="value">{counts.get(verdict, 0)}</p></div>'
+            for verdict in Verdict
+        ),
+        "contents": "".join(f'<li><a href="#{item.anchor}">{escape(item.title)}</a></li>' for item in items),
+        "items": "".join(_item(item, figures) for item in items),
+        "inputs": escape(inputs),
+        "provenance": table_rows(provenance.items()),
+        "version": version("stickslip"),
+        "css": asset("page.css"),
+    }
+    with whole_file(path, "page of the study", InputError) as part:
+        part.write_text(filled("paper.html", parts), encoding="utf-8")
+
+
+def _failures(failures: Sequence[Failure]) -> str:
+    if not failures:
+        return ""
+    sentences = [f"{failure.setting}: {failure.message}" for failure in failures]
+    return notice("bad", f"{len(failures)} computations have no result", sentences)
+
+
+def _item(item: Item, figures: Mapping[str, Path]) -> str:
+    body = "".join(f'<p class="note">{escape(note)}</p>' for note in item.notes)
+    judged = "".join(_judgement(question, judgement) for question, judgement in item.judgements)
+    drawn = "".join(_figure(name, figures[name]) for name in item.figures)
+    tables = "".join(_table(table) for table in item.tables)
+    return (
+        f'<section id="{item.anchor}"><h2>{escape(item.title)}</h2><p class="says"><b>The paper:</b> '
+        f"{escape(item.statement)}</p>{judged}{body}{drawn}{tables}</section>"
+    )
+
+
+def badge(verdict: str) -> str:
+    """A verdict as a coloured word."""
+    return f'<span class="verdict {_CLASS[Verdict(verdict)]}">{escape(verdict)}</span>'
+
+
+def _judgement(question: str, judgement: Judgement) -> str:
+    return f"<p><b>{escape(question)}</b> {badge(judgement.verdict.value)} {escape(judgement.reason)}</p>"
+
+
+def _figure(name: str, file: Path) -> str:
+    data = base64.b64encode(file.read_bytes()).decode("ascii")
+    return f'<figure class="panel"><img alt="{escape(name)}" src="data:image/png;base64,{data}"></figure>'
+
+
+def _table(table: Table) -> str:
+    words = [any(isinstance(row[i], str) for row in table.rows) for i in range(len(table.columns))]
+    head = "".join(
+        f"<th{word_class(is_word)}>{escape(column.heading)}{_unit(column.unit)}</th>"
+        for column, is_word in zip(table.columns, words, strict=True)
+    )
+    rows = "".join(
+        "<tr>" + "".join(_cell(cell, is_word) for cell, is_word in zip(row, words, strict=True)) + "</tr>"
+        for row in table.rows[:LARGEST_SHOWN]
+    )
+    more = len(table.rows) - LARGEST_SHOWN
+    rest = f'<p class="note">{more} more rows are in {table.name}.csv.</p>' if more > 0 else ""
+    caption = f"<caption>{escape(table.caption)}</caption>"
+    return (
+        f'<div class="scroll"><table>{caption}<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>{rest}'
+    )
+
+
+def _unit(unit: str) -> str:
+    return f", {unit.replace('um', 'µm').replace('uJ', 'µJ')}" if unit else ""
+
+
+def _cell(cell: Cell, is_word: bool) -> str:
+    if isinstance(cell, str):
+        return f'<td class="word">{badge(cell) if cell in set(Verdict) else escape(cell)}</td>'
+    shown = "–" if isnan(cell) else number(cell)
+    return f"<td{word_class(is_word)}>{shown}</td>"

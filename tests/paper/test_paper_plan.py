@@ -1,0 +1,83 @@
+"""The plan: every case of the whole study is valid, has its own key, and differs from the base as its labels say."""
+
+from __future__ import annotations
+
+import pytest
+
+from stickslip.errors import RoughnessError, StudyFileError
+from stickslip.model import build_mesh, find_pairs, load_joint
+from stickslip.paper.plan import BASE_CHOICE, CHOICES, EXCITATIONS, Choice, Scope, base_case, computations, variant
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return computations(Scope())
+
+
+def test_size_and_keys(plan) -> None:
+    assert 200 <= len(plan) <= 300
+    assert len({each.planned.key for each in plan}) == len(plan)
+    assert len({each.planned.name for each in plan}) == len(plan)
+    assert len({each.planned.structure for each in plan}) == 3  # three excitation heights
+
+
+def test_every_joint_of_the_study_has_a_stiffness(plan) -> None:
+    pairs = find_pairs(build_mesh(plan[0].planned.case))
+    for each in plan:
+        joint = load_joint(each.planned.case, pairs)
+        assert joint.normal_stiffness.min() > 0.0
+
+
+def test_labels_are_the_inputs(plan) -> None:
+    for each in plan:
+        s, case = each.setting, each.planned.case
+        assert case.roughness is not None
+        assert (case.excitation.mode, case.excitation.amplitude) == (s.excitation, s.force)
+        assert case.preload.centrifugal_force == s.load
+        assert (case.roughness.fractal_dimension, case.roughness.fractal_roughness) == (s.dimension, s.scale)
+        assert case.roughness.mode == s.law
+
+
+LABELLED = {
+    "excitation.mode",
+    "excitation.amplitude",
+    "preload.centrifugal_force",
+    "roughness.fractal_dimension",
+    "roughness.fractal_roughness",
+}
+
+
+@pytest.mark.parametrize("choice", CHOICES, ids=lambda choice: choice.name)
+def test_a_changed_choice_changes_that_key_alone(plan, choice: Choice) -> None:
+    base = base_case(Scope()).to_dict()
+    for value in choice.others:
+        found = [each for each in plan if each.setting.choice == variant(choice, value)]
+        if (choice.key, value) == ("preload.centrifugal_force", "50 N"):
+            assert not found  # a run of the base
+            continue
+        assert {each.setting.excitation for each in found} == set(EXCITATIONS)
+        for each in found:
+            inputs = each.planned.case.to_dict()
+            changed = {
+                f"{part}.{name}" for part in inputs for name in inputs[part] if inputs[part][name] != base[part][name]
+            }
+            assert choice.key in changed
+            assert changed - LABELLED <= {choice.key}
+
+
+def test_the_papers_roughness_is_plastic_in_the_base_law_and_runs_in_unloading(plan) -> None:
+    pairs = find_pairs(build_mesh(plan[0].planned.case))
+    for dimension in (2.2, 2.3):
+        found = [each for each in plan if (each.setting.dimension, each.setting.scale) == (dimension, 1e-8)]
+        assert {each.setting.law for each in found} == {"unloading"}
+        with pytest.raises(RoughnessError):
+            load_joint(found[0].planned.case.replace({"roughness.mode": "consistent"}), pairs)
+
+
+def test_a_scope_that_computes_a_curve_twice_is_refused() -> None:
+    with pytest.raises(StudyFileError, match="twice"):
+        computations(Scope(extra=((2.4, 1e-9, "consistent"),)))
+
+
+def test_base_comes_first(plan) -> None:
+    assert plan[0].setting.choice == BASE_CHOICE
