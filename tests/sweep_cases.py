@@ -6,7 +6,7 @@ from pathlib import Path
 
 from stickslip.case import Case
 
-QUICK = {
+COARSE_MESH = {
     "mesh.shank_columns": 1,
     "mesh.shank_rows": 4,
     "mesh.platform_rows": 2,
@@ -16,6 +16,9 @@ QUICK = {
     "mesh.chordwise": 4,
     "mesh.damper_columns": 2,
     "mesh.damper_flank_rows": 1,
+}
+QUICK = {
+    **COARSE_MESH,
     "reduction.modes": 8,
     "geometry.excitation_height": "9 mm",
     "excitation.amplitude": "50 N",

@@ -93,7 +93,7 @@ def test_guide_to_sweeps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
     """The commands of docs/sweeps.md run as printed, in one process and on a coarse mesh; so does its script."""
     guide = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("stickslip.sweeps.run.usable_processors", lambda: 1)
+    monkeypatch.setattr("stickslip.sweeps.run.usable_cores", lambda: 1)
     runner, block = CliRunner(), re.findall(r"```sh\n(.*?)```", guide, flags=re.DOTALL)[0]
     for line in block.splitlines():
         words = [next(iter(sorted(glob.glob(word))), word) for word in shlex.split(line)[1:]]

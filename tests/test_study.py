@@ -15,17 +15,10 @@ from stickslip.errors import ResultsFileError
 from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
 from stickslip.solve.continuation import ContinuationSettings
+from sweep_cases import COARSE_MESH
 
 COARSE = {
-    "mesh.shank_columns": 1,
-    "mesh.shank_rows": 4,
-    "mesh.platform_rows": 2,
-    "mesh.airfoil_rows": 6,
-    "mesh.inner_columns": 1,
-    "mesh.contact_columns": 2,
-    "mesh.chordwise": 4,
-    "mesh.damper_columns": 2,
-    "mesh.damper_flank_rows": 1,
+    **COARSE_MESH,
     "geometry.excitation_height": "9 mm",
     "excitation.amplitude": "60 N",
     "solver.harmonics": 3,

@@ -126,3 +126,8 @@ def test_what_is_no_number_is_named(value: object) -> None:
 def test_text_for_a_number_gets_a_sentence(name: str, call: Callable[[object], object]) -> None:
     with pytest.raises(InputError, match=f"{name} is '5 m', but it must be one number"):
         call("5 m")
+
+
+def test_dimension_of_a_line_profile_is_refused_for_a_surface_factor() -> None:
+    with pytest.raises(InputError, match="between 2 and 3"):
+        domain_extension_factor(1.4)

@@ -397,5 +397,3 @@ def test_arguments_out_of_range() -> None:
         pair_stiffness(rough(), [1.0, 1.0], [1.0, 1.0, 1.0])
     with pytest.raises(InputError, match=r"face\[0\] is 0\.5"):
         pair_stiffness(rough(), [1.0, 1.0], 1.0, face=[0.5, 1.0])
-    with pytest.raises(InputError, match="between 2 and 3"):
-        domain_extension_factor(1.4)

@@ -19,8 +19,9 @@ import sweep_deaths
 from stickslip.case import load_case
 from stickslip.errors import InputError
 from stickslip.sweeps import schedule
-from stickslip.sweeps.pool import LocalProcesses, WorkerDied, usable_processors
+from stickslip.sweeps.pool import LocalProcesses, WorkerDied
 from stickslip.sweeps.schedule import Schedule, StructureGroup
+from stickslip.threads import usable_cores
 from sweep_cases import quick_file
 
 LOADS = "450:700:6"
@@ -99,7 +100,7 @@ def test_a_script_without_main_guard_is_told(tmp_path: Path) -> None:
     result = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False)
     assert result.returncode == 1
     assert f"{InputError.__name__}: worker processes cannot be started. In a script the call" in result.stderr
-    assert 1 <= usable_processors() <= (os.cpu_count() or 1)
+    assert 1 <= usable_cores() <= (os.cpu_count() or 1)
 
 
 def start_sweep(study: Path, out: Path) -> subprocess.Popen[str]:

@@ -9,6 +9,7 @@ stuck structure (:mod:`stickslip.solve.gain`). The mean (h = 0) is different: a 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -160,24 +161,16 @@ class Compliance:
     without mean. The modes are mass-normalised: the Euclidean norm of an amplitude is the mass norm of its motion.
     """
 
-    def __init__(
-        self,
-        pairs: ContactPairs,
-        mean: MeanCompliance,
-        circular_frequency: FloatArray,
-        modes: FloatArray,
-        gain: ModalGain,
-    ) -> None:
+    def __init__(self, stuck: StuckStructure, gain: ModalGain) -> None:
         self.harmonics = gain.harmonics
-        self.mean_restraint = mean.restraint
+        self.mean_restraint = stuck.mean.restraint
         self.gain = gain
-        self._modes = modes
-        self._operator = pairs.operator
-        self._mean = mean
-        self._contact_modes = pairs.operator @ modes
-        self._mean_contact = pairs.operator @ mean.solve(pairs.operator.T)
+        self._modes = stuck.modes
+        self._operator = stuck.pairs.operator
+        self._mean = stuck.mean
+        self._contact_modes, self._mean_contact = stuck.contact_modes, stuck.mean_contact
         far = self._contact_modes[:, gain.near_modes :]
-        self._far = (far / circular_frequency[gain.near_modes :] ** 2) @ far.T
+        self._far = (far / stuck.circular_frequency[gain.near_modes :] ** 2) @ far.T
         self._near_contact = np.ascontiguousarray(self._contact_modes[:, : gain.near_modes])
         self._kept: tuple[bytes, FloatArray, FloatArray] | None = None
 
@@ -200,7 +193,7 @@ class Compliance:
     def relative(self, amplitude: FloatArray, external: ExternalForce | None, deviation: FloatArray) -> FloatArray:
         """``B u`` (2H+1, m) of amplitudes, with the mean under the same forces."""
         answer = np.empty((amplitude.shape[0] + 1, len(self._operator)))
-        answer[0] = -self._mean_contact @ deviation[0]
+        answer[0] = -(self._mean_contact @ deviation[0]) if deviation[0].any() else 0.0
         if external is not None:
             answer[0] += external.mean_relative
         np.matmul(amplitude, self._contact_modes.T, out=answer[1:])
@@ -236,12 +229,22 @@ class StuckStructure:
     damping: FloatArray  # (n, n) N s/m, also where modal ratios were given
     highest_omega: float  # rad/s
 
+    @cached_property
+    def contact_modes(self) -> FloatArray:
+        """(m, n) relative displacements of the modes, for every number of harmonics."""
+        return np.asarray(self.pairs.operator @ self.modes)
+
+    @cached_property
+    def mean_contact(self) -> FloatArray:
+        """(m, m) compliance of the pairs on the mean."""
+        return np.asarray(self.pairs.operator @ self.mean.solve(self.pairs.operator.T))
+
     def compliance(self, harmonics: int) -> Compliance:
         """The compliance for a number of harmonics."""
         near = int(np.searchsorted(self.circular_frequency, NEAR_RANGE * harmonics * self.highest_omega))
         kind = DiagonalGain if self.modal_damping.ndim == 1 else CoupledGain
         gain = kind(self.circular_frequency, self.modal_damping, harmonics, near)
-        return Compliance(self.pairs, self.mean, self.circular_frequency, self.modes, gain)
+        return Compliance(self, gain)
 
 
 def stuck_structure(

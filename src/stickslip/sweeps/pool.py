@@ -11,6 +11,7 @@ import os
 import signal
 import threading
 import traceback
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from multiprocessing.connection import Connection, wait
@@ -24,20 +25,13 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-def usable_processors() -> int:
-    """Processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
-class SizedExecutor(Executor):
+class SizedExecutor(Executor, ABC):
     """An executor that knows how many tasks it should hold, so that all its workers are busy and few tasks wait."""
 
     @property
+    @abstractmethod
     def tasks_at_a_time(self) -> int:
         """How many tasks may be out now."""
-        raise NotImplementedError
 
 
 class InProcess(SizedExecutor):

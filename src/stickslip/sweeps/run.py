@@ -22,9 +22,10 @@ from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable
 from stickslip.sweeps.axes import Vary, swept_keys
 from stickslip.sweeps.folder import SweepFolder
 from stickslip.sweeps.plan import PlannedCase, plan_cases
-from stickslip.sweeps.pool import InProcess, LocalProcesses, SizedExecutor, WorkerDied, usable_processors
+from stickslip.sweeps.pool import InProcess, LocalProcesses, SizedExecutor, WorkerDied
 from stickslip.sweeps.schedule import Schedule, StructureGroup
 from stickslip.sweeps.work import CaseOutcome, CaseTask, worker_version
+from stickslip.threads import usable_cores
 
 TABLE_FILE = "sweep.csv"
 DATASET_FILE = "sweep.nc"
@@ -112,7 +113,7 @@ def sweep(
             _require_same_version(executor)
             run.solve(groups, executor, _room(executor, workers))
         else:
-            wanted = workers or max(1, usable_processors() // threads)
+            wanted = workers or max(1, usable_cores() // threads)
             with local_executor(min(wanted, count)) as local:
                 run.solve(groups, local, _room(local, None))
     table = SweepTable(keys, tuple(run.row(each) for each in planned))
