@@ -34,11 +34,16 @@ class ContactPairs:
         (n_pairs,), above zero.
     preload:
         (n_pairs,) N at rest; a negative value is an initial gap of ``-preload / normal_stiffness``.
+    residual_traction:
+        None ("released"): the slider of a pair starts each period at the mean of its motion, so what friction held at
+        rest is forgotten. Or (n_pairs, 2) N along t1, t2 ("kept"): the traction that friction holds at rest, which the
+        structure's static state balances; a pair that never slips keeps it. It must not exceed ``mu * preload``.
 
     Raises
     ------
     InputError
-        for a wrong shape, an entry that is not finite, zero stiffness, or a friction coefficient that is not positive.
+        for a wrong shape, an entry that is not finite, zero stiffness, a friction coefficient that is not positive, or
+        a residual traction beyond the friction limit.
     """
 
     operator: FloatArray
@@ -46,6 +51,7 @@ class ContactPairs:
     tangential_stiffness: FloatArray
     friction_coefficient: FloatArray
     preload: FloatArray
+    residual_traction: FloatArray | None
 
     def __init__(
         self,
@@ -54,6 +60,7 @@ class ContactPairs:
         tangential_stiffness: ArrayLike,
         friction_coefficient: ArrayLike,
         preload: ArrayLike,
+        residual_traction: ArrayLike | None = None,
     ) -> None:
         matrix = finite_array("operator", operator.toarray() if scipy.sparse.issparse(operator) else operator)
         if matrix.ndim != 2 or matrix.shape[0] % 3 or matrix.shape[0] == 0:
@@ -78,6 +85,27 @@ class ContactPairs:
         object.__setattr__(self, "tangential_stiffness", tangential)
         object.__setattr__(self, "friction_coefficient", friction)
         object.__setattr__(self, "preload", per_pair("preload", preload, n_pairs))
+        kept = None if residual_traction is None else self._admissible(residual_traction)
+        object.__setattr__(self, "residual_traction", kept)
+
+    def _admissible(self, traction: ArrayLike) -> FloatArray:
+        """A residual traction (n_pairs, 2), cut to the limit where it is above it by round-off alone."""
+        kept = finite_array("residual_traction", traction)
+        if kept.shape != (self.n_pairs, 2):
+            raise InputError(
+                f"residual_traction must have shape ({self.n_pairs}, 2), N along t1 and t2 of each pair; found "
+                f"{kept.shape}."
+            )
+        size, limit = np.hypot(kept[:, 0], kept[:, 1]), self.friction_coefficient * self.static_load
+        beyond = np.flatnonzero(size > limit * (1.0 + 1e-6))
+        if beyond.size:
+            pair = beyond[0]
+            raise InputError(
+                f"residual_traction[{pair}] is {size[pair]:.4g} N, but friction holds only {limit[pair]:.4g} N at rest "
+                f"(friction_coefficient * preload; {beyond.size} of {self.n_pairs} pairs are above). Take it from a "
+                "static solution with friction, such as static_preload gives."
+            )
+        return np.asarray(kept * np.where(size > limit, limit / np.where(size > 0.0, size, 1.0), 1.0)[:, None])
 
     @property
     def n_pairs(self) -> int:
@@ -90,6 +118,16 @@ class ContactPairs:
         if self.tangential_stiffness.ndim == 2:
             return self.tangential_stiffness
         return np.repeat(self.tangential_stiffness[:, None], 2, axis=1)
+
+    @property
+    def released(self) -> bool:
+        """True if the sliders start at the mean of the motion, so that no traction at rest is remembered."""
+        return self.residual_traction is None
+
+    @property
+    def resting_traction(self) -> FloatArray:
+        """(n_pairs, 2) N along t1, t2 at rest: the residual traction; zero if released."""
+        return np.zeros((self.n_pairs, 2)) if self.residual_traction is None else self.residual_traction
 
     @property
     def static_load(self) -> FloatArray:

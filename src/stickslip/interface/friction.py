@@ -3,8 +3,8 @@
     N = max(N0 + kn n, 0),   |T| <= mu N,   T = K (s - w),   dw/dt along T and only where |T| = mu N,   T = 0 if N = 0
 
 s = (t1, t2) is the relative tangential displacement of a pair, n its closing, w the slider, K = diag(k1, k2). The
-slider starts at the mean of s ("released" pair: one that sticks all period carries T = K (s - mean s)) and is carried
-to the true periodic state. Derivations, sign conventions and sources: docs/theory_friction.md.
+slider starts at the mean of s ("released" pair: one that sticks all period carries T = K (s - mean s)), or where it was
+at rest (residual traction T0 "kept": T = T0 + K s, s counted from rest), and is carried to the true periodic state. Derivations, sign conventions and sources: docs/theory_friction.md.
 """
 
 from __future__ import annotations
@@ -36,11 +36,13 @@ class HarmonicForce:
     Attributes
     ----------
     force:
-        (n_pairs, 3, 2 * harmonics + 1) N: T1, T2 and N - max(preload, 0), in the order mean, cos 1, sin 1, ...
+        (n_pairs, 3, 2 * harmonics + 1) N: T1, T2 and N, each less its value at rest (residual traction, static load),
+        in the order mean, cos 1, sin 1, ...
     state:
         (n_pairs,) 0 stuck, 1 stick-slip, 2 separating.
     deviates:
-        (n_pairs,) False exactly where the force is that of the closed, stuck springs with the slider at the mean.
+        (n_pairs,) False exactly where the force is that of the closed, stuck springs (released: with the slider at the
+        mean).
     closure:
         (n_pairs,) ``|T_end - T_start| / max(mu N)`` of the last period; 0 where a pair sticks or opens.
     period_start:
@@ -121,7 +123,10 @@ def harmonic_force(
     force[:, :2] = (periods.forces.reshape(-1, samples) @ analysis.T).reshape(-1, 2, width)
     stuck = ~periods.deviates
     force[stuck, :2] = pairs.tangential_springs[stuck, :, None] * displacement[stuck, :2]
-    force[stuck, :2, 0] = 0.0
+    if pairs.released:
+        force[stuck, :2, 0] = 0.0
+    else:
+        force[~stuck, :2, 0] -= pairs.resting_traction[~stuck]
     force[:, 2] = pairs.normal_stiffness[:, None] * displacement[:, 2]
     force[:, 2, 0] += np.minimum(pairs.preload, 0.0)  # a gap that stays closed: N = k_n n - gap force, none at rest
     opens = (limits <= 0.0).any(axis=1)
@@ -156,7 +161,7 @@ def harmonic_tangent(
         contact = harmonic_force(displacement, pairs, samples, update)
     tangent = np.zeros((len(chosen), 3, width, 3, width))
     tangent_pairs(
-        paths[chosen], limits[chosen], _ratios(springs), scales, normal_stiffness, update == "tractrix",
+        paths[chosen], limits[chosen], _ratios(springs), scales, normal_stiffness, update == "tractrix", pairs.released,
         _basis(width // 2, samples), contact.period_start[chosen], tangent,
     )  # fmt: skip
     return tangent
@@ -189,7 +194,8 @@ def contact_cycle(displacement: ArrayLike, pairs: ContactPairs, update: Update =
     _check_samples(motion.shape[0], MIN_SAMPLES, "displacement has")
     springs = pairs.tangential_springs
     tangential = motion[:, :, :2]
-    paths = np.ascontiguousarray(((tangential - tangential.mean(axis=0)) * springs).transpose(1, 2, 0))
+    origin = tangential.mean(axis=0) if pairs.released else -pairs.resting_traction / springs
+    paths = np.ascontiguousarray(((tangential - origin) * springs).transpose(1, 2, 0))
     load = pairs.preload + pairs.normal_stiffness * motion[:, :, 2]
     limits = np.ascontiguousarray((pairs.friction_coefficient * load).T)
     periods = _periods(paths, limits, pairs, update)
@@ -221,10 +227,12 @@ def _periods(paths: FloatArray, limits: FloatArray, pairs: ContactPairs, update:
 
 
 def _sampled(displacement: FloatArray, pairs: ContactPairs, samples: int) -> tuple[FloatArray, FloatArray]:
-    """Tangential paths K (s - mean s) (n_pairs, 2, n) and limits mu (N0 + kn n) (n_pairs, n) of harmonic motion."""
+    """Tangential paths (n_pairs, 2, n), K (s - mean s) if released, else T0 + K s, and limits mu (N0 + kn n)."""
     synthesis = synthesis_matrix(displacement.shape[2] // 2, samples)
     elastic = pairs.tangential_springs[:, :, None] * displacement[:, :2, 1:]
     paths = (elastic.reshape(-1, elastic.shape[2]) @ synthesis[:, 1:].T).reshape(-1, 2, samples)
+    if not pairs.released:
+        paths += (pairs.resting_traction + pairs.tangential_springs * displacement[:, :2, 0])[:, :, None]
     load = pairs.normal_stiffness[:, None] * displacement[:, 2]
     load[:, 0] += pairs.preload
     return paths, (pairs.friction_coefficient[:, None] * load) @ synthesis.T

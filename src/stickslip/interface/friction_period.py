@@ -1,6 +1,6 @@
 """March of the friction law over periods to the periodic state, and the exact derivative of that state.
 
-Paths are in force units (K s, mean removed), limits are ``mu * (N0 + kn * n)`` with their sign; see friction_kernel.
+Paths are in force units (K s without its mean, or T0 + K s from the state at rest), limits are ``mu * (N0 + kn * n)`` with their sign; see friction_kernel.
 A period map sends the force at the first sample to the force one period later; it never expands distances, so its
 fixed points form one connected set: a single point where the pair slips, all feasible slider positions where it sticks.
 """
@@ -106,8 +106,8 @@ def transfer(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def released_start(path: FloatArray, limit: float, ratio1: float, ratio2: float) -> tuple[float, float]:
-    """Force at sample 0 with the slider at the mean displacement, returned to the limit."""
+def start_of_path(path: FloatArray, limit: float, ratio1: float, ratio2: float) -> tuple[float, float]:
+    """Force at sample 0 as the path has it, returned to the limit."""
     t1, t2 = path[0, 0], path[1, 0]
     if math.hypot(t1, t2) > limit:
         t1, t2, _ = associated_return(t1, t2, limit, ratio1, ratio2)
@@ -115,8 +115,8 @@ def released_start(path: FloatArray, limit: float, ratio1: float, ratio2: float)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def sticks_released(path: FloatArray, limit: FloatArray) -> bool:
-    """True if the pair stays closed and within its limit all period with the slider at the mean displacement."""
+def sticks_throughout(path: FloatArray, limit: FloatArray) -> bool:
+    """True if the pair stays closed and the path within its limit all period: the force is then the path itself."""
     for j in range(limit.shape[0]):
         if limit[j] <= 0.0 or path[0, j] ** 2 + path[1, j] ** 2 > limit[j] ** 2:
             return False
@@ -161,11 +161,11 @@ def settle(
 ) -> tuple[Index, float, float, float, int]:
     """Periodic state of one pair: fills ``force`` (2, n) and ``mode`` (n,).
 
-    Plain cycles from the released start come first; where they creep, Newton on the period map takes over and is given
+    Plain cycles from the start of the path come first; where they creep, Newton on the period map takes over and is given
     up, back to the last plain cycle, as soon as its steps stop shrinking or it jumps into the stuck set.
 
     Returns the sample where the final march starts, the force there (t1, t2), the closure of the final march, and how
-    many plain cycles lead from the released start to the last march before Newton.
+    many plain cycles lead from the start of the path to the last march before Newton.
     """
     path, limit, ratio1, ratio2 = motion.path, motion.limit, motion.ratio1, motion.ratio2
     n = limit.shape[0]
@@ -180,7 +180,7 @@ def settle(
         # An open sample carries no force whatever came before: one march from there is the periodic state.
         march(motion, first_open, 0.0, 0.0, -1.0, force, mode)
         return first_open, 0.0, 0.0, 0.0, 0
-    t1, t2 = released_start(path, limit[0], ratio1, ratio2)
+    t1, t2 = start_of_path(path, limit[0], ratio1, ratio2)
     known = 1e-16 * largest
     plain, cycles, wait, patience = 0, 0, 0, 1
     previous = math.inf
@@ -255,7 +255,7 @@ def settle_pairs(
     """
     for pair in range(limits.shape[0]):
         path, limit, force, mode = paths[pair], limits[pair], forces[pair], modes[pair]
-        if sticks_released(path, limit):
+        if sticks_throughout(path, limit):
             for j in range(limit.shape[0]):
                 force[0, j], force[1, j], mode[j] = path[0, j], path[1, j], STICK
             states[pair], deviates[pair], closures[pair] = STICK, False, 0.0

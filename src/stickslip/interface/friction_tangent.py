@@ -19,7 +19,7 @@ from stickslip.interface.friction_kernel import (
     slip_jacobian,
     stick_jacobian,
 )
-from stickslip.interface.friction_period import Motion, released_start, sticks_released
+from stickslip.interface.friction_period import Motion, start_of_path, sticks_throughout
 from stickslip.validation import FloatArray
 
 # |det(I - Phi)| below which the start of the period is taken from the transient instead of the fixed point.
@@ -180,17 +180,21 @@ def transient_start_derivative(
     plain: Index,
     basis: Basis,
     scale: FloatArray,
+    released: bool,
     derivative: FloatArray,
 ) -> None:
-    """Fill ``derivative`` with that of the force after ``plain`` cycles from the released start."""
+    """Fill ``derivative`` with that of the force after ``plain`` cycles from the start of the path.
+
+    A ``released`` path does not depend on the mean displacement, one that counts from rest does.
+    """
     path, limit, ratio1, ratio2 = motion.path, motion.limit, motion.ratio1, motion.ratio2
     synthesis = basis.synthesis
     width = synthesis.shape[1]
     derivative[:] = 0.0
-    for q in range(1, width):
+    for q in range(1 if released else 0, width):
         derivative[0, q] = scale[0] * synthesis[0, q]
         derivative[1, width + q] = scale[1] * synthesis[0, q]
-    t1, t2 = released_start(path, limit[0], ratio1, ratio2)
+    t1, t2 = start_of_path(path, limit[0], ratio1, ratio2)
     if math.hypot(path[0, 0], path[1, 0]) > limit[0]:
         _, _, x = associated_return(path[0, 0], path[1, 0], limit[0], ratio1, ratio2)
         r11, r12, r21, r22, l1, l2 = return_jacobian(t1, t2, x, limit[0], ratio1, ratio2)
@@ -210,6 +214,7 @@ def pair_tangent(
     motion: Motion,
     basis: Basis,
     scale: FloatArray,
+    released: bool,
     period_start: FloatArray,
     tangent: FloatArray,
 ) -> None:
@@ -239,7 +244,7 @@ def pair_tangent(
                 start[1, c] = (b11 * derivative[1, c] - b21 * derivative[0, c]) / determinant
         else:
             left = np.zeros((2, columns))
-            transient_start_derivative(motion, plain, basis, scale, left)
+            transient_start_derivative(motion, plain, basis, scale, released, left)
             for c in range(columns - 2):
                 start[0, c], start[1, c] = left[0, c], left[1, c]
                 if size > 0.0:
@@ -286,6 +291,7 @@ def tangent_pairs(
     scales: FloatArray,
     normal_stiffness: FloatArray,
     tractrix: bool,
+    released: bool,
     basis: Basis,
     starts: FloatArray,
     tangents: FloatArray,
@@ -295,13 +301,13 @@ def tangent_pairs(
     tangential = np.empty((2, width, 3 * width))
     for pair in range(limits.shape[0]):
         normal_tangent(limits[pair], normal_stiffness[pair], basis, tangents[pair, 2, :, 2, :])
-        if sticks_released(paths[pair], limits[pair]):
-            for q in range(1, width):
+        if sticks_throughout(paths[pair], limits[pair]):
+            for q in range(1 if released else 0, width):
                 tangents[pair, 0, q, 0, q] = scales[pair, 0]
                 tangents[pair, 1, q, 1, q] = scales[pair, 1]
             continue
         motion = Motion(paths[pair], limits[pair], ratios[pair, 0], ratios[pair, 1], tractrix)
-        pair_tangent(motion, basis, scales[pair], starts[pair], tangential)
+        pair_tangent(motion, basis, scales[pair], released, starts[pair], tangential)
         for row in range(2):
             for p in range(width):
                 for c in range(3 * width):

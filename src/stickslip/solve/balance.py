@@ -37,23 +37,13 @@ class Trial:
     contact: HarmonicForce
     amplitude: FloatArray  # (2H, n) modal amplitudes of the structure under the force and the deviation
     residual: FloatArray
+    scale: float  # m, norm of the part of the relative displacement that has a residual
 
     @property
     def error(self) -> float:
         """Norm of the residual relative to the norm of the relative displacement (of its part that has a residual)."""
-        scale = float(np.linalg.norm(acting(self.relative)))
-        return float(np.linalg.norm(self.residual)) / scale if scale > 0 else float(np.linalg.norm(self.residual))
-
-
-def acting(relative: FloatArray) -> FloatArray:
-    """A copy (2H+1, m) without the mean tangential displacements, on which no contact force depends.
-
-    The slider of a pair starts at the mean of its motion, so these means only follow from the forces. Where friction
-    alone holds a body they are huge and mean nothing; no norm and no constraint may contain them.
-    """
-    part = relative.copy()
-    part[0].reshape(-1, 3)[:, :2] = 0.0
-    return part
+        size = float(np.linalg.norm(self.residual))
+        return size / self.scale if self.scale > 0 else size
 
 
 @dataclass(frozen=True)
@@ -110,7 +100,8 @@ class Balance:
         # Springs of a stuck pair, (2H+1, m). On the mean a stuck pair has no traction: its slider sits at the mean.
         springs = pairs.stuck_stiffness().reshape(-1, 3)
         self._springs = np.repeat(springs.reshape(1, -1), 2 * self.harmonics + 1, axis=0)
-        self._springs[0] = (springs * np.array([0.0, 0.0, 1.0])).ravel()
+        if pairs.released:
+            self._springs[0] = (springs * np.array([0.0, 0.0, 1.0])).ravel()
         self._external = compliance.external(force)
 
     @property
@@ -124,7 +115,7 @@ class Balance:
         return self.compliance.relative(self.compliance.amplitude(omega, external, still), external, still)
 
     def evaluate(self, relative: FloatArray, omega: float, load: float = 1.0) -> Trial:
-        """Contact force, deviation and residual; the trial's mean tangential displacements follow (:func:`acting`)."""
+        """Contact force, deviation and residual; what no force depends on follows from the forces (:meth:`acting`)."""
         coefficients = np.ascontiguousarray(relative.T).reshape(self.pairs.n_pairs, 3, -1)
         contact = harmonic_force(coefficients, self.pairs, self.samples, self.update)
         deviation = contact.force.reshape(self.rows, -1).T - self._springs * relative
@@ -138,10 +129,23 @@ class Balance:
         external = self._external.times(load)
         amplitude = self.compliance.amplitude(omega, external, deviation)
         answer = self.compliance.relative(amplitude, external, deviation)
-        residual = acting(relative - answer)
-        relative = relative.copy()
-        relative[0].reshape(-1, 3)[:, :2] = answer[0].reshape(-1, 3)[:, :2]
-        return Trial(omega, load, relative, deviation, contact, amplitude, residual)
+        residual = self.acting(relative - answer)
+        if self.pairs.released:
+            relative = relative.copy()
+            relative[0].reshape(-1, 3)[:, :2] = answer[0].reshape(-1, 3)[:, :2]
+        scale = float(np.linalg.norm(self.acting(relative)))
+        return Trial(omega, load, relative, deviation, contact, amplitude, residual, scale)
+
+    def acting(self, relative: FloatArray) -> FloatArray:
+        """A copy (2H+1, m) without what no contact force depends on: the mean tangential displacements if released.
+
+        The slider of a released pair starts at the mean of its motion, so these means only follow from the forces.
+        Where friction alone holds a body they are huge and mean nothing; no norm and no constraint may contain them.
+        """
+        part = relative.copy()
+        if self.pairs.released:
+            part[0].reshape(-1, 3)[:, :2] = 0.0
+        return part
 
     def displacement(self, trials: Sequence[Trial]) -> FloatArray:
         """All unknowns (n_trials, 2H+1, n) of trials of the same load."""

@@ -2,8 +2,8 @@
 
 With ``Kbar = K + B^T k B`` and ``Z_h(w) = Kbar - (h w)^2 M + i h w C`` the compliance of the pairs is
 ``A_h(w) = B Z_h^-1 B^T`` and the linear stuck response ``r_h = B Z_h^-1 P_h``. All of it goes through the modes of the
-stuck structure (:mod:`stickslip.solve.gain`). The mean (h = 0) is different: a stuck pair carries no mean traction
-(its slider sits at the mean displacement), so ``k`` holds only the normal springs there.
+stuck structure (:mod:`stickslip.solve.gain`). The mean (h = 0) is different where sliders are released: a stuck pair
+then carries no mean traction (its slider sits at the mean displacement), so ``k`` holds only the normal springs there.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class ExternalForce:
 
 @dataclass(frozen=True)
 class MeanCompliance:
-    """The static answer with normal springs only: a Cholesky factor of ``K + B^T diag(0, 0, k_n) B``, scaled."""
+    """The static answer: a Cholesky factor of ``K + B^T diag(0, 0, k_n) B`` (released) or ``K + B^T k B``, scaled."""
 
     restraint: float
     _scale: FloatArray
@@ -64,14 +64,15 @@ class MeanCompliance:
 
     @classmethod
     def build(cls, superelement: Superelement, pairs: ContactPairs) -> MeanCompliance:
-        """Factor the mean system; a body that only friction holds gets ``MEAN_RESTRAINT``. Raises InputError if it
-        stays singular."""
+        """Factor the mean system; a body that only friction holds gets ``MEAN_RESTRAINT``, also where residual tractions
+        are kept: slip of all its pairs forgets them. Raises InputError if it stays singular."""
         springs = pairs.stuck_stiffness().reshape(-1, 3)
-        for restraint in (0.0, MEAN_RESTRAINT):
-            scaled = springs * np.array([restraint, restraint, 1.0])
-            held = _scaled_cholesky(superelement, pairs, scaled)
-            if held is not None:
-                return cls(restraint, *held)
+        friction_alone = _scaled_cholesky(superelement, pairs, springs * np.array([0.0, 0.0, 1.0])) is None
+        restraint = MEAN_RESTRAINT if friction_alone else 0.0
+        tangential = restraint if pairs.released else 1.0 + restraint
+        held = _scaled_cholesky(superelement, pairs, springs * np.array([tangential, tangential, 1.0]))
+        if held is not None:
+            return cls(restraint, *held)
         raise InputError(
             "the structure with all contacts closed and stuck is singular to working accuracy: some body can move "
             "freely, or the contact is many orders stiffer than the structure. Fix the body somewhere, check that the "

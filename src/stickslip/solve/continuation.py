@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.solve.balance import Trial, acting
+from stickslip.solve.balance import Trial
 from stickslip.solve.newton import Constraint, Correction, Newton
 from stickslip.solve.reduced import BorderedSystem
 from stickslip.validation import FloatArray
@@ -168,7 +168,7 @@ class Branch:
 
     def _constraint(self, point: Trial, tangent: Tangent, step: float) -> Constraint:
         """The plane across the tangent at its end, in (x, w); x is scaled so that both parts of the normal count."""
-        normal = acting(tangent.relative)
+        normal = self._balance.acting(tangent.relative)
         x_size = max(float(np.linalg.norm(normal)), 1e-300)
         return Constraint(
             normal / x_size**2,

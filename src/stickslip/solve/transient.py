@@ -234,7 +234,7 @@ def integrate_to_steady_state(
 ) -> TransientResponse:
     """Integrate ``M u'' + C u' + K u + B^T f(B u) = p(t)`` in time until one period equals the one before.
 
-    ``f = (T1, T2, N - max(preload, 0))`` for each pair: 3-D Coulomb friction with tangential spring, variable normal
+    ``f = (T1, T2, N)`` of each pair, less what it is at rest: 3-D Coulomb friction with tangential spring, variable normal
     load and separation, integrated exactly along the straight path of each step. The scheme is generalised-alpha:
     second order, unconditionally stable for the linear part, its numerical dissipation set by ``spectral_radius``.
     Each step solves the contact displacements by Newton with the exact derivative of the step law; the effective
@@ -257,8 +257,8 @@ def integrate_to_steady_state(
     initial_displacement, initial_velocity:
         (n,) m and m/s at time 0, rest by default. A harmonic-balance solution shortens the transient.
     initial_slider:
-        (n_pairs, 2) m: tangential displacement at which a pair carries no friction, ``T = k_t (s - slider)``. Zero by
-        default. A pair that slips forgets it; one that always sticks keeps it as a mean traction.
+        (n_pairs, 2) m: tangential displacement at which a pair carries no friction, ``T = k_t (s - slider)``. The
+        slider at rest by default (zero if released). A pair that slips forgets it; one that always sticks keeps it as a mean traction.
     spectral_radius:
         share of its amplitude that a mode much faster than the step keeps in one step.
 
@@ -277,10 +277,11 @@ def integrate_to_steady_state(
 
     displacement = _start_vector("initial_displacement", initial_displacement, (n,))
     velocity = _start_vector("initial_velocity", initial_velocity, (n,))
-    slider = _start_vector("initial_slider", initial_slider, (n_pairs, 2))
+    at_rest = -pairs.resting_traction / pairs.tangential_springs
+    slider = at_rest if initial_slider is None else _start_vector("initial_slider", initial_slider, (n_pairs, 2))
     contact_motion = (operator @ displacement).reshape(n_pairs, 3)
     contact_force = _starting_force(pairs, contact_motion, slider)
-    offset = np.column_stack([np.zeros((n_pairs, 2)), pairs.static_load])
+    offset = np.column_stack([pairs.resting_traction, pairs.static_load])
     unbalanced = load[0] - superelement.stiffness @ displacement - operator.T @ (contact_force - offset).ravel()
     if superelement.damping is not None:
         unbalanced -= superelement.damping @ velocity
@@ -315,6 +316,7 @@ def integrate_to_steady_state(
             springs,
             pairs.friction_coefficient,
             pairs.preload,
+            offset,
             _STEP_TOLERANCE,
             _MAX_STEP_ITERATIONS,
             history,

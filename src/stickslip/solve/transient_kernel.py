@@ -179,6 +179,7 @@ def march_period(  # type: ignore[no-untyped-def]  # pragma: no cover
     stuck_springs,
     friction,
     preload,
+    at_rest,
     tolerance,
     max_iterations,
     motion_history,
@@ -187,8 +188,8 @@ def march_period(  # type: ignore[no-untyped-def]  # pragma: no cover
     """March one period of the generalised-alpha scheme; all arrays are described in ``transient._Scheme``.
 
     ``motion`` (3 n,) = displacement, velocity, acceleration; ``contact_motion`` (n_pairs, 3) and ``contact_force``
-    (n_pairs, 3) = T1, T2, N are updated in place; the histories receive the start of each step. Returns
-    -1, or the number of the step whose iteration did not converge.
+    (n_pairs, 3) = T1, T2, N are updated in place, ``at_rest`` (n_pairs, 3) is what the static state balances of it; the
+    histories receive the start of each step. Returns -1, or the number of the step whose iteration did not converge.
     """
     n_steps, n = load_response.shape
     n_pairs = friction.shape[0]
@@ -212,14 +213,14 @@ def march_period(  # type: ignore[no-untyped-def]  # pragma: no cover
         force_history[index] = contact_force
         for pair in range(n_pairs):
             for axis in range(3):
-                known = contact_force[pair, axis] - (max(preload[pair], 0.0) if axis == 2 else 0.0)
+                known = contact_force[pair, axis] - at_rest[pair, axis]
                 known_force[3 * pair + axis] = old_force_weight * known
             normal_start[pair] = preload[pair] + stuck_springs[3 * pair + 2] * contact_motion[pair, 2]
         linear = contact_load_response[index] + contact_state_response @ motion - contact_compliance @ known_force
         for row in range(size):
             # Start of the iteration: the deviation from stuck springs stays that of the last step.
             pair, axis = row // 3, row % 3
-            force_now = contact_force[pair, axis] - (max(preload[pair], 0.0) if axis == 2 else 0.0)
+            force_now = contact_force[pair, axis] - at_rest[pair, axis]
             deviation[row] = force_now - stuck_springs[row] * contact_motion[pair, axis]
         relative[:] = linear - contact_compliance @ deviation
 
@@ -241,7 +242,7 @@ def march_period(  # type: ignore[no-untyped-def]  # pragma: no cover
                 )
                 for axis in range(3):
                     row = 3 * pair + axis
-                    force_now = trial_force[pair, axis] - (max(preload[pair], 0.0) if axis == 2 else 0.0)
+                    force_now = trial_force[pair, axis] - at_rest[pair, axis]
                     deviation[row] = force_now - stuck_springs[row] * relative[row]
                     for other in range(3):
                         spring = stuck_springs[row] if axis == other else 0.0
