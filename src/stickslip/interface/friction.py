@@ -4,7 +4,8 @@
 
 s = (t1, t2) is the relative tangential displacement of a pair, n its closing, w the slider, K = diag(k1, k2). The
 slider starts at the mean of s ("released" pair: one that sticks all period carries T = K (s - mean s)), or where it was
-at rest (residual traction T0 "kept": T = T0 + K s, s counted from rest), and is carried to the true periodic state. Derivations, sign conventions and sources: docs/theory_friction.md.
+at rest (residual traction T0 "kept": T = T0 + K s, s counted from rest), and is carried to the true periodic state.
+Derivations, sign conventions and sources: docs/theory_friction.md.
 """
 
 from __future__ import annotations

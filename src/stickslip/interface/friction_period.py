@@ -1,6 +1,7 @@
 """March of the friction law over periods to the periodic state, and the exact derivative of that state.
 
-Paths are in force units (K s without its mean, or T0 + K s from the state at rest), limits are ``mu * (N0 + kn * n)`` with their sign; see friction_kernel.
+Paths are in force units (K s without its mean, or T0 + K s from the state at rest), limits are
+``mu * (N0 + kn * n)`` with their sign; see friction_kernel.
 A period map sends the force at the first sample to the force one period later; it never expands distances, so its
 fixed points form one connected set: a single point where the pair slips, all feasible slider positions where it sticks.
 """
@@ -161,8 +162,8 @@ def settle(
 ) -> tuple[Index, float, float, float, int]:
     """Periodic state of one pair: fills ``force`` (2, n) and ``mode`` (n,).
 
-    Plain cycles from the start of the path come first; where they creep, Newton on the period map takes over and is given
-    up, back to the last plain cycle, as soon as its steps stop shrinking or it jumps into the stuck set.
+    Plain cycles from the start of the path come first; where they creep, Newton on the period map takes over and is
+    given up, back to the last plain cycle, as soon as its steps stop shrinking or it jumps into the stuck set.
 
     Returns the sample where the final march starts, the force there (t1, t2), the closure of the final march, and how
     many plain cycles lead from the start of the path to the last march before Newton.

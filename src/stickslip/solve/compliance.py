@@ -55,30 +55,37 @@ class ExternalForce:
 
 
 @dataclass(frozen=True)
-class MeanCompliance:
-    """The static answer: a Cholesky factor of ``K + B^T diag(0, 0, k_n) B`` (released) or ``K + B^T k B``, scaled."""
+class StaticFactor:
+    """Static answers of the structure with springs on its pairs: a Cholesky factor of ``K + B^T k B``, scaled."""
 
-    restraint: float
     _scale: FloatArray
     _factor: Any
 
     @classmethod
-    def build(cls, superelement: Superelement, pairs: ContactPairs) -> MeanCompliance:
-        """Factor the mean system; a body that only friction holds gets ``MEAN_RESTRAINT``, also where residual tractions
-        are kept: slip of all its pairs forgets them. Raises InputError if it stays singular."""
-        springs = pairs.stuck_stiffness().reshape(-1, 3)
-        friction_alone = _scaled_cholesky(superelement, pairs, springs * np.array([0.0, 0.0, 1.0])) is None
-        restraint = MEAN_RESTRAINT if friction_alone else 0.0
-        tangential = restraint if pairs.released else 1.0 + restraint
-        held = _scaled_cholesky(superelement, pairs, springs * np.array([tangential, tangential, 1.0]))
-        if held is not None:
-            return cls(restraint, *held)
-        raise InputError(
-            "the structure with all contacts closed and stuck is singular to working accuracy: some body can move "
-            "freely, or the contact is many orders stiffer than the structure. Fix the body somewhere, check that the "
-            "contact operator couples it to the rest, or lower the contact stiffness: a joint a thousand times stiffer "
-            "than what it joins is rigid."
-        )
+    def build(cls, superelement: Superelement, pairs: ContactPairs, springs: FloatArray) -> StaticFactor:
+        """The factor with ``springs`` (n_pairs, 3) N/m along t1, t2, n. Raises InputError where it is singular."""
+        held = cls.attempt(superelement, pairs, springs)
+        if held is None:
+            raise InputError(
+                "the structure with all contacts closed and stuck is singular to working accuracy: some body can move "
+                "freely, or the contact is many orders stiffer than the structure. Fix the body somewhere, check that "
+                "the contact operator couples it to the rest, or lower the contact stiffness: a joint a thousand times "
+                "stiffer than what it joins is rigid."
+            )
+        return held
+
+    @classmethod
+    def attempt(cls, superelement: Superelement, pairs: ContactPairs, springs: FloatArray) -> StaticFactor | None:
+        """As :meth:`build`, or None where the structure is singular to working accuracy."""
+        matrix = superelement.stiffness + pairs.operator.T @ (springs.reshape(-1, 1) * pairs.operator)
+        scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+        matrix *= scale
+        matrix *= scale[:, None]
+        norm = float(np.abs(matrix).sum(axis=0).max())
+        factor, failure = scipy.linalg.lapack.dpotrf(matrix, lower=1, clean=0)
+        if failure or scipy.linalg.lapack.dpocon(factor, norm, uplo="L")[0] <= SINGULAR_MEAN:
+            return None
+        return cls(scale, (factor, True))
 
     def solve(self, force: FloatArray) -> FloatArray:
         """Static displacement under forces (n,) or (n, k)."""
@@ -86,19 +93,19 @@ class MeanCompliance:
         return np.asarray(scale * scipy.linalg.cho_solve(self._factor, scale * force))
 
 
-def _scaled_cholesky(
-    superelement: Superelement, pairs: ContactPairs, springs: FloatArray
-) -> tuple[FloatArray, tuple[FloatArray, bool]] | None:
-    """Scale s and Cholesky factor of ``diag(s) (K + B^T diag(springs) B) diag(s)``; None if that is singular."""
-    matrix = superelement.stiffness + pairs.operator.T @ (springs.reshape(-1, 1) * pairs.operator)
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    matrix *= scale
-    matrix *= scale[:, None]
-    norm = float(np.abs(matrix).sum(axis=0).max())
-    factor, failure = scipy.linalg.lapack.dpotrf(matrix, lower=1, clean=0)
-    if failure or scipy.linalg.lapack.dpocon(factor, norm, uplo="L")[0] <= SINGULAR_MEAN:
-        return None
-    return scale, (factor, True)
+def mean_factor(superelement: Superelement, pairs: ContactPairs) -> tuple[StaticFactor, float]:
+    """The answer to mean forces, and the restraint in it: normal springs only if released, else all springs.
+
+    A body that only friction holds gets ``MEAN_RESTRAINT`` on the mean, also where residual tractions are kept: slip of
+    all its pairs forgets them. Raises InputError if the structure stays singular.
+    """
+    springs = pairs.stuck_stiffness().reshape(-1, 3)
+    without_friction = StaticFactor.attempt(superelement, pairs, springs * np.array([0.0, 0.0, 1.0]))
+    restraint = MEAN_RESTRAINT if without_friction is None else 0.0
+    if pairs.released and without_friction is not None:
+        return without_friction, restraint
+    tangential = restraint if pairs.released else 1.0 + restraint
+    return StaticFactor.build(superelement, pairs, springs * np.array([tangential, tangential, 1.0])), restraint
 
 
 def _require_held_at_rest(superelement: Superelement, pairs: ContactPairs) -> None:
@@ -107,7 +114,7 @@ def _require_held_at_rest(superelement: Superelement, pairs: ContactPairs) -> No
     if closed.all():
         return
     springs = pairs.stuck_stiffness().reshape(-1, 3) * closed[:, None]
-    if _scaled_cholesky(superelement, pairs, springs) is None:
+    if StaticFactor.attempt(superelement, pairs, springs) is None:
         raise InputError(
             f"preload is zero or negative (a gap) at {int((~closed).sum())} of {closed.size} pairs, and the others do "
             "not hold every body: displacements count from a state at rest that does not exist. Press at least some "
@@ -164,7 +171,7 @@ class Compliance:
 
     def __init__(self, stuck: StuckStructure, gain: ModalGain) -> None:
         self.harmonics = gain.harmonics
-        self.mean_restraint = stuck.mean.restraint
+        self.mean_restraint = stuck.mean_restraint
         self.gain = gain
         self._modes = stuck.modes
         self._operator = stuck.pairs.operator
@@ -223,7 +230,8 @@ class StuckStructure:
     """The structure with every contact closed and stuck, ready for balances with any number of harmonics."""
 
     pairs: ContactPairs
-    mean: MeanCompliance
+    mean: StaticFactor
+    mean_restraint: float
     circular_frequency: FloatArray  # (n,) rad/s, ascending
     modes: FloatArray  # (n, n), mass-normalised
     modal_damping: FloatArray  # (n,) if the modes diagonalise the damping, else (n, n)
@@ -268,7 +276,7 @@ def stuck_structure(
         )
     if modal_damping_ratio is not None and superelement.damping is not None:
         raise InputError("give either a damping matrix in the superelement or modal_damping_ratio, not both.")
-    mean = MeanCompliance.build(superelement, pairs)
+    mean, restraint = mean_factor(superelement, pairs)
     _require_held_at_rest(superelement, pairs)
     frequency, modes = modal_basis(superelement.mass, stuck_stiffness_matrix(superelement, pairs))
     modal: FloatArray | None
@@ -282,4 +290,4 @@ def stuck_structure(
         modal = diagonal_modal_damping(damping, modes)
         if modal is None:
             modal = modes.T @ damping @ modes
-    return StuckStructure(pairs, mean, frequency, modes, modal, damping, highest_omega)
+    return StuckStructure(pairs, mean, restraint, frequency, modes, modal, damping, highest_omega)

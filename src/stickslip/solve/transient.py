@@ -234,10 +234,10 @@ def integrate_to_steady_state(
 ) -> TransientResponse:
     """Integrate ``M u'' + C u' + K u + B^T f(B u) = p(t)`` in time until one period equals the one before.
 
-    ``f = (T1, T2, N)`` of each pair, less what it is at rest: 3-D Coulomb friction with tangential spring, variable normal
-    load and separation, integrated exactly along the straight path of each step. The scheme is generalised-alpha:
-    second order, unconditionally stable for the linear part, its numerical dissipation set by ``spectral_radius``.
-    Each step solves the contact displacements by Newton with the exact derivative of the step law; the effective
+    ``f = (T1, T2, N)`` of each pair, less what it is at rest: 3-D Coulomb friction with tangential spring, variable
+    normal load and separation, integrated exactly along the straight path of each step. The scheme is
+    generalised-alpha: second order, unconditionally stable for the linear part, its numerical dissipation set by
+    ``spectral_radius``. Each step solves the contact displacements by Newton with the exact derivative of the step law; the effective
     matrix, with stuck springs in it, is factored once.
 
     Parameters
@@ -258,7 +258,8 @@ def integrate_to_steady_state(
         (n,) m and m/s at time 0, rest by default. A harmonic-balance solution shortens the transient.
     initial_slider:
         (n_pairs, 2) m: tangential displacement at which a pair carries no friction, ``T = k_t (s - slider)``. The
-        slider at rest by default (zero if released). A pair that slips forgets it; one that always sticks keeps it as a mean traction.
+        slider at rest by default (zero if released). A pair that slips forgets it; one that always sticks keeps it as a
+        mean traction.
     spectral_radius:
         share of its amplitude that a mode much faster than the step keeps in one step.
 
