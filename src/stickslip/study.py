@@ -176,7 +176,7 @@ def _shapes(out: Path, case: Case, model: Model, response: ForcedResponse) -> It
 
     mesh, count = model.structure.mesh, case.output.mode_shapes
     if count:
-        springs = model.pairs.stuck_stiffness()
+        springs = model.pairs.resting_stiffness()
         frequency_hz, modes = joined_modes(model.superelement, model.joint.face_pairs, count, springs)
         yield write_mode_shapes(out / "mode_shapes.vtu", mesh, modes, frequency_hz)
     frames = case.output.deflected_shape_frames

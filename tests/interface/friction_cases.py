@@ -41,6 +41,17 @@ def random_case(seed: int, n_pairs: int, harmonics: int = 3) -> tuple[FloatArray
     return x, make_pairs(n_pairs, 1.0, spring, rng.uniform(0.2, 1.0, n_pairs), preload)
 
 
+def kept_case(seed: int, n_pairs: int) -> tuple[FloatArray, ContactPairs]:
+    """As :func:`random_case`, smaller motions, with a traction at rest inside the limit."""
+    x, pairs = random_case(seed, n_pairs)
+    rng = np.random.default_rng(seed + 10)
+    angle = rng.uniform(0.0, 2.0 * np.pi, n_pairs)
+    size = rng.uniform(0.0, 1.0, n_pairs) * pairs.friction_coefficient * pairs.static_load
+    traction = size[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    constants = (pairs.normal_stiffness, pairs.tangential_stiffness, pairs.friction_coefficient, pairs.preload)
+    return 0.4 * x, ContactPairs(pairs.operator, *constants, traction)
+
+
 def near_shakedown(seed: int, n_pairs: int, samples: int) -> tuple[FloatArray, ContactPairs]:
     """Closed pairs whose motion just about reaches the limit: the slowest ones to become periodic."""
     from stickslip.fourier import synthesis_matrix

@@ -9,6 +9,7 @@ import pytest
 from friction_cases import make_pairs, near_shakedown, random_case, sampled
 
 from stickslip.errors import InputError
+from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.interface.friction import Update, contact_cycle, harmonic_force, harmonic_tangent
 from stickslip.interface.friction_energy import step_dissipation
 from stickslip.interface.friction_kernel import SLIP, STICK, advance, inverse_mean_limit
@@ -307,13 +308,46 @@ def test_pair_that_does_not_deviate_is_exactly_its_springs() -> None:
     found = harmonic_force(x, pairs, 64)
     stuck = ~found.deviates
     assert 10 < stuck.sum() < 200
-    springs = np.concatenate([pairs.tangential_springs, pairs.normal_stiffness[:, None]], axis=1)
-    expected = springs[:, :, None] * x
+    expected = pairs.resting_stiffness().reshape(-1, 3)[:, :, None] * x
     expected[:, :2, 0] = 0.0
-    expected[:, 2, 0] += np.minimum(pairs.preload, 0.0)
     np.testing.assert_array_equal(found.force[stuck], expected[stuck])
-    assert np.all(found.state[stuck] == 0)
-    assert np.all(found.deviates[found.state > 0])
+    assert np.all(found.state[stuck & pairs.closed_at_rest] == 0)
+    open_at_rest = stuck & ~pairs.closed_at_rest
+    assert open_at_rest.any()
+    assert np.all(found.state[open_at_rest] == 2)
+    assert np.all(found.deviates[(found.state > 0) & pairs.closed_at_rest])
+
+
+def test_kept_traction_is_carried_along_until_slip_forgets_it() -> None:
+    motion = np.zeros((1, 3, 3))
+    motion[0, 0, 1] = 0.1
+    still = ContactPairs(np.zeros((3, 1)), 1.0, 3.0, 0.4, 2.0, [[0.3, -0.2]])
+    assert not harmonic_force(motion, still, 64).deviates[0]
+    cycle = contact_cycle(sampled(motion, 64), still)
+    np.testing.assert_allclose(cycle.force[:, 0, 0], 0.3 + 3.0 * sampled(motion, 64)[:, 0, 0], atol=1e-14)
+    np.testing.assert_allclose(cycle.force[:, 0, 1], -0.2, atol=1e-14)
+    # Motion far beyond the limit: the loop is that of a released pair, whatever was there before.
+    motion[0, 0, 1] = 2.0
+    released = ContactPairs(np.zeros((3, 1)), 1.0, 3.0, 0.4, 2.0)
+    one_way = ContactPairs(np.zeros((3, 1)), 1.0, 3.0, 0.4, 2.0, [[0.3, 0.0]])
+    np.testing.assert_allclose(
+        contact_cycle(sampled(motion, 64), one_way).force,
+        contact_cycle(sampled(motion, 64), released).force,
+        atol=1e-12,
+    )
+
+
+def test_kept_traction_shakes_down_to_the_limit() -> None:
+    """T0 + k X cos t passes the limit on one side only: slip moves the loop until it touches, and no farther."""
+    spring, limit, rest, amplitude = 3.0, 0.8, 0.6, 0.15
+    pairs = ContactPairs(np.zeros((3, 1)), 1.0, spring, 0.4, 2.0, [[rest, 0.0]])
+    motion = np.zeros((1, 3, 3))
+    motion[0, 0, 1] = amplitude
+    cycle = contact_cycle(sampled(motion, 64), pairs)
+    signal = sampled(motion, 64)[:, 0, 0]
+    np.testing.assert_allclose(cycle.force[:, 0, 0], limit + spring * (signal - amplitude), atol=1e-13)
+    assert cycle.state[0] == 0
+    assert cycle.dissipated_energy[0] == 0.0
 
 
 def test_bad_input_gets_a_sentence() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from friction_cases import make_pairs, random_case
+from friction_cases import kept_case, make_pairs, random_case
 
 from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.interface.friction import Update, harmonic_force, harmonic_tangent
@@ -64,7 +64,7 @@ REGIMES: dict[str, tuple[FloatArray, dict[str, object], int, bool]] = {
     "mostly open": (
         coefficients(t1=[0.0, 0.8, 0.1], t2=[0.0, 0.1, 0.3], n=[0.0, 2.2, 0.4]), {"preload": -2.0}, 2, True,
     ),
-    "always open": (coefficients(t1=[0.0, 0.8, 0.1], n=[0.0, 1.0]), {"preload": -2.0}, 2, True),
+    "always open": (coefficients(t1=[0.0, 0.8, 0.1], n=[0.0, 1.0]), {"preload": -2.0}, 2, False),
     "unequal stiffness, slip": (
         coefficients(t1=[0.0, 0.9, 0.1], t2=[0.0, 0.2, 0.7], n=[0.1, 0.5, 0.6]),
         {"tangential_stiffness": np.array([[3.0, 1.3]])}, 1, True,
@@ -104,6 +104,23 @@ def test_tangent_of_random_pairs(seed: int, update: Update) -> None:
     smooth = relative(first, second, scale) < 1e-6
     assert smooth.mean() > 0.9
     assert relative(tangent, first, scale)[smooth].max() < 1e-6
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+def test_tangent_with_kept_traction(seed: int) -> None:
+    """The mean tangential displacement counts where the start is remembered: stuck and shaken-down pairs."""
+    x, pairs = kept_case(seed, 250)
+    tangent = harmonic_tangent(x, pairs, SAMPLES, np.arange(250))
+    scale = np.maximum(np.abs(tangent).max(axis=(1, 2, 3, 4)), 1e-300)
+    first = differences(x, pairs, "tractrix", 1e-6)
+    smooth = relative(first, differences(x, pairs, "tractrix", 2.3e-6), scale) < 1e-6
+    assert smooth.mean() > 0.9
+    assert relative(tangent, first, scale)[smooth].max() < 1e-6
+    by_mean = np.abs(tangent[:, :2, :, :2, 0]).max(axis=(1, 2, 3))
+    stuck = ~harmonic_force(x, pairs, SAMPLES).deviates & pairs.closed_at_rest
+    assert stuck.sum() > 10
+    np.testing.assert_allclose(by_mean[stuck], pairs.tangential_springs[stuck].max(axis=1))
+    assert (by_mean[~stuck] > 1e-3 * scale[~stuck]).any()  # shaken down: the mean is remembered
 
 
 def test_tangent_of_selected_pairs() -> None:

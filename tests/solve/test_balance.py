@@ -64,7 +64,7 @@ def test_step_solves_the_full_linearised_balance(
 
 def test_active_rows_hold_only_what_moves(blade: Blade) -> None:
     _, trial = moving_trial(blade, 0.6)
-    active = ActiveRows.of(trial.contact)
+    active = ActiveRows.of(trial.contact, blade.pairs)
     moving = np.flatnonzero(trial.contact.deviates)
     separating = int((trial.contact.state == 2).sum())
     assert moving.size > 0

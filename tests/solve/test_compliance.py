@@ -119,8 +119,10 @@ def floating_block() -> tuple[Superelement, ContactPairs]:
 
 def test_free_mean_position_gets_the_restraint() -> None:
     superelement, pairs = floating_block()
-    compliance = stuck_structure(superelement, pairs, 100.0, 0.01).compliance(1)
-    assert compliance.mean_restraint == MEAN_RESTRAINT
+    stuck = stuck_structure(superelement, pairs, 100.0, 0.01)
+    assert stuck.mean_restraint == MEAN_RESTRAINT
+    compliance = stuck.compliance(1)
+    np.testing.assert_allclose(compliance.restraint_force(np.array([1.0, 2.0, 3.0])), [[0.8, 1.6]])
     mean = compliance.newton(100.0, np.arange(3)).mean
     assert mean[0, 0] == pytest.approx(1.0 / (MEAN_RESTRAINT * 8e5))
     assert mean[2, 2] == pytest.approx(1e-6)
@@ -154,4 +156,4 @@ def test_a_body_that_only_gaps_could_hold_is_refused() -> None:
 def test_gaps_are_fine_where_other_pairs_hold(blade: Blade) -> None:
     preload = blade.pairs.preload.copy()
     preload[::2] = -1.0
-    assert stuck_structure(blade.superelement, blade.pairs_with(preload), 4000.0, None).mean.restraint == 0.0
+    assert stuck_structure(blade.superelement, blade.pairs_with(preload), 4000.0, None).mean_restraint == 0.0

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stickslip.errors import InputError
 from stickslip.validation import FloatArray, finite_array, per_pair, require_positive
@@ -134,6 +134,15 @@ class ContactPairs:
         """(n_pairs,) N: the part of the preload that the structure's static state balances; a gap carries none."""
         return np.maximum(self.preload, 0.0)
 
+    @property
+    def closed_at_rest(self) -> NDArray[np.bool_]:
+        """(n_pairs,) True where the preload presses the pair together."""
+        return self.preload > 0.0
+
     def stuck_stiffness(self) -> FloatArray:
         """(3 * n_pairs,) N/m: k_t1, k_t2, k_n of each pair, the springs of a closed and stuck contact."""
         return np.column_stack([self.tangential_springs, self.normal_stiffness]).ravel()
+
+    def resting_stiffness(self) -> FloatArray:
+        """(3 * n_pairs,) N/m: the springs that small motions about the rest feel; none for a pair open there."""
+        return self.stuck_stiffness() * np.repeat(self.closed_at_rest, 3)

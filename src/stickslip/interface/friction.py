@@ -42,8 +42,8 @@ class HarmonicForce:
     state:
         (n_pairs,) 0 stuck, 1 stick-slip, 2 separating.
     deviates:
-        (n_pairs,) False exactly where the force is that of the closed, stuck springs (released: with the slider at the
-        mean).
+        (n_pairs,) False exactly where the force is that of small motions about the rest: the stuck springs of a closed
+        pair (released: with the slider at the mean), nothing for a pair that is open at rest and stays open.
     closure:
         (n_pairs,) ``|T_end - T_start| / max(mu N)`` of the last period; 0 where a pair sticks or opens.
     period_start:
@@ -122,18 +122,19 @@ def harmonic_force(
     periods = _periods(paths, limits, pairs, update)
     force = np.empty_like(displacement)
     force[:, :2] = (periods.forces.reshape(-1, samples) @ analysis.T).reshape(-1, 2, width)
-    stuck = ~periods.deviates
+    deviates = np.where(pairs.closed_at_rest, periods.deviates, (limits > 0.0).any(axis=1))
+    stuck = ~deviates & pairs.closed_at_rest
     force[stuck, :2] = pairs.tangential_springs[stuck, :, None] * displacement[stuck, :2]
     if pairs.released:
         force[stuck, :2, 0] = 0.0
     else:
         force[~stuck, :2, 0] -= pairs.resting_traction[~stuck]
     force[:, 2] = pairs.normal_stiffness[:, None] * displacement[:, 2]
-    force[:, 2, 0] += np.minimum(pairs.preload, 0.0)  # a gap that stays closed: N = k_n n - gap force, none at rest
+    force[:, 2, 0] += np.minimum(pairs.preload, 0.0)  # a gap that closes for good: N = k_n n - gap force, none at rest
     opens = (limits <= 0.0).any(axis=1)
     normal = np.maximum(limits[opens] / pairs.friction_coefficient[opens, None], 0.0)
     force[opens, 2] = (normal - pairs.static_load[opens, None]) @ analysis.T
-    return HarmonicForce(force, periods.state, periods.deviates, periods.closure, periods.starts)
+    return HarmonicForce(force, periods.state, deviates, periods.closure, periods.starts)
 
 
 def harmonic_tangent(

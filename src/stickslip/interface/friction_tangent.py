@@ -24,6 +24,9 @@ from stickslip.validation import FloatArray
 
 # |det(I - Phi)| below which the start of the period is taken from the transient instead of the fixed point.
 SINGULAR = 1e-9
+# A pair that shakes down to the limit at two samples creeps there: its state is fixed by touching both. Where it sticks
+# within this share of the limit, after slip in earlier cycles, the touch counts as slip in the derivative.
+TOUCH = 1e-8
 
 
 class Basis(NamedTuple):
@@ -83,10 +86,11 @@ def march_tangent(
     t2: float,
     basis: Basis,
     scale: FloatArray,
+    touching: bool,
     derivative: FloatArray,
     coefficients: FloatArray,
 ) -> tuple[float, float]:
-    """March one period with the derivatives of the force; returns its end.
+    """March one period with the derivatives of the force; returns its end. ``touching``: see TOUCH.
 
     ``derivative`` (2, 3 * width + 2), width = 2 H + 1: by the coefficients of t1, t2, n and, last, by the two
     components of the start; the start's on entry, the end's on return. ``scale`` = (k1, k2, mu kn).
@@ -108,6 +112,8 @@ def march_tangent(
             j -= n
         d1, d2 = path[0, j] - path[0, previous], path[1, j] - path[1, previous]
         new1, new2, code = advance(t1, t2, d1, d2, limit[previous], limit[j], ratio1, ratio2, tractrix)
+        if code == STICK and touching and math.hypot(new1, new2) > limit[j] * (1.0 - TOUCH):
+            code = SLIP
         if code == STICK and limit[previous] > 0.0:
             if anchor < 0:
                 anchor = np.int64(previous)
@@ -206,7 +212,7 @@ def transient_start_derivative(
             derivative[1, 2 * width + q] = l2 * scale[2] * synthesis[0, q]
     nothing = np.zeros((0, 2, derivative.shape[1]))
     for _ in range(plain):
-        t1, t2 = march_tangent(motion, np.int64(0), t1, t2, basis, scale, derivative, nothing)
+        t1, t2 = march_tangent(motion, np.int64(0), t1, t2, basis, scale, False, derivative, nothing)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -231,7 +237,7 @@ def pair_tangent(
     derivative = np.zeros((2, columns))
     derivative[0, columns - 2] = derivative[1, columns - 1] = 1.0
     gathered = np.zeros((width, 2, columns))
-    march_tangent(motion, first, period_start[1], period_start[2], basis, scale, derivative, gathered)
+    march_tangent(motion, first, period_start[1], period_start[2], basis, scale, plain > 0, derivative, gathered)
     start = np.zeros((2, columns - 2))
     if motion.limit[first] > 0.0:
         b11, b12 = 1.0 - derivative[0, columns - 2], -derivative[0, columns - 1]

@@ -2,12 +2,13 @@
 
 ``x`` holds the Fourier coefficients of the relative displacements of all pairs, ``r`` those of the linear structure
 with every contact stuck, ``d`` the deviation of the contact force from ``preload + k x``. A pair that sticks through
-the whole period has ``d = 0``, and its normal row has ``d = 0`` until it opens, so with ``D = dd/dx``
+the whole period has ``d = 0``, and its normal row has ``d = 0`` until it opens; a pair that is open at rest
+has no ``k``, and ``d = 0`` until it closes. So with ``D = dd/dx``
 
     (I + A D) dx = -R   <=>   (I + D A) dd = -D R,   dx = -R - A dd
 
 needs only the rows of ``dd`` that are not zero: two tangential rows for each pair that moves, and the normal row where
-the pair separates. Everything else follows by back substitution; nothing is approximated.
+the pair separates or was open at rest. Everything else follows by back substitution; nothing is approximated.
 """
 
 from __future__ import annotations
@@ -37,13 +38,13 @@ class Trial:
     contact: HarmonicForce
     amplitude: FloatArray  # (2H, n) modal amplitudes of the structure under the force and the deviation
     residual: FloatArray
-    scale: float  # m, norm of the part of the relative displacement that has a residual
+    error: float  # norm of the residual relative to that of the relative displacement, see Balance.evaluate
 
-    @property
-    def error(self) -> float:
-        """Norm of the residual relative to the norm of the relative displacement (of its part that has a residual)."""
-        size = float(np.linalg.norm(self.residual))
-        return size / self.scale if self.scale > 0 else size
+
+def _share(part: FloatArray, whole: FloatArray) -> float:
+    """Norm of a part over that of the whole; the norm itself where the whole is zero."""
+    size, scale = float(np.linalg.norm(part)), float(np.linalg.norm(whole))
+    return size / scale if scale > 0.0 else size
 
 
 @dataclass(frozen=True)
@@ -56,11 +57,11 @@ class ActiveRows:
     output_position: NDArray[np.int64]  # position of each output among 3 * len(pairs) rows
 
     @classmethod
-    def of(cls, contact: HarmonicForce) -> ActiveRows:
-        """Two tangential rows of every pair that moves, and the normal row of those that separate."""
+    def of(cls, contact: HarmonicForce, pairs: ContactPairs) -> ActiveRows:
+        """Two tangential rows of every pair that moves, the normal row of those that separate or were open at rest."""
         moving = np.flatnonzero(contact.deviates)
         keep = np.ones((moving.size, 3), dtype=bool)
-        keep[:, 2] = contact.state[moving] == SEPARATING
+        keep[:, 2] = (contact.state[moving] == SEPARATING) | ~pairs.closed_at_rest[moving]
         inputs = (3 * moving[:, None] + np.arange(3)).ravel()
         position = np.flatnonzero(keep.ravel())
         return cls(moving, inputs, inputs[position], position)
@@ -98,7 +99,7 @@ class Balance:
         self.update = update
         self.harmonics = compliance.harmonics
         # Springs of a stuck pair, (2H+1, m). On the mean a stuck pair has no traction: its slider sits at the mean.
-        springs = pairs.stuck_stiffness().reshape(-1, 3)
+        springs = pairs.resting_stiffness().reshape(-1, 3)
         self._springs = np.repeat(springs.reshape(1, -1), 2 * self.harmonics + 1, axis=0)
         if pairs.released:
             self._springs[0] = (springs * np.array([0.0, 0.0, 1.0])).ravel()
@@ -119,13 +120,12 @@ class Balance:
         coefficients = np.ascontiguousarray(relative.T).reshape(self.pairs.n_pairs, 3, -1)
         contact = harmonic_force(coefficients, self.pairs, self.samples, self.update)
         deviation = contact.force.reshape(self.rows, -1).T - self._springs * relative
-        # Where the pair sticks the tangential deviation is zero by definition, where it never opens the normal one is
-        # that of its gap (zero under preload): round-off must not enter.
-        still, closed = ~contact.deviates, contact.state != SEPARATING
+        # Where the pair sticks the tangential deviation is zero by definition, where it never opens the normal one is:
+        # round-off must not enter.
+        still, closed = ~contact.deviates, self.pairs.closed_at_rest & (contact.state != SEPARATING)
         deviation[:, 0::3][:, still] = 0.0
         deviation[:, 1::3][:, still] = 0.0
         deviation[:, 2::3][:, closed] = 0.0
-        deviation[0, 2::3][closed] = np.minimum(self.pairs.preload, 0.0)[closed]
         external = self._external.times(load)
         amplitude = self.compliance.amplitude(omega, external, deviation)
         answer = self.compliance.relative(amplitude, external, deviation)
@@ -133,8 +133,21 @@ class Balance:
         if self.pairs.released:
             relative = relative.copy()
             relative[0].reshape(-1, 3)[:, :2] = answer[0].reshape(-1, 3)[:, :2]
-        scale = float(np.linalg.norm(self.acting(relative)))
-        return Trial(omega, load, relative, deviation, contact, amplitude, residual, scale)
+        error = max(_share(residual, self.acting(relative)), self._closing_error(residual, contact))
+        return Trial(omega, load, relative, deviation, contact, amplitude, residual, error)
+
+    def _closing_error(self, residual: FloatArray, contact: HarmonicForce) -> float:
+        """Share of the contact force that the residual means in pairs with a gap that close.
+
+        Their springs are not in the compliance, so a residual that is small beside the motion of an open pair can be a
+        large force where it closes.
+        """
+        closing = np.flatnonzero(contact.deviates & ~self.pairs.closed_at_rest)
+        if not closing.size:
+            return 0.0
+        springs = self.pairs.stuck_stiffness().reshape(-1, 3)[closing]
+        force = springs[:, :, None] * residual.T.reshape(self.pairs.n_pairs, 3, -1)[closing]
+        return _share(force, contact.force)
 
     def acting(self, relative: FloatArray) -> FloatArray:
         """A copy (2H+1, m) without what no contact force depends on: the mean tangential displacements if released.

@@ -1,6 +1,7 @@
-"""How the structure with every contact closed and stuck answers to forces on the pairs, harmonic by harmonic.
+"""How the structure with its contacts stuck answers to forces on the pairs, harmonic by harmonic.
 
-With ``Kbar = K + B^T k B`` and ``Z_h(w) = Kbar - (h w)^2 M + i h w C`` the compliance of the pairs is
+``k`` holds the springs of the pairs that are closed at rest; pairs that are open there have none until they close. With
+``Kbar = K + B^T k B`` and ``Z_h(w) = Kbar - (h w)^2 M + i h w C`` the compliance of the pairs is
 ``A_h(w) = B Z_h^-1 B^T`` and the linear stuck response ``r_h = B Z_h^-1 P_h``. All of it goes through the modes of the
 stuck structure (:mod:`stickslip.solve.gain`). The mean (h = 0) is different where sliders are released: a stuck pair
 then carries no mean traction (its slider sits at the mean displacement), so ``k`` holds only the normal springs there.
@@ -99,7 +100,7 @@ def mean_factor(superelement: Superelement, pairs: ContactPairs) -> tuple[Static
     A body that only friction holds gets ``MEAN_RESTRAINT`` on the mean, also where residual tractions are kept: slip of
     all its pairs forgets them. Raises InputError if the structure stays singular.
     """
-    springs = pairs.stuck_stiffness().reshape(-1, 3)
+    springs = pairs.resting_stiffness().reshape(-1, 3)
     without_friction = StaticFactor.attempt(superelement, pairs, springs * np.array([0.0, 0.0, 1.0]))
     restraint = MEAN_RESTRAINT if without_friction is None else 0.0
     if pairs.released and without_friction is not None:
@@ -110,10 +111,10 @@ def mean_factor(superelement: Superelement, pairs: ContactPairs) -> tuple[Static
 
 def _require_held_at_rest(superelement: Superelement, pairs: ContactPairs) -> None:
     """Raise InputError for a body that only pairs with a gap could hold: it has no state at rest."""
-    closed = pairs.preload > 0.0
+    closed = pairs.closed_at_rest
     if closed.all():
         return
-    springs = pairs.stuck_stiffness().reshape(-1, 3) * closed[:, None]
+    springs = pairs.resting_stiffness().reshape(-1, 3)
     if StaticFactor.attempt(superelement, pairs, springs) is None:
         raise InputError(
             f"preload is zero or negative (a gap) at {int((~closed).sum())} of {closed.size} pairs, and the others do "
@@ -171,7 +172,7 @@ class Compliance:
 
     def __init__(self, stuck: StuckStructure, gain: ModalGain) -> None:
         self.harmonics = gain.harmonics
-        self.mean_restraint = stuck.mean_restraint
+        self._restraint = stuck.mean_restraint * stuck.pairs.resting_stiffness().reshape(-1, 3)[:, :2]
         self.gain = gain
         self._modes = stuck.modes
         self._operator = stuck.pairs.operator
@@ -181,6 +182,11 @@ class Compliance:
         self._far = (far / stuck.circular_frequency[gain.near_modes :] ** 2) @ far.T
         self._near_contact = np.ascontiguousarray(self._contact_modes[:, : gain.near_modes])
         self._kept: tuple[bytes, FloatArray, FloatArray] | None = None
+
+    def restraint_force(self, mean_relative: FloatArray) -> FloatArray:
+        """(..., n_pairs, 2) N along t1, t2 that the restraint takes at mean relative displacements (..., 3 n_pairs)."""
+        shape = (*mean_relative.shape[:-1], -1, 3)
+        return np.asarray(self._restraint * mean_relative.reshape(shape)[..., :2])
 
     def external(self, force: FloatArray) -> ExternalForce:
         """What a force (2H+1, n) does, computed once."""
@@ -276,8 +282,8 @@ def stuck_structure(
         )
     if modal_damping_ratio is not None and superelement.damping is not None:
         raise InputError("give either a damping matrix in the superelement or modal_damping_ratio, not both.")
-    mean, restraint = mean_factor(superelement, pairs)
     _require_held_at_rest(superelement, pairs)
+    mean, restraint = mean_factor(superelement, pairs)
     frequency, modes = modal_basis(superelement.mass, stuck_stiffness_matrix(superelement, pairs))
     modal: FloatArray | None
     if modal_damping_ratio is not None:

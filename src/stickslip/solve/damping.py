@@ -15,9 +15,9 @@ DAMPED_RANGE = 20.0
 
 
 def stuck_stiffness_matrix(superelement: Superelement, pairs: ContactPairs) -> FloatArray:
-    """``K + B^T diag(k_t1, k_t2, k_n) B`` (n, n): every pair closed and stuck."""
+    """``K + B^T diag(k_t1, k_t2, k_n) B`` (n, n): every pair that is closed at rest is stuck, the others stay open."""
     operator = pairs.operator
-    return superelement.stiffness + operator.T @ (pairs.stuck_stiffness()[:, None] * operator)
+    return superelement.stiffness + operator.T @ (pairs.resting_stiffness()[:, None] * operator)
 
 
 def modal_basis(mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:

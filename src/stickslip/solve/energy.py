@@ -80,10 +80,9 @@ def _equation_residuals(
     stuck: StuckStructure,
 ) -> FloatArray:
     """``|Z u + B^T f - p| / (|p| + |B^T f|)`` of each point over all harmonics, in the unknowns of the superelement."""
-    restraint = balance.compliance.mean_restraint * balance.pairs.tangential_springs
-    means = np.array([trial.relative[0].reshape(-1, 3)[:, :2] for trial in trials])
+    means = np.array([trial.relative[0] for trial in trials])
     contact = contact.copy()
-    contact[:, 0].reshape(len(trials), -1, 3)[:, :, :2] += restraint * means
+    contact[:, 0].reshape(len(trials), -1, 3)[:, :, :2] += balance.compliance.restraint_force(means)
     joint = contact @ balance.pairs.operator
     load = np.array([trial.load for trial in trials])[:, None, None]
     order = np.arange(1, balance.harmonics + 1)[:, None] * np.array([trial.omega for trial in trials])[:, None, None]

@@ -272,10 +272,7 @@ def _folds(trials: list[Trial]) -> tuple[str, ...]:
 
 def _drift(balance: Balance, trials: list[Trial]) -> tuple[str, ...]:
     """A warning where the restraint of the mean position carries a force that the model does not have."""
-    if balance.compliance.mean_restraint == 0:
-        return ()
-    restraint = balance.compliance.mean_restraint * balance.pairs.tangential_springs
-    traction = max(float(np.abs(restraint * t.relative[0].reshape(-1, 3)[:, :2]).sum()) for t in trials)
+    traction = max(float(np.abs(balance.compliance.restraint_force(t.relative[0])).sum()) for t in trials)
     limit = float((balance.pairs.friction_coefficient * balance.pairs.static_load).sum())
     if traction <= 1e-3 * limit:
         return ()

@@ -16,7 +16,8 @@ class NewtonSettings:
     """When to stop.
 
     tolerance:
-        largest allowed norm of the residual ``x - r + A d`` relative to the norm of ``x``.
+        largest allowed norm of the residual ``x - r + A d`` relative to the norm of ``x``; in pairs with a gap that
+        close also that of its spring force relative to the contact force.
     max_iterations:
         iterations before the step is given up.
     """

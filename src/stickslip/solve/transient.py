@@ -237,8 +237,8 @@ def integrate_to_steady_state(
     ``f = (T1, T2, N)`` of each pair, less what it is at rest: 3-D Coulomb friction with tangential spring, variable
     normal load and separation, integrated exactly along the straight path of each step. The scheme is
     generalised-alpha: second order, unconditionally stable for the linear part, its numerical dissipation set by
-    ``spectral_radius``. Each step solves the contact displacements by Newton with the exact derivative of the step law; the effective
-    matrix, with stuck springs in it, is factored once.
+    ``spectral_radius``. Each step solves the contact displacements by Newton with the exact derivative of the step law;
+    the effective matrix, with stuck springs in it, is factored once.
 
     Parameters
     ----------
