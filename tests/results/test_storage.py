@@ -46,6 +46,15 @@ def test_response_alone_and_anisotropic_pairs(response, tmp_path):
     assert load_results(tmp_path / "a.nc").study is None
 
 
+def test_kept_tractions_come_back(response, tmp_path):
+    traction = 0.5 * response.pairs.friction_coefficient[:, None] * response.pairs.static_load[:, None] * [[0.6, -0.8]]
+    changed = dataclasses.replace(response, pairs=dataclasses.replace(response.pairs, residual_traction=traction))
+    changed.save(tmp_path / "kept.nc")
+    again = ForcedResponse.load(tmp_path / "kept.nc")
+    assert again == changed
+    assert again.pairs.residual_traction is not None
+
+
 def test_long_study_file_survives(response, tmp_path):
     study = dataclasses.replace(synthetic_study(4, 3), inputs="# line of the study file\n" * 8000)
     save_results(tmp_path / "long.nc", response, study)

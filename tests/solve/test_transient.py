@@ -9,6 +9,7 @@ from helpers import Blade
 from stickslip.errors import InputError
 from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.results.response import ForcedResponse
+from stickslip.solve.forced import forced_response
 from stickslip.solve.transient import TransientResponse, integrate_to_steady_state, start_from_response
 from stickslip.solve.transient_kernel import OPEN, SLIPPING, STUCK, step_law
 from stickslip.structure.superelement import Superelement
@@ -228,6 +229,33 @@ def test_blade_amplitude_equals_nine_harmonics_within_0_3_percent(
     point = int(np.abs(balance.frequency_hz - frequency_hz).argmin())
     response = integrate_blade(blade, balance, point, 1000)
     assert response.amplitude(blade.tip) == pytest.approx(balance.amplitude(blade.tip)[point], rel=3e-3)
+
+
+def test_kept_tractions_agree_with_a_march_from_rest(blade: Blade) -> None:
+    """Some pairs slip from 60 % of their limit on, the others keep their traction, which moves the mean."""
+    rest = 0.6 * blade.pairs.friction_coefficient * blade.pairs.preload
+    angle = np.linspace(0.0, 2.0, blade.n_pairs)
+    traction = rest[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    constants = (blade.pairs.normal_stiffness, blade.pairs.tangential_stiffness, blade.pairs.friction_coefficient)
+    kept = ContactPairs(blade.operator, *constants, blade.pairs.preload, traction)
+    cosine, sine = blade.force_cos, blade.force_sin
+    curve = forced_response(
+        blade.superelement, kept, cosine, sine, frequency_hz=(685.0, 686.0), harmonics=9, samples=512
+    )
+    assert curve.converged
+    released = forced_response(
+        blade.superelement, blade.pairs, cosine, sine, frequency_hz=(685.0, 685.001), harmonics=9, samples=512
+    )
+    start = start_from_response(curve, 0)
+    march = integrate_to_steady_state(
+        blade.superelement, kept, cosine, sine, curve.frequency_hz[0], 1000, tolerance=1e-6, **start
+    )
+    assert march.converged, march.message
+    assert {0, 1} <= set(curve.contact_state[0].tolist())
+    assert march.amplitude(blade.tip) == pytest.approx(curve.amplitude(blade.tip)[0], rel=3e-3)
+    mean = curve.displacement[0, :, 0] @ blade.tip
+    assert (march.displacement @ blade.tip).mean() == pytest.approx(mean, rel=2e-2)
+    assert abs(mean - released.displacement[0, :, 0] @ blade.tip) > 0.1 * abs(mean)
 
 
 def test_blade_error_falls_with_the_step_and_energy_balances(blade: Blade, balance: ForcedResponse) -> None:

@@ -67,7 +67,8 @@ def _loops(view: View) -> dict[str, Any]:
     response = view.response
     stride = max(1, round(response.samples / LOOP_SAMPLES))
     times = np.arange(0, response.samples, stride)
-    moving = response.contact_state != 0
+    # The page draws stuck released pairs itself; where tractions at rest are kept it needs all forces.
+    moving = (response.contact_state != 0) | (not response.pairs.released)
     relative_size = response.pairs.n_pairs * 3 * (2 * response.harmonics + 1) * 4
     size = relative_size + moving.sum(axis=1) * 2 * times.size * 2
     points = _points_within(size, view.point)

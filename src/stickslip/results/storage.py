@@ -214,6 +214,9 @@ def _pairs_dataset(response: ForcedResponse) -> xarray.Dataset:
         "friction_coefficient": _variable(("pair",), pairs.friction_coefficient, "1", "friction coefficient"),
         "preload": _variable(("pair",), pairs.preload, "N", "normal force at rest"),
     }
+    if pairs.residual_traction is not None:
+        rest = "traction at rest that friction keeps"
+        data["residual_traction"] = _variable(("pair", "tangent"), pairs.residual_traction, "N", rest)
     return xarray.Dataset(data)
 
 
@@ -224,6 +227,7 @@ def _response_from(root: xarray.Dataset, linear: xarray.Dataset, pairs: xarray.D
             name: pairs[name].values
             for name in ("normal_stiffness", "tangential_stiffness", "friction_coefficient", "preload")
         },
+        residual_traction=pairs["residual_traction"].values if "residual_traction" in pairs else None,
     )
     harmonics = int(root.sizes["harmonic"])
     curves = LinearCurves(

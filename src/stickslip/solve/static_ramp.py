@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import ArrayLike
 
 from stickslip.errors import ConvergenceError
@@ -28,6 +27,9 @@ from stickslip.validation import FloatArray
 TOLERANCE = 1e-10
 MAX_ITERATIONS = 40
 SMALLEST_INCREMENT = 1e-4  # of the load
+# A step this many times longer than the bonded solution and the gaps is a body that flies away.
+LARGEST_STEP = 1e6
+LARGEST_RESIDUAL = 1e-6
 # Damping of the steps that approach a solution which plain Newton misses, as a share of the springs.
 FIRST_DAMPING, LAST_DAMPING, DAMPED_STEPS = 1.0, 1e-5, 60
 # Share of the load that the restraint may take in a solution without friction.
@@ -106,11 +108,7 @@ class _Trial:
     force: FloatArray  # (n_pairs, 3) N
     derivative: FloatArray  # (n_pairs, 3, 3) N/m
     residual: FloatArray  # (3 n_pairs,) m
-
-    @property
-    def error(self) -> float:
-        """Norm of the residual over that of the relative displacement."""
-        return float(np.linalg.norm(self.residual) / max(float(np.linalg.norm(self.relative)), 1e-300))
+    error: float  # norm of the residual over that of the bonded solution and of the gaps
 
 
 class LoadRamp:
@@ -199,7 +197,15 @@ class LoadRamp:
         derivative[:, [0, 1, 2], [0, 1, 2]] += damping * self._springs
         deviation = (acting - self._springs * relative).ravel()
         residual = relative.ravel() - share * self._loaded + self._compliance @ deviation
-        return _Trial(relative, known, code, force, derivative, residual)
+        error = float(np.linalg.norm(residual)) / self._scale(share)
+        return _Trial(relative, known, code, force, derivative, residual, error)
+
+    def _scale(self, share: float) -> float:
+        """Size of the displacements, m, of the bonded solution and the gaps.
+
+        Not of the solution itself: a body that flies away would make any residual look small.
+        """
+        return share * float(np.linalg.norm(self._loaded)) + float(np.linalg.norm(self._gap)) + 1e-300
 
     def _newton(
         self, guess: FloatArray, known: _Known, share: float, damping: float = 0.0, centre: FloatArray | None = None
@@ -212,8 +218,8 @@ class LoadRamp:
                 return trial
             self._iterations += 1
             step = self._step(trial)
-            if not np.isfinite(step).all():
-                return None
+            if not float(np.abs(step).max()) < LARGEST_STEP * self._scale(share):
+                return None  # also where the step is not finite
             best: _Trial | None = None
             for fraction in (1.0, 0.5, 0.25, 0.1, 0.03):
                 moved = self._evaluate(trial.relative + fraction * step, known, share, damping, fixed)
@@ -237,8 +243,8 @@ class LoadRamp:
         matrix = product[rows]
         matrix[np.diag_indices(rows.size)] += 1.0
         try:
-            solved = scipy.linalg.solve(matrix, -trial.residual[rows], check_finite=False)
-        except scipy.linalg.LinAlgError:
+            solved = np.linalg.solve(matrix, -trial.residual[rows])
+        except np.linalg.LinAlgError:
             return np.full((n_pairs, 3), np.nan)  # the caller ends this attempt
         step = -trial.residual - product @ solved
         step[rows] = solved
@@ -269,6 +275,13 @@ class LoadRamp:
         self._require_held(trial)
         unbalanced = self._superelement.stiffness @ displacement + operator.T @ trial.force.ravel() - self._load
         scale = float(np.linalg.norm(self._load)) + float(np.linalg.norm(operator.T @ trial.force.ravel()))
+        residual = float(np.linalg.norm(unbalanced)) / scale
+        if residual > LARGEST_RESIDUAL:
+            raise ConvergenceError(
+                f"the static state is in equilibrium only to {residual:.1e} of its forces (wanted: "
+                f"{LARGEST_RESIDUAL:.0e}): contact many orders stiffer than the structure loses digits. Lower the "
+                "contact stiffness; a joint a thousand times stiffer than what it joins is rigid."
+            )
         reached = "in damped steps" if damped else "by Newton's method"
         open_pairs, slipping = int((trial.code == OPEN).sum()), int((trial.code == SLIP).sum())
         return StaticState(
@@ -279,7 +292,7 @@ class LoadRamp:
             state=trial.code,
             normal_stiffness=slope,
             tangential_stiffness=self._pairs.tangential_springs[:, 0].copy(),
-            residual=float(np.linalg.norm(unbalanced)) / scale,
+            residual=residual,
             steps=steps,
             iterations=self._iterations,
             message=(
