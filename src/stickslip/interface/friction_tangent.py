@@ -237,7 +237,7 @@ def pair_tangent(
     derivative = np.zeros((2, columns))
     derivative[0, columns - 2] = derivative[1, columns - 1] = 1.0
     gathered = np.zeros((width, 2, columns))
-    march_tangent(motion, first, period_start[1], period_start[2], basis, scale, plain > 0, derivative, gathered)
+    march_tangent(motion, first, period_start[1], period_start[2], basis, scale, bool(plain > 0), derivative, gathered)
     start = np.zeros((2, columns - 2))
     if motion.limit[first] > 0.0:
         b11, b12 = 1.0 - derivative[0, columns - 2], -derivative[0, columns - 1]
