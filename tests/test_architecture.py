@@ -36,6 +36,9 @@ LAYER_OF = {
     "measured_roughness": "study",
     "facts": "study",
     "drawing": "study",
+    "setup": "study",
+    "joint": "study",
+    "two_blade": "study",
     "model": "study",
 }
 BASE = ROWS[0]

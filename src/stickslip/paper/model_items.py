@@ -9,9 +9,9 @@ from math import cos
 import numpy as np
 
 from stickslip.case import Case
-from stickslip.interface.stiffness import ContactStatus, ContactStiffness, contact_stiffness
+from stickslip.interface.stiffness import ContactStatus, ContactStiffness, Roughness, contact_stiffness
 from stickslip.interface.surface import draw_phases, fractal_surface, frequency_count, surface_statistics
-from stickslip.model import case_roughness
+from stickslip.joint import case_material, case_roughness
 from stickslip.paper.claims import MICRO, Solutions
 from stickslip.paper.items import Item
 from stickslip.paper.tables import Cell, Table, columns
@@ -107,7 +107,7 @@ def _heights(base: Case, dimension: float, scale: float) -> tuple[float, float]:
     """Sq in m and Sdq of a rough face between the longest and the shortest wave of the case."""
     case = rough_case(base, dimension, scale)
     assert case.roughness is not None
-    found = surface_statistics(case_roughness(case), case.roughness.sample_length, case.roughness.shortest_length)
+    found = surface_statistics(_roughness(case), case.roughness.sample_length, case.roughness.shortest_length)
     return found.sq, found.sdq
 
 
@@ -162,10 +162,16 @@ def _face_load(base: Case, load: float) -> tuple[float, float]:
     return load / (2.0 * cos(geometry.platform_angle)), geometry.damper_length * geometry.contact_face_width
 
 
+def _roughness(case: Case) -> Roughness:
+    """Roughness of a case whose bodies are of one material."""
+    material = case_material(case)
+    return case_roughness(case, material, material)
+
+
 @cache
 def _stiffness(base: Case, dimension: float, scale: float, load: float, law: str) -> ContactStiffness:
     force, area = _face_load(base, load)
-    roughness = case_roughness(rough_case(base, dimension, scale))
+    roughness = _roughness(rough_case(base, dimension, scale))
     return contact_stiffness(roughness, force, mode=law, nominal_area=area)  # type: ignore[arg-type]
 
 
