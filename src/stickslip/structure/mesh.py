@@ -126,6 +126,10 @@ class Mesh:
             )
         return np.asarray(sides, dtype=np.int64)
 
+    def sides(self, name: str) -> tuple[IntArray, ...]:
+        """:meth:`sides_within` as a tuple of one array: the form that meshes of several kinds of cells share."""
+        return (self.sides_within(name),)
+
     def quadratic(self) -> Mesh:
         """The same bricks with a node in the middle of each edge (20-node serendipity cells).
 
