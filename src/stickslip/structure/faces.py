@@ -2,38 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import numpy as np
 
+from stickslip.structure.finite_element_mesh import AnyMesh
 from stickslip.structure.mesh import IntArray
-from stickslip.structure.side_shapes import side_geometry
+from stickslip.structure.shapes import side_rule, side_shape_functions
 from stickslip.validation import FloatArray
 
 
-class FaceMesh(Protocol):
-    """What the faces of a mesh are found from."""
-
-    @property
-    def points(self) -> FloatArray: ...
-
-    @property
-    def n_nodes(self) -> int: ...
-
-    def node_set(self, name: str) -> IntArray: ...
-
-    def sides(self, name: str) -> tuple[IntArray, ...]: ...
-
-
-def face_geometry(mesh: FaceMesh, name: str) -> tuple[IntArray, FloatArray, FloatArray]:
+def face_geometry(mesh: AnyMesh, name: str) -> tuple[IntArray, FloatArray, FloatArray]:
     """Nodes (k,) of a face set, the area (k,) in m2 that each node stands for, and its outward unit normal (k, 3).
 
-    The areas are those of :func:`stickslip.structure.side_shapes.side_geometry` and sum to the area of the face. A
-    node's normal is the mean of the sides around it, weighted with these areas. Nodes keep the order of the set.
+    On sides of three or four nodes the area is ``integral of N_i dA``. With midside nodes that integral is zero or
+    negative at the corners, so the side's area is shared in proportion to ``integral of N_i^2 dA`` instead (diagonal
+    scaling, as for lumped masses). The areas sum to the area of the face either way. A node's normal is the mean of the
+    sides around it, weighted with these areas. Nodes keep the order of the set.
 
     Raises InputError when the set is missing, empty, or holds no whole side of a cell.
     """
-    area, normal = np.zeros(mesh.n_nodes), np.zeros((mesh.n_nodes, 3))
+    area = np.zeros(mesh.n_nodes)
+    normal = np.zeros((mesh.n_nodes, 3))
     for sides in mesh.sides(name):
         share, direction = side_geometry(mesh.points[sides])
         np.add.at(area, sides, share)
@@ -41,3 +29,20 @@ def face_geometry(mesh: FaceMesh, name: str) -> tuple[IntArray, FloatArray, Floa
     nodes = mesh.node_set(name)
     length = np.linalg.norm(normal[nodes], axis=1, keepdims=True)
     return nodes, area[nodes], np.divide(normal[nodes], length, out=np.zeros_like(normal[nodes]), where=length > 0.0)
+
+
+def side_geometry(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Area share of each node (m, k), and mean unit normal (m, 3), of sides given by their nodes (m, k, 3)."""
+    n_nodes = points.shape[1]
+    where, weight = side_rule(n_nodes)
+    values, gradients = side_shape_functions(n_nodes, where)
+    along_xi, along_eta = (np.einsum("qk,mkx->mqx", gradients[..., axis], points) for axis in (0, 1))
+    area_vector = np.cross(along_xi, along_eta)
+    element_area = weight * np.linalg.norm(area_vector, axis=2)
+    if n_nodes in (3, 4):
+        share = element_area @ values
+    else:
+        share = element_area @ values**2
+        share *= (element_area.sum(axis=1) / share.sum(axis=1))[:, None]
+    total = np.einsum("q,mqx->mx", weight, area_vector)
+    return share, total / np.linalg.norm(total, axis=1, keepdims=True)
