@@ -18,7 +18,7 @@ from stickslip.structure.cache import cached_superelement
 from stickslip.structure.craig_bampton import ReductionRow, craig_bampton
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.factor import best_backend
-from stickslip.structure.mesh import Mesh
+from stickslip.structure.finite_element_mesh import AnyMesh
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
 
@@ -32,7 +32,7 @@ class Kind(Protocol):
     def set_up(self, case: Case) -> Setup:
         """Mesh or matrices, and the layout on them. Raises InputError."""
 
-    def find_layout(self, case: Case, mesh: Mesh) -> Layout:
+    def find_layout(self, case: Case, mesh: AnyMesh) -> Layout:
         """The layout on a mesh that is there already. Raises InputError."""
 
     def preload(self, case: Case, layout: Layout) -> FloatArray:

@@ -14,6 +14,7 @@ from stickslip.joint import FaceSettings, case_material
 from stickslip.setup import Direction, HarmonicForce, Layout, Port, Reading
 from stickslip.structure.blade_pair import BladePairElements, BladePairGeometry, blade_pair_mesh
 from stickslip.structure.elasticity import Element, Material, Structure, assemble
+from stickslip.structure.finite_element_mesh import AnyMesh
 from stickslip.structure.mesh import Mesh
 from stickslip.validation import FloatArray
 
@@ -65,7 +66,7 @@ def build_mesh(case: Case) -> Mesh:
     return mesh.quadratic() if element == "serendipity" else mesh
 
 
-def find_layout(case: Case, mesh: Mesh) -> Layout:
+def find_layout(case: Case, mesh: AnyMesh) -> Layout:
     """Contact pairs of both faces, left face first, and the places of forces and responses."""
     pairs = FacePairs.concatenate([pair_faces(mesh, *names) for names in FACES])
     ports = {name: Port.single(int(mesh.node_set(name)[0])) for name in PORTS}

@@ -66,9 +66,9 @@ def shape_functions(n_nodes: int, points: FloatArray) -> tuple[FloatArray, Float
 
     element = {4: ElementTetP1, 10: ElementTetP2, 6: ElementWedge1, 8: ElementHex1, 20: ElementHexS2}[n_nodes]()
     # Where our reference coordinate runs from -1 to 1, that of scikit-fem runs from 0 to 1.
-    start, scale = {4: (0.0, 1.0), 10: (0.0, 1.0), 6: (np.array([0, 0, 1.0]), np.array([1, 1, 0.5]))}.get(
-        n_nodes, (1.0, 0.5)
-    )
+    centred = {4: [0.0, 0.0, 0.0], 10: [0.0, 0.0, 0.0], 6: [0.0, 0.0, 1.0]}.get(n_nodes, [1.0, 1.0, 1.0])
+    start = np.array(centred)
+    scale = 1.0 - 0.5 * start
     distance = np.abs(scale * (start + KIND_OF_SIZE[n_nodes].nodes[:, None, :]) - element.doflocs[None, :, :])
     unit_points = (scale * (start + points)).T
     basis = [element.lbasis(unit_points, int(position)) for position in distance.max(axis=2).argmin(axis=1)]
