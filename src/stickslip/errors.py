@@ -21,7 +21,7 @@ class StudyFileError(InputError):
 
 
 class ImportFileError(InputError):
-    """A model file of another program cannot be read, or an entry of it is wrong; the message names file and entry."""
+    """A mesh or matrix file of another program cannot be read, or its content makes no usable model."""
 
 
 class RoughnessError(InputError):
