@@ -32,6 +32,7 @@ LAYER_OF = {
     "template": "case",
     "case_file": "case",
     "case_sections": "case",
+    "case_structure": "case",
     "profile_file": "case",
     "measured_roughness": "study",
     "facts": "study",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stickslip.errors import InputError
 from stickslip.interface.pairing import FacePairs
 from stickslip.interface.preload import area_share, face_sum
 from stickslip.interface.stiffness import (
@@ -113,7 +114,9 @@ def make_joint(case: Case, layout: Layout, preload: FloatArray, settings: Sequen
 
 
 def case_material(case: Case) -> Material:
-    """The material of [material]."""
+    """The material of [material]. Raises InputError where a study of own structure has none."""
+    if case.material is None:
+        raise InputError("there is no section [material]. Give young_modulus, poisson_ratio and density.")
     return Material(case.material.young_modulus, case.material.poisson_ratio, case.material.density)
 
 

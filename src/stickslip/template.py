@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 import textwrap
-from typing import Any, get_args
+from collections.abc import Collection
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -20,12 +22,31 @@ _WIDTH = 120
 _COLUMN = 39  # comments start two columns further
 
 
-def study_text(study: BaseModel) -> str:
-    """The study file of ``study``, a model whose fields are sections: every key, its value, its description."""
+def study_text(study: BaseModel, shown: Collection[str]) -> str:
+    """The study file of ``study``, a model whose fields are sections, or dictionaries of sections with own names.
+
+    Every key, its value and its description, of the sections that are ``shown``.
+    """
     parts = [_OPENING]
     for name, field in type(study).model_fields.items():
-        parts.append(_section_text(name, section_type(field), getattr(study, name)))
+        value, kind = getattr(study, name), section_type(field)
+        if name not in shown:
+            continue
+        if isinstance(value, dict):
+            parts += [_section_text(f"{name}.{_bare(entry)}", kind, values) for entry, values in value.items()]
+        else:
+            parts.append(_section_text(name, kind, value))
     return "\n".join(parts)
+
+
+def is_named(field: FieldInfo) -> bool:
+    """Whether a section has entries with names of their own."""
+    return get_origin(field.annotation) is dict
+
+
+def _bare(name: str) -> str:
+    """A name as TOML, in quotes where it needs them."""
+    return name if re.fullmatch(r"[\w-]+", name, flags=re.ASCII) else json.dumps(name, ensure_ascii=False)
 
 
 def section_type(field: FieldInfo) -> type[BaseModel]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stickslip.case_sections import GeometrySection, MaterialSection
 from stickslip.errors import InputError
 from stickslip.interface.pairing import FacePairs, pair_faces
 from stickslip.interface.preload import prescribed_preload, uniform_preload
@@ -147,4 +148,4 @@ def rough_face_size(case: Case) -> tuple[float, float]:
 
 def is_fitted(case: Case) -> bool:
     """Whether the structure is the one whose dimensions were fitted to the paper's Table 2."""
-    return case.geometry == type(case.geometry)() and case.material == type(case.material)()
+    return case.geometry == GeometrySection() and case.material == MaterialSection()

@@ -159,6 +159,7 @@ def _roughness_words(sq: float, sdq: float) -> str:
 def _face_load(base: Case, load: float) -> tuple[float, float]:
     """Normal load N and area m2 of one face under a centrifugal force, without friction."""
     geometry = base.geometry
+    assert geometry is not None
     return load / (2.0 * cos(geometry.platform_angle)), geometry.damper_length * geometry.contact_face_width
 
 
@@ -252,6 +253,7 @@ def drawn_faces(base: Case) -> list[tuple[str, FloatArray, FloatArray, FloatArra
     """(title, x, y, heights) of the paper's three faces, all with the phases of the case's seed, m."""
     given, geometry = base.roughness, base.geometry
     assert given is not None
+    assert geometry is not None
     phases = draw_phases(given.seed, given.ridges, frequency_count(given.sample_length, given.shortest_length))
     along, across = np.linspace(0.0, geometry.damper_length, 280), np.linspace(0.0, geometry.contact_face_width, 66)
     x, y = np.meshgrid(along, across)
