@@ -1,8 +1,8 @@
 """Gmsh .msh (2.2, 4.0, 4.1, text and binary), VTU and MED through meshio, with their groups as bodies and sets.
 
 Groups of solid cells are bodies if they divide the solids among them, else element sets. Groups of surface cells are
-face sets, groups of lines and points node sets. In a .vtu a group is an array of 0 and 1, of cells or of points, and the
-integer cell array ``body`` numbers the bodies.
+face sets, groups of lines and points node sets. In a .vtu a group is an array of 0 and 1, of cells or of points, and
+the integer cell array ``body`` numbers the bodies.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def read_vtu(source: Path) -> RawModel:
                     np.array((block.type in CELL_KINDS) & (array == number))
                     for block, array in zip(mesh.cells, arrays, strict=True)
                 ]
-        elif all(_is_flag(array) for array in arrays):
+        elif _is_flag(np.concatenate(arrays)):
             groups[name] = [array.astype(bool) for array in arrays]
     nodes = {name: np.flatnonzero(array) for name, array in mesh.point_data.items() if _is_flag(array)}
     return _raw(source, "VTU", mesh, groups, nodes)
@@ -101,7 +101,9 @@ def _parsed(source: Path, kind: str) -> Any:
     for block in mesh.cells:
         cells = np.asarray(block.data)
         if block.type not in CELL_KINDS and block.type not in _SURFACES and block.type not in _LINES:
-            fail(source, f"the element type '{block.type}' is not known; solids that are read: {', '.join(CELL_KINDS)}.")
+            fail(
+                source, f"the element type '{block.type}' is not known; solids that are read: {', '.join(CELL_KINDS)}."
+            )
         if cells.ndim != 2 or (block.type in CELL_KINDS and cells.shape[1] != CELL_KINDS[block.type].n_nodes):
             fail(source, f"{block.type} cells have the shape {cells.shape}.")
         bad = cells[(cells < 0) | (cells >= len(points))]
@@ -162,7 +164,10 @@ def _upright(points: FloatArray, name: str, cells: IntArray, form: str) -> tuple
 
 def _add_group(raw: RawModel, name: str, mesh: Any, labels: list[IntArray], members: Members) -> None:
     """A group as an element set, a face set or a node set, by the cells that it holds."""
-    chosen = [(block, label[flags], block.data[flags]) for block, label, flags in zip(mesh.cells, labels, members, strict=True)]
+    chosen = [
+        (block, label[flags], block.data[flags])
+        for block, label, flags in zip(mesh.cells, labels, members, strict=True)
+    ]
     solids = [label for block, label, _ in chosen if block.type in CELL_KINDS and label.size]
     surfaces = [(block.type, cells) for block, _, cells in chosen if block.type in _SURFACES and len(cells)]
     nodes = [cells.ravel() for block, _, cells in chosen if block.type in _LINES and len(cells)]

@@ -158,7 +158,9 @@ class _Reader:
             mine = [row for row in rows if row[1] == number]
             card = self._properties.get(number)
             if card is None:
-                self.raw.fail(f"element {mine[0][0]} has the property {number}, but there is no such PSOLID.", mine[0][3])
+                self.raw.fail(
+                    f"element {mine[0][0]} has the property {number}, but there is no such PSOLID.", mine[0][3]
+                )
             elements = np.array([row[0] for row in mine], dtype=np.int64)
             self.raw.bodies.append(RawBody(self._name(number), elements, str(card.integer(1)), card.line))
 
@@ -290,4 +292,3 @@ class _Reader:
             self._set(card, card.numbers(2))
         else:
             self._left_out.setdefault("SET3 of elements", card.line)
-
