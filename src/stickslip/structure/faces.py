@@ -15,15 +15,15 @@ def face_geometry(mesh: AnyMesh, name: str) -> tuple[IntArray, FloatArray, Float
 
     On sides of three or four nodes the area is ``integral of N_i dA``. With midside nodes that integral is zero or
     negative at the corners, so the side's area is shared in proportion to ``integral of N_i^2 dA`` instead (diagonal
-    scaling, as for lumped masses). The areas sum to the area of the face either way. A node's normal is the mean of the
-    sides around it, weighted with these areas. Nodes keep the order of the set.
+    scaling, as for lumped masses). The areas sum to the area of the face either way. A node's normal is the mean of
+    the sides around it, weighted with these areas. Nodes keep the order of the set.
 
     Raises InputError when the set is missing, empty, or holds no whole side of a cell.
     """
     area = np.zeros(mesh.n_nodes)
     normal = np.zeros((mesh.n_nodes, 3))
     for sides in mesh.sides(name):
-        share, direction = side_geometry(mesh.points[sides])
+        share, direction = _side_geometry(mesh.points[sides])
         np.add.at(area, sides, share)
         np.add.at(normal, sides, share[:, :, None] * direction[:, None, :])
     nodes = mesh.node_set(name)
@@ -31,7 +31,7 @@ def face_geometry(mesh: AnyMesh, name: str) -> tuple[IntArray, FloatArray, Float
     return nodes, area[nodes], np.divide(normal[nodes], length, out=np.zeros_like(normal[nodes]), where=length > 0.0)
 
 
-def side_geometry(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _side_geometry(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Area share of each node (m, k), and mean unit normal (m, 3), of sides given by their nodes (m, k, 3)."""
     n_nodes = points.shape[1]
     where, weight = side_rule(n_nodes)

@@ -52,11 +52,11 @@ _NOT_SOLID = {
 }
 # These change what the numbers of a deck mean, so the model would be another one without them.
 _REFUSED = {
-    "PART": "parts, assemblies and instances are not read. Export a flat deck (in Abaqus/CAE: Model > Edit attributes > "
+    "PART": "parts, assemblies and instances are not read. Export a flat deck (Abaqus/CAE: Model > Edit attributes > "
     "Do not use parts and assemblies in input files)",
     "INSTANCE": "parts, assemblies and instances are not read. Export a flat deck",
     "SYSTEM": "node coordinates in another coordinate system are not read. Write all nodes in the global one",
-    "TRANSFORM": "nodal directions other than x, y, z are not read. Write constraints and loads in the global directions",
+    "TRANSFORM": "directions of nodes other than x, y, z are not read. Write constraints and loads in the global ones",
     "PARAMETER": "parameters are not read. Write the numbers themselves",
     **dict.fromkeys(
         ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY"),
@@ -281,7 +281,7 @@ class _Reader:
         )
         step = limits[2] if len(limits) == 3 else 1
         inside = (existing >= limits[0]) & (existing <= limits[1]) & ((existing - limits[0]) % step == 0)
-        return existing[inside]
+        return np.asarray(existing[inside])
 
     def _surface(self, card: Card) -> None:
         name = card.parameter("NAME")
@@ -326,7 +326,8 @@ class _Reader:
             card.fail(f"{count} numbers are needed below.")
         if len(card.data) > 1:
             self.raw.messages.append(
-                f"line {card.line}: *{card.keyword} of '{self._material}' depends on the temperature; its first line is taken."
+                f"line {card.line}: *{card.keyword} of '{self._material}' depends on the temperature; its first line is "
+                "taken."
             )
         line, words = card.data[0]
         return [card.number(word, line) for word in words[:count]]

@@ -49,7 +49,7 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
     ]
     mesh = FiniteElementMesh(points, cell_blocks, names, nodes | face_nodes, faces, elements)
     materials = _materials(raw, units, names, messages)
-    messages += _parts(mesh) + list(plausibility_warnings(mesh, materials))
+    messages += _parts(mesh)
     return ImportedModel(
         mesh=mesh,
         source=str(raw.source),
@@ -62,6 +62,7 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
         fixed_unknowns=_fixed(raw, labels),
         node_forces=units.force * _forces(raw, labels),
         messages=tuple(messages),
+        warnings=tuple(plausibility_warnings(mesh, materials)),
     )
 
 

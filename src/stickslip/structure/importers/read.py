@@ -9,16 +9,25 @@ from pathlib import Path
 from stickslip.structure.importers.abaqus import read_abaqus
 from stickslip.structure.importers.build import build_model
 from stickslip.structure.importers.imported_model import ImportedModel
+from stickslip.structure.importers.meshio_files import read_gmsh, read_med, read_vtu
+from stickslip.structure.importers.nastran import read_nastran
 from stickslip.structure.importers.raw_model import RawModel, fail
 from stickslip.structure.importers.unit_systems import find_unit_system
 
 _READERS: dict[str, Callable[[Path], RawModel]] = {
     ".inp": read_abaqus,
+    ".bdf": read_nastran,
+    ".nas": read_nastran,
+    ".dat": read_nastran,
+    ".fem": read_nastran,
+    ".msh": read_gmsh,
+    ".vtu": read_vtu,
+    ".med": read_med,
 }
 
 
 def read_model(path: str | PathLike[str], length_unit: str, unit_system: str | None = None) -> ImportedModel:
-    """Read an Abaqus or CalculiX deck (.inp) into SI units.
+    """Read a model into SI units: .inp (Abaqus, CalculiX), .bdf/.nas/.dat/.fem (Nastran), .msh (Gmsh), .vtu, .med.
 
     Parameters
     ----------
