@@ -28,6 +28,7 @@ from stickslip.case_sections import (
     without_default,
 )
 from stickslip.case_structure import (
+    FILE_KEYS,
     BodySection,
     ForceSection,
     InterfaceSection,
@@ -102,8 +103,9 @@ class Case(BaseModel):
     def in_folder(cls, data: dict[str, Any], folder: Path, source: str, lines: Mapping[tuple[str, ...], int]) -> Self:
         """The case of a file in ``folder``: names of files become absolute. Raises StudyFileError."""
         structure = data.get("structure")
-        if isinstance(structure, dict) and isinstance(structure.get("file"), str):
-            data = {**data, "structure": {**structure, "file": str(folder / structure["file"])}}
+        if isinstance(structure, dict):
+            files = {key: str(folder / structure[key]) for key in FILE_KEYS if isinstance(structure.get(key), str)}
+            data = {**data, "structure": {**structure, **files}}
         return cls._validated(data, source, lines)
 
     @classmethod

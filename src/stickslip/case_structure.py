@@ -36,6 +36,9 @@ _OWNERS: dict[str, tuple[Kind, ...]] = {
 # Sections that are not there at all with other kinds than two blades, where the file does not give them.
 _NO_DEFAULT = ("geometry", "mesh", "excitation", "material")
 
+_MATRIX_FILES = ("stiffness", "mass", "damping", "unknown_map", "node_positions")
+FILE_KEYS = ("file", *_MATRIX_FILES)
+
 Coordinate = Annotated[float, Quantity("length", shown="mm")]
 Place = tuple[Coordinate, Coordinate, Coordinate]
 
@@ -59,6 +62,18 @@ class StructureSection(Section):
     unit_system: str | None = Field(
         default=None, description="of moduli, densities and forces in the mesh file", examples=["mm-t-s"]
     )
+    stiffness: str | None = Field(
+        default=None, description="matrices, instead of file: .mtx, .mat, .npy ...", examples=["stiffness.mtx"]
+    )
+    mass: str | None = Field(default=None, examples=["mass.mtx"])
+    damping: str | None = Field(default=None, examples=["damping.mtx"])
+    unknown_map: str | None = Field(
+        default=None, description="node and direction of each row of the matrices", examples=["unknowns.txt"]
+    )
+    node_positions: str | None = Field(
+        default=None, description="lines node, x, y, z of the matrices", examples=["nodes.csv"]
+    )
+    force_unit: str | None = Field(default=None, description="of the matrices: N, kN, lbf", examples=["N"])
     fixed: tuple[str, ...] = Field(
         default=(), description="node or face sets that are clamped, beside what the file holds", examples=[["root"]]
     )
@@ -91,6 +106,15 @@ class InterfaceSection(Section):
     )
     search_distance: Annotated[float, Quantity("length", shown="mm", above=0.0)] | None = Field(
         default=None, description="along the normal, beyond which two faces do not meet", examples=["0.2 mm"]
+    )
+    edge_tolerance: Annotated[float, Quantity("length", shown="mm", above=0.0)] | None = Field(
+        default=None, description="how far a point may lie beyond the edge of the second face", examples=["0.05 mm"]
+    )
+    gap_tolerance: Annotated[float, Quantity("length", shown="mm", above=0.0)] | None = Field(
+        default=None, description="gaps up to it count as none", examples=["0.001 mm"]
+    )
+    gap: Annotated[float, Quantity("length", shown="mm")] | None = Field(
+        default=None, description="to the ground, along the normal; 0 unless given", examples=["0 mm"]
     )
     adjust: Literal["measured", "closed"] | None = Field(
         default=None,
@@ -203,14 +227,9 @@ def _errors(case: Case) -> Iterator[EntryError]:
                 "out, or set structure.kind.",
             )
     if kind == "two-blade":
-        yield from _unwanted(case, ("file", "length_unit", "unit_system", "fixed", "element"))
+        yield from _unwanted(case, tuple(key for key in StructureSection.model_fields if key != "kind"))
         return
-    if case.structure.file is None:
-        yield EntryError(("structure", "file"), f'is missing, but a structure of kind "{kind}" comes from a file.')
-    if kind == "mesh":
-        yield from _mesh_errors(case)
-    else:
-        yield from _unwanted(case, ("length_unit", "unit_system", "fixed", "element"))
+    yield from _mesh_errors(case) if kind == "mesh" else _matrix_errors(case)
     yield from _material_errors(case)
     yield from _joint_errors(case)
     for name in ("forces", "responses"):
@@ -221,16 +240,31 @@ def _errors(case: Case) -> Iterator[EntryError]:
             yield from _port_errors((name, key), port, kind)
 
 
-def _unwanted(case: Case, keys: tuple[str, ...]) -> Iterator[EntryError]:
+def _unwanted(case: Case, keys: tuple[str, ...], why: str = "") -> Iterator[EntryError]:
+    reason = why or f'does not belong to a structure of kind "{case.structure.kind}".'
     for key in keys:
         if getattr(case.structure, key):
-            yield EntryError(
-                ("structure", key),
-                f'does not belong to a structure of kind "{case.structure.kind}". Take it out, or set structure.kind.',
-            )
+            yield EntryError(("structure", key), f"{reason} Take it out.")
+
+
+def _matrix_errors(case: Case) -> Iterator[EntryError]:
+    given = case.structure
+    yield from _unwanted(case, ("unit_system", "fixed", "element"))
+    if given.file is not None:
+        yield from _unwanted(case, (*_MATRIX_FILES, "force_unit", "length_unit"), "stands in the superelement of file.")
+        return
+    for key in ("stiffness", "mass"):
+        if getattr(given, key) is None:
+            yield EntryError(("structure", key), "is missing: give file, or stiffness and mass.")
+    for key in ("length_unit", "force_unit"):
+        if getattr(given, key) is None:
+            yield EntryError(("structure", key), "is missing: matrix files do not say their units.")
 
 
 def _mesh_errors(case: Case) -> Iterator[EntryError]:
+    yield from _unwanted(case, (*_MATRIX_FILES, "force_unit"))
+    if case.structure.file is None:
+        yield EntryError(("structure", "file"), 'is missing, but a structure of kind "mesh" comes from a file.')
     if case.structure.length_unit is None:
         yield EntryError(
             ("structure", "length_unit"),
@@ -272,7 +306,7 @@ def _joint_errors(case: Case) -> Iterator[EntryError]:
             for key in ("normal", "area"):
                 if getattr(each, key) is None:
                     yield EntryError((*where, key), "is missing: matrices do not say it.")
-            for key in ("points", "search_distance", "adjust"):
+            for key in ("points", "edge_tolerance", "gap_tolerance", "gap", "adjust"):
                 if getattr(each, key) is not None:
                     yield EntryError((*where, key), "belongs to faces of a mesh. Take it out.")
 

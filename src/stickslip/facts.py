@@ -7,19 +7,17 @@ from typing import TYPE_CHECKING
 
 from stickslip.joint import Joint
 from stickslip.results.response import ForcedResponse
-from stickslip.setup import Setup
+from stickslip.setup import Derived, Setup
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.superelement import Superelement
 
 if TYPE_CHECKING:
     from stickslip.case import Case
 
-Derived = tuple[str, str | float | int, str, str]
-
 
 def derived_quantities(case: Case, joint: Joint) -> tuple[Derived, ...]:
-    """(name, value, unit, explanation) of preload, stiffness and roughness of each face."""
-    return tuple(_faces(joint)) + tuple(_roughness(case, joint))
+    """(name, value, unit, explanation) of preload, stiffness and roughness of each face, and of its pairs."""
+    return (*_faces(joint), *_roughness(case, joint), *joint.layout.facts)
 
 
 def _faces(joint: Joint) -> Iterator[Derived]:
@@ -74,9 +72,9 @@ def natural_frequencies_found(response: ForcedResponse, count: int = 4) -> tuple
 
 
 def study_warnings(joint: Joint) -> tuple[str, ...]:
-    """What the roughness law says against its own use here, each sentence once."""
+    """What the input and the roughness law say against their use here, each sentence once."""
     sentences = dict.fromkeys(message for face in joint.rough_faces if face for message in face.stiffness.messages)
-    return tuple(sentences)
+    return (*joint.layout.messages, *sentences)
 
 
 def sizes(case: Case, setup: Setup, structure: Structure | Superelement, joint: Joint) -> tuple[tuple[str, str], ...]:

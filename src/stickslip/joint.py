@@ -110,6 +110,8 @@ def make_joint(case: Case, layout: Layout, preload: FloatArray, settings: Sequen
         normal[members], tangential[members] = pair_stiffness(
             roughness, pairs.area[members], preload[members], mode=given.mode, allocation=given.allocation
         )
+    # A pair that stands apart closes when it has moved by its gap; no load is on it before.
+    preload = np.where((pairs.gap > 0.0) & (preload == 0.0), -normal * pairs.gap, preload)
     return Joint(layout, preload, friction, normal, tangential, tuple(rough_faces))
 
 

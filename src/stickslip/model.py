@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from stickslip import two_blade
+from stickslip import matrix_study, mesh_study, two_blade
 from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.joint import FaceSettings, Joint, make_joint
 from stickslip.progress import ProgressCallback
-from stickslip.setup import HarmonicForce, Layout, Reading, Setup
+from stickslip.setup import PortForce, Layout, Reading, Setup
 from stickslip.solve.damping import rayleigh_damping_matrix
 from stickslip.structure.cache import cached_superelement
 from stickslip.structure.craig_bampton import ReductionRow, craig_bampton
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.factor import best_backend
 from stickslip.structure.finite_element_mesh import AnyMesh
+from stickslip.structure.recovery import reduced_load
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
 
@@ -41,8 +42,11 @@ class Kind(Protocol):
     def face_settings(self, case: Case) -> tuple[FaceSettings, ...]:
         """Friction and stiffness of each face."""
 
-    def forces(self, case: Case) -> tuple[HarmonicForce, ...]:
+    def forces(self, case: Case) -> tuple[PortForce, ...]:
         """The harmonic forces."""
+
+    def static_forces(self, case: Case) -> tuple[PortForce, ...]:
+        """The constant forces, beside rotation."""
 
     def outputs(self, case: Case) -> tuple[dict[str, Reading], dict[str, tuple[str, ...]]]:
         """Name -> what is read, the response of the curve first; heading -> names that are drawn together."""
@@ -60,12 +64,12 @@ class Kind(Protocol):
         """Whether the structure is the one that was fitted to the paper's Table 2."""
 
 
-_KINDS: dict[str, Kind] = {"two-blade": two_blade}
+_KINDS: dict[str, Kind] = {"two-blade": two_blade, "mesh": mesh_study, "matrices": matrix_study}
 
 
 def kind_of(case: Case) -> Kind:
     """The module of the case's kind of structure."""
-    return _KINDS["two-blade"]
+    return _KINDS[case.structure.kind]
 
 
 @dataclass(frozen=True)
@@ -75,12 +79,15 @@ class ReducedStructure:
     ports:
         name -> (3, n) rows that read the displacement x, y, z of a port; their transposes bring a force into the
         unknowns.
+    body_load:
+        (n,) N of the bodies at a rotation of 1 rad/s.
     mode_table:
         frequencies of the full and the reduced model, where they were compared.
     """
 
     superelement: Superelement
     ports: Mapping[str, FloatArray]
+    body_load: FloatArray
     mode_table: tuple[ReductionRow, ...] = ()
 
 
@@ -88,7 +95,8 @@ class ReducedStructure:
 class ReducedModel:
     """What is needed to solve one case and to describe it; the mesh and its matrices are no longer part of it.
 
-    The excitation is ``force_cos cos(w t) + force_sin sin(w t)``, (n,) N each; ``outputs`` are rows (n,).
+    The excitation is ``force_cos cos(w t) + force_sin sin(w t)``, (n,) N each; ``outputs`` are rows (n,);
+    ``static_load`` (n,) N are the constant forces and the load of rotation, from which a preload can be solved.
     """
 
     superelement: Superelement
@@ -96,6 +104,7 @@ class ReducedModel:
     pairs: ContactPairs
     force_cos: FloatArray
     force_sin: FloatArray
+    static_load: FloatArray
     outputs: Mapping[str, FloatArray]
     signal_groups: Mapping[str, tuple[str, ...]]
 
@@ -147,21 +156,23 @@ def reduce_structure(
         superelement = cached_superelement(
             structure, nodes, n_modes, lambda: craig_bampton(structure, nodes, n_modes, backend, threads, progress)
         )
-    return ReducedStructure(superelement, _port_rows(superelement, layout))
+    body_load = np.zeros(superelement.size) if layout.body_load is None else reduced_load(superelement, layout.body_load)
+    return ReducedStructure(superelement, _port_rows(superelement, layout), body_load)
 
 
 def _port_rows(superelement: Superelement, layout: Layout) -> dict[str, FloatArray]:
     """Name -> (3, n) rows that read the mean displacement x, y, z of a port."""
     rows = {}
+    full_size = 0 if superelement.recovery is None else superelement.recovery.shape[0]
     for name, port in layout.ports.items():
         if port.is_single:
             directions = np.eye(3)
             rows[name] = np.stack([superelement.selector(int(port.nodes[0]), direction) for direction in directions])
         else:
-            full = np.zeros((superelement.recovery.shape[0], 3))
+            full = np.zeros((full_size, 3))
             for axis in range(3):
                 full[3 * port.nodes + axis, axis] = port.shares
-            rows[name] = superelement.recovery.project(full).T
+            rows[name] = reduced_load(superelement, full).T
     return rows
 
 
@@ -197,6 +208,9 @@ def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel
         row = np.asarray(force.direction) @ reduced.ports[force.port]
         force_cos += force.amplitude * np.sin(force.phase) * row
         force_sin += force.amplitude * np.cos(force.phase) * row
+    static_load = np.zeros(superelement.size) if case.rotation is None else case.rotation.speed**2 * reduced.body_load
+    for force in kind.static_forces(case):
+        static_load = static_load + force.amplitude * (np.asarray(force.direction) @ reduced.ports[force.port])
     readings, groups = kind.outputs(case)
     outputs = {name: np.asarray(each.direction) @ reduced.ports[each.port] for name, each in readings.items()}
-    return ReducedModel(superelement, joint, pairs, force_cos, force_sin, outputs, groups)
+    return ReducedModel(superelement, joint, pairs, force_cos, force_sin, static_load, outputs, groups)

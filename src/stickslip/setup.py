@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Protocol
 
 import numpy as np
@@ -16,6 +17,7 @@ from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
 
 Direction = tuple[float, float, float]
+Derived = tuple[str, str | float | int, str, str]
 
 
 @dataclass(frozen=True)
@@ -60,12 +62,21 @@ class Layout:
         (first, second) material of each face; the roughness law needs both.
     ports:
         name -> place of a force or a response.
+    body_load:
+        (3 * n_nodes,) N of the whole mesh at a rotation of 1 rad/s, or None where nothing rotates.
+    facts:
+        (name, value, unit, explanation) of how the layout was found.
+    messages:
+        sentences that a user must see: what was skipped, what looks wrong.
     """
 
     face_pairs: FacePairs
     face_names: tuple[str, ...]
     face_materials: tuple[tuple[Material, Material], ...]
     ports: Mapping[str, Port]
+    body_load: FloatArray | None = None
+    facts: tuple[Derived, ...] = ()
+    messages: tuple[str, ...] = ()
 
     @cached_property
     def boundary_nodes(self) -> IntArray:
@@ -80,20 +91,19 @@ class Setup(Protocol):
     @property
     def layout(self) -> Layout: ...
 
-    @property
-    def messages(self) -> tuple[str, ...]:
-        """Sentences about the input that a user must see: what was skipped, what looks wrong."""
-
     def assemble(self) -> Structure | Superelement:
         """The matrices; a structure that is given by small matrices is a superelement at once. Raises InputError."""
 
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """(name, value) rows on the size of the model."""
 
+    def write_places(self, folder: Path) -> tuple[Path, ...]:
+        """Write for ParaView where the joints are; returns the files. Raises InputError."""
+
 
 @dataclass(frozen=True)
-class HarmonicForce:
-    """``amplitude sin(w t + phase)`` in N along a unit vector at a port; phase in rad."""
+class PortForce:
+    """A force of ``amplitude`` N along a unit vector at a port; if it is harmonic, times ``sin(w t + phase)``, rad."""
 
     port: str
     direction: Direction

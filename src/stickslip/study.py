@@ -28,6 +28,7 @@ from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes
 from stickslip.structure.superelement import Superelement
 from stickslip.threads import thread_count
+from stickslip.validation import FloatArray
 
 if TYPE_CHECKING:
     from stickslip.case import Case
@@ -74,7 +75,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
         case, structure, joint, threads, lambda share, detail: progress.update("Structure", 0.1 + 0.7 * share, detail)
     )
     progress.update("Structure", 0.8, "full against reduced frequencies")
-    table = compare_modes(structure, model.superelement, joint.face_pairs)
+    table = compare_modes(structure, model.superelement, joint.face_pairs, joint.springs)
     progress.update("Structure", 1.0, f"{model.superelement.size} unknowns, {model.pairs.n_pairs} pairs")
     response = solve(case, model, progress, threads)
     record = study_record(case, model, table, response)
@@ -84,7 +85,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
     progress.update("Files", 0.3, REPORT_FILE)
     page = _page(out, response, record)
     progress.update("Files", 0.5, "shapes for ParaView")
-    shapes = list(_shapes(out, case, model, response))
+    shapes = [*setup.write_places(out), *_shapes(out, case, model, response)]
     progress.update("Files", 0.7, FIGURE_FOLDER)
     files = [out / RESULTS_FILE, page, *artist.files(), *shapes]
     progress.update("Files", 1.0, f"{len(files)} files")
@@ -122,12 +123,17 @@ def solve(
 
 
 def compare_modes(
-    structure: Structure | Superelement, superelement: Superelement, pairs: FacePairs
+    structure: Structure | Superelement, superelement: Superelement, pairs: FacePairs, springs: FloatArray | None = None
 ) -> tuple[ReductionRow, ...]:
-    """Frequencies of the full and the reduced model; empty for a structure that is given by small matrices."""
-    if isinstance(structure, Superelement):
+    """Frequencies of the full and the reduced model: tied where nodes meet nodes, else stuck on their ``springs``.
+
+    Empty for a structure that is given by matrices, and for faces that do not match where no springs are given.
+    """
+    if isinstance(structure, Superelement) or not (pairs.is_matching or springs is not None):
         return ()
-    return reduction_table(structure, superelement, pairs, count=MODE_COUNT)
+    return reduction_table(
+        structure, superelement, pairs, count=MODE_COUNT, springs=None if pairs.is_matching else springs
+    )
 
 
 def study_record(
@@ -146,6 +152,7 @@ def study_record(
         pair_position=pairs.face_position[:, ::-1],  # along the damper first, then up the slope
         pair_area=pairs.area,
         mode_table=tuple(_mode_rows(case, table)),
+        mode_contact="tied" if pairs.is_matching else "stuck",
         derived=(*derived_quantities(case, model.joint), *natural_frequencies_found(response)),
         warnings=study_warnings(model.joint),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +13,7 @@ from stickslip.errors import InputError
 from stickslip.interface.pairing import FacePairs, pair_faces
 from stickslip.interface.preload import prescribed_preload, uniform_preload
 from stickslip.joint import FaceSettings, case_material
-from stickslip.setup import Direction, HarmonicForce, Layout, Port, Reading
+from stickslip.setup import Direction, PortForce, Layout, Port, Reading
 from stickslip.structure.blade_pair import BladePairElements, BladePairGeometry, blade_pair_mesh
 from stickslip.structure.elasticity import Element, Material, Structure, assemble
 from stickslip.structure.finite_element_mesh import AnyMesh
@@ -37,7 +38,6 @@ class TwoBladeSetup:
     material: Material
     element: Element
     layout: Layout
-    messages: tuple[str, ...] = ()
 
     def assemble(self) -> Structure:
         """Matrices of the mesh."""
@@ -46,6 +46,10 @@ class TwoBladeSetup:
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """Elements and nodes."""
         return (("elements", f"{len(self.mesh.cells)} ({self.element})"), ("nodes", f"{self.mesh.n_nodes}"))
+
+    def write_places(self, folder: Path) -> tuple[Path, ...]:
+        """Nothing: the pairs are nodes of the mesh."""
+        return ()
 
 
 def set_up(case: Case) -> TwoBladeSetup:
@@ -103,14 +107,19 @@ def face_settings(case: Case) -> tuple[FaceSettings, ...]:
     return (FaceSettings.of_case(case),) * len(FACES)
 
 
-def forces(case: Case) -> tuple[HarmonicForce, ...]:
+def static_forces(case: Case) -> tuple[PortForce, ...]:
+    """None: the wedge's preload is known."""
+    return ()
+
+
+def forces(case: Case) -> tuple[PortForce, ...]:
     """Forces at N1 and N2: single (N1 alone), same direction, or opposite."""
     given = case.excitation
     assert given is not None
     second = {"single": 0.0, "same": 1.0, "opposite": -1.0}[given.mode]
     return (
-        HarmonicForce("excitation_left", given.direction, given.amplitude),
-        HarmonicForce("excitation_right", given.direction, second * given.amplitude),
+        PortForce("excitation_left", given.direction, given.amplitude),
+        PortForce("excitation_right", given.direction, second * given.amplitude),
     )
 
 

@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.errors import InputError
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.factor import Backend, Factor, factorize
 from stickslip.structure.mesh import IntArray
+from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
 
 
@@ -78,3 +80,18 @@ class Recovery:
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_factor": None}
+
+
+def reduced_load(superelement: Superelement, load: FloatArray) -> FloatArray:
+    """``T^T f`` (n, k) of loads f (3 * n_nodes, k) in N on the full mesh (:meth:`Recovery.project`).
+
+    Raises InputError for a superelement without a recovery that can project, and for a load of another length.
+    """
+    recovery = superelement.recovery
+    if not isinstance(recovery, Recovery):
+        raise InputError("reduced_load needs a superelement with a recovery, as craig_bampton makes it.")
+    if np.shape(load)[0] != recovery.shape[0]:
+        raise InputError(
+            f"load has {np.shape(load)[0]} rows, but the mesh has {recovery.shape[0]} displacements (3 of each node)."
+        )
+    return recovery.project(load)
