@@ -35,6 +35,7 @@ LAYER_OF = {
     "profile_file": "case",
     "measured_roughness": "study",
     "facts": "study",
+    "model_listing": "study",
     "drawing": "study",
     "model": "study",
 }

@@ -15,8 +15,8 @@ def face_geometry(mesh: AnyMesh, name: str) -> tuple[IntArray, FloatArray, Float
 
     On sides of three or four nodes the area is ``integral of N_i dA``. With midside nodes that integral is zero or
     negative at the corners, so the side's area is shared in proportion to ``integral of N_i^2 dA`` instead (diagonal
-    scaling, as for lumped masses). The areas sum to the area of the face either way. A node's normal is the mean of the
-    sides around it, weighted with these areas. Nodes keep the order of the set.
+    scaling, as for lumped masses). The areas sum to the area of the face either way. A node's normal is the mean of
+    the sides around it, weighted with these areas. Nodes keep the order of the set.
 
     Raises InputError when the set is missing, empty, or holds no whole side of a cell.
     """

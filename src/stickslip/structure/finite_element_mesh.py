@@ -47,7 +47,8 @@ class FiniteElementMesh:
     body_names:
         name of each body; every body has cells.
     node_sets:
-        name -> (k,) node numbers. The nodes of a face set or an element set stand here too, under its name.
+        name -> (k,) node numbers. The nodes of a face set stand here too, under its name,
+        and those of an element set unless the name is taken.
     face_sets:
         name -> arrays (k, 3 | 4 | 6 | 8) of the nodes of cell sides: corners counter-clockwise seen from outside the
         cell, then the midside nodes between them.
@@ -85,7 +86,7 @@ class FiniteElementMesh:
             for name, found in self.node_sets.items()
         }
         for name, sides in faces.items():
-            nodes.setdefault(name, np.unique(np.concatenate([side.ravel() for side in sides])))
+            nodes[name] = np.unique(np.concatenate([side.ravel() for side in sides]))
         for name, cells in elements.items():
             nodes.setdefault(name, self.nodes_of_cells(cells))
         object.__setattr__(self, "element_sets", elements)

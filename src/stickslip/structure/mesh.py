@@ -75,6 +75,11 @@ class Mesh:
         return len(self.points)
 
     @property
+    def n_cells(self) -> int:
+        """Number of cells."""
+        return len(self.cells)
+
+    @property
     def kind(self) -> CellKind:
         """Kind of all its cells: bricks with 8 or 20 nodes."""
         return KIND_OF_SIZE[self.cells.shape[1]]

@@ -66,9 +66,9 @@ def shape_functions(n_nodes: int, points: FloatArray) -> tuple[FloatArray, Float
 
     element = {4: ElementTetP1, 10: ElementTetP2, 6: ElementWedge1, 8: ElementHex1, 20: ElementHexS2}[n_nodes]()
     # Where our reference coordinate runs from -1 to 1, that of scikit-fem runs from 0 to 1.
-    start, scale = {4: (0.0, 1.0), 10: (0.0, 1.0), 6: (np.array([0, 0, 1.0]), np.array([1, 1, 0.5]))}.get(
-        n_nodes, (1.0, 0.5)
-    )
+    centred = {4: [0.0, 0.0, 0.0], 10: [0.0, 0.0, 0.0], 6: [0.0, 0.0, 1.0]}.get(n_nodes, [1.0, 1.0, 1.0])
+    start = np.array(centred)
+    scale = 1.0 - 0.5 * start
     distance = np.abs(scale * (start + KIND_OF_SIZE[n_nodes].nodes[:, None, :]) - element.doflocs[None, :, :])
     unit_points = (scale * (start + points)).T
     basis = [element.lbasis(unit_points, int(position)) for position in distance.max(axis=2).argmin(axis=1)]
@@ -105,7 +105,7 @@ def _wedge15(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     return values, gradients
 
 
-# A side is a face of a reference cell, z = -1 of the brick or z = 0 of the tetrahedron; its nodes among the cell's.
+# A side is a face of a reference cell: z = -1 of the brick, z = 0 of the tetrahedron. Side -> cell, its nodes in it.
 _SIDE_OF = {3: (4, [0, 1, 2]), 6: (10, [0, 1, 2, 4, 5, 6]), 4: (8, [0, 1, 2, 3]), 8: (20, [0, 1, 2, 3, 8, 9, 10, 11])}
 
 

@@ -36,6 +36,8 @@ class ImportedModel:
         how the numbers of the file were taken.
     messages:
         what was left out or assumed, in sentences.
+    warnings:
+        sizes, densities, moduli and masses that only wrong units can explain, in sentences.
     """
 
     mesh: FiniteElementMesh
@@ -49,6 +51,7 @@ class ImportedModel:
     fixed_unknowns: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     node_forces: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
     messages: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     def node_numbers(self, labels: IntArray) -> IntArray:
         """Node numbers of the mesh from those of the file; raises ImportFileError for one that the model lacks."""
