@@ -1,11 +1,11 @@
-"""Files for ParaView: mode shapes in one .vtu, a deflected period as a .pvd time series. Whole or not at all."""
+"""Files for ParaView: mode shapes or points in a .vtu, a deflected period as a .pvd series. Whole or not at all."""
 
 from __future__ import annotations
 
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -95,6 +95,24 @@ def write_deflected_period(path: str | Path, mesh: AnyMesh, coefficients: FloatA
         if frames.exists():
             os.replace(frames, folder / "old")
         os.replace(folder / "new", frames)
+        os.replace(folder / target.name, target)
+    return target
+
+
+def write_points(path: str | Path, points: FloatArray, fields: Mapping[str, FloatArray]) -> Path:
+    """Write points (k, 3) in m with fields (k,) or (k, 3) as one .vtu file of vertices.
+
+    Raises InputError for a field of another length, another suffix, or a folder that cannot be written.
+    """
+    import meshio
+
+    target = _target(path, ".vtu")
+    for name, values in fields.items():
+        if len(values) != len(points):
+            raise InputError(f"{name} must have one entry for each of {len(points)} points; found {len(values)}.")
+    with _work_folder(target) as folder:
+        vertices = [("vertex", np.arange(len(points))[:, None])]
+        meshio.Mesh(points, vertices, point_data=dict(fields)).write(folder / target.name)
         os.replace(folder / target.name, target)
     return target
 

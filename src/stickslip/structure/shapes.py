@@ -105,7 +105,7 @@ def _wedge15(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     return values, gradients
 
 
-# A side is a face of a reference cell, z = -1 of the brick or z = 0 of the tetrahedron; its nodes among the cell's.
+# A side is a face of a reference cell: z = -1 of the brick, z = 0 of the tetrahedron. Side -> cell, its nodes in it.
 _SIDE_OF = {3: (4, [0, 1, 2]), 6: (10, [0, 1, 2, 4, 5, 6]), 4: (8, [0, 1, 2, 3]), 8: (20, [0, 1, 2, 3, 8, 9, 10, 11])}
 
 
