@@ -41,6 +41,9 @@ LAYER_OF = {
     "setup": "study",
     "joint": "study",
     "two_blade": "study",
+    "own_structure": "study",
+    "mesh_study": "study",
+    "matrix_study": "study",
     "model": "study",
 }
 BASE = ROWS[0]

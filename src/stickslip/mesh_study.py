@@ -13,9 +13,9 @@ import numpy as np
 
 from stickslip.case_structure import GROUND, InterfaceSection, PortSection
 from stickslip.errors import InputError
+from stickslip.interface.face_pairs import FacePairs
 from stickslip.interface.pairing import pair_surfaces, pair_with_ground
 from stickslip.interface.pairing_result import Pairing, write_pairs
-from stickslip.interface.face_pairs import FacePairs
 from stickslip.own_structure import (
     description,
     face_settings,
@@ -163,9 +163,7 @@ def body_materials(case: Case, source: ImportedModel) -> tuple[Material, ...]:
     names = source.mesh.body_names
     unknown = [name for name in case.bodies if name not in names]
     if unknown:
-        raise InputError(
-            f"[bodies.{unknown[0]}] names no body of {source.source}; its bodies are: {', '.join(names)}."
-        )
+        raise InputError(f"[bodies.{unknown[0]}] names no body of {source.source}; its bodies are: {', '.join(names)}.")
     return tuple(_material(case, name, source.materials.get(name)) for name in names)
 
 
@@ -319,8 +317,9 @@ def _require_free(
         wrong = np.intersect1d(pairing.pairs.nodes, held)
         if wrong.size:
             raise InputError(
-                f"interfaces.{name}: node {source.node_labels[wrong[0]]} of the file is held by a constraint and is part "
-                f"of a contact pair ({wrong.size} nodes are). Take these nodes out of the faces, or out of the constraint."
+                f"interfaces.{name}: node {source.node_labels[wrong[0]]} of the file is held by a constraint and is "
+                f"part of a contact pair ({wrong.size} nodes are). Take these nodes out of the faces, or out of the "
+                "constraint."
             )
     for name, port in ports.items():
         if np.isin(port.nodes, held).all() or (port.is_single and np.isin(port.nodes, held).any()):
@@ -340,6 +339,6 @@ def _require_held(mesh: FiniteElementMesh, pairs: FacePairs, fixed: IntArray, so
         in_contact = np.isin(pairs.nodes, mesh.nodes_of_cells(part.cells)).any()
         if part.rigid and not in_contact:
             raise InputError(
-                f"{element} ({bodies}) can move freely ({part.rigid} rigid-body motions): neither structure.fixed nor a "
-                "constraint of the file holds it, and no interface touches it. Hold it, pair it, or leave it out."
+                f"{element} ({bodies}) can move freely ({part.rigid} rigid-body motions): neither structure.fixed nor "
+                "a constraint of the file holds it, and no interface touches it. Hold it, pair it, or leave it out."
             )

@@ -12,7 +12,7 @@ from stickslip import matrix_study, mesh_study, two_blade
 from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.joint import FaceSettings, Joint, make_joint
 from stickslip.progress import ProgressCallback
-from stickslip.setup import PortForce, Layout, Reading, Setup
+from stickslip.setup import Layout, Port, PortForce, Reading, Setup
 from stickslip.solve.damping import rayleigh_damping_matrix
 from stickslip.structure.cache import cached_superelement
 from stickslip.structure.craig_bampton import ReductionRow, craig_bampton
@@ -156,24 +156,27 @@ def reduce_structure(
         superelement = cached_superelement(
             structure, nodes, n_modes, lambda: craig_bampton(structure, nodes, n_modes, backend, threads, progress)
         )
-    body_load = np.zeros(superelement.size) if layout.body_load is None else reduced_load(superelement, layout.body_load)
+    body_load = (
+        np.zeros(superelement.size) if layout.body_load is None else reduced_load(superelement, layout.body_load)
+    )
     return ReducedStructure(superelement, _port_rows(superelement, layout), body_load)
 
 
 def _port_rows(superelement: Superelement, layout: Layout) -> dict[str, FloatArray]:
     """Name -> (3, n) rows that read the mean displacement x, y, z of a port."""
-    rows = {}
-    full_size = 0 if superelement.recovery is None else superelement.recovery.shape[0]
-    for name, port in layout.ports.items():
-        if port.is_single:
-            directions = np.eye(3)
-            rows[name] = np.stack([superelement.selector(int(port.nodes[0]), direction) for direction in directions])
-        else:
-            full = np.zeros((full_size, 3))
-            for axis in range(3):
-                full[3 * port.nodes + axis, axis] = port.shares
-            rows[name] = reduced_load(superelement, full).T
-    return rows
+    return {name: _rows_of(superelement, port) for name, port in layout.ports.items()}
+
+
+def _rows_of(superelement: Superelement, port: Port) -> FloatArray:
+    if np.isin(port.nodes, superelement.boundary_nodes).all():
+        rows = np.zeros((3, superelement.size))
+        for node, share in zip(port.nodes, port.shares, strict=True):
+            rows[np.arange(3), superelement.unknowns_of(int(node))] += share
+        return rows
+    full = np.zeros((superelement.recovery.shape[0], 3))
+    for axis in range(3):
+        full[3 * port.nodes + axis, axis] = port.shares
+    return reduced_load(superelement, full).T
 
 
 def build_model(

@@ -45,8 +45,8 @@ def preload(case: Case, layout: Layout) -> FloatArray:
         if given.normal_load is None or not touching.any():
             raise InputError(
                 f"interfaces.{name}: the normal load cannot rest on this face, because all of its pairs are apart by "
-                f"{1e3 * pairs.gap[pairs.face == face].min():.3g} mm or more. If the bodies touch and only their meshes "
-                'differ, set adjust = "closed".'
+                f"{1e3 * pairs.gap[pairs.face == face].min():.3g} mm or more. If the bodies touch and only their "
+                'meshes differ, set adjust = "closed".'
             )
         load[touching] = given.normal_load * pairs.area[touching] / pairs.area[touching].sum()
     return load

@@ -13,7 +13,7 @@ from stickslip.errors import InputError
 from stickslip.interface.pairing import FacePairs, pair_faces
 from stickslip.interface.preload import prescribed_preload, uniform_preload
 from stickslip.joint import FaceSettings, case_material
-from stickslip.setup import Direction, PortForce, Layout, Port, Reading
+from stickslip.setup import Direction, Layout, Port, PortForce, Reading
 from stickslip.structure.blade_pair import BladePairElements, BladePairGeometry, blade_pair_mesh
 from stickslip.structure.elasticity import Element, Material, Structure, assemble
 from stickslip.structure.finite_element_mesh import AnyMesh

@@ -23,7 +23,7 @@ def face_geometry(mesh: AnyMesh, name: str) -> tuple[IntArray, FloatArray, Float
     area = np.zeros(mesh.n_nodes)
     normal = np.zeros((mesh.n_nodes, 3))
     for sides in mesh.sides(name):
-        share, direction = _side_geometry(mesh.points[sides])
+        share, direction = side_geometry(mesh.points[sides])
         np.add.at(area, sides, share)
         np.add.at(normal, sides, share[:, :, None] * direction[:, None, :])
     nodes = mesh.node_set(name)
@@ -31,7 +31,7 @@ def face_geometry(mesh: AnyMesh, name: str) -> tuple[IntArray, FloatArray, Float
     return nodes, area[nodes], np.divide(normal[nodes], length, out=np.zeros_like(normal[nodes]), where=length > 0.0)
 
 
-def _side_geometry(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+def side_geometry(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Area share of each node (m, k), and mean unit normal (m, 3), of sides given by their nodes (m, k, 3)."""
     n_nodes = points.shape[1]
     where, weight = side_rule(n_nodes)
