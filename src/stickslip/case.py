@@ -136,6 +136,9 @@ class Case(BaseModel):
         for path, value in changes.items():
             section, _, rest = path.partition(".")
             name, _, key = rest.rpartition(".") if section in self.named_sections() else ("", "", rest)
+            if name and name not in getattr(self, section):
+                known = ", ".join(getattr(self, section)) or "none"
+                raise StudyFileError(f"the study: 1 error.\n  {path}: there is no [{section}.{name}] in the study; there are: {known}.")
             home = data.setdefault(section, {})
             (home.setdefault(name, {}) if name else home)[key] = value
         return type(self).from_mapping(data)
