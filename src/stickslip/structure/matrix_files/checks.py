@@ -16,7 +16,18 @@ ASYMMETRY = 1e-6
 DENSE_SIZE = 1000
 
 
-def symmetric_sparse(name: str, value: Any) -> tuple[Any, str]:
+def checked_matrix(name: str, value: Any, node: IntArray, direction: IntArray) -> tuple[Any, str]:
+    """``value`` as a csr matrix that passes both checks below, and a sentence on what was done to it.
+
+    Damping may be indefinite, so it is checked for symmetry only. Raises InputError.
+    """
+    matrix, message = _symmetric_sparse(name, value)
+    if name != "damping":
+        _require_definite(name, matrix, node, direction)
+    return matrix, message
+
+
+def _symmetric_sparse(name: str, value: Any) -> tuple[Any, str]:
     """``value`` as a symmetric csr matrix (n, n), and a sentence on what was done to it ("" for nothing).
 
     A matrix of which only one triangle is stored is completed; round-off asymmetry below 1e-6 is taken out. Raises
@@ -59,7 +70,7 @@ def symmetric_sparse(name: str, value: Any) -> tuple[Any, str]:
     return scipy.sparse.csr_matrix(0.5 * (matrix + matrix.T)), ""
 
 
-def definite_matrix(name: str, matrix: Any, node: IntArray, direction: IntArray) -> None:
+def _require_definite(name: str, matrix: Any, node: IntArray, direction: IntArray) -> None:
     """Raise InputError where a symmetric csr matrix is seen not to be positive semidefinite.
 
     Necessary conditions that cost nothing are checked always: no negative diagonal, no off-diagonal entry above the
@@ -74,8 +85,8 @@ def definite_matrix(name: str, matrix: Any, node: IntArray, direction: IntArray)
         allowed = "above 0" if name == "stiffness" else "0 or above, and above 0 somewhere"
         raise InputError(
             f"{name}[{worst}, {worst}] ({_unknown(worst, node, direction)}) is {diagonal[worst]:.6g}; the diagonal "
-            f"must be {allowed} ({low.size} of {len(diagonal)} entries are not). Is this the {name} matrix, and are all its "
-            "unknowns connected?"
+            f"must be {allowed} ({low.size} of {len(diagonal)} entries are not). Is this the {name} matrix, and "
+            "are all its unknowns connected?"
         )
     entries = scipy.sparse.triu(matrix, 1).tocoo()
     bound = np.sqrt(np.maximum(diagonal[entries.row], 0.0) * np.maximum(diagonal[entries.col], 0.0))

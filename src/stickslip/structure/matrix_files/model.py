@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.errors import InputError
-from stickslip.structure.matrix_files.checks import definite_matrix, symmetric_sparse
+from stickslip.structure.matrix_files.checks import checked_matrix
 from stickslip.structure.mesh import IntArray
 from stickslip.validation import FloatArray, finite_array
 
@@ -59,20 +59,18 @@ class MatrixModel:
 
     def __post_init__(self) -> None:
         messages = list(self.messages)
-        size = int(np.shape(self.stiffness)[0]) if np.ndim(self.stiffness) == 2 else 0
+        size = int(np.shape(self.stiffness)[0]) if np.ndim(self.stiffness) else 0
         node, direction = self._unknowns(size)
         for name in ("stiffness", "mass", "damping"):
             value = getattr(self, name)
             if value is None and name == "damping":
                 continue
-            matrix, message = symmetric_sparse(name, value)
-            if matrix.shape[0] != size:
+            if np.shape(value) != (size, size):
                 raise InputError(
-                    f"{name} has {matrix.shape[0]} rows, but stiffness has {size}; all matrices of one model must "
-                    "have the same unknowns."
+                    f"{name} has shape {np.shape(value)}, but stiffness has {size} rows; all matrices of one model "
+                    "must be square and have the same unknowns."
                 )
-            if name != "damping":
-                definite_matrix(name, matrix, node, direction)
+            matrix, message = checked_matrix(name, value, node, direction)
             messages += [message] if message else []
             object.__setattr__(self, name, matrix)
         object.__setattr__(self, "messages", tuple(messages))

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import zipfile
-import zlib
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,23 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import ImportFileError, InputError
-
-# What readers of other packages raise for files that are damaged or of another kind.
-_DAMAGE = (
-    OSError,
-    ValueError,
-    TypeError,
-    KeyError,
-    IndexError,
-    EOFError,
-    OverflowError,
-    MemoryError,
-    NotImplementedError,
-    AttributeError,
-    zipfile.BadZipFile,
-    zlib.error,
-)
+from stickslip.errors import ImportFileError, InputError, MissingPackageError
 
 
 @contextmanager
@@ -44,20 +27,49 @@ def told_of(path: Path) -> Iterator[None]:
 
 @contextmanager
 def readable(path: Path, kind: str) -> Iterator[None]:
-    """Turn whatever a reader raises for a missing, damaged or foreign file into an ImportFileError with its name."""
+    """Turn whatever the reader of another package raises for a damaged or foreign file into an ImportFileError."""
     try:
-        yield
-    except InputError:
+        with warnings.catch_warnings():
+            # Readers warn of damage that their errors, or the checks of the matrices, then name.
+            warnings.simplefilter("ignore")
+            yield
+    except (InputError, MissingPackageError):
         raise
     except (FileNotFoundError, IsADirectoryError, PermissionError) as error:
-        raise ImportFileError(
-            f'"{path}" could not be opened: {error.strerror}. Check the name and the folder.'
-        ) from error
-    except _DAMAGE as error:
+        raise not_opened(path, error) from error
+    except Exception as error:  # what a foreign reader raises on a damaged file is not documented
         raise ImportFileError(
             f'"{path}" could not be read as {kind}: {type(error).__name__}, {error}. It is damaged, incomplete or of '
             "another kind; write it again, and do not transfer binary files as text."
         ) from error
+
+
+def not_opened(path: Path, error: OSError) -> ImportFileError:
+    """The error for a file that is not there or may not be read."""
+    return ImportFileError(f'"{path}" could not be opened: {error.strerror or error}. Check the name and the folder.')
+
+
+def file_bytes(path: Path) -> bytes:
+    """The content of a file; raises ImportFileError if there is none, or it is empty."""
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise not_opened(path, error) from error
+    if not content:
+        raise ImportFileError(f'"{path}" is empty. Was the program that writes it interrupted?')
+    return content
+
+
+def text_lines(path: Path) -> list[str]:
+    """The lines of a text file; raises ImportFileError for one that is missing, empty or binary."""
+    content = file_bytes(path)
+    try:
+        text = content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise ImportFileError(f'"{path}" is no text file: byte {error.start} is no letter or digit.') from error
+    if "\0" in text:
+        raise ImportFileError(f'"{path}" is no text file: byte {text.index(chr(0))} is 0.')
+    return text.splitlines()
 
 
 def numpy_arrays(path: Path) -> dict[str, NDArray[Any]]:
