@@ -171,6 +171,7 @@ def pair_surfaces(
         gap_tolerance=none,
         facet_height=face.facet_height + other.facet_height,
         node_count=len(face.nodes),
+        has_midside_nodes=bool((face.width > 4).any()),
         is_first_coarser=length > _COARSER * other_length,
     )  # fmt: skip
 
@@ -210,6 +211,7 @@ def pair_with_ground(
         gap_tolerance=0.0,
         facet_height=0.0,
         node_count=len(face.nodes),
+        has_midside_nodes=bool((face.width > 4).any()),
         is_first_coarser=False,
     )
 

@@ -111,6 +111,8 @@ class Pairing:
         m, what the flat sides of both faces, together, stand off their curved shape; gaps below it mean nothing.
     node_count:
         number of nodes of the first face: how many pairs ``points="nodes"`` would make at most.
+    has_midside_nodes, is_first_coarser:
+        whether the first face has sides with midside nodes, and larger sides than the second face.
     warnings:
         sentences.
     """
@@ -131,6 +133,7 @@ class Pairing:
     gap_tolerance: float
     facet_height: float
     node_count: int
+    has_midside_nodes: bool
     is_first_coarser: bool
 
     @property
@@ -167,6 +170,12 @@ class Pairing:
             yield (
                 f"the sides of '{self.first}' are larger than those of '{self.second}', so nodes of the second face "
                 'between its nodes carry nothing. Take the finer face as the first one, or points = "quadrature".'
+            )
+        if self.points == "nodes" and self.has_midside_nodes:
+            yield (
+                f"face '{self.first}' has midside nodes, and its tributary areas are not what a uniform pressure gives "
+                'them: stiff contact springs make its pressure uneven from node to node. Take points = "quadrature", '
+                "or a face without midside nodes as the first one, where single pressures matter."
             )
         if self.points == "quadrature" and gap.size > max(MANY_PAIRS, self.node_count):
             yield (

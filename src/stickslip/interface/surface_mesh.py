@@ -117,7 +117,7 @@ class SurfaceMesh:
 
     @cached_property
     def facet_height(self) -> float:
-        """m, about how far flat sides stand off a curved face: length times change of the normal / 8 (arc and chord).
+        """m, about how far flat sides stand off a curved face: chord . change of the normal / 8 (arc and chord).
 
         Sides with midside nodes follow the curve and are left out; 0 where all sides have them.
         """
@@ -128,9 +128,9 @@ class SurfaceMesh:
             nodes = self.sides[members, :width]
             for step in range(1, width // 2 + 1):
                 other = np.roll(nodes, step, axis=1)
-                length = np.linalg.norm(self.points[nodes] - self.points[other], axis=2)
-                turn = np.linalg.norm(self.normal[nodes] - self.normal[other], axis=2)
-                height = max(height, float((length * turn).max()) / 8.0)
+                chord = self.points[nodes] - self.points[other]
+                turn = self.normal[nodes] - self.normal[other]
+                height = max(height, float(np.abs(np.einsum("mkx,mkx->mk", chord, turn)).max()) / 8.0)
         return height
 
     def by_width(self, sides: IntArray) -> list[tuple[int, IntArray]]:
