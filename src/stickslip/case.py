@@ -106,6 +106,9 @@ class Case(BaseModel):
         if isinstance(structure, dict):
             files = {key: str(folder / structure[key]) for key in FILE_KEYS if isinstance(structure.get(key), str)}
             data = {**data, "structure": {**structure, **files}}
+        interfaces = data.get("interfaces")
+        if isinstance(interfaces, dict):
+            data = {**data, "interfaces": {name: _with_pairs_in(folder, each) for name, each in interfaces.items()}}
         return cls._validated(data, source, lines)
 
     @classmethod
@@ -138,7 +141,9 @@ class Case(BaseModel):
             name, _, key = rest.rpartition(".") if section in self.named_sections() else ("", "", rest)
             if name and name not in getattr(self, section):
                 known = ", ".join(getattr(self, section)) or "none"
-                raise StudyFileError(f"the study: 1 error.\n  {path}: there is no [{section}.{name}] in the study; there are: {known}.")
+                raise StudyFileError(
+                    f"the study: 1 error.\n  {path}: there is no [{section}.{name}] in the study; there are: {known}."
+                )
             home = data.setdefault(section, {})
             (home.setdefault(name, {}) if name else home)[key] = value
         return type(self).from_mapping(data)
@@ -205,6 +210,13 @@ def _plain(section: BaseModel, only_given: bool) -> dict[str, Any]:
         plain = list(value) if isinstance(value, tuple) else value
         values[key] = quantity.stored(value) if quantity and isinstance(value, float) else plain
     return values
+
+
+def _with_pairs_in(folder: Path, interface: Any) -> Any:
+    """An interface whose file of pairs is absolute."""
+    if isinstance(interface, dict) and isinstance(interface.get("pairs"), str):
+        return {**interface, "pairs": str(folder / interface["pairs"])}
+    return interface
 
 
 def load_case(path: str | PathLike[str]) -> Case:

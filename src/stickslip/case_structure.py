@@ -97,8 +97,19 @@ class BodySection(Section):
 class InterfaceSection(Section):
     """A joint between two faces, or a face and the rigid ground."""
 
-    first: str = Field(description="face or node set whose area and outward normal count (the damper's side)")
-    second: str = Field(description="face or node set of the other side, or ground")
+    first: str | None = Field(
+        default=None,
+        description="face or node set whose area and outward normal count (the damper's side)",
+        examples=["damper_left"],
+    )
+    second: str | None = Field(
+        default=None, description="face or node set of the other side, or ground", examples=["blade_left"]
+    )
+    pairs: str | None = Field(
+        default=None,
+        description="matrices, instead of first and second: lines first node, second node",
+        examples=["left_pairs.csv"],
+    )
     points: Literal["nodes", "quadrature"] | None = Field(
         default=None,
         description="where the pairs stand on the first face; nodes unless given",
@@ -271,7 +282,8 @@ def _mesh_errors(case: Case) -> Iterator[EntryError]:
             'is missing: a mesh file does not say its unit of length. Give "mm", "m" or another one.',
         )
     for name, interface in case.interfaces.items():
-        for key in ("normal", "area"):
+        yield from _missing_sides(name, interface)
+        for key in ("normal", "area", "pairs"):
             if getattr(interface, key) is not None:
                 yield EntryError(
                     ("interfaces", name, key), "belongs to matrices; the faces of a mesh have their own. Take it out."
@@ -303,12 +315,20 @@ def _joint_errors(case: Case) -> Iterator[EntryError]:
         if each.normal_load is None and case.preload.values is None:
             yield EntryError((*where, "normal_load"), "is missing. Give the normal force on this face at rest.")
         if case.structure.kind == "matrices":
+            if each.pairs is None:
+                yield from _missing_sides(name, each)
             for key in ("normal", "area"):
                 if getattr(each, key) is None:
                     yield EntryError((*where, key), "is missing: matrices do not say it.")
             for key in ("points", "edge_tolerance", "gap_tolerance", "gap", "adjust"):
                 if getattr(each, key) is not None:
                     yield EntryError((*where, key), "belongs to faces of a mesh. Take it out.")
+
+
+def _missing_sides(name: str, interface: InterfaceSection) -> Iterator[EntryError]:
+    for key in ("first", "second"):
+        if getattr(interface, key) is None:
+            yield EntryError(("interfaces", name, key), 'is missing. Give the name of a set; second may be "ground".')
 
 
 def _port_errors(where: tuple[str, str], port: PortSection, kind: Kind) -> Iterator[EntryError]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stickslip.case_structure import GROUND, InterfaceSection, PortSection
-from stickslip.errors import InputError
+from stickslip.errors import ImportFileError, InputError
 from stickslip.interface.face_pairs import FacePairs
 from stickslip.interface.local_axes import local_tangents, map_position
 from stickslip.joint import case_material
@@ -28,7 +28,8 @@ from stickslip.own_structure import (
 from stickslip.setup import Layout, Port
 from stickslip.structure.elasticity import Material
 from stickslip.structure.finite_element_mesh import AnyMesh
-from stickslip.structure.matrix_files.exchange import read_superelement
+from stickslip.structure.matrix_files.exchange import as_superelement, read_superelement
+from stickslip.structure.matrix_files.read import read_matrices
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
@@ -52,6 +53,7 @@ __all__ = [
 ]
 
 _COINCIDENT = 1e-6  # m between the nodes of a pair, unless search_distance says more
+_LARGEST = 4000  # unknowns of dense matrices: about 400 MB for each
 _MAP_STEP = 1e-3  # m between pairs on a map, where the matrices have no positions
 
 
@@ -108,9 +110,27 @@ def find_layout(case: Case, mesh: AnyMesh) -> Layout:
 
 
 def _read(case: Case) -> Superelement:
+    """The matrices of the files as they are. Raises ImportFileError; InputError for matrices that are too large."""
     given = case.structure
-    assert given.file is not None
-    return read_superelement(given.file)
+    if given.file is not None:
+        return read_superelement(given.file)
+    assert given.stiffness is not None
+    assert given.mass is not None
+    model = read_matrices(
+        given.stiffness,
+        given.mass,
+        given.damping,
+        given.unknown_map,
+        given.node_positions,
+        length_unit=given.length_unit,  # type: ignore[arg-type]  # read_matrices refuses other units
+        force_unit=given.force_unit,  # type: ignore[arg-type]
+    )
+    if model.size > _LARGEST:
+        raise InputError(
+            f"the matrices have {model.size} unknowns; up to {_LARGEST} are solved as they are. Reduce them first to "
+            "the nodes of the joints, forces and responses."
+        )
+    return as_superelement(model)
 
 
 def _face_materials(case: Case) -> tuple[tuple[Material, Material], ...]:
@@ -134,13 +154,11 @@ def _nodes(superelement: Superelement, entry: str, name: str) -> IntArray:
 def _pairs(superelement: Superelement, name: str, given: InterfaceSection) -> tuple[FacePairs, list[str]]:
     """Node to node pairs of an interface, or pairs of nodes and the ground; sentences on what was assumed."""
     entry = f"interfaces.{name}"
-    first = _nodes(superelement, f"{entry}.first", given.first)
-    count, messages = first.size, []
-    if given.second == GROUND:
-        second, weight = first, np.zeros((count, 1))
-    else:
-        others = _nodes(superelement, f"{entry}.second", given.second)
-        second, weight = _partners(superelement, entry, given, first, others), np.ones((count, 1))
+    messages: list[str] = []
+    first, second = _sides(superelement, entry, given)
+    count = first.size
+    weight = np.full((count, 1), 0.0 if second is None else 1.0)
+    second = first if second is None else second
     assert given.normal is not None
     assert given.area is not None
     normal = np.tile(given.normal, (count, 1))
@@ -160,6 +178,44 @@ def _pairs(superelement: Superelement, name: str, given: InterfaceSection) -> tu
         tangent1, tangent2, np.zeros(count, dtype=np.int64), position,
     )  # fmt: skip
     return pairs, messages
+
+
+def _sides(superelement: Superelement, entry: str, given: InterfaceSection) -> tuple[IntArray, IntArray | None]:
+    """First and second node of each pair, from a file or from sets; None for the ground."""
+    if given.pairs is not None:
+        return _listed_pairs(superelement, entry, Path(given.pairs))
+    assert given.first is not None
+    assert given.second is not None
+    first = _nodes(superelement, f"{entry}.first", given.first)
+    if given.second == GROUND:
+        return first, None
+    others = _nodes(superelement, f"{entry}.second", given.second)
+    return first, _partners(superelement, entry, given, first, others)
+
+
+def _listed_pairs(superelement: Superelement, entry: str, path: Path) -> tuple[IntArray, IntArray | None]:
+    """Pairs of a text file: two node numbers a line, or one for the ground. Raises ImportFileError with the line."""
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise ImportFileError(f"{entry}.pairs: {path} cannot be read ({error}). Give a text file.") from error
+    rows: list[list[int]] = []
+    for number, line in enumerate(lines, start=1):
+        words = line.partition("#")[0].replace(",", " ").split()
+        if not words:
+            continue
+        where = f"{entry}.pairs: {path}, line {number}:"
+        if not all(word.lstrip("-").isdecimal() for word in words) or len(words) != len(rows[0] if rows else words):
+            raise ImportFileError(f'{where} "{line}" must be two node numbers, or one in every line for the ground.')
+        rows.append([int(word) for word in words])
+        lone = np.setdiff1d(rows[-1], superelement.boundary_nodes)
+        if len(words) > 2 or lone.size:
+            what = f"the matrices have no node {lone[0]} with x, y and z" if lone.size else "more than two numbers"
+            raise ImportFileError(f"{where} {what}.")
+    if not rows:
+        raise ImportFileError(f"{entry}.pairs: {path} holds no pair. Write two node numbers a line.")
+    table = np.array(rows, dtype=np.int64)
+    return table[:, 0], table[:, 1] if table.shape[1] == 2 else None
 
 
 def _places(superelement: Superelement, nodes: IntArray) -> FloatArray | None:

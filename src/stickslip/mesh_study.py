@@ -193,6 +193,8 @@ def _fixed_unknowns(case: Case, source: ImportedModel) -> IntArray:
 
 def _pairing(mesh: FiniteElementMesh, name: str, given: InterfaceSection) -> Pairing:
     points = given.points or "nodes"
+    assert given.first is not None
+    assert given.second is not None
     with _entry(f"interfaces.{name}"):
         if given.second == GROUND:
             wrong = [key for key in ("search_distance", "edge_tolerance", "gap_tolerance") if getattr(given, key)]

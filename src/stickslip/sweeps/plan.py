@@ -26,7 +26,7 @@ _PLACE_KEYS = ("set", "point", "node", "spread")
 _LAYOUT_KEYS = {
     "interfaces": (
         "first", "second", "points", "search_distance", "edge_tolerance", "gap_tolerance", "gap", "adjust", "tangent",
-        "normal", "area",
+        "normal", "area", "pairs",
     ),
     "forces": _PLACE_KEYS,
     "responses": _PLACE_KEYS,
@@ -102,6 +102,7 @@ def case_hashes(case: Case) -> tuple[str, str]:
         }
     structure["axis"] = {key: value for key, value in inputs.get("rotation", {}).items() if key != "speed"}
     files = {key: _content(getattr(case.structure, key)) for key in FILE_KEYS if getattr(case.structure, key)}
+    files |= {name: _content(each.pairs) for name, each in case.interfaces.items() if each.pairs}
     if files:
         answer["files"], structure["files"] = files, files
     whole = {"stickslip": version("stickslip"), "results_format": FORMAT_VERSION, "inputs": answer}
