@@ -33,6 +33,7 @@ LAYER_OF = {
     "case_file": "case",
     "case_sections": "case",
     "case_structure": "case",
+    "case_examples": "case",
     "profile_file": "case",
     "measured_roughness": "study",
     "facts": "study",

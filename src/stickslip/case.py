@@ -29,6 +29,7 @@ from stickslip.case_sections import (
 )
 from stickslip.case_structure import (
     FILE_KEYS,
+    FOREIGN_KEYS,
     BodySection,
     ForceSection,
     InterfaceSection,
@@ -154,7 +155,8 @@ class Case(BaseModel):
 
     def to_text(self) -> str:
         """A commented study file of this case, in the units that engineers use (15 digits)."""
-        return study_text(self, [name for name in type(self).model_fields if self.shows(name)])
+        shown = [name for name in type(self).model_fields if self.shows(name)]
+        return study_text(self, shown, FOREIGN_KEYS[self.structure.kind])
 
     def defaulted_keys(self) -> tuple[str, ...]:
         """Keys that the study file left out, as ``section.key``, or ``[section]`` where it left out all of them."""
@@ -176,7 +178,8 @@ class Case(BaseModel):
             if not given and missing:
                 result.append(f"[{name}]")
             else:
-                result += [f"{name}.{key}" for key in missing]
+                foreign = FOREIGN_KEYS[self.structure.kind]
+                result += [f"{name}.{key}" for key in missing if f"{name}.{key}" not in foreign]
         return tuple(result)
 
     def _as_mapping(self, only_given: bool) -> dict[str, dict[str, Any]]:

@@ -39,6 +39,28 @@ _NO_DEFAULT = ("geometry", "mesh", "excitation", "material")
 _MATRIX_FILES = ("stiffness", "mass", "damping", "unknown_map", "node_positions")
 FILE_KEYS = ("file", *_MATRIX_FILES)
 
+_INTERFACE_OF_MESH = ("points", "edge_tolerance", "gap_tolerance", "gap", "adjust")
+_WEDGE = ("preload.centrifugal_force", "preload.friction_coefficient_at_assembly")
+# section.key of shared sections that a kind of structure has no use for.
+FOREIGN_KEYS: dict[Kind, frozenset[str]] = {
+    "two-blade": frozenset(),
+    "mesh": frozenset(
+        {
+            *_WEDGE,
+            *(f"structure.{key}" for key in (*_MATRIX_FILES, "force_unit")),
+            *(f"interfaces.{key}" for key in ("pairs", "normal", "area")),
+        }
+    ),
+    "matrices": frozenset(
+        {
+            *_WEDGE,
+            *(f"structure.{key}" for key in ("unit_system", "fixed", "element")),
+            *(f"interfaces.{key}" for key in _INTERFACE_OF_MESH),
+            *(f"{section}.spread" for section in ("forces", "responses", "static_loads")),
+        }
+    ),
+}
+
 Coordinate = Annotated[float, Quantity("length", shown="mm")]
 Place = tuple[Coordinate, Coordinate, Coordinate]
 
@@ -320,7 +342,7 @@ def _joint_errors(case: Case) -> Iterator[EntryError]:
             for key in ("normal", "area"):
                 if getattr(each, key) is None:
                     yield EntryError((*where, key), "is missing: matrices do not say it.")
-            for key in ("points", "edge_tolerance", "gap_tolerance", "gap", "adjust"):
+            for key in _INTERFACE_OF_MESH:
                 if getattr(each, key) is not None:
                     yield EntryError((*where, key), "belongs to faces of a mesh. Take it out.")
 

@@ -68,18 +68,25 @@ def options(
 @app.command()
 def new(
     path: StudyFile,
+    kind: Annotated[
+        str, typer.Option("--kind", help="Structure: two-blade, mesh (a file of yours) or matrices.")
+    ] = "two-blade",
     force: Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")] = False,
     debug: Debug = False,
 ) -> None:
-    """Write a commented study file of the two-blade case."""
+    """Write a commented study file to start from."""
     with _sentences(debug):
         from stickslip.case import Case
+        from stickslip.case_examples import EXAMPLES
+
+        if kind not in EXAMPLES:
+            raise InputError(f"--kind is {kind}, but it must be one of {', '.join(EXAMPLES)}.")
 
         if path.exists() and not force:
             raise InputError(f"{path} exists already. Give another name, or --force to overwrite it.")
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(Case().to_text(), encoding="utf-8")
+            path.write_text(Case.from_mapping(EXAMPLES[kind]).to_text(), encoding="utf-8")
         except OSError as error:
             raise InputError(f"{path} cannot be written ({error.strerror}). Give a path that you can write.") from error
         typer.echo(f'Wrote {path}. Next: stickslip check "{path}"')
