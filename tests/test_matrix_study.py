@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from stickslip.cli import app
 from stickslip.errors import InputError
 from stickslip.model import build_model, load_joint, set_up
 from stickslip.results.storage import load_results
-from stickslip.structure.matrix_files.exchange import read_superelement
+from stickslip.structure.matrix_files.exchange import read_superelement, write_superelement
 
 STUDY = """\
 [structure]
@@ -148,3 +149,18 @@ def test_roughness_needs_a_material(folder: Path) -> None:
         data["interfaces"]["lid"].pop(key)
     with pytest.raises(InputError, match=r"no section \[material\]"):
         set_up(Case.from_mapping(data))
+
+
+def test_damping_of_the_files_is_taken_and_never_doubled(folder: Path, tmp_path: Path) -> None:
+    found = read_superelement(folder)
+    damped = replace(found, damping=2e-7 * found.stiffness)
+    write_superelement(tmp_path, damped)
+    case = changed(folder, structure__file=str(tmp_path / "superelement.npz"))
+    with pytest.raises(InputError, match=r"modal_damping_ratio = 0\.001 cannot come on top.*rayleigh_alpha = 0"):
+        set_up(case)
+    data = case.to_dict()
+    data["damping"] = {"rayleigh_alpha": 3}
+    both = Case.from_mapping(data)
+    setup = set_up(both)
+    model = build_model(both, setup.assemble(), load_joint(both, setup.layout))
+    assert model.superelement.damping == pytest.approx(2e-7 * found.stiffness + 3.0 * found.mass, rel=1e-12, abs=1e-9)

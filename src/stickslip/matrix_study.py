@@ -93,6 +93,11 @@ def set_up(case: Case) -> MatrixSetup:
     Raises ImportFileError for a file; InputError that names the entry of the study file for what does not fit.
     """
     superelement = _read(case)
+    if superelement.damping is not None and case.damping.modal_damping_ratio is not None:
+        raise InputError(
+            f"damping.modal_damping_ratio = {case.damping.modal_damping_ratio:g} cannot come on top of the damping in "
+            "the matrix files. Set damping.rayleigh_alpha = 0 to take that of the files alone, or leave it out of them."
+        )
     pairs, messages = [], []
     for name, given in case.interfaces.items():
         found, words = _pairs(superelement, name, given)

@@ -205,6 +205,8 @@ def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel
         damping = rayleigh_damping_matrix(
             superelement, case.damping.rayleigh_alpha or 0.0, case.damping.rayleigh_beta or 0.0
         )
+        if superelement.damping is not None:  # that of the matrix files
+            damping = damping + superelement.damping
         superelement = replace(superelement, damping=damping)
     force_cos, force_sin = np.zeros(superelement.size), np.zeros(superelement.size)
     for force in kind.forces(case):
