@@ -33,15 +33,21 @@ def require_node_numbers(source: Path) -> None:
     section = content[start + len(b"$Nodes\n") : end]
     numbers = _Binary(section) if words[2] == b"1" else _Text(section)
     try:
-        n_blocks, _, _, _ = numbers.take(4, "u8").tolist()
+        n_blocks, missing, _, _ = numbers.take(4, "u8").tolist()
         for _ in range(n_blocks):
             numbers.take(3, "i4")
             (count,) = numbers.take(1, "u8").tolist()
-            largest = int(numbers.take(count, "u8").max(initial=0))
+            tags = numbers.take(count, "u8")
+            smallest, largest = int(tags.min(initial=1)), int(tags.max(initial=1))
+            missing -= count
             numbers.take(3 * count, "f8")
             if largest > _LARGEST_TAG:
                 fail(source, f"there is a node {largest}; numbers up to {_LARGEST_TAG} are read. Renumber the nodes.")
+            if smallest < 1:
+                raise ValueError("node 0")
     except (ValueError, OverflowError):
+        fail(source, _DAMAGED)
+    if missing:
         fail(source, _DAMAGED)
 
 
