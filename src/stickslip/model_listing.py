@@ -114,8 +114,8 @@ def _sentences(model: ImportedModel, known: bool) -> Iterator[str]:
             )
         if part.rigid:
             yield (
-                f"Connected part {number} ({bodies}) has {part.rigid} rigid-body motions that no constraint in the file "
-                "holds: contact or constraints of the study must."
+                f"Connected part {number} ({bodies}) has {part.rigid} rigid-body motions that the file does not hold: "
+                "contact or the study must."
             )
     held: IntArray = model.fixed_unknowns
     if held.size:

@@ -27,7 +27,7 @@ def two_bodies(make_block, quadratic):
     """Two blocks one above the other, with nodes of their own where they touch."""
     lower = make_block((3, 2, 1), (0.06, 0.03, 0.01), 0.1)
     cells = np.vstack([lower.cells, lower.cells + lower.n_nodes])
-    points = np.vstack([lower.points, lower.points + [0.0, 0.0, 0.02]])
+    points = np.vstack([lower.points, lower.points + np.array([0.0, 0.0, 0.02])])
     grid = np.arange(lower.n_nodes).reshape(4, 3, 2)
     sets = {
         "base": grid[:, :, 0].ravel(),

@@ -326,7 +326,7 @@ class _Reader:
             card.fail(f"{count} numbers are needed below.")
         if len(card.data) > 1:
             self.raw.messages.append(
-                f"line {card.line}: *{card.keyword} of '{self._material}' depends on the temperature; its first line is "
+                f"line {card.line}: *{card.keyword} of '{self._material}' depends on temperature; its first line is "
                 "taken."
             )
         line, words = card.data[0]

@@ -16,6 +16,8 @@ from stickslip.structure.importers.unit_systems import UnitSystem
 from stickslip.structure.model_facts import connected_parts, plausibility_warnings
 from stickslip.validation import FloatArray
 
+LARGEST_COORDINATE = 1e6  # m
+
 
 def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
     """Check a raw model and turn it into SI units. Raises ImportFileError that names file and entry."""
@@ -24,8 +26,13 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
             "there are no solid elements. Tetrahedra, wedges and hexahedra, linear or quadratic, are read; shells and "
             "beams have no volume."
         )
-    if not np.isfinite(raw.coordinates).all():
-        raw.fail("a coordinate is not a finite number.")
+    lost = np.flatnonzero(~(np.abs(units.length * raw.coordinates) < LARGEST_COORDINATE).all(axis=1))
+    if lost.size:
+        raw.fail(
+            f"node {raw.node_labels[lost[0]]} has the coordinates {', '.join(map(str, raw.coordinates[lost[0]]))}; "
+            f"they must be finite and below {LARGEST_COORDINATE:g} m.",
+            int(raw.node_lines[lost[0]]),
+        )
     used, cells = _used_nodes(raw)
     points = units.length * raw.coordinates[used]
     labels = raw.node_labels[used]

@@ -7,6 +7,8 @@ the integer cell array ``body`` numbers the bodies.
 
 from __future__ import annotations
 
+import contextlib
+import io
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.structure.cell_kinds import CELL_KINDS, IntArray
+from stickslip.structure.importers.gmsh_nodes import require_node_numbers
 from stickslip.structure.importers.raw_model import RawBlock, RawBody, RawModel, RawSides, fail
 from stickslip.validation import FloatArray
 
@@ -34,6 +37,7 @@ Members = list[NDArray[np.bool_]]  # of each block of cells
 
 def read_gmsh(source: Path) -> RawModel:
     """The entries of a Gmsh file: physical groups by name, or "group 3" where they have none."""
+    require_node_numbers(source)
     mesh = _parsed(source, "gmsh")
     groups: dict[str, Members] = {}
     names = {(int(number), int(dim)): name for name, (number, dim) in mesh.field_data.items()}
@@ -56,6 +60,8 @@ def read_vtu(source: Path) -> RawModel:
     mesh = _parsed(source, "vtu")
     groups: dict[str, Members] = {}
     for name, arrays in mesh.cell_data.items():
+        if not arrays or any(array.ndim != 1 for array in arrays):
+            continue  # vectors and tensors of a result
         if name == "body":
             for number in np.unique(np.concatenate([_whole(source, name, array) for array in arrays])):
                 groups[f"body {number}"] = [
@@ -89,12 +95,16 @@ def _parsed(source: Path, kind: str) -> Any:
     import meshio
 
     reader: Callable[[str], Any] = getattr(meshio, kind).read
+    said = io.StringIO()
     try:
-        mesh = reader(str(source))
+        with contextlib.redirect_stderr(said), contextlib.redirect_stdout(said):
+            mesh = reader(str(source))
     # A damaged file can end in any error of meshio, NumPy, HDF5 or an XML parser; all mean that it cannot be read.
     except (Exception, SystemExit) as error:
         detail = str(error).splitlines()[0][:200] if str(error).strip() else type(error).__name__
         fail(source, f"the file is damaged, or no {kind} file ({detail}). Write it again, as text if it is binary.")
+    if "not closed" in said.getvalue():
+        fail(source, f"the file is damaged or cut off ({' '.join(said.getvalue().split())[:200]}). Write it again.")
     points = np.asarray(mesh.points)
     if points.ndim != 2 or points.shape[1] != 3 or not np.issubdtype(points.dtype, np.floating):
         fail(source, f"the nodes have the shape {points.shape}; three coordinates for each node are needed.")
