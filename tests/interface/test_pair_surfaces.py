@@ -158,7 +158,7 @@ def test_of_two_layers_nodes_take_the_nearest_and_cells_refuse():
         block((2, 2, 1), (0.0, 0.0, 0.0), lengths=(1.0, 1.0, 0.1)), block((3, 3, 1), (0.0, 0.0, 0.2), (1.0, 1.0, 0.1))
     )
     shift = plates.n_nodes
-    upper = replace(mesh, points=mesh.points + [0.0, 0.0, -0.1])
+    upper = replace(mesh, points=mesh.points - np.array([0.0, 0.0, 0.1]))
     blocks = (*plates.blocks, replace(upper.blocks[1], cells=upper.blocks[1].cells + shift))
     both = np.r_[plates.node_set("top"), plates.node_set("load")]
     third = replace(

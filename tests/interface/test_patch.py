@@ -82,3 +82,10 @@ def test_a_finer_first_face_is_the_better_choice():
         pairs = pair_surfaces(coarse, first, second).pairs
         spread[first] = press(coarse, pairs, RIGID)[1]
     assert spread["top"] < 0.2 * spread["bottom"]
+
+
+def test_nodes_of_a_mesh_that_divides_the_other_one_pass():
+    mesh = stacked((3, 2, 1), (9, 6, 2))
+    pressure, error, _ = press(mesh, pair_surfaces(mesh, "bottom", "top").pairs, RIGID)
+    assert error < 1e-11
+    np.testing.assert_allclose(pressure, 1.0, atol=1e-9)

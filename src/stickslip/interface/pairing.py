@@ -134,7 +134,7 @@ def pair_surfaces(
         found = project(places.points, places.normal, other, search, edge)
         lone = Unpaired.joined(
             Unpaired.of(places.node, places.points, places.normal, places.area, found),
-            _uncovered(face, cut.covered, nodes, found_by_nodes),
+            _uncovered(face, cut, nodes, found_by_nodes),
         )
     met = np.flatnonzero(found.reason == PAIRED)
     if not met.size:
@@ -245,14 +245,14 @@ def _side_places(face: SurfaceMesh, found: IntegrationPoints) -> _Places:
     return _Places(inside, face.sides[found.side], found.weights, found.points, normal, found.area)
 
 
-def _uncovered(face: SurfaceMesh, covered: FloatArray, nodes: _Places, found: Projection) -> Unpaired:
+def _uncovered(face: SurfaceMesh, cut: IntegrationPoints, nodes: _Places, found: Projection) -> Unpaired:
     """Sides that lie in cells only in part: what is missing of their area, at their middle.
 
     Reason, gap and overhang are those of the side's node that lies farthest off; a side whose nodes all have partners
     lies over a hole of the second face, beyond an edge.
     """
-    missing = 1.0 - covered
-    sides = np.flatnonzero(missing > _SMALLEST_UNCOVERED)
+    missing = face.side_area - np.bincount(cut.side, cut.area, minlength=len(face.sides))
+    sides = np.flatnonzero((1.0 - cut.covered > _SMALLEST_UNCOVERED) & (missing > 0.0))
     position = np.zeros(len(face.points), dtype=np.int64)
     position[nodes.node] = np.arange(len(nodes.node))
     corners = position[face.sides[sides]]
@@ -264,7 +264,7 @@ def _uncovered(face: SurfaceMesh, covered: FloatArray, nodes: _Places, found: Pr
         np.full(len(sides), -1),
         face.centre[sides],
         face.side_normal[sides],
-        missing[sides] * face.side_area[sides],
+        missing[sides],
         reason,
         found.gap[at],
         found.overhang[at],

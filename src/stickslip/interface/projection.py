@@ -17,6 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from stickslip.interface.surface_mesh import WIDEST_SIDE, SurfaceMesh
@@ -29,7 +30,9 @@ REASONS = ("paired", "beyond the edge", "farther than the search distance", "fac
 LARGEST_ANGLE_DEG = 60.0  # between a normal and the reversed normal of the other face
 _NEWTON_STEPS = 20
 _NEAREST_SIDES = 8  # that are asked why a point found no partner
+_CONVERGED = 1e-10  # step in reference coordinates; the one before it was about its square root
 _ROUND_OFF = 1e-9  # in reference coordinates
+_POINTS_AT_ONCE = 20000  # which keeps the arrays of their candidates below about 200 MB
 
 
 @dataclass(frozen=True)
@@ -64,19 +67,30 @@ def project(
     border, and on a side whose normal opposes the point's within ``LARGEST_ANGLE_DEG``. Of several the nearest counts.
     """
     tree = cKDTree(surface.centre)
-    reach = search_distance + edge_tolerance
-    near = tree.query_ball_point(points, reach + float(surface.radius.max()))
-    point, side = _flat(near)
+    limits = (search_distance, edge_tolerance)
+    parts = []
+    for start in range(0, max(len(points), 1), _POINTS_AT_ONCE):
+        some = slice(start, start + _POINTS_AT_ONCE)
+        parts.append(_project(points[some], normal[some], surface, tree, limits))
+    return Projection(*(np.concatenate(part) for part in zip(*(vars(part).values() for part in parts), strict=True)))
+
+
+def _project(
+    points: FloatArray, normal: FloatArray, surface: SurfaceMesh, tree: cKDTree, limits: tuple[float, float]
+) -> Projection:
+    """:func:`project` of a few points; ``limits`` are its search distance and edge tolerance."""
+    reach = sum(limits)
+    point, side = _flat(tree.query_ball_point(points, reach + float(surface.radius.max())))
     close = np.linalg.norm(points[point] - surface.centre[side], axis=1) <= reach + surface.radius[side]
-    found = _best(points, normal, surface, point[close], side[close], search_distance, edge_tolerance)
+    found = _best(points, normal, surface, point[close], side[close], limits)
     lone = np.flatnonzero(found.reason != PAIRED)
     if lone.size:  # the sides nearest to the lone points tell why, however far they are
         count = min(_NEAREST_SIDES, len(surface.sides))
         nearest = np.asarray(tree.query(points[lone], k=count)[1]).reshape(len(lone), count)
         point, side = np.repeat(np.arange(len(lone)), count), nearest.ravel()
-        why = _best(points[lone], normal[lone], surface, point, side, search_distance, edge_tolerance)
-        for name in ("reason", "side", "weights", "gap", "overhang"):
-            getattr(found, name)[lone] = getattr(why, name)
+        why = _best(points[lone], normal[lone], surface, point, side, limits)
+        for name, values in vars(found).items():
+            values[lone] = getattr(why, name)
     return found
 
 
@@ -93,10 +107,10 @@ def _best(
     surface: SurfaceMesh,
     point: IntArray,
     side: IntArray,
-    search_distance: float,
-    edge_tolerance: float,
+    limits: tuple[float, float],
 ) -> Projection:
     """The best of the candidates (point, side) for each point: first those that pair, then the nearest."""
+    search_distance, edge_tolerance = limits
     where, gap = _meet(points[point], normal[point], surface, side)
     overhang = _overhang(points[point], normal[point], surface, side, where)
     facing = -np.einsum("cx,cx->c", normal[point], surface.side_normal[side])
@@ -127,30 +141,38 @@ def _meet(
     """Where rays meet the (extended) sides: reference coordinates (c, 2) and gap (c,), infinite where they do not."""
     where, gap = np.zeros((len(side), 2)), np.full(len(side), np.inf)
     for width, members in surface.by_width(side):
-        corners = surface.points[surface.sides[side[members], :width]] - points[members, None]
         length = surface.radius[side[members]]
-        unknown = np.zeros((len(members), 3))
-        if width in (3, 6):
-            unknown[:, :2] = 1.0 / 3.0
-        moved = np.full(len(members), np.inf)
-        for _ in range(_NEWTON_STEPS):
-            values, gradients = side_shape_functions(width, unknown[:, :2])
-            tangents = np.einsum("cka,ckx->cxa", gradients, corners) / length[:, None, None]
-            matrix = np.concatenate([tangents, -normal[members, :, None]], axis=2)
-            # A ray along the side never meets it: its matrix is made regular and its result thrown away.
-            flat = np.abs(np.linalg.det(matrix)) < 1e-9
-            matrix[flat] = np.eye(3)
-            residual = np.einsum("ck,ckx->cx", values, corners) / length[:, None] - unknown[:, 2:] * normal[members]
-            step = np.linalg.solve(matrix, residual[..., None])[..., 0]
-            moved = np.where(flat, np.inf, np.abs(step).max(axis=1))
-            # Steps are bounded: far outside a distorted side the map folds back and a full step would leap away.
-            step *= np.minimum(1.0, 2.0 / np.maximum(np.abs(step[:, :2]).max(axis=1), 1e-30))[:, None]
-            unknown = np.clip(unknown - step, -1e6, 1e6)
-            if (moved[np.isfinite(moved)] < 1e-12).all():
-                break
+        corners = (surface.points[surface.sides[side[members], :width]] - points[members, None]) / length[:, None, None]
+        unknown, converged = _newton(width, corners, normal[members])
         where[members] = unknown[:, :2]
-        gap[members] = np.where(moved < _ROUND_OFF, unknown[:, 2] * length, np.inf)
+        gap[members] = np.where(converged, unknown[:, 2] * length, np.inf)
     return where, gap
+
+
+def _newton(width: int, corners: FloatArray, normal: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """xi, eta, g (c, 3) of ``sum N_k(xi, eta) x_k = g n`` for corners (c, k, 3), and whether (c,) it was solved."""
+    unknown = np.zeros((len(corners), 3))
+    if width in (3, 6):
+        unknown[:, :2] = 1.0 / 3.0
+    converged = np.zeros(len(corners), dtype=bool)
+    active = np.arange(len(corners))
+    for _ in range(_NEWTON_STEPS):
+        values, gradients = side_shape_functions(width, unknown[active, :2])
+        tangents = np.einsum("cka,ckx->cxa", gradients, corners[active])
+        matrix = np.concatenate([tangents, -normal[active, :, None]], axis=2)
+        # A ray along the side never meets it.
+        regular = np.abs(np.linalg.det(matrix)) > 1e-9
+        active = active[regular]
+        residual = np.einsum("ck,ckx->cx", values[regular], corners[active]) - unknown[active, 2:] * normal[active]
+        step = np.linalg.solve(matrix[regular], residual[..., None])[..., 0]
+        # Steps are bounded: far outside a distorted side the map folds back and a full step would leap away.
+        unknown[active] -= step * np.minimum(1.0, 2.0 / np.maximum(np.abs(step[:, :2]).max(axis=1), 2.0))[:, None]
+        arrived = np.abs(step).max(axis=1) < _CONVERGED
+        converged[active[arrived]] = True
+        active = active[~arrived]
+        if not active.size:
+            break
+    return unknown, converged
 
 
 def _overhang(
