@@ -13,7 +13,7 @@ import time
 from typing import cast
 
 from stickslip.case import Case
-from stickslip.model import boundary_nodes, build_joint, build_structure
+from stickslip.model import build_joint, build_structure
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.factor import Backend, factor_forecast
 
@@ -38,7 +38,7 @@ def measure(backend: Backend, threads: int = 2) -> dict[str, float | str]:
     begin = time.perf_counter()
     reduced = craig_bampton(
         structure,
-        boundary_nodes(structure.mesh, joint.face_pairs),
+        joint.layout.boundary_nodes,
         case.reduction.modes,
         backend,
         threads,

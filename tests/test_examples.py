@@ -116,3 +116,17 @@ def test_make_targets_of_the_readme_exist() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     for target in re.findall(r"^make (\w+)", (ROOT / "README.md").read_text(encoding="utf-8"), flags=re.MULTILINE):
         assert re.search(rf"^{target}:", makefile, flags=re.MULTILINE), target
+
+
+def test_guide_to_own_structures(tmp_path: Path) -> None:
+    """The study file of docs/studies.md is the example, and its commands exist; the example runs."""
+    guide = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
+    study = ROOT / "examples" / "own_mesh" / "study.toml"
+    assert re.search(r"```toml\n(.*?)```", guide, flags=re.DOTALL).group(1) == study.read_text(encoding="utf-8")
+    runner = CliRunner()
+    for command in re.findall(r"^stickslip (\w+)", guide, flags=re.MULTILINE):
+        assert runner.invoke(app, [command, "--help"]).exit_code == 0
+    result = runner.invoke(app, ["run", str(study), "--out", str(tmp_path / "results")])
+    assert result.exit_code == 0, result.output
+    assert "The stop frequency was reached." in result.output
+    assert (tmp_path / "results" / "contact_pairs.vtu").is_file()

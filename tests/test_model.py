@@ -52,7 +52,7 @@ def test_given_stiffness_is_spread_by_area(structure: Structure) -> None:
     joint = build_joint(case, structure)
     assert joint.face_sum(joint.normal_stiffness) == pytest.approx([3e8, 3e8])
     assert joint.face_sum(joint.tangential_stiffness) == pytest.approx([2.5e8, 2.5e8])
-    assert joint.rough_faces == ()
+    assert joint.rough_faces == (None, None)
 
 
 def test_a_face_without_stiffness_is_refused_with_advice(structure: Structure) -> None:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from stickslip.case import Case, load_case
     from stickslip.interface.contact_pairs import ContactPairs
     from stickslip.interface.friction import contact_cycle
-    from stickslip.interface.pairing import pair_faces
+    from stickslip.interface.pairing import pair_faces, pair_surfaces, pair_with_ground
     from stickslip.interface.roughness_fit import RoughnessFit, fit_roughness
     from stickslip.interface.stiffness import Roughness, contact_stiffness
     from stickslip.interface.surface import fractal_surface
@@ -47,6 +47,8 @@ _HOME = {
     "fractal_surface": "interface.surface",
     "load_case": "case",
     "pair_faces": "interface.pairing",
+    "pair_surfaces": "interface.pairing",
+    "pair_with_ground": "interface.pairing",
     "run": "study",
     "sweep": "sweeps.run",
 }
@@ -70,6 +72,8 @@ __all__ = [
     "fractal_surface",
     "load_case",
     "pair_faces",
+    "pair_surfaces",
+    "pair_with_ground",
     "report",
     "run",
     "sweep",

@@ -7,6 +7,7 @@ import json
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,6 @@ from pydantic_core import ErrorDetails
 
 from stickslip.errors import StudyFileError
 
-_HEADER = re.compile(r"\s*\[\s*([\w.-]+)\s*\]\s*(?:#.*)?")
 _KEY = re.compile(r"\s*([\w-]+)\s*=")
 _NEW_FILE = '"stickslip new FILE" writes a commented one to start from.'
 
@@ -60,13 +60,28 @@ def key_lines(text: str) -> dict[tuple[str, ...], int]:
     lines: dict[tuple[str, ...], int] = {}
     section: tuple[str, ...] = ()
     for number, line in enumerate(text.splitlines(), start=1):
-        header, key = _HEADER.fullmatch(line), _KEY.match(line)
+        header, key = _header(line), _KEY.match(line)
         if header:
-            section = tuple(header[1].split("."))
+            section = header
             lines.setdefault(section, number)
         elif key:
             lines.setdefault((*section, key[1]), number)
     return lines
+
+
+def _header(line: str) -> tuple[str, ...]:
+    """The names in a line ``[section]`` or ``[section."a name"]``; empty for another line."""
+    if not line.lstrip().startswith("["):
+        return ()
+    try:
+        table: Any = tomllib.loads(line)
+    except tomllib.TOMLDecodeError:
+        return ()
+    names = []
+    while isinstance(table, dict) and table:
+        name, table = next(iter(table.items()))
+        names.append(name)
+    return tuple(names)
 
 
 def report(
@@ -75,38 +90,65 @@ def report(
     data: Mapping[str, Any],
     known: Mapping[str, Sequence[str]],
     lines: Mapping[tuple[str, ...], int],
+    named: Sequence[str] = (),
 ) -> str:
     """The message of a StudyFileError: one line for each of pydantic's errors, in the order of the file.
 
-    ``known`` holds the keys of every section, ``lines`` the line of every key that the file has.
+    ``known`` holds the keys of every section, ``lines`` the line of every key that the file has; the entries of the
+    sections ``named`` have names of their own.
     """
     numbered = []
     for details in errors:
         path = tuple(str(part) for part in details["loc"])
-        line = lines.get(path[:2]) or lines.get(path[:1]) or 0
+        if not path:  # the file as a whole: its error says which entry it means
+            path = getattr(details["ctx"]["error"], "path", ())
+            sentence = f"{'.'.join(path)} {details['ctx']['error']}"
+        else:
+            sentence = _sentence(_Entry(path, path[0] in named), details, data, known)
+        line = next((lines[path[:depth]] for depth in (3, 2, 1) if path[:depth] in lines), 0)
         where = f"line {line}: " if line else ""
-        numbered.append((line, f"  {where}{_sentence(path, details, data, known)}"))
+        numbered.append((line, f"  {where}{sentence}"))
     numbered.sort(key=lambda entry: entry[0])
     count = "1 error" if len(numbered) == 1 else f"{len(numbered)} errors"
     return "\n".join([f"{source}: {count}.", *(text for _, text in numbered)])
 
 
-def _sentence(
-    path: tuple[str, ...], details: ErrorDetails, data: Mapping[str, Any], known: Mapping[str, Sequence[str]]
-) -> str:
+@dataclass(frozen=True)
+class _Entry:
+    """Where an error stands: section, the name of the entry in a section of named ones, key, place in a list."""
+
+    path: tuple[str, ...]
+    is_named: bool
+
+    @property
+    def depth(self) -> int:
+        """Number of parts down to a key."""
+        return 3 if self.is_named else 2
+
+    @property
+    def section(self) -> str:
+        """The section as it stands in brackets."""
+        return ".".join(self.path[: self.depth - 1])
+
+    def __str__(self) -> str:
+        return ".".join(self.path[: self.depth]) + "".join(f"[{index}]" for index in self.path[self.depth :])
+
+
+def _sentence(entry: _Entry, details: ErrorDetails, data: Mapping[str, Any], known: Mapping[str, Sequence[str]]) -> str:
     """Key, what was found, what is allowed, what to do."""
-    found = f"{_shown(path)} = {_toml(details['input'])}"
+    found = f"{entry} = {_toml(details['input'])}"
     match details["type"]:
         case "extra_forbidden":
-            return _unknown(path, details["input"], known)
+            return _unknown(entry, details["input"], known)
         case "missing":
-            return f"{_shown(path)} is missing. Add it to the section [{path[0]}]."
-        case "model_type":
-            return f"{found} must be a section: write [{path[0]}] on a line of its own and its keys below it."
+            return f"{entry} is missing. Add it to the section [{entry.section}]."
+        case "model_type" | "dict_type":
+            header = f"{entry.section}.NAME" if entry.is_named and len(entry.path) == 1 else entry.section
+            return f"{found} must be a section: write [{header}] on a line of its own and its keys below it."
         case "literal_error":
             return f"{found} is not allowed: it must be {details['ctx']['expected']}.{_nearest_choice(details)}"
         case "value_error":
-            default = "" if _given(data, path) else " (the default)"
+            default = "" if _given(data, entry.path) else " (the default)"
             return f"{found}{default} {details['ctx']['error']}"
         case "string_type":
             return f"{found} must be a text in quotes."
@@ -115,8 +157,9 @@ def _sentence(
     return f"{found} is not allowed: {details['msg']}."
 
 
-def _unknown(path: tuple[str, ...], value: object, known: Mapping[str, Sequence[str]]) -> str:
+def _unknown(entry: _Entry, value: object, known: Mapping[str, Sequence[str]]) -> str:
     """A sentence about an unknown section or key, with the nearest right one."""
+    path = entry.path
     if len(path) == 1:
         home = next((section for section, keys in known.items() if path[0] in keys), None)
         if home and not isinstance(value, Mapping):
@@ -127,7 +170,7 @@ def _unknown(path: tuple[str, ...], value: object, known: Mapping[str, Sequence[
             f"[{path[0]}] is not a section" if isinstance(value, Mapping) else f"{path[0]} is neither section nor key"
         )
         return f"{kind} of a study file. {advice}"
-    section, key = path[0], path[1]
+    section, key = path[0], path[entry.depth - 1]
     nearest = difflib.get_close_matches(key.lower(), known[section], n=1)
     homes = [other for other, keys in known.items() if key in keys]
     if homes:
@@ -138,8 +181,8 @@ def _unknown(path: tuple[str, ...], value: object, known: Mapping[str, Sequence[
         everywhere = {name: other for other, keys in known.items() for name in keys}
         elsewhere = difflib.get_close_matches(key.lower(), everywhere, n=1)
         advice = f"Did you mean {elsewhere[0]} of [{everywhere[elsewhere[0]]}]? " if elsewhere else ""
-        advice += f"Keys of [{section}] are {', '.join(known[section])}."
-    return f"{section}.{key} is not a key of a study file. {advice}"
+        advice += f"Keys of [{entry.section}] are {', '.join(known[section])}."
+    return f"{entry} is not a key of a study file. {advice}"
 
 
 def _nearest_choice(details: ErrorDetails) -> str:
@@ -149,13 +192,15 @@ def _nearest_choice(details: ErrorDetails) -> str:
 
 
 def _given(data: Mapping[str, Any], path: tuple[str, ...]) -> bool:
-    """Whether the file holds ``section.key``; a default can be wrong beside another value."""
-    return path[0] in data and (len(path) == 1 or path[1] in data[path[0]])
-
-
-def _shown(path: tuple[str, ...]) -> str:
-    """``section.key`` or ``section.key[index]``."""
-    return ".".join(path[:2]) + "".join(f"[{index}]" for index in path[2:])
+    """Whether the file holds the entry at ``path``; a default can be wrong beside another value."""
+    inner: Any = data
+    for part in path:
+        if not isinstance(inner, Mapping):
+            break  # a place in a list
+        if part not in inner:
+            return False
+        inner = inner[part]
+    return True
 
 
 def _toml(value: object) -> str:

@@ -37,6 +37,9 @@ def _unit_vector(value: object) -> tuple[float, float, float]:
     return (x / length, y / length, z / length)
 
 
+Direction = Annotated[tuple[float, float, float], PlainValidator(_unit_vector)]
+
+
 class Section(BaseModel):
     """A section of the study file."""
 
@@ -236,7 +239,7 @@ class ExcitationSection(Section):
         default="single", description="single: N1 alone; same, opposite: direction at N1 and N2"
     )
     amplitude: Force = Field(default=300.0, description="of each force")
-    direction: Annotated[tuple[float, float, float], PlainValidator(_unit_vector)] = Field(
+    direction: Direction = Field(
         default=(1.0, 0.0, 0.0),
         description="[x, y, z] of the force and of the response at A; any length",
     )

@@ -1,4 +1,4 @@
-"""The command line: ``stickslip new | check | run | sweep | report | roughness | paper``.
+"""The command line: ``stickslip new | check | run | sweep | report | roughness | import | paper``.
 
 Exit codes: 0 done, 1 fault of the program, 2 bad input, 3 not converged (what was computed is kept), 130 interrupted.
 Everything heavy is imported inside the commands, so that ``stickslip --help`` answers at once.
@@ -68,18 +68,25 @@ def options(
 @app.command()
 def new(
     path: StudyFile,
+    kind: Annotated[
+        str, typer.Option("--kind", help="Structure: two-blade, mesh (a file of yours) or matrices.")
+    ] = "two-blade",
     force: Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")] = False,
     debug: Debug = False,
 ) -> None:
-    """Write a commented study file of the two-blade case."""
+    """Write a commented study file to start from."""
     with _sentences(debug):
         from stickslip.case import Case
+        from stickslip.case_examples import EXAMPLES
+
+        if kind not in EXAMPLES:
+            raise InputError(f"--kind is {kind}, but it must be one of {', '.join(EXAMPLES)}.")
 
         if path.exists() and not force:
             raise InputError(f"{path} exists already. Give another name, or --force to overwrite it.")
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(Case().to_text(), encoding="utf-8")
+            path.write_text(Case.from_mapping(EXAMPLES[kind]).to_text(), encoding="utf-8")
         except OSError as error:
             raise InputError(f"{path} cannot be written ({error.strerror}). Give a path that you can write.") from error
         typer.echo(f'Wrote {path}. Next: stickslip check "{path}"')
@@ -219,6 +226,24 @@ def roughness(
         for file in measured_roughness.write(out, measured) if out is not None else ():
             typer.echo(f"Wrote {file}")
         typer.echo(f"\nFor the study file:\n{measured_roughness.study_lines(measured.fit)}", nl=False)
+
+
+@app.command("import")
+def import_model(
+    path: Annotated[Path, typer.Argument(metavar="FILE", help=".inp, .bdf, .msh, .vtu, .med", show_default=False)],
+    length_unit: Annotated[
+        str | None, typer.Option("--length-unit", help="Unit of the coordinates: mm, m, ...")
+    ] = None,
+    unit_system: Annotated[
+        str | None, typer.Option("--unit-system", help="System of materials: mm-t-s, SI, ...")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Show bodies, sets, masses and size of a model file."""
+    with _sentences(debug):
+        from stickslip.model_listing import print_model
+
+        print_model(path, length_unit, unit_system)
 
 
 def _print_rows(rows: list[tuple[str, str]]) -> None:

@@ -20,6 +20,7 @@ import numpy as np
 
 from stickslip.errors import StickslipError
 from stickslip.interface.surface import draw_phases, fractal_surface, frequency_count
+from stickslip.model import kind_of
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 
@@ -46,16 +47,15 @@ class Drawing:
 
     def of_roughness(self) -> list[Path]:
         """Write a picture of one rough face: heights from the roughness, its ridges and its seed. Raises InputError."""
-        given, geometry, formats = self.case.roughness, self.case.geometry, self.case.output.figure_formats
+        given, formats = self.case.roughness, self.case.output.figure_formats
         if given is None or not formats:
             return []
         from stickslip.report.figures import save, surface
 
         self.folder.mkdir(parents=True, exist_ok=True)
         n_max = frequency_count(given.sample_length, given.shortest_length)
-        along = np.linspace(0.0, geometry.damper_length, 420)
-        across = np.linspace(0.0, geometry.contact_face_width, 98)
-        x, y = np.meshgrid(along, across)
+        along, across = kind_of(self.case).rough_face_size(self.case)
+        x, y = np.meshgrid(np.linspace(0.0, along, 420), np.linspace(0.0, across, 98))
         phases = draw_phases(given.seed, given.ridges, n_max)
         heights = fractal_surface(
             x, y, given.fractal_dimension, given.fractal_roughness, given.sample_length, given.ridges, phases

@@ -20,6 +20,10 @@ class StudyFileError(InputError):
     """A study file cannot be read, or one of its keys or values is wrong."""
 
 
+class ImportFileError(InputError):
+    """A mesh or matrix file of another program cannot be read, or its content makes no usable model."""
+
+
 class RoughnessError(InputError):
     """A roughness, or a roughness with a load, gives no usable contact (for example zero stiffness)."""
 

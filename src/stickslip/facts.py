@@ -5,26 +5,26 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from stickslip.model import FACE_NAMES, Joint, boundary_nodes
+from stickslip.joint import Joint
 from stickslip.results.response import ForcedResponse
+from stickslip.setup import Derived, Setup
 from stickslip.structure.elasticity import Structure
+from stickslip.structure.superelement import Superelement
 
 if TYPE_CHECKING:
     from stickslip.case import Case
 
-Derived = tuple[str, str | float | int, str, str]
-
 
 def derived_quantities(case: Case, joint: Joint) -> tuple[Derived, ...]:
-    """(name, value, unit, explanation) of preload, stiffness and roughness of each face."""
-    return tuple(_faces(joint)) + tuple(_roughness(case, joint))
+    """(name, value, unit, explanation) of preload, stiffness and roughness of each face, and of its pairs."""
+    return (*_faces(joint), *_roughness(case, joint), *joint.layout.facts)
 
 
 def _faces(joint: Joint) -> Iterator[Derived]:
     area = joint.face_sum(joint.face_pairs.area)
     load = joint.face_sum(joint.preload)
     normal, tangential = joint.face_sum(joint.normal_stiffness), joint.face_sum(joint.tangential_stiffness)
-    for face, name in enumerate(FACE_NAMES):
+    for face, name in enumerate(joint.face_names):
         pressure = load[face] / area[face]
         yield f"Normal load, {name}", float(load[face]), "N", "sum of the preload of its pairs"
         yield f"Mean pressure, {name}", float(1e-6 * pressure), "MPa", "normal load over nominal area"
@@ -39,9 +39,10 @@ def _faces(joint: Joint) -> Iterator[Derived]:
 
 
 def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
-    if not joint.rough_faces or case.roughness is None:
+    rough = [(number, face) for number, face in enumerate(joint.rough_faces) if face is not None]
+    if not rough or case.roughness is None:
         return
-    given, first = case.roughness, joint.rough_faces[0]
+    given, (number, first) = case.roughness, rough[0]
     yield "Fractal dimension D", given.fractal_dimension, "-", "of the surface; share of fine-scale content"
     yield "Fractal roughness G", given.fractal_roughness, "m", "scale of the heights"
     yield "Sq", float(1e6 * first.statistics.sq), "µm", "root mean square height between the longest and shortest wave"
@@ -53,7 +54,7 @@ def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
         "smaller spots are plastic, larger ones elastic",
     )
     yield "Largest spot area", float(1e6 * first.stiffness.largest_area), "mm²", "of one face under its preload"
-    nominal = joint.face_sum(joint.face_pairs.area)[0]
+    nominal = joint.face_sum(joint.face_pairs.area)[number]
     yield "Real over nominal area", float(first.stiffness.real_area / nominal), "-", "of one face"
     yield "Load on plastic spots", float(100.0 * first.stiffness.plastic_load_share), "%", "share of the preload"
 
@@ -62,7 +63,7 @@ def natural_frequencies_found(response: ForcedResponse, count: int = 4) -> tuple
     """The first natural frequencies of the two linear limits of this study, as the curves show them."""
     limits = {
         "all contacts closed and stuck": ("stuck", response.linear.stuck_frequency_hz),
-        "no contact; rigid-body motion of the damper left out": ("free", response.linear.free_frequency_hz),
+        "no contact; rigid-body motions left out": ("free", response.linear.free_frequency_hz),
     }
     return tuple(
         (f"Natural frequencies, {name}", ", ".join(f"{f:.2f}" for f in values[:count]), "Hz", words)
@@ -71,22 +72,26 @@ def natural_frequencies_found(response: ForcedResponse, count: int = 4) -> tuple
 
 
 def study_warnings(joint: Joint) -> tuple[str, ...]:
-    """What the roughness law says against its own use here, each sentence once."""
-    sentences = dict.fromkeys(message for face in joint.rough_faces for message in face.stiffness.messages)
-    return tuple(sentences)
+    """What the input and the roughness law say against their use here, each sentence once."""
+    sentences = dict.fromkeys(message for face in joint.rough_faces if face for message in face.stiffness.messages)
+    return (*joint.layout.messages, *sentences)
 
 
-def sizes(case: Case, structure: Structure, joint: Joint) -> tuple[tuple[str, str], ...]:
+def sizes(case: Case, setup: Setup, structure: Structure | Superelement, joint: Joint) -> tuple[tuple[str, str], ...]:
     """What would run: elements, nodes, unknowns before and after reduction, pairs, and unknowns of the balance."""
-    mesh, pairs = structure.mesh, joint.face_pairs
-    boundary = boundary_nodes(structure.mesh, joint.face_pairs).size
-    reduced = 3 * boundary + case.reduction.modes
+    pairs, faces = joint.face_pairs, len(joint.face_names)
     columns = 2 * case.solver.harmonics + 1
+    if isinstance(structure, Superelement):
+        unknowns = [("unknowns", f"{structure.size}")]
+    else:
+        boundary, modes = 3 * joint.layout.boundary_nodes.size, case.reduction.modes
+        unknowns = [
+            ("unknowns of the full model", f"{structure.stiffness.shape[0]} free of {3 * structure.mesh.n_nodes}"),
+            ("unknowns after reduction", f"{boundary + modes} ({boundary} of boundary nodes, {modes} modes)"),
+        ]
     return (
-        ("elements", f"{len(mesh.cells)} ({case.mesh.element})"),
-        ("nodes", f"{mesh.n_nodes}"),
-        ("unknowns of the full model", f"{structure.stiffness.shape[0]} free of {3 * mesh.n_nodes}"),
-        ("unknowns after reduction", f"{reduced} ({3 * boundary} of boundary nodes, {case.reduction.modes} modes)"),
-        ("contact pairs", f"{pairs.area.size} on {len(FACE_NAMES)} faces"),
+        *setup.sizes(),
+        *unknowns,
+        ("contact pairs", f"{pairs.area.size} on {faces} face{'s' if faces > 1 else ''}"),
         ("unknowns of the balance", f"up to {3 * pairs.area.size * columns} ({case.solver.harmonics} harmonics)"),
     )

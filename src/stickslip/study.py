@@ -9,12 +9,12 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from stickslip.drawing import Drawing, SecondProcess
 from stickslip.facts import derived_quantities, natural_frequencies_found, sizes, study_warnings
-from stickslip.model import FACE_NAMES, Model, ReducedModel, build_joint, build_model, build_structure
+from stickslip.interface.pairing import FacePairs
+from stickslip.model import Model, ReducedModel, build_model, kind_of, load_joint, set_up
 from stickslip.progress import Progress, SilentProgress
 from stickslip.results.measures import peaks, summary, summary_table
 from stickslip.results.record import StudyRecord, run_provenance
@@ -24,8 +24,11 @@ from stickslip.solve.continuation import ContinuationSettings
 from stickslip.solve.forced import forced_response
 from stickslip.solve.newton import NewtonSettings
 from stickslip.structure.craig_bampton import ReductionRow, reduction_table
+from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes
+from stickslip.structure.superelement import Superelement
 from stickslip.threads import thread_count
+from stickslip.validation import FloatArray
 
 if TYPE_CHECKING:
     from stickslip.case import Case
@@ -65,13 +68,14 @@ def run(
 
 def _run(case: Case, out: Path, progress: Progress, threads: int, artist: SecondProcess) -> StudyOutcome:
     progress.update("Structure", 0.0, "mesh and matrices")
-    structure = build_structure(case)
-    joint = build_joint(case, structure)
+    setup = set_up(case)
+    joint = load_joint(case, setup.layout)
+    structure = setup.assemble()
     model = build_model(
         case, structure, joint, threads, lambda share, detail: progress.update("Structure", 0.1 + 0.7 * share, detail)
     )
     progress.update("Structure", 0.8, "full against reduced frequencies")
-    table = reduction_table(structure, model.superelement, joint.face_pairs, count=MODE_COUNT)
+    table = compare_modes(structure, model.superelement, joint.face_pairs, joint.springs)
     progress.update("Structure", 1.0, f"{model.superelement.size} unknowns, {model.pairs.n_pairs} pairs")
     response = solve(case, model, progress, threads)
     record = study_record(case, model, table, response)
@@ -81,7 +85,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
     progress.update("Files", 0.3, REPORT_FILE)
     page = _page(out, response, record)
     progress.update("Files", 0.5, "shapes for ParaView")
-    shapes = list(_shapes(out, case, model, response))
+    shapes = [*setup.write_places(out), *_shapes(out, case, model, response)]
     progress.update("Files", 0.7, FIGURE_FOLDER)
     files = [out / RESULTS_FILE, page, *artist.files(), *shapes]
     progress.update("Files", 1.0, f"{len(files)} files")
@@ -98,7 +102,7 @@ def solve(
     response = forced_response(
         model.superelement,
         model.pairs,
-        np.zeros(model.superelement.size),
+        model.force_cos,
         model.force_sin,
         frequency_hz=(settings.frequency_start, settings.frequency_stop),
         harmonics=settings.harmonics,
@@ -118,6 +122,20 @@ def solve(
     return replace(response, provenance={**response.provenance, **run_provenance()})
 
 
+def compare_modes(
+    structure: Structure | Superelement, superelement: Superelement, pairs: FacePairs, springs: FloatArray | None = None
+) -> tuple[ReductionRow, ...]:
+    """Frequencies of the full and the reduced model: tied where nodes meet nodes, else stuck on their ``springs``.
+
+    Empty for a structure that is given by matrices, and for faces that do not match where no springs are given.
+    """
+    if isinstance(structure, Superelement) or not (pairs.is_matching or springs is not None):
+        return ()
+    return reduction_table(
+        structure, superelement, pairs, count=MODE_COUNT, springs=None if pairs.is_matching else springs
+    )
+
+
 def study_record(
     case: Case, model: ReducedModel, table: tuple[ReductionRow, ...], response: ForcedResponse
 ) -> StudyRecord:
@@ -125,30 +143,24 @@ def study_record(
     pairs = model.joint.face_pairs
     return StudyRecord(
         title=case.study.title,
-        description=_description(case),
+        description=kind_of(case).description(case),
         inputs=case.to_text(),
         outputs=dict(model.outputs),
         signal_groups=dict(model.signal_groups),
-        face_names=FACE_NAMES,
+        face_names=model.joint.face_names,
         pair_face=pairs.face,
         pair_position=pairs.face_position[:, ::-1],  # along the damper first, then up the slope
         pair_area=pairs.area,
         mode_table=tuple(_mode_rows(case, table)),
+        mode_contact="tied" if pairs.is_matching else "stuck",
         derived=(*derived_quantities(case, model.joint), *natural_frequencies_found(response)),
         warnings=study_warnings(model.joint),
     )
 
 
-def _description(case: Case) -> str:
-    kinds = {"single": "at one blade", "same": "at both blades, same direction", "opposite": "at both blades, opposed"}
-    excitation, force = case.excitation, case.preload.centrifugal_force
-    load = "prescribed preload" if force is None else f"centrifugal force {force:g} N"
-    return f"Force {excitation.amplitude:g} N {kinds[excitation.mode]}, {load}, friction {case.friction.coefficient:g}."
-
-
 def _mode_rows(case: Case, table: tuple[ReductionRow, ...]) -> Iterator[dict[str, str | float | int]]:
     """Rows of the mode table; the paper's column only beside the geometry that was fitted to it."""
-    fitted = case.geometry == type(case.geometry)() and case.material == type(case.material)()
+    fitted = kind_of(case).is_fitted(case)
     for row in table:
         cells: dict[str, str | float | int] = {
             "mode": row.mode,
@@ -174,6 +186,8 @@ def _shapes(out: Path, case: Case, model: Model, response: ForcedResponse) -> It
     """Mode shapes with stuck contact, and one period of the full mesh at the peak, for ParaView."""
     from stickslip.structure.export import write_deflected_period, write_mode_shapes
 
+    if isinstance(model.structure, Superelement):
+        return  # matrices without a mesh
     mesh, count = model.structure.mesh, case.output.mode_shapes
     if count:
         springs = model.pairs.resting_stiffness()
@@ -215,23 +229,23 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
 
     Raises InputError where the geometry does not fit, RoughnessError for a contact without stiffness.
     """
-    structure = build_structure(case)
-    joint = build_joint(case, structure)
+    setup = set_up(case)
+    joint = load_joint(case, setup.layout)
+    structure = setup.assemble()
     numbers = [
         (name, f"{_short(value)} {unit}".rstrip("- ")) for name, value, unit, _ in derived_quantities(case, joint)
     ]
     solver = case.solver
-    springs = np.column_stack([joint.tangential_stiffness, joint.tangential_stiffness, joint.normal_stiffness]).ravel()
-    stuck_hz, _ = joined_modes(structure, joint.face_pairs, SHOWN_FREQUENCIES, springs)
+    stuck_hz, _ = joined_modes(structure, joint.face_pairs, SHOWN_FREQUENCIES, joint.springs)
     sections = [
-        ("Sizes", list(sizes(case, structure, joint))),
+        ("Sizes", list(sizes(case, setup, structure, joint))),
         ("Derived quantities", numbers),
         (
             "Would run",
             [
                 ("sweep", f"{solver.frequency_start:g} to {solver.frequency_stop:g} Hz"),
                 ("first natural frequencies, contact stuck", ", ".join(f"{f:.1f}" for f in stuck_hz) + " Hz"),
-                ("excitation", _description(case)),
+                ("excitation", kind_of(case).description(case)),
                 ("resolution", f"{solver.harmonics} harmonics, {solver.samples} samples"),
             ],
         ),

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 import textwrap
-from typing import Any, get_args
+from collections.abc import Collection, Sequence
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -20,12 +22,34 @@ _WIDTH = 120
 _COLUMN = 39  # comments start two columns further
 
 
-def study_text(study: BaseModel) -> str:
-    """The study file of ``study``, a model whose fields are sections: every key, its value, its description."""
+def study_text(study: BaseModel, shown: Collection[str], hidden: Collection[str]) -> str:
+    """The study file of ``study``, a model whose fields are sections, or dictionaries of sections with own names.
+
+    Every key, its value and its description, of the sections that are ``shown``, without the keys ``section.key``
+    that are ``hidden``.
+    """
     parts = [_OPENING]
     for name, field in type(study).model_fields.items():
-        parts.append(_section_text(name, section_type(field), getattr(study, name)))
+        value, kind = getattr(study, name), section_type(field)
+        if name not in shown:
+            continue
+        if isinstance(value, dict):
+            entries = [(f"{name}.{_bare(entry)}", values) for entry, values in value.items()]
+        else:
+            entries = [(name, value)]
+        keys = [key for key in kind.model_fields if f"{name}.{key}" not in hidden]
+        parts += [_section_text(title, kind, keys, values) for title, values in entries]
     return "\n".join(parts)
+
+
+def is_named(field: FieldInfo) -> bool:
+    """Whether a section has entries with names of their own."""
+    return get_origin(field.annotation) is dict
+
+
+def _bare(name: str) -> str:
+    """A name as TOML, in quotes where it needs them."""
+    return name if re.fullmatch(r"[\w-]+", name, flags=re.ASCII) else json.dumps(name, ensure_ascii=False)
 
 
 def section_type(field: FieldInfo) -> type[BaseModel]:
@@ -41,14 +65,15 @@ def quantity_of(section: type[BaseModel], key: str) -> Quantity | None:
     return next((entry for entry in (*field.metadata, *inner) if isinstance(entry, Quantity)), None)
 
 
-def _section_text(name: str, section: type[BaseModel], values: BaseModel | None) -> str:
+def _section_text(name: str, section: type[BaseModel], keys: Sequence[str], values: BaseModel | None) -> str:
     """Heading, description and keys; a section without values stands there as comment lines with its examples."""
     about = " ".join((section.__doc__ or "").split())
     lines = [
         f"[{name}]" if values is not None else f"# [{name}]",
         *textwrap.wrap(about, _WIDTH - 2, initial_indent="# ", subsequent_indent="# "),
     ]
-    for key, field in section.model_fields.items():
+    for key in keys:
+        field = section.model_fields[key]
         value = None if values is None else getattr(values, key)
         if value is None:
             entry = f"# {key} = {_example(section, key)}"

@@ -30,6 +30,8 @@ KINDS: dict[str, tuple[str, str]] = {
     "density": ("kg/m^3", '"7800 kg/m^3"'),
     "frequency": ("Hz", '"440 Hz"'),
     "stiffness": ("N/m", '"1.3e8 N/m"'),
+    "area": ("m^2", '"180 mm^2"'),
+    "speed of rotation": ("rad/s", '"3000 rpm"'),
     "time": ("s", '"1e-7 s"'),
     "rate": ("1/s", '"0.5 1/s"'),
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from stickslip.errors import RoughnessError, StudyFileError
-from stickslip.model import build_mesh, find_pairs, load_joint
+from stickslip.model import load_joint, set_up
 from stickslip.paper.plan import BASE_CHOICE, CHOICES, EXCITATIONS, Choice, Scope, base_case, computations, variant
 
 
@@ -22,9 +22,9 @@ def test_size_and_keys(plan) -> None:
 
 
 def test_every_joint_of_the_study_has_a_stiffness(plan) -> None:
-    pairs = find_pairs(build_mesh(plan[0].planned.case))
+    layout = set_up(plan[0].planned.case).layout
     for each in plan:
-        joint = load_joint(each.planned.case, pairs)
+        joint = load_joint(each.planned.case, layout)
         assert joint.normal_stiffness.min() > 0.0
 
 
@@ -66,12 +66,12 @@ def test_a_changed_choice_changes_that_key_alone(plan, choice: Choice) -> None:
 
 
 def test_the_papers_roughness_is_plastic_in_the_base_law_and_runs_in_unloading(plan) -> None:
-    pairs = find_pairs(build_mesh(plan[0].planned.case))
+    layout = set_up(plan[0].planned.case).layout
     for dimension in (2.2, 2.3):
         found = [each for each in plan if (each.setting.dimension, each.setting.scale) == (dimension, 1e-8)]
         assert {each.setting.law for each in found} == {"unloading"}
         with pytest.raises(RoughnessError):
-            load_joint(found[0].planned.case.replace({"roughness.mode": "consistent"}), pairs)
+            load_joint(found[0].planned.case.replace({"roughness.mode": "consistent"}), layout)
 
 
 def test_a_scope_that_computes_a_curve_twice_is_refused() -> None:

@@ -6,16 +6,21 @@ from stickslip.structure.joined import joined_modes, tie_matrix
 
 
 def test_tied_unknowns_move_together():
-    tie = tie_matrix(np.array([0, 3]), np.array([2, 1]), 5)
+    tie = tie_matrix(np.array([2, 1]), np.array([[0], [3]]), np.ones((2, 1)), 5)
     assert tie.shape == (5, 3)
     motion = tie @ np.array([1.0, 2.0, 3.0])
     np.testing.assert_array_equal(motion, [1.0, 2.0, 1.0, 2.0, 3.0])
 
 
-@pytest.mark.parametrize(("first", "second"), [([0, 1], [2, 2]), ([0, 2], [2, 3])])
-def test_unknowns_that_cannot_be_tied_one_to_one_are_refused(first, second):
+def test_a_tied_unknown_may_follow_several_or_none():
+    tie = tie_matrix(np.array([0, 3]), np.array([[1, 4], [3, 3]]), np.array([[0.25, 0.75], [0.0, 0.0]]), 5)
+    np.testing.assert_array_equal(tie @ np.array([4.0, 2.0, 8.0]), [7.0, 4.0, 2.0, 0.0, 8.0])
+
+
+@pytest.mark.parametrize(("leaders", "followers"), [([0, 1], [2, 2]), ([0, 2], [2, 3])])
+def test_unknowns_that_cannot_be_tied_one_to_one_are_refused(leaders, followers):
     with pytest.raises(InputError, match="more than one contact pair"):
-        tie_matrix(np.array(first), np.array(second), 5)
+        tie_matrix(np.array(followers), np.array(leaders)[:, None], np.ones((2, 1)), 5)
 
 
 def test_very_stiff_springs_come_to_the_tied_frequencies(blade_mesh, blade_superelement, pairs_of):

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
+import pytest
+import scipy.sparse.linalg
 
+from stickslip.errors import InputError
 from stickslip.structure.craig_bampton import craig_bampton
+from stickslip.structure.recovery import reduced_load
 
 
 def test_it_is_a_linear_map_of_columns_and_vectors(held_block):
@@ -24,3 +29,28 @@ def test_a_pickled_recovery_leaves_its_factor_behind_and_makes_it_again(held_blo
     again = pickle.loads(pickle.dumps(recovery))
     assert again._factor is None
     np.testing.assert_allclose(again @ motion, recovery @ motion, atol=1e-13)
+
+
+def test_projected_loads_give_exact_static_boundary_displacements(held_block):
+    """K u = f solved in full, against the reduced system under T^T f, for loads on every node."""
+    superelement = craig_bampton(held_block, [40, 20], 3)
+    load = np.random.default_rng(2).normal(size=(3 * held_block.mesh.n_nodes, 2))
+    reduced = np.linalg.solve(superelement.stiffness, reduced_load(superelement, load))
+    full = scipy.sparse.linalg.spsolve(held_block.stiffness.tocsc(), load[held_block.free_unknowns])
+    boundary = held_block.unknowns_of(np.array([40, 20])).ravel()
+    np.testing.assert_allclose(reduced[:6], full[boundary], rtol=1e-8)
+
+
+def test_a_projected_row_reads_the_recovered_displacement(held_block):
+    superelement = craig_bampton(held_block, [40, 20], 3)
+    generator = np.random.default_rng(3)
+    row, motion = generator.normal(size=3 * held_block.mesh.n_nodes), generator.normal(size=9)
+    assert reduced_load(superelement, row) @ motion == pytest.approx(row @ (superelement.recovery @ motion))
+
+
+def test_loads_without_recovery_or_of_another_length_are_refused(held_block):
+    superelement = craig_bampton(held_block, [40, 20], 3)
+    with pytest.raises(InputError, match="rows, but the mesh has"):
+        reduced_load(superelement, np.zeros(7))
+    with pytest.raises(InputError, match="needs a superelement with a recovery"):
+        reduced_load(replace(superelement, recovery=None), np.zeros(7))

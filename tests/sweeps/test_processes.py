@@ -33,7 +33,7 @@ def group(deeds: list[str], marker: Path) -> StructureGroup:
         (SimpleNamespace(name=str(number), case=None), SimpleNamespace(deed=deed, marker=str(marker), threads=1))
         for number, deed in enumerate(deeds)
     ]
-    return StructureGroup(None, None, cases)
+    return StructureGroup(None, cases)
 
 
 @pytest.fixture

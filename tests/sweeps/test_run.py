@@ -55,7 +55,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, sweep_run.Swe
 
     folder, heard = tmp_path_factory.mktemp("sweep"), Heard()
     with pytest.MonkeyPatch.context() as patch:
-        for module, name in ((sweep_run, "build_mesh"), (work, "reduce_structure"), (work, "solve")):
+        for module, name in ((sweep_run, "set_up"), (work, "reduce_structure"), (work, "solve")):
             counted(module, name)
         result = ss.sweep(quick_case(), VARY, out=folder, progress=heard, workers=1)
     return folder, result, heard, calls
@@ -94,7 +94,7 @@ def test_a_case_of_a_sweep_is_the_case_of_a_run(swept: tuple, tmp_path: Path) ->
 
 
 def test_shared_work_is_done_once(swept: tuple) -> None:
-    assert swept[3] == {"build_mesh": 1, "reduce_structure": 1, "solve": 4}
+    assert swept[3] == {"set_up": 1, "reduce_structure": 1, "solve": 4}
 
 
 def test_progress_counts_the_cases(swept: tuple) -> None:
@@ -136,7 +136,7 @@ def test_two_processes_and_any_executor_give_the_same_table(swept: tuple, tmp_pa
 def test_a_sweep_goes_on_where_it_ended(swept: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
     folder, result, _, _ = swept
     monkeypatch.setattr(schedule, "solve_task", None)  # solving would be a fault
-    monkeypatch.setattr(sweep_run, "build_mesh", None)
+    monkeypatch.setattr(sweep_run, "set_up", None)
     page = (folder / "sweep.html").read_text(encoding="utf-8")
     again = ss.sweep(quick_case(), VARY, out=folder)
     assert (again.found, again.notices) == (4, ())

@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from stickslip.errors import ResultsFileError, StickslipError
 from stickslip.facts import study_warnings
 from stickslip.files import whole_file
-from stickslip.model import build_mesh, connect, find_pairs, load_joint
+from stickslip.model import ReducedStructure, connect, load_joint, set_up
 from stickslip.paper.plan import Computation, Setting
 from stickslip.paper.records import Solved, record
 from stickslip.progress import Progress
@@ -19,7 +19,7 @@ from stickslip.study import solve
 from stickslip.sweeps.plan import PlannedCase
 from stickslip.sweeps.run import local_executor
 from stickslip.sweeps.schedule import Schedule, StructureGroup
-from stickslip.sweeps.work import CaseOutcome, CaseTask, ReducedStructure
+from stickslip.sweeps.work import CaseOutcome, CaseTask
 
 FOLDER = "computations"
 
@@ -72,7 +72,7 @@ def solve_setting(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
     assert isinstance(task, SettingTask)
     try:
         with threadpool_limits(limits=task.threads):
-            model = connect(task.case, reduced.superelement, reduced.node_sets, task.joint)
+            model = connect(task.case, reduced, task.joint)
             response = solve(task.case, model, threads=task.threads)
             warnings = (*study_warnings(task.joint), *response.warnings)
             kept = record(task.setting, model, response, reduced.mode_table, warnings)
@@ -114,11 +114,10 @@ class _Run:
             if planned.key in self.solved:
                 continue
             if planned.structure not in groups:
-                mesh = build_mesh(planned.case)
-                groups[planned.structure] = StructureGroup(mesh, find_pairs(mesh))
+                groups[planned.structure] = StructureGroup(set_up(planned.case))
             group = groups[planned.structure]
             try:
-                joint = load_joint(planned.case, group.face_pairs)
+                joint = load_joint(planned.case, group.setup.layout)
             except StickslipError as error:
                 self.failures.append(Failure(each.setting, str(error)))
                 continue

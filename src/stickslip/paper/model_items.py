@@ -9,9 +9,9 @@ from math import cos
 import numpy as np
 
 from stickslip.case import Case
-from stickslip.interface.stiffness import ContactStatus, ContactStiffness, contact_stiffness
+from stickslip.interface.stiffness import ContactStatus, ContactStiffness, Roughness, contact_stiffness
 from stickslip.interface.surface import draw_phases, fractal_surface, frequency_count, surface_statistics
-from stickslip.model import case_roughness
+from stickslip.joint import case_material, case_roughness
 from stickslip.paper.claims import MICRO, Solutions
 from stickslip.paper.items import Item
 from stickslip.paper.tables import Cell, Table, columns
@@ -107,7 +107,7 @@ def _heights(base: Case, dimension: float, scale: float) -> tuple[float, float]:
     """Sq in m and Sdq of a rough face between the longest and the shortest wave of the case."""
     case = rough_case(base, dimension, scale)
     assert case.roughness is not None
-    found = surface_statistics(case_roughness(case), case.roughness.sample_length, case.roughness.shortest_length)
+    found = surface_statistics(_roughness(case), case.roughness.sample_length, case.roughness.shortest_length)
     return found.sq, found.sdq
 
 
@@ -159,13 +159,20 @@ def _roughness_words(sq: float, sdq: float) -> str:
 def _face_load(base: Case, load: float) -> tuple[float, float]:
     """Normal load N and area m2 of one face under a centrifugal force, without friction."""
     geometry = base.geometry
+    assert geometry is not None
     return load / (2.0 * cos(geometry.platform_angle)), geometry.damper_length * geometry.contact_face_width
+
+
+def _roughness(case: Case) -> Roughness:
+    """Roughness of a case whose bodies are of one material."""
+    material = case_material(case)
+    return case_roughness(case, material, material)
 
 
 @cache
 def _stiffness(base: Case, dimension: float, scale: float, load: float, law: str) -> ContactStiffness:
     force, area = _face_load(base, load)
-    roughness = case_roughness(rough_case(base, dimension, scale))
+    roughness = _roughness(rough_case(base, dimension, scale))
     return contact_stiffness(roughness, force, mode=law, nominal_area=area)  # type: ignore[arg-type]
 
 
@@ -246,6 +253,7 @@ def drawn_faces(base: Case) -> list[tuple[str, FloatArray, FloatArray, FloatArra
     """(title, x, y, heights) of the paper's three faces, all with the phases of the case's seed, m."""
     given, geometry = base.roughness, base.geometry
     assert given is not None
+    assert geometry is not None
     phases = draw_phases(given.seed, given.ridges, frequency_count(given.sample_length, given.shortest_length))
     along, across = np.linspace(0.0, geometry.damper_length, 280), np.linspace(0.0, geometry.contact_face_width, 66)
     x, y = np.meshgrid(along, across)

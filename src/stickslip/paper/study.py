@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip.errors import ConvergenceError
-from stickslip.model import build_mesh, find_pairs
 from stickslip.paper import figures, model_items, motion_items, verdict_items
 from stickslip.paper.compute import Computed, Failure, compute
 from stickslip.paper.errata import errata_item
@@ -25,6 +24,7 @@ from stickslip.paper.verdicts import Verdict
 from stickslip.progress import Progress, SilentProgress
 from stickslip.results.record import run_provenance
 from stickslip.structure.craig_bampton import paper_table
+from stickslip.two_blade import set_up
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -85,9 +85,9 @@ def _written(folder: Path, scope: Scope, computed: Computed, told: Progress) -> 
 def _items(scope: Scope, solved: Sequence[Solved]) -> tuple[tuple[Item, ...], list[verdict_items.Judged]]:
     """The items of the page in its order, and the claims that they judge."""
     case = base_case(scope)
-    mesh = build_mesh(case)
+    setup = set_up(case)
     surfaces, stiffness = model_items.surface_item(case), model_items.stiffness_item(case)
-    reduction = model_items.reduction_item(solved, 3 * mesh.n_nodes, find_pairs(mesh).n_pairs)
+    reduction = model_items.reduction_item(solved, 3 * setup.mesh.n_nodes, setup.layout.face_pairs.n_pairs)
     claims = verdict_items.judged_claims(solved, (surfaces, reduction, stiffness))
     items = (
         verdict_items.conclusions_item(claims),

@@ -213,7 +213,8 @@ def _mode_table(study: StudyRecord) -> str:
     head = "".join(f"<th{word_class(heading == 'Mode')}>{heading}</th>" for heading in headings)
     note = f'<p class="note">{_INFERRED}</p>' if compared else ""
     return (
-        f"<section><h2>Natural frequencies, contact tied{' (geometry inferred)' if compared else ''}</h2>{note}"
+        f"<section><h2>Natural frequencies, contact {study.mode_contact}"
+        f"{' (geometry inferred)' if compared else ''}</h2>{note}"
         f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{"".join(body)}</tbody></table></div>'
         "</section>"
     )

@@ -86,7 +86,7 @@ def _rank(key: SweptKey) -> NDArray[np.int64]:
 
 def short_name(key: SweptKey) -> str:
     """Last part of the name of a key, in words."""
-    return key.name.split(".")[1].replace("_", " ")
+    return key.name.split(".", 1)[1].replace(".", " ").replace("_", " ")
 
 
 def axis_title(key: SweptKey) -> str:

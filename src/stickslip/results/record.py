@@ -44,6 +44,8 @@ class StudyRecord:
     mode_table:
         rows with some of the keys mode, description, full_hz, reduced_hz, difference_percent, mac, table2_hz.
         ``table2_hz`` is the paper's frequency; a table that has it is shown beside the paper as inferred.
+    mode_contact:
+        how the pairs were held for the mode table: "tied", or "stuck" on their springs.
     derived:
         (name, value, unit, explanation) of what follows from the inputs: face stiffness, Sq, preload, ...
     warnings:
@@ -65,6 +67,7 @@ class StudyRecord:
     pair_position: FloatArray
     pair_area: FloatArray
     mode_table: tuple[dict[str, str | float | int], ...] = ()
+    mode_contact: str = "tied"
     derived: tuple[tuple[str, str | float | int, str, str], ...] = ()
     warnings: tuple[str, ...] = ()
 

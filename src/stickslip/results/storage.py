@@ -282,6 +282,7 @@ def _study_dataset(study: StudyRecord) -> xarray.Dataset:
         "pair_position": _variable(("pair", "direction"), study.pair_position, "m", position),
         "pair_area": _variable(("pair",), study.pair_area, "m2", "nominal area of the pair"),
         "mode_table": _text(study.mode_table, "mode table, JSON list of rows"),
+        "mode_contact": _text(study.mode_contact, "how the pairs were held for the mode table"),
         "derived": _text(study.derived, "derived quantities, JSON list of name, value, unit, explanation"),
         "warnings": _text(study.warnings, "warnings of the study, JSON list"),
     }
@@ -303,6 +304,7 @@ def _study_from(data: xarray.Dataset) -> StudyRecord:
         pair_position=data["pair_position"].values,
         pair_area=data["pair_area"].values,
         mode_table=tuple(parsed("mode_table")),
+        mode_contact=str(data["mode_contact"].item()) if "mode_contact" in data else "tied",
         derived=tuple(parsed("derived")),
         warnings=tuple(parsed("warnings")),
     )

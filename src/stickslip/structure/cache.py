@@ -61,7 +61,8 @@ def cached_tied_modes(structure: Structure, pairs: NodePairs, count: int) -> tup
         frequency_hz, modes = joined_modes(structure, pairs, count)
         return {"frequency_hz": frequency_hz, "modes": modes}
 
-    kept = _kept("modes", _digest(structure, pairs.first_node, pairs.second_node, np.array([count])), compute)
+    sides = (pairs.first_nodes, pairs.first_weights, pairs.second_nodes, pairs.second_weights)
+    kept = _kept("modes", _digest(structure, *sides, np.array([count])), compute)
     return kept["frequency_hz"], kept["modes"]
 
 
@@ -87,13 +88,15 @@ def cache_folder() -> Path | None:
     return (Path(base) if base else Path.home() / ".cache") / "stickslip"
 
 
-def _digest(structure: Structure, *numbers: NDArray[np.integer[Any]]) -> str:
+def _digest(structure: Structure, *numbers: NDArray[Any]) -> str:
     digest = hashlib.blake2b(_code(), digest_size=16)
     for matrix in (structure.stiffness, structure.mass):
         for array in (matrix.indptr, matrix.indices, matrix.data):
             digest.update(np.ascontiguousarray(array).tobytes())
     for numbers_of in (structure.free_unknowns, np.array([structure.mesh.n_nodes]), *numbers):
-        digest.update(np.asarray(numbers_of, dtype=np.int64).tobytes() + b"|")
+        digest.update(
+            f"{numbers_of.dtype.kind}{numbers_of.shape}".encode() + np.ascontiguousarray(numbers_of).tobytes()
+        )
     return digest.hexdigest()
 
 

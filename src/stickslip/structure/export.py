@@ -1,11 +1,11 @@
-"""Files for ParaView: mode shapes in one .vtu, a deflected period as a .pvd time series. Whole or not at all."""
+"""Files for ParaView: mode shapes or points in a .vtu, a deflected period as a .pvd series. Whole or not at all."""
 
 from __future__ import annotations
 
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -13,11 +13,11 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.fourier import synthesis_matrix
-from stickslip.structure.mesh import Mesh
+from stickslip.structure.finite_element_mesh import AnyMesh
 from stickslip.validation import FloatArray, finite_array
 
 
-def write_mode_shapes(path: str | Path, mesh: Mesh, modes: FloatArray, frequency_hz: FloatArray) -> Path:
+def write_mode_shapes(path: str | Path, mesh: AnyMesh, modes: FloatArray, frequency_hz: FloatArray) -> Path:
     """Write modes as vector fields ``mode 01, 507.3 Hz`` of one .vtu file; each is scaled to a largest motion of 1.
 
     Parameters
@@ -49,7 +49,7 @@ def write_mode_shapes(path: str | Path, mesh: Mesh, modes: FloatArray, frequency
     return target
 
 
-def write_deflected_period(path: str | Path, mesh: Mesh, coefficients: FloatArray, n_frames: int = 36) -> Path:
+def write_deflected_period(path: str | Path, mesh: AnyMesh, coefficients: FloatArray, n_frames: int = 36) -> Path:
     """Write one period of motion as a time series: ``path`` (.pvd) and a folder ``<stem>_frames`` of .vtu files.
 
     Open the .pvd in ParaView and apply "Warp By Vector" to ``displacement`` (m, with its mean); time runs over the
@@ -99,6 +99,24 @@ def write_deflected_period(path: str | Path, mesh: Mesh, coefficients: FloatArra
     return target
 
 
+def write_points(path: str | Path, points: FloatArray, fields: Mapping[str, FloatArray]) -> Path:
+    """Write points (k, 3) in m with fields (k,) or (k, 3) as one .vtu file of vertices.
+
+    Raises InputError for a field of another length, another suffix, or a folder that cannot be written.
+    """
+    import meshio
+
+    target = _target(path, ".vtu")
+    for name, values in fields.items():
+        if len(values) != len(points):
+            raise InputError(f"{name} must have one entry for each of {len(points)} points; found {len(values)}.")
+    with _work_folder(target) as folder:
+        vertices = [("vertex", np.arange(len(points))[:, None])]
+        meshio.Mesh(points, vertices, point_data=dict(fields)).write(folder / target.name)
+        os.replace(folder / target.name, target)
+    return target
+
+
 def _target(path: str | Path, suffix: str) -> Path:
     target = Path(path)
     if target.suffix != suffix:
@@ -106,7 +124,7 @@ def _target(path: str | Path, suffix: str) -> Path:
     return target
 
 
-def _displacement(name: str, value: FloatArray, mesh: Mesh) -> FloatArray:
+def _displacement(name: str, value: FloatArray, mesh: AnyMesh) -> FloatArray:
     """Return ``value`` (3 * n_nodes, k) as (n_nodes, 3, k); raises InputError for another shape."""
     array = finite_array(name, value)
     if array.ndim != 2 or array.shape[0] != 3 * mesh.n_nodes or not array.shape[1]:
@@ -134,8 +152,9 @@ def _work_folder(target: Path) -> Iterator[Path]:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def _write_vtu(path: Path, mesh: Mesh, fields: dict[str, FloatArray]) -> None:
+def _write_vtu(path: Path, mesh: AnyMesh, fields: dict[str, FloatArray]) -> None:
     import meshio
 
-    kind = "hexahedron" if mesh.cells.shape[1] == 8 else "hexahedron20"
-    meshio.Mesh(mesh.points, [(kind, mesh.cells)], point_data=fields, cell_data={"body": [mesh.body]}).write(path)
+    blocks = mesh.cell_arrays()
+    body = np.split(mesh.body, np.cumsum([len(cells) for _, cells in blocks])[:-1])
+    meshio.Mesh(mesh.points, blocks, point_data=fields, cell_data={"body": body}).write(path)

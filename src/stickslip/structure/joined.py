@@ -15,7 +15,19 @@ from stickslip.validation import FloatArray
 
 
 class NodePairs(Protocol):
-    """What a joint must tell: its node pairs, and its operators to relative displacements t1, t2, n."""
+    """What a joint must tell: nodes and weights of its pairs, and its operators to relative displacements t1, t2, n."""
+
+    @property
+    def first_nodes(self) -> IntArray: ...
+
+    @property
+    def first_weights(self) -> FloatArray: ...
+
+    @property
+    def second_nodes(self) -> IntArray: ...
+
+    @property
+    def second_weights(self) -> FloatArray: ...
 
     @property
     def first_node(self) -> IntArray: ...
@@ -23,26 +35,64 @@ class NodePairs(Protocol):
     @property
     def second_node(self) -> IntArray: ...
 
+    @property
+    def is_matching(self) -> bool: ...
+
     def mesh_operator(self, n_nodes: int) -> Any: ...
 
     def operator(self, superelement: Superelement) -> FloatArray: ...
 
 
-def tie_matrix(first: IntArray, second: IntArray, size: int) -> Any:
-    """csr T (size, size - k) with ``u = T q``: the unknowns ``second`` (k,) follow the unknowns ``first`` (k,).
+def tie_matrix(followers: IntArray, leaders: IntArray, weights: FloatArray, size: int) -> Any:
+    """csr T (size, size - k) with ``u = T q``: unknown ``followers[i]`` is ``sum_j weights[i, j] u[leaders[i, j]]``.
 
-    Raises InputError when an unknown would follow two others, or leads and follows.
+    ``followers`` (k,), ``leaders`` and ``weights`` (k, b); a row of zero weights holds its follower still. Raises
+    InputError when an unknown would follow twice, or leads and follows.
     """
-    if len(np.unique(second)) != len(second) or np.intersect1d(first, second).size:
+    used = weights != 0.0
+    if len(np.unique(followers)) != len(followers) or np.intersect1d(leaders[used], followers).size:
         raise InputError(
-            "a node is in more than one contact pair as the second (blade) node, or is a first and a second node; "
-            "such pairs cannot be tied one to one."
+            "a node is in more than one contact pair as the one that follows (the second node where all pairs join "
+            "node to node, else the first one), or it leads in one pair and follows in another; such pairs cannot be "
+            "tied. Give springs instead."
         )
     leads = np.ones(size, dtype=bool)
-    leads[second] = False
+    leads[followers] = False
     column = np.cumsum(leads) - 1
-    column[second] = column[first]
-    return scipy.sparse.csr_matrix((np.ones(size), (np.arange(size), column)), shape=(size, size - len(second)))
+    row, position = np.nonzero(used)
+    rows = np.concatenate([np.flatnonzero(leads), followers[row]])
+    columns = np.concatenate([column[leads], column[leaders[row, position]]])
+    entries = np.concatenate([np.ones(leads.sum()), weights[row, position]])
+    return scipy.sparse.csr_matrix((entries, (rows, columns)), shape=(size, size - len(followers)))
+
+
+def _tied(model: Structure | Superelement, pairs: NodePairs) -> Any:
+    """The tie matrix of all pairs: second nodes follow first ones, or first nodes follow points of the second face."""
+    if pairs.is_matching:
+        followers, leaders, weights = pairs.second_node, pairs.first_node[:, None], np.ones((len(pairs.first_node), 1))
+    elif (np.count_nonzero(pairs.first_weights, axis=1) > 1).any():
+        raise InputError(
+            "contact pairs at integration points cannot be tied one by one, because their first side is a point among "
+            "several nodes. Give springs, or pair the nodes of the face."
+        )
+    else:
+        followers, leaders, weights = pairs.first_node, pairs.second_nodes, pairs.second_weights
+    # An entry without weight may hold any number, also that of a node without unknowns: the follower stands in for it.
+    leaders = np.where(weights != 0.0, leaders, followers[:, None])
+    leading = _unknowns(model, leaders.ravel()).reshape(*leaders.shape, 3).swapaxes(1, 2)
+    return tie_matrix(
+        _unknowns(model, followers).ravel(),
+        leading.reshape(-1, leaders.shape[1]),
+        np.repeat(weights, 3, axis=0),
+        model.stiffness.shape[0],
+    )
+
+
+def _unknowns(model: Structure | Superelement, nodes: IntArray) -> IntArray:
+    """(k, 3) unknowns of nodes (k,)."""
+    if isinstance(model, Structure):
+        return model.unknowns_of(nodes)
+    return np.stack([model.unknowns_of(node) for node in nodes])
 
 
 def joined_modes(
@@ -54,21 +104,21 @@ def joined_modes(
     N/m, in the order t1, t2, n of each pair, they are stuck: ``(K + B^T diag(springs) B) v = (2 pi f)^2 M v``.
     Modes of a superelement without recovery stay in its own unknowns.
 
-    Raises InputError for springs of the wrong number, and from the factor where the structure is not held.
+    Pairs of node and node are tied by letting the second nodes follow. Otherwise each first node follows the point of
+    the second face that it is paired with, or stands still on the ground; first sides among several nodes need springs.
+
+    Raises InputError for springs of the wrong number, for pairs that cannot be tied, and from the factor where the
+    structure is not held.
     """
-    if isinstance(model, Structure):
-        first, second = model.unknowns_of(pairs.first_node), model.unknowns_of(pairs.second_node)
-        operator = pairs.mesh_operator(model.mesh.n_nodes)[:, model.free_unknowns]
-    else:
-        first = np.stack([model.unknowns_of(node) for node in pairs.first_node])
-        second = np.stack([model.unknowns_of(node) for node in pairs.second_node])
-        operator = pairs.operator(model)
-    size = model.stiffness.shape[0]
     if springs is None:
-        tie = tie_matrix(first.ravel(), second.ravel(), size)
+        tie = _tied(model, pairs)
         frequency_hz, modes = natural_frequencies(tie.T @ model.stiffness @ tie, tie.T @ model.mass @ tie, count)
         modes = tie @ modes
     else:
+        if isinstance(model, Structure):
+            operator = pairs.mesh_operator(model.mesh.n_nodes)[:, model.free_unknowns]
+        else:
+            operator = pairs.operator(model)
         if np.shape(springs) != (operator.shape[0],):
             raise InputError(
                 f"springs must have shape ({operator.shape[0]},), t1, t2, n of each pair; found {np.shape(springs)}."

@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.errors import InputError
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.factor import Backend, Factor, factorize
 from stickslip.structure.mesh import IntArray
+from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
 
 
@@ -46,15 +48,50 @@ class Recovery:
         return 3 * self._structure.mesh.n_nodes, len(self._boundary) + self.modes.shape[1]
 
     def __matmul__(self, reduced: FloatArray) -> FloatArray:
-        stiffness = self._structure.stiffness[self._interior]
-        if self._factor is None:
-            self._factor = factorize(stiffness[:, self._interior], self._backend, self._threads)
         count = len(self._boundary)
-        free = np.empty((stiffness.shape[1], *reduced.shape[1:]))
+        free = np.empty((self._structure.stiffness.shape[0], *reduced.shape[1:]))
         free[self._boundary] = reduced[:count]
         free[self._interior] = self.modes @ reduced[count:]
-        free[self._interior] -= self._factor.solve(stiffness[:, self._boundary] @ reduced[:count])
+        free[self._interior] -= self._solve(self._coupling() @ reduced[:count])
         return self._structure.expand(free)
+
+    def project(self, load: FloatArray) -> FloatArray:
+        """``T^T f`` (n, k) of loads f (3 * n_nodes, k) in N on the full mesh, T the transformation of this recovery.
+
+        ``T^T f = [f_b - K_bi K_ii^-1 f_i; Phi^T f_i]``: the statically equivalent load of the boundary, so that the
+        boundary's static displacements are exact for loads anywhere, and the share of each mode. Parts of a load on
+        held displacements go into the support. As rows, the result reads ``f . u`` from the unknowns.
+        """
+        free = load[self._structure.free_unknowns]
+        inside = free[self._interior]
+        boundary = free[self._boundary] - self._coupling().T @ self._solve(inside)
+        return np.concatenate([boundary, self.modes.T @ inside])
+
+    def _coupling(self) -> Any:
+        """csr ``K_ib``."""
+        return self._structure.stiffness[self._interior][:, self._boundary]
+
+    def _solve(self, right: FloatArray) -> FloatArray:
+        """``K_ii^-1 right``."""
+        if self._factor is None:
+            inner = self._structure.stiffness[self._interior][:, self._interior]
+            self._factor = factorize(inner, self._backend, self._threads)
+        return self._factor.solve(right)
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_factor": None}
+
+
+def reduced_load(superelement: Superelement, load: FloatArray) -> FloatArray:
+    """``T^T f`` (n, k) of loads f (3 * n_nodes, k) in N on the full mesh (:meth:`Recovery.project`).
+
+    Raises InputError for a superelement without a recovery that can project, and for a load of another length.
+    """
+    recovery = superelement.recovery
+    if not isinstance(recovery, Recovery):
+        raise InputError("reduced_load needs a superelement with a recovery, as craig_bampton makes it.")
+    if np.shape(load)[0] != recovery.shape[0]:
+        raise InputError(
+            f"load has {np.shape(load)[0]} rows, but the mesh has {recovery.shape[0]} displacements (3 of each node)."
+        )
+    return recovery.project(load)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import InputError
-from stickslip.validation import FloatArray, symmetric_matrix
+from stickslip.validation import FloatArray, finite_array, symmetric_matrix
 
 
 @dataclass(frozen=True)
@@ -28,11 +29,16 @@ class Superelement:
     recovery:
         what ``recovery @ reduced`` gives the displacements of the full mesh with (3 per node, fixed ones zero): an
         (n_full, n) matrix, a :class:`stickslip.structure.recovery.Recovery`, or None.
+    positions:
+        (n_boundary, 3) m, where the boundary nodes are, or None if that is not known.
+    node_sets:
+        name -> boundary nodes, as the program that made the matrices named them.
 
     Raises
     ------
     InputError
-        for a matrix that is not square, symmetric, finite, or not of the size of the mass matrix.
+        for a matrix that is not square, symmetric, finite, or not of the size of the mass matrix; for boundary nodes
+        that own more unknowns than there are or come twice, positions of another shape, and sets with other nodes.
     """
 
     mass: FloatArray
@@ -40,6 +46,8 @@ class Superelement:
     damping: FloatArray | None = None
     boundary_nodes: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     recovery: Any = None
+    positions: FloatArray | None = None
+    node_sets: Mapping[str, NDArray[np.int64]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         mass = symmetric_matrix("mass", self.mass)
@@ -55,6 +63,34 @@ class Superelement:
                 )
             object.__setattr__(self, name, matrix)
         object.__setattr__(self, "mass", mass)
+        self._require_nodes()
+
+    def _require_nodes(self) -> None:
+        """Raise InputError where boundary nodes, positions and node sets do not fit together."""
+        nodes = self.boundary_nodes
+        if 3 * nodes.size > self.size:
+            raise InputError(
+                f"boundary_nodes has {nodes.size} nodes, which own {3 * nodes.size} unknowns, but the matrices have "
+                f"{self.size}; each boundary node owns three of them."
+            )
+        unique, count = np.unique(nodes, return_counts=True)
+        if (count > 1).any():
+            raise InputError(f"boundary_nodes names node {unique[count.argmax()]} {count.max()} times; name it once.")
+        if self.positions is not None:
+            positions = finite_array("positions", self.positions)
+            if positions.shape != (nodes.size, 3):
+                raise InputError(
+                    f"positions must have shape ({nodes.size}, 3), x, y, z in m of each boundary node; found shape "
+                    f"{positions.shape}."
+                )
+            object.__setattr__(self, "positions", positions)
+        for name, members in self.node_sets.items():
+            unknown = np.setdiff1d(members, nodes)
+            if unknown.size:
+                raise InputError(
+                    f"node set '{name}' names node {unknown[0]}, which is not one of the {nodes.size} boundary nodes "
+                    f"({unknown.size} of {len(members)} are not)."
+                )
 
     @property
     def size(self) -> int:

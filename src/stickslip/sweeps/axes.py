@@ -71,13 +71,16 @@ def _swept_key(name: str, values: str | Sequence[Value]) -> SweptKey:
 def _kind(name: str) -> Quantity | Count | tuple[str, ...]:
     """What values a key takes: a quantity, a count, or the words of a choice. Raises InputError."""
     known = Case.known_keys()
-    section, _, key = name.partition(".")
-    if section not in known or key not in known.get(section, ()):
-        everything = [f"{each}.{inner}" for each, keys in known.items() for inner in keys]
-        homes = [full for full in everything if full.split(".")[1] == name.split(".")[-1]]
+    named = Case.named_sections()
+    section, _, rest = name.partition(".")
+    entry, _, key = rest.rpartition(".") if section in named else ("NAME", "", rest)
+    if section not in known or key not in known.get(section, ()) or not entry:
+        between = {each: ".NAME." if each in named else "." for each in known}
+        everything = [f"{each}{between[each]}{inner}" for each, keys in known.items() for inner in keys]
+        homes = [full for full in everything if full.split(".")[-1] == name.split(".")[-1]]
         nearest = homes or difflib.get_close_matches(name, everything, n=1)
         advice = f"Did you mean {nearest[0]}?" if nearest else '"stickslip new FILE" writes a file with every key.'
-        raise InputError(f"{name} is not a key of a study file (section.key). {advice}")
+        raise InputError(f"{name} is not a key of a study file (section.key or section.NAME.key). {advice}")
     if section in UNSWEPT_SECTIONS:
         raise InputError(f"{name} does not change the answer of a case, so there is nothing to vary. Leave it out.")
     model = section_type(Case.model_fields[section])

@@ -9,8 +9,10 @@ import math
 import re
 from dataclasses import dataclass
 from importlib.metadata import version
+from pathlib import Path
 
 from stickslip.case import Case
+from stickslip.case_structure import FILE_KEYS
 from stickslip.errors import InputError, StudyFileError
 from stickslip.results.storage import FORMAT_VERSION
 from stickslip.results.sweep_table import SweptKey, Value
@@ -18,7 +20,18 @@ from stickslip.sweeps.axes import UNSWEPT_SECTIONS, study_value
 
 LARGEST_SWEEP = 20_000
 _SHOWN_ERRORS = 10
-_STRUCTURE_SECTIONS = ("geometry", "mesh", "material", "reduction")
+_STRUCTURE_SECTIONS = ("structure", "geometry", "mesh", "material", "bodies", "reduction")
+# Keys of other sections that say which pairs and places there are; the rest of their keys leave the structure alone.
+_PLACE_KEYS = ("set", "point", "node", "spread")
+_LAYOUT_KEYS = {
+    "interfaces": (
+        "first", "second", "points", "search_distance", "edge_tolerance", "gap_tolerance", "gap", "adjust", "tangent",
+        "normal", "area", "pairs",
+    ),
+    "forces": _PLACE_KEYS,
+    "responses": _PLACE_KEYS,
+    "static_loads": _PLACE_KEYS,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -30,7 +43,7 @@ class PlannedCase:
     key:
         hash of every input that can change its results, and of the version of stickslip.
     structure:
-        hash of what the reduced structure follows from: geometry, mesh, material, reduction.
+        hash of what the reduced structure follows from: geometry, mesh, material, reduction; files, pairs and places.
     values:
         its value of each swept key.
     """
@@ -74,16 +87,33 @@ def plan_cases(case: Case, keys: tuple[SweptKey, ...]) -> tuple[PlannedCase, ...
 
 
 def _bare(name: str) -> str:
-    return name.split(".")[1]
+    return name.split(".", 1)[1]
 
 
 def case_hashes(case: Case) -> tuple[str, str]:
     """Hash of the case and version, hash of its structure."""
     inputs = case.to_dict()
     answer = {name: section for name, section in inputs.items() if name not in UNSWEPT_SECTIONS}
-    structure = {name: inputs[name] for name in _STRUCTURE_SECTIONS}
+    structure = {name: inputs[name] for name in _STRUCTURE_SECTIONS if name in inputs}
+    for section, keys in _LAYOUT_KEYS.items():
+        structure[section] = {
+            name: {key: value for key, value in entry.items() if key in keys}
+            for name, entry in inputs.get(section, {}).items()
+        }
+    structure["axis"] = {key: value for key, value in inputs.get("rotation", {}).items() if key != "speed"}
+    files = {key: _content(getattr(case.structure, key)) for key in FILE_KEYS if getattr(case.structure, key)}
+    files |= {name: _content(each.pairs) for name, each in case.interfaces.items() if each.pairs}
+    if files:
+        answer["files"], structure["files"] = files, files
     whole = {"stickslip": version("stickslip"), "results_format": FORMAT_VERSION, "inputs": answer}
     return _hash(whole), _hash(structure)
+
+
+def _content(file: str) -> str:
+    """Hash of what a file of the structure holds, or the files of a folder; a missing file is told of later."""
+    path = Path(file.partition("#")[0])
+    parts = sorted(path.iterdir()) if path.is_dir() else [path]
+    return hashlib.sha256(b"".join(part.read_bytes() for part in parts if part.is_file())).hexdigest()
 
 
 def _hash(value: object) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip.case import Case
 from stickslip.errors import InputError, StickslipError
-from stickslip.model import build_mesh, find_pairs, load_joint
+from stickslip.model import kind_of, load_joint, set_up
 from stickslip.progress import Progress, SilentProgress
 from stickslip.report.sweep_page import write_sweep_page
 from stickslip.report.sweep_view import SweepView
@@ -118,7 +118,7 @@ def sweep(
                 run.solve(groups, local, _room(local, None))
     table = SweepTable(keys, tuple(run.row(each) for each in planned))
     curves = tuple(run.outcomes[each.key].curve for each in planned)
-    forces = np.array([each.case.excitation.amplitude for each in planned])
+    forces = np.array([kind_of(each.case).force_amplitude(each.case) for each in planned])
     files = () if run.folder is None else _written(run.folder, case, SweepView(table, curves, forces))
     case_files = tuple(run.folder.path / row.file if run.folder and row.file else None for row in table.rows)
     return Sweep(table, curves, case_files, files, run.found, tuple(run.notices))
@@ -203,7 +203,7 @@ class _Run:
             self._progress.update("Checks", number / len(left), planned.name)
             try:
                 group = self._group(groups, planned)
-                joint = load_joint(planned.case, group.face_pairs)
+                joint = load_joint(planned.case, group.setup.layout)
             except StickslipError as error:
                 first_error = first_error or error
                 self.outcomes[planned.key] = CaseOutcome(converged=False, message=str(error), measures={})
@@ -218,12 +218,11 @@ class _Run:
 
     @staticmethod
     def _group(groups: dict[str, StructureGroup | StickslipError], planned: PlannedCase) -> StructureGroup:
-        """The group of a case; its mesh and pairs are made once. Raises InputError for a geometry that does not fit."""
+        """The group of a case; its mesh and pairs are made once. Raises InputError for what does not fit."""
         known = groups.get(planned.structure)
         if known is None:
             try:
-                mesh = build_mesh(planned.case)
-                known = StructureGroup(mesh, find_pairs(mesh))
+                known = StructureGroup(set_up(planned.case))
             except StickslipError as error:
                 known = error
             groups[planned.structure] = known

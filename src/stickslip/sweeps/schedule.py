@@ -9,19 +9,18 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from stickslip.errors import StickslipError
-from stickslip.interface.pairing import FacePairs
-from stickslip.structure.mesh import Mesh
+from stickslip.model import ReducedStructure
+from stickslip.setup import Setup
 from stickslip.sweeps.plan import PlannedCase
 from stickslip.sweeps.pool import WorkerDied
-from stickslip.sweeps.work import CaseOutcome, CaseTask, ReducedStructure, reduce_task, solve_task
+from stickslip.sweeps.work import CaseOutcome, CaseTask, reduce_task, solve_task
 
 
 @dataclass(frozen=True, eq=False)
 class StructureGroup:
-    """Cases that share a structure, with the mesh and the pairs that the check of their joints needed already."""
+    """Cases that share a structure, with the setup that the check of their joints needed already."""
 
-    mesh: Mesh
-    face_pairs: FacePairs
+    setup: Setup
     cases: list[tuple[PlannedCase, CaseTask]] = field(default_factory=list)
 
 
@@ -88,8 +87,7 @@ class Schedule:
     def _submit(self, job: _Job) -> Future[Any]:
         if job.planned is None or job.task is None or job.reduced is None:
             planned, task = job.group.cases[0]
-            group = job.group
-            return self._executor.submit(reduce_task, planned.case, group.mesh, group.face_pairs, task.threads)
+            return self._executor.submit(reduce_task, planned.case, job.group.setup, task.threads)
         return self._executor.submit(self._solve, job.task, job.reduced)
 
     def _take(self, job: _Job, future: Future[Any]) -> None:

@@ -16,26 +16,15 @@ from threadpoolctl import threadpool_limits
 
 from stickslip.case import Case
 from stickslip.errors import StickslipError
-from stickslip.interface.pairing import FacePairs
-from stickslip.model import Joint, build_structure, connect, reduce_structure
+from stickslip.joint import Joint
+from stickslip.model import ReducedStructure, connect, reduce_structure
 from stickslip.results.storage import save_results
 from stickslip.results.sweep_table import SweepCurve, curve_and_measures
-from stickslip.structure.craig_bampton import ReductionRow, reduction_table
-from stickslip.structure.mesh import IntArray, Mesh
-from stickslip.structure.superelement import Superelement
-from stickslip.study import MODE_COUNT, solve, study_record
+from stickslip.setup import Setup
+from stickslip.study import compare_modes, solve, study_record
 
 # Entry of a results file's provenance that says which inputs and version it answers.
 CASE_KEY = "sweep_case"
-
-
-@dataclass(frozen=True)
-class ReducedStructure:
-    """A structure after reduction, as all cases with the same geometry, mesh, material and mode count share it."""
-
-    superelement: Superelement
-    node_sets: Mapping[str, IntArray]
-    mode_table: tuple[ReductionRow, ...]
 
 
 @dataclass(frozen=True)
@@ -66,14 +55,14 @@ def worker_version() -> str:
     return version("stickslip")
 
 
-def reduce_task(case: Case, mesh: Mesh, face_pairs: FacePairs, threads: int) -> ReducedStructure:
-    """Assemble and reduce the structure of a case. Raises InputError."""
+def reduce_task(case: Case, setup: Setup, threads: int) -> ReducedStructure:
+    """Assemble and reduce the structure of a case; the recovery is left out. Raises InputError."""
     # Workers share a machine: more threads than they were given would hinder each other.
     with threadpool_limits(limits=threads):
-        structure = build_structure(case, mesh)
-        superelement = reduce_structure(case, structure, face_pairs)
-        table = reduction_table(structure, superelement, face_pairs, count=MODE_COUNT)
-    return ReducedStructure(replace(superelement, recovery=None), structure.mesh.node_sets, table)
+        structure = setup.assemble()
+        reduced = reduce_structure(case, structure, setup.layout)
+        table = compare_modes(structure, reduced.superelement, setup.layout.face_pairs)
+    return replace(reduced, superelement=replace(reduced.superelement, recovery=None), mode_table=table)
 
 
 def solve_task(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
@@ -86,7 +75,7 @@ def solve_task(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
 
 
 def _solved(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
-    model = connect(task.case, reduced.superelement, reduced.node_sets, task.joint)
+    model = connect(task.case, reduced, task.joint)
     response = solve(task.case, model, threads=task.threads)
     response = replace(response, provenance={**response.provenance, CASE_KEY: task.key})
     record = study_record(task.case, model, reduced.mode_table, response)

@@ -1,0 +1,41 @@
+"""The studies that ``stickslip new`` writes, one for each kind of structure."""
+
+from __future__ import annotations
+
+from typing import Any
+
+_BODY = {"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": "7850 kg/m^3"}
+_SOLVER = {"frequency_start": "100 Hz", "frequency_stop": "1000 Hz"}
+EXAMPLES: dict[str, dict[str, Any]] = {
+    "two-blade": {},
+    "mesh": {
+        "study": {"title": "My structure"},
+        "structure": {"kind": "mesh", "file": "model.inp", "length_unit": "mm", "fixed": ["root"]},
+        "material": _BODY,
+        "bodies": {"damper": {"density": "8200 kg/m^3"}},
+        "interfaces": {
+            "left": {"first": "damper_left", "second": "blade_left", "normal_load": "289 N"},
+            "support": {"first": "damper_top", "second": "ground", "normal_load": "100 N", "friction": 0.2},
+        },
+        "forces": {"engine": {"set": "tip", "direction": [1, 0, 0], "amplitude": "10 N"}},
+        "responses": {"tip": {"point": ["0 mm", "0 mm", "145 mm"], "direction": [1, 0, 0]}},
+        "solver": _SOLVER,
+    },
+    "matrices": {
+        "study": {"title": "My matrices"},
+        "structure": {"kind": "matrices", "file": "superelement.npz"},
+        "material": _BODY,
+        "interfaces": {
+            "left": {
+                "first": "damper_left",
+                "second": "blade_left",
+                "normal": [0.5, 0, 0.866],
+                "area": "180 mm^2",
+                "normal_load": "289 N",
+            }
+        },
+        "forces": {"engine": {"node": 1, "direction": [1, 0, 0], "amplitude": "10 N"}},
+        "responses": {"tip": {"node": 2, "direction": [1, 0, 0]}},
+        "solver": _SOLVER,
+    },
+}

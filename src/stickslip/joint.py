@@ -1,0 +1,153 @@
+"""The joint of a study: preload, friction and stiffness of its contact pairs, face by face."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.interface.pairing import FacePairs
+from stickslip.interface.preload import area_share, face_sum
+from stickslip.interface.stiffness import (
+    ContactStiffness,
+    Roughness,
+    contact_stiffness,
+    pair_stiffness,
+    reduced_modulus,
+)
+from stickslip.interface.surface import SurfaceStatistics, surface_statistics
+from stickslip.setup import Layout
+from stickslip.structure.elasticity import Material
+from stickslip.validation import FloatArray
+
+if TYPE_CHECKING:
+    from stickslip.case import Case
+
+
+@dataclass(frozen=True)
+class RoughFace:
+    """What the roughness says of one contact face under its preload."""
+
+    stiffness: ContactStiffness
+    statistics: SurfaceStatistics
+
+
+@dataclass(frozen=True)
+class FaceSettings:
+    """Friction of one face, and its stiffness (normal, tangential) in N/m; None where it follows from a roughness."""
+
+    friction: float
+    stiffness: tuple[float, float] | None
+
+    @classmethod
+    def of_case(cls, case: Case) -> FaceSettings:
+        """The settings of [friction] and [contact_stiffness]."""
+        given = case.contact_stiffness
+        stiffness = None if given is None else (given.normal_stiffness, given.tangential_stiffness)
+        return cls(case.friction.coefficient, stiffness)
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Constants of the contact pairs before any reduction: they follow from geometry, roughness and load alone."""
+
+    layout: Layout
+    preload: FloatArray  # (n_pairs,) N
+    friction_coefficient: FloatArray  # (n_pairs,)
+    normal_stiffness: FloatArray  # (n_pairs,) N/m
+    tangential_stiffness: FloatArray  # (n_pairs,) N/m
+    rough_faces: tuple[RoughFace | None, ...]  # one for each face; None where the stiffness was given
+
+    @property
+    def face_pairs(self) -> FacePairs:
+        """The contact pairs."""
+        return self.layout.face_pairs
+
+    @property
+    def face_names(self) -> tuple[str, ...]:
+        """Name of each face."""
+        return self.layout.face_names
+
+    @property
+    def springs(self) -> FloatArray:
+        """(3 * n_pairs,) N/m: t1, t2, n of each pair, closed and stuck."""
+        return np.column_stack([self.tangential_stiffness, self.tangential_stiffness, self.normal_stiffness]).ravel()
+
+    def face_sum(self, values: FloatArray) -> FloatArray:
+        """Sum of a value of the pairs for each face (n_faces,)."""
+        return face_sum(values, self.face_pairs.face)
+
+
+def make_joint(case: Case, layout: Layout, preload: FloatArray, settings: Sequence[FaceSettings]) -> Joint:
+    """Stiffness of each face from its settings, or from the roughness and the preload.
+
+    Raises RoughnessError where the roughness gives no usable contact.
+    """
+    pairs = layout.face_pairs
+    share = area_share(pairs.area, pairs.face)
+    normal, tangential = np.empty(pairs.n_pairs), np.empty(pairs.n_pairs)
+    friction = np.array([each.friction for each in settings])[pairs.face]
+    rough_faces: list[RoughFace | None] = []
+    for face, own in enumerate(settings):
+        members = pairs.face == face
+        if own.stiffness is not None:
+            normal[members], tangential[members] = (value * share[members] for value in own.stiffness)
+            rough_faces.append(None)
+            continue
+        given = case.roughness
+        assert given is not None  # a case has a roughness wherever a face has no stiffness of its own
+        roughness = case_roughness(case, *layout.face_materials[face])
+        area, load = float(pairs.area[members].sum()), float(np.maximum(preload[members], 0.0).sum())
+        rough_faces.append(
+            RoughFace(
+                contact_stiffness(roughness, load, mode=given.mode, nominal_area=area),
+                surface_statistics(roughness, given.sample_length, given.shortest_length),
+            )
+        )
+        normal[members], tangential[members] = pair_stiffness(
+            roughness, pairs.area[members], preload[members], mode=given.mode, allocation=given.allocation
+        )
+    # A pair that stands apart closes when it has moved by its gap; no load is on it before.
+    preload = np.where((pairs.gap > 0.0) & (preload == 0.0), -normal * pairs.gap, preload)
+    return Joint(layout, preload, friction, normal, tangential, tuple(rough_faces))
+
+
+def case_material(case: Case) -> Material:
+    """The material of [material]. Raises InputError where a study of own structure has none."""
+    if case.material is None:
+        raise InputError("there is no section [material]. Give young_modulus, poisson_ratio and density.")
+    return Material(case.material.young_modulus, case.material.poisson_ratio, case.material.density)
+
+
+def case_roughness(case: Case, first: Material, second: Material) -> Roughness:
+    """Roughness of a case that has one, between two bodies."""
+    given = case.roughness
+    assert given is not None
+    return Roughness(
+        fractal_dimension=given.fractal_dimension,
+        fractal_roughness=given.fractal_roughness,
+        hardness=given.hardness,
+        reduced_modulus=reduced_modulus(
+            first.young_modulus, first.poisson_ratio, second.young_modulus, second.poisson_ratio
+        ),
+        poisson_ratio=_joint_poisson_ratio(first, second),
+        domain_extension=given.domain_extension,
+        sample_length=given.sample_length,
+        shortest_length=given.shortest_length,
+    )
+
+
+def _joint_poisson_ratio(first: Material, second: Material) -> float:
+    """The ratio nu for which equal bodies have the K_t / K_n of these two, so that the contact law serves both.
+
+    Mindlin: K_t / K_n = 4 G* / E*, 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, which is 2 (1 - nu)/(2 - nu) for equal bodies.
+    """
+    if first == second:
+        return first.poisson_ratio
+    compliance = sum(2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.young_modulus for m in (first, second))
+    modulus = reduced_modulus(first.young_modulus, first.poisson_ratio, second.young_modulus, second.poisson_ratio)
+    ratio = 4.0 / (compliance * modulus)
+    return 2.0 * (1.0 - ratio) / (2.0 - ratio)

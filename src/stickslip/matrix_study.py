@@ -1,0 +1,282 @@
+"""The study of kind "matrices": a superelement or sparse matrices of another program, joints between its nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stickslip.case_structure import GROUND, InterfaceSection, PortSection
+from stickslip.errors import ImportFileError, InputError
+from stickslip.interface.face_pairs import FacePairs
+from stickslip.interface.local_axes import local_tangents, map_position
+from stickslip.joint import case_material
+from stickslip.own_structure import (
+    description,
+    face_settings,
+    force_amplitude,
+    forces,
+    is_fitted,
+    outputs,
+    port_sections,
+    preload,
+    rough_face_size,
+    static_forces,
+)
+from stickslip.setup import Layout, Port
+from stickslip.structure.elasticity import Material
+from stickslip.structure.finite_element_mesh import AnyMesh
+from stickslip.structure.matrix_files.exchange import as_superelement, read_superelement
+from stickslip.structure.matrix_files.read import read_matrices
+from stickslip.structure.mesh import IntArray
+from stickslip.structure.superelement import Superelement
+from stickslip.validation import FloatArray
+
+if TYPE_CHECKING:
+    from stickslip.case import Case
+
+__all__ = [
+    "MatrixSetup",
+    "description",
+    "face_settings",
+    "find_layout",
+    "force_amplitude",
+    "forces",
+    "is_fitted",
+    "outputs",
+    "preload",
+    "rough_face_size",
+    "set_up",
+    "static_forces",
+]
+
+_COINCIDENT = 1e-6  # m between the nodes of a pair, unless search_distance says more
+_LARGEST = 4000  # unknowns of dense matrices: about 400 MB for each
+_MAP_STEP = 1e-3  # m between pairs on a map, where the matrices have no positions
+
+
+@dataclass(frozen=True)
+class MatrixSetup:
+    """Small matrices whose unknowns are known by node and direction."""
+
+    superelement: Superelement
+    layout: Layout
+
+    def assemble(self) -> Superelement:
+        """The matrices as they are."""
+        return self.superelement
+
+    def sizes(self) -> tuple[tuple[str, str], ...]:
+        """Nodes with three displacements, other unknowns, mass, named sets."""
+        found = self.superelement
+        nodes = found.boundary_nodes.size
+        sets = ", ".join(f"{name} ({members.size})" for name, members in found.node_sets.items())
+        rigid = np.zeros(found.size)
+        rigid[: 3 * nodes : 3] = 1.0
+        return (
+            ("nodes with x, y, z", f"{nodes}"),
+            ("other unknowns", f"{found.size - 3 * nodes}"),
+            ("mass that moves along x with all nodes", f"{float(rigid @ found.mass @ rigid):.4g} kg"),
+            ("node sets", sets or "none"),
+        )
+
+    def write_places(self, folder: Path) -> tuple[Path, ...]:
+        """Nothing: there is no mesh."""
+        return ()
+
+
+def set_up(case: Case) -> MatrixSetup:
+    """Read the matrices, pair their nodes, and find the places of forces and responses.
+
+    Raises ImportFileError for a file; InputError that names the entry of the study file for what does not fit.
+    """
+    superelement = _read(case)
+    if superelement.damping is not None and case.damping.modal_damping_ratio is not None:
+        raise InputError(
+            f"damping.modal_damping_ratio = {case.damping.modal_damping_ratio:g} cannot come on top of the damping in "
+            "the matrix files. Set damping.rayleigh_alpha = 0 to take that of the files alone, or leave it out of them."
+        )
+    pairs, messages = [], []
+    for name, given in case.interfaces.items():
+        found, words = _pairs(superelement, name, given)
+        pairs.append(found)
+        messages += words
+    ports = {name: _port(superelement, name, given) for name, given in port_sections(case).items()}
+    materials = _face_materials(case)
+    layout = Layout(FacePairs.concatenate(pairs), tuple(case.interfaces), materials, ports, messages=tuple(messages))
+    return MatrixSetup(superelement, layout)
+
+
+def find_layout(case: Case, mesh: AnyMesh) -> Layout:
+    """The layout of :func:`set_up`; matrices have no mesh."""
+    return set_up(case).layout
+
+
+def _read(case: Case) -> Superelement:
+    """The matrices of the files as they are. Raises ImportFileError; InputError for matrices that are too large."""
+    given = case.structure
+    if given.file is not None:
+        return read_superelement(given.file)
+    assert given.stiffness is not None
+    assert given.mass is not None
+    model = read_matrices(
+        given.stiffness,
+        given.mass,
+        given.damping,
+        given.unknown_map,
+        given.node_positions,
+        length_unit=given.length_unit,  # type: ignore[arg-type]  # read_matrices refuses other units
+        force_unit=given.force_unit,  # type: ignore[arg-type]
+    )
+    if model.size > _LARGEST:
+        raise InputError(
+            f"the matrices have {model.size} unknowns; up to {_LARGEST} are solved as they are. Reduce them first to "
+            "the nodes of the joints, forces and responses."
+        )
+    return as_superelement(model)
+
+
+def _face_materials(case: Case) -> tuple[tuple[Material, Material], ...]:
+    """The material of [material] on both sides; it serves the roughness alone, so faces with stiffness need none."""
+    rough = case.contact_stiffness is None and any(each.normal_stiffness is None for each in case.interfaces.values())
+    material = case_material(case) if rough or case.material is not None else Material()
+    return ((material, material),) * len(case.interfaces)
+
+
+def _nodes(superelement: Superelement, entry: str, name: str) -> IntArray:
+    """Nodes of a set. Raises InputError that names the entry."""
+    if name not in superelement.node_sets:
+        known = ", ".join(superelement.node_sets) or "none"
+        raise InputError(f"{entry}: the matrices have no node set '{name}'; they have: {known}.")
+    nodes = np.asarray(superelement.node_sets[name], dtype=np.int64)
+    if not nodes.size:
+        raise InputError(f"{entry}: node set '{name}' is empty. Give it nodes, or take another set.")
+    return nodes
+
+
+def _pairs(superelement: Superelement, name: str, given: InterfaceSection) -> tuple[FacePairs, list[str]]:
+    """Node to node pairs of an interface, or pairs of nodes and the ground; sentences on what was assumed."""
+    entry = f"interfaces.{name}"
+    messages: list[str] = []
+    first, second = _sides(superelement, entry, given)
+    count = first.size
+    weight = np.full((count, 1), 0.0 if second is None else 1.0)
+    second = first if second is None else second
+    assert given.normal is not None
+    assert given.area is not None
+    normal = np.tile(given.normal, (count, 1))
+    area = np.full(count, given.area / count)
+    places = _places(superelement, first)
+    points = np.zeros((count, 3)) if places is None else places
+    tangent1, tangent2 = local_tangents(points, normal, area, given.tangent)
+    if places is None:
+        position = np.column_stack([np.zeros(count), _MAP_STEP * np.arange(count)])
+        messages.append(
+            f"{entry}: the matrices do not say where their nodes are, so maps show the pairs in a row in their order."
+        )
+    else:
+        position = map_position(points, tangent1, tangent2, area)
+    pairs = FacePairs(
+        first[:, None], np.ones((count, 1)), second[:, None], weight, np.zeros(count), points, area, normal,
+        tangent1, tangent2, np.zeros(count, dtype=np.int64), position,
+    )  # fmt: skip
+    return pairs, messages
+
+
+def _sides(superelement: Superelement, entry: str, given: InterfaceSection) -> tuple[IntArray, IntArray | None]:
+    """First and second node of each pair, from a file or from sets; None for the ground."""
+    if given.pairs is not None:
+        return _listed_pairs(superelement, entry, Path(given.pairs))
+    assert given.first is not None
+    assert given.second is not None
+    first = _nodes(superelement, f"{entry}.first", given.first)
+    if given.second == GROUND:
+        return first, None
+    others = _nodes(superelement, f"{entry}.second", given.second)
+    return first, _partners(superelement, entry, given, first, others)
+
+
+def _listed_pairs(superelement: Superelement, entry: str, path: Path) -> tuple[IntArray, IntArray | None]:
+    """Pairs of a text file: two node numbers a line, or one for the ground. Raises ImportFileError with the line."""
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise ImportFileError(f"{entry}.pairs: {path} cannot be read ({error}). Give a text file.") from error
+    rows: list[list[int]] = []
+    for number, line in enumerate(lines, start=1):
+        words = line.partition("#")[0].replace(",", " ").split()
+        if not words:
+            continue
+        where = f"{entry}.pairs: {path}, line {number}:"
+        if not all(word.lstrip("-").isdecimal() for word in words) or len(words) != len(rows[0] if rows else words):
+            raise ImportFileError(f'{where} "{line}" must be two node numbers, or one in every line for the ground.')
+        rows.append([int(word) for word in words])
+        lone = np.setdiff1d(rows[-1], superelement.boundary_nodes)
+        if len(words) > 2 or lone.size:
+            what = f"the matrices have no node {lone[0]} with x, y and z" if lone.size else "more than two numbers"
+            raise ImportFileError(f"{where} {what}.")
+    if not rows:
+        raise ImportFileError(f"{entry}.pairs: {path} holds no pair. Write two node numbers a line.")
+    table = np.array(rows, dtype=np.int64)
+    return table[:, 0], table[:, 1] if table.shape[1] == 2 else None
+
+
+def _places(superelement: Superelement, nodes: IntArray) -> FloatArray | None:
+    """(k, 3) m of nodes, None where that is not known."""
+    if superelement.positions is None:
+        return None
+    order = np.argsort(superelement.boundary_nodes)
+    found = order[np.searchsorted(superelement.boundary_nodes, nodes, sorter=order)]
+    return np.asarray(superelement.positions)[found]
+
+
+def _partners(
+    superelement: Superelement, entry: str, given: InterfaceSection, first: IntArray, others: IntArray
+) -> IntArray:
+    """The partner of each first node: the node at its place, or, without positions, the one with its rank in the set.
+
+    Raises InputError for sets of different size, and for a node without a partner near enough.
+    """
+    if first.size != others.size:
+        raise InputError(
+            f"{entry}: '{given.first}' has {first.size} nodes and '{given.second}' has {others.size}; each node needs "
+            "one partner. Make the sets equal."
+        )
+    places, opposite = _places(superelement, first), _places(superelement, others)
+    if places is None or opposite is None:
+        return others
+    distance = np.linalg.norm(places[:, None] - opposite[None], axis=2)
+    nearest = distance.argmin(axis=1)
+    reach = given.search_distance or _COINCIDENT
+    smallest = distance[np.arange(first.size), nearest]
+    if smallest.max() > reach or np.unique(nearest).size != nearest.size:
+        worst = int(smallest.argmax())
+        raise InputError(
+            f"{entry}: node {first[worst]} of '{given.first}' is {1e3 * smallest[worst]:.4g} mm from the nearest node "
+            f"of '{given.second}' ({1e3 * reach:.4g} mm are allowed), or two nodes have the same partner. Check the "
+            "sets, or raise search_distance."
+        )
+    return np.asarray(others[nearest])
+
+
+def _port(superelement: Superelement, name: str, given: PortSection) -> Port:
+    """The nodes of a place. Raises InputError that names the entry."""
+    if given.set is not None:
+        return Port.equal(_nodes(superelement, f"{name}.set", given.set))
+    if given.node is not None:
+        if given.node not in superelement.boundary_nodes:
+            raise InputError(
+                f"{name}.node: the matrices have no node {given.node} with x, y and z among their "
+                f"{superelement.boundary_nodes.size} such nodes."
+            )
+        return Port.single(given.node)
+    places = _places(superelement, superelement.boundary_nodes)
+    if places is None:
+        raise InputError(f"{name}.point: the matrices do not say where their nodes are. Give node or set.")
+    distance = np.linalg.norm(places - np.array(given.point), axis=1)
+    size = float(np.linalg.norm(np.ptp(places, axis=0)))
+    if distance.min() > 0.05 * size:
+        raise InputError(f"{name}.point: the nearest node is {1e3 * distance.min():.4g} mm away. Check the point.")
+    return Port.single(int(superelement.boundary_nodes[distance.argmin()]))

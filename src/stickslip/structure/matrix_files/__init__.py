@@ -1,0 +1,1 @@
+"""Matrices of other programs: read, checked, converted to SI units, reduced, and exchanged in one file."""

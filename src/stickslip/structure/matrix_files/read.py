@@ -1,0 +1,183 @@
+"""One function that reads stiffness, mass and damping from any of the known kinds of files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from os import PathLike
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import scipy.sparse
+
+from stickslip.errors import ImportFileError, InputError
+from stickslip.structure.matrix_files.ansys_full import ansys_full
+from stickslip.structure.matrix_files.arrays import matlab_matrices, numpy_matrices
+from stickslip.structure.matrix_files.checks import checked_matrix
+from stickslip.structure.matrix_files.coordinates import Matrices, calculix_matrix, matrix_market
+from stickslip.structure.matrix_files.harwell_boeing import harwell_boeing
+from stickslip.structure.matrix_files.model import OTHER, MatrixModel
+from stickslip.structure.matrix_files.output4 import output4
+from stickslip.structure.matrix_files.source import told_of
+from stickslip.structure.matrix_files.unknown_map import read_node_positions, read_unknown_map
+from stickslip.structure.mesh import IntArray
+
+FilePath = str | PathLike[str]
+LengthUnit = Literal["m", "mm", "in"]
+ForceUnit = Literal["N", "kN", "lbf"]
+
+_METRES = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
+_NEWTONS = {"N": 1.0, "kN": 1e3, "lbf": 4.4482216152605}
+_READERS: dict[str, Callable[[Path], Matrices]] = {
+    ".mtx": matrix_market,
+    ".mm": matrix_market,
+    ".npy": numpy_matrices,
+    ".npz": numpy_matrices,
+    ".mat": matlab_matrices,
+    ".sti": calculix_matrix,
+    ".mas": calculix_matrix,
+    ".hb": harwell_boeing,
+    ".rsa": harwell_boeing,
+    ".rua": harwell_boeing,
+    ".matrix": harwell_boeing,
+    ".op4": output4,
+    ".full": ansys_full,
+}
+# Names under which programs store a matrix, in files that hold several.
+_NAMES = {
+    "stiffness": ("stiffness", "k", "kgg", "kaa", "kxx"),
+    "mass": ("mass", "m", "mgg", "maa", "mxx"),
+    "damping": ("damping", "c", "bgg", "baa", "bxx"),
+}
+
+
+def read_matrices(
+    stiffness: FilePath,
+    mass: FilePath,
+    damping: FilePath | None = None,
+    unknown_map: FilePath | None = None,
+    node_positions: FilePath | None = None,
+    *,
+    length_unit: LengthUnit = "m",
+    force_unit: ForceUnit = "N",
+) -> MatrixModel:
+    """Matrices of another program as a checked model in SI units.
+
+    Parameters
+    ----------
+    stiffness, mass, damping:
+        files: Matrix Market (``.mtx``, ``.mm``), NumPy (``.npy``, ``.npz``), MATLAB (``.mat``), CalculiX (``.sti``,
+        ``.mas``), Harwell-Boeing (``.hb``, ``.rsa``, ``.rua``, ``.matrix``), Nastran OUTPUT4 (``.op4``), Ansys
+        (``.full``, extra ``stickslip[ansys]``). Of several matrices in a file the one with a usual name is taken
+        (K, M, C, stiffness, KGG ...), or the one named behind ``#``: ``"model.mat#Kred"``.
+    unknown_map:
+        file with node and direction of each row (:func:`read_unknown_map`). By default the ``.dof`` beside a
+        ``.sti``, the ``.mapping`` beside a ``.matrix``, and the map inside a ``.full``; without any of them unknown
+        ``i`` (counted from 0) is known as node ``i``, with no direction.
+    node_positions:
+        file with lines ``node, x, y, z`` in ``length_unit`` (:func:`read_node_positions`).
+    length_unit, force_unit:
+        units of the files. Time is in seconds, and mass in the unit that goes with them (mm and N: tonnes).
+
+    Raises
+    ------
+    ImportFileError
+        which names the file and the line or entry: for a missing, damaged or unknown file, a map with another number
+        of rows, and matrices that :class:`MatrixModel` refuses.
+    InputError
+        for a unit that is not known.
+    MissingPackageError
+        for a ``.full`` file without the extra.
+    """
+    for name, value, known in (("length_unit", length_unit, _METRES), ("force_unit", force_unit, _NEWTONS)):
+        if value not in known:
+            raise InputError(f"{name} is {value!r}; it must be one of: {', '.join(known)}.")
+    contents: dict[Path, Matrices] = {}  # a file that holds several matrices is read once
+    files = {"stiffness": stiffness, "mass": mass, "damping": damping}
+    matrices = {name: _matrix(str(file), name, contents) for name, file in files.items() if file is not None}
+    source = Path(str(stiffness).partition("#")[0])
+    size = matrices["stiffness"].shape[0]
+    for name, matrix in matrices.items():
+        if matrix.shape != (size, size):
+            raise ImportFileError(
+                f'the {name} in "{files[name]}" has shape {matrix.shape}, but the stiffness in "{stiffness}" has '
+                f"{size} rows; all must be square and of one size."
+            )
+    node, direction = _unknowns(source, unknown_map, size, contents)
+    scale = _unit_scale(direction, _METRES[length_unit], _NEWTONS[force_unit])
+    labels, position = np.empty(0, dtype=np.int64), None
+    if node_positions is not None:
+        labels, position = read_node_positions(Path(node_positions))
+        position = position * _METRES[length_unit]
+    messages = []
+    for name, matrix in matrices.items():
+        with told_of(Path(str(files[name]))):  # the model checks again, but does not know the files
+            matrix, message = checked_matrix(name, matrix, node, direction)
+        matrices[name] = scale @ matrix @ scale
+        messages += [f'"{files[name]}": {message}'] if message else []
+    with told_of(source):
+        return MatrixModel(
+            **matrices,
+            node=node,
+            direction=direction,
+            node_labels=labels,
+            position=position,
+            messages=tuple(messages),
+        )
+
+
+def _unit_scale(direction: IntArray, metres: float, newtons: float) -> Any:
+    """Diagonal D with ``K_SI = D K D``: energy in force times length; displacements in length, rotations in rad."""
+    energy = np.full(len(direction), np.sqrt(newtons * metres))
+    energy[(direction < 3) | ((direction == OTHER) & (direction.min(initial=OTHER) == OTHER))] /= metres
+    return scipy.sparse.diags(energy, format="csr")
+
+
+def _unknowns(
+    source: Path, unknown_map: FilePath | None, size: int, contents: dict[Path, Matrices]
+) -> tuple[IntArray, IntArray]:
+    """Node and direction of each row; raises ImportFileError where the map has another number of rows."""
+    if unknown_map is None and source.suffix.lower() == ".full":
+        node, direction = contents[source]["unknowns"].T
+        return node, direction
+    if unknown_map is None:
+        beside = {".sti": ".dof", ".matrix": ".mapping"}.get(source.suffix.lower())
+        path = source.with_suffix(beside) if beside else None
+        if path is None or not path.exists():
+            return np.arange(size), np.full(size, OTHER)
+    else:
+        path = Path(unknown_map)
+    node, direction = read_unknown_map(path)
+    if len(node) != size:
+        raise ImportFileError(
+            f'"{path}" names {len(node)} unknowns, but the stiffness in "{source}" has {size} rows; the map must have '
+            "one line for each row, in the same order."
+        )
+    return node, direction
+
+
+def _matrix(source: str, role: str, contents: dict[Path, Matrices]) -> Any:
+    """The matrix of a file, or the one named behind ``#``, or the one whose name suits its role."""
+    file, _, wanted = source.partition("#")
+    path = Path(file)
+    reader = _READERS.get(path.suffix.lower())
+    if reader is None:
+        raise ImportFileError(
+            f'"{path}" ends in "{path.suffix}", but matrices are read from files that end in: {", ".join(_READERS)}.'
+        )
+    if path not in contents:
+        contents[path] = reader(path)
+    found = contents[path]
+    if wanted:
+        names = [name for name in found if name == wanted]
+    elif len(found) == 1:
+        names = list(found)
+    else:
+        names = [name for name in found if name.lower() in _NAMES[role]]
+    if len(names) != 1:
+        shown = ", ".join(f"{name} {matrix.shape}" for name, matrix in sorted(found.items())) or "none"
+        raise ImportFileError(
+            f'"{path}" has no single matrix that is the {role}; it has: {shown}. Name the one that is meant behind #, '
+            f'such as "{path.name}#{_NAMES[role][1].upper()}".'
+        )
+    return found[names[0]]

@@ -1,0 +1,160 @@
+"""The study of kind "two-blade": two blades and the damper between them, meshed from their dimensions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stickslip.case_sections import GeometrySection, MaterialSection
+from stickslip.errors import InputError
+from stickslip.interface.pairing import FacePairs, pair_faces
+from stickslip.interface.preload import prescribed_preload, uniform_preload
+from stickslip.joint import FaceSettings, case_material
+from stickslip.setup import Direction, Layout, Port, PortForce, Reading
+from stickslip.structure.blade_pair import BladePairElements, BladePairGeometry, blade_pair_mesh
+from stickslip.structure.elasticity import Element, Material, Structure, assemble
+from stickslip.structure.finite_element_mesh import AnyMesh
+from stickslip.structure.mesh import Mesh
+from stickslip.validation import FloatArray
+
+if TYPE_CHECKING:
+    from stickslip.case import Case
+
+FACES = (("damper_left_face", "left_face"), ("damper_right_face", "right_face"))
+FACE_NAMES = ("left face", "right face")
+AXES: dict[str, Direction] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+# Node sets of one node where forces act (N1, N2) and displacements are read (A, the middles of the damper's faces).
+PORTS = ("excitation_left", "excitation_right", "response", "damper_left_mid", "damper_right_mid")
+
+
+@dataclass(frozen=True)
+class TwoBladeSetup:
+    """Mesh and material of the two blades and the damper."""
+
+    mesh: Mesh
+    material: Material
+    element: Element
+    layout: Layout
+
+    def assemble(self) -> Structure:
+        """Matrices of the mesh."""
+        return assemble(self.mesh, self.material, element=self.element)
+
+    def sizes(self) -> tuple[tuple[str, str], ...]:
+        """Elements and nodes."""
+        return (("elements", f"{len(self.mesh.cells)} ({self.element})"), ("nodes", f"{self.mesh.n_nodes}"))
+
+    def write_places(self, folder: Path) -> tuple[Path, ...]:
+        """Nothing: the pairs are nodes of the mesh."""
+        return ()
+
+
+def set_up(case: Case) -> TwoBladeSetup:
+    """Mesh, contact pairs and ports. Raises InputError for a geometry that does not fit."""
+    assert case.mesh is not None  # a two-blade case has all of its sections
+    mesh = build_mesh(case)
+    return TwoBladeSetup(mesh, case_material(case), case.mesh.element, find_layout(case, mesh))
+
+
+def build_mesh(case: Case) -> Mesh:
+    """Mesh of the two blades and the damper. Raises InputError for a geometry that does not fit."""
+    assert case.geometry is not None
+    assert case.mesh is not None
+    dimensions = case.geometry.model_dump()
+    dimensions["platform_angle_deg"] = float(np.degrees(dimensions.pop("platform_angle")))
+    counts = case.mesh.model_dump()
+    element = counts.pop("element")
+    mesh = blade_pair_mesh(BladePairGeometry(**dimensions), BladePairElements(**counts))
+    return mesh.quadratic() if element == "serendipity" else mesh
+
+
+def find_layout(case: Case, mesh: AnyMesh) -> Layout:
+    """Contact pairs of both faces, left face first, and the places of forces and responses."""
+    pairs = FacePairs.concatenate([pair_faces(mesh, *names) for names in FACES])
+    ports = {name: Port.single(int(mesh.node_set(name)[0])) for name in PORTS}
+    material = case_material(case)
+    return Layout(pairs, FACE_NAMES, ((material, material),) * len(FACES), ports)
+
+
+def preload(case: Case, layout: Layout) -> FloatArray:
+    """(n_pairs,) N of the wedge under centrifugal force, or as prescribed."""
+    assert case.geometry is not None
+    face_pairs = layout.face_pairs
+    if case.preload.values is not None:
+        if len(case.preload.values) != face_pairs.n_pairs:
+            first = int((face_pairs.face == 0).sum())
+            raise InputError(
+                f"preload.values has {len(case.preload.values)} entries, but this mesh has {face_pairs.n_pairs} "
+                f"contact pairs. Give one force for each: {first} of the left face, then "
+                f"{face_pairs.n_pairs - first} of the right one; or give centrifugal_force instead."
+            )
+        return prescribed_preload(case.preload.values, face_pairs.n_pairs)
+    assert case.preload.centrifugal_force is not None
+    return uniform_preload(
+        case.preload.centrifugal_force,
+        case.geometry.platform_angle,
+        face_pairs.area,
+        face_pairs.face,
+        friction_coefficient=case.preload.friction_coefficient_at_assembly,
+    )
+
+
+def face_settings(case: Case) -> tuple[FaceSettings, ...]:
+    """Both faces follow [friction] and [contact_stiffness]."""
+    return (FaceSettings.of_case(case),) * len(FACES)
+
+
+def static_forces(case: Case) -> tuple[PortForce, ...]:
+    """None: the wedge's preload is known."""
+    return ()
+
+
+def forces(case: Case) -> tuple[PortForce, ...]:
+    """Forces at N1 and N2: single (N1 alone), same direction, or opposite."""
+    given = case.excitation
+    assert given is not None
+    second = {"single": 0.0, "same": 1.0, "opposite": -1.0}[given.mode]
+    return (
+        PortForce("excitation_left", given.direction, given.amplitude),
+        PortForce("excitation_right", given.direction, second * given.amplitude),
+    )
+
+
+def outputs(case: Case) -> tuple[dict[str, Reading], dict[str, tuple[str, ...]]]:
+    """A along the excitation's direction and both sides of the damper along x, y, z; what is drawn together."""
+    assert case.excitation is not None
+    readings, groups = {"blade tip A": Reading("response", case.excitation.direction)}, {}
+    for side in ("left", "right"):
+        names = tuple(f"damper {side} {axis}" for axis in AXES)
+        readings |= {name: Reading(f"damper_{side}_mid", AXES[name[-1]]) for name in names}
+        groups[f"Damper, middle of its {side} face"] = names
+    return readings, groups
+
+
+def force_amplitude(case: Case) -> float:
+    """N of each force."""
+    assert case.excitation is not None
+    return case.excitation.amplitude
+
+
+def description(case: Case) -> str:
+    """One sentence on force, load and friction."""
+    kinds = {"single": "at one blade", "same": "at both blades, same direction", "opposite": "at both blades, opposed"}
+    excitation, force = case.excitation, case.preload.centrifugal_force
+    assert excitation is not None
+    load = "prescribed preload" if force is None else f"centrifugal force {force:g} N"
+    return f"Force {excitation.amplitude:g} N {kinds[excitation.mode]}, {load}, friction {case.friction.coefficient:g}."
+
+
+def rough_face_size(case: Case) -> tuple[float, float]:
+    """m along and across the contact face, for a picture of it."""
+    assert case.geometry is not None
+    return case.geometry.damper_length, case.geometry.contact_face_width
+
+
+def is_fitted(case: Case) -> bool:
+    """Whether the structure is the one whose dimensions were fitted to the paper's Table 2."""
+    return case.geometry == GeometrySection() and case.material == MaterialSection()

@@ -1,0 +1,56 @@
+"""stickslip import FILE."""
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from stickslip.cli import app
+
+MODELS = Path(__file__).parent / "data" / "models"
+
+
+def run(*words):
+    return CliRunner().invoke(app, ["import", *map(str, words)])
+
+
+def test_what_is_in_a_model():
+    result = run(MODELS / "cubes.inp", "--length-unit", "mm")
+    assert result.exit_code == 0, result.output
+    for words in ("Abaqus/CalculiX", "lower", "0.00785", "contact", "base", "mm-t-s", "has 6 rigid-body motions"):
+        assert words in result.output
+    assert "(lower) has" not in result.output, "the clamped body has no rigid-body motions"
+    assert "Warning" not in result.output
+
+
+def test_without_a_unit_one_is_asked_for():
+    result = run(MODELS / "gmsh_4.1_text.msh")
+    assert result.exit_code == 0, result.output
+    assert "15 x 10 x 10 m with --length-unit m, and 15 x 10 x 10 mm with --length-unit mm" in result.output
+    assert "mass" not in result.output
+    assert "left face" in result.output
+
+
+def test_wrong_units_are_warned_of():
+    assert "Warning: body 'lower' has the density" in run(MODELS / "cubes.inp", "--length-unit", "m").output
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--length-unit", "yard"], "length_unit is 'yard'"),
+        (["--unit-system", "SI"], "needs --length-unit"),
+        (["--length-unit", "mm", "--unit-system", "SI"], "Systems with mm"),
+    ],
+)
+def test_bad_options_end_with_2(options, words):
+    result = run(MODELS / "cubes.inp", *options)
+    assert result.exit_code == 2
+    assert words in result.output
+
+
+def test_a_bad_file_ends_with_2(tmp_path):
+    (tmp_path / "bad.inp").write_text("*NODE\n1, 0, 0, nothing\n", encoding="utf-8")
+    result = run(tmp_path / "bad.inp", "--length-unit", "mm")
+    assert result.exit_code == 2
+    assert 'bad.inp, line 2: *NODE: "nothing" is no number' in result.output

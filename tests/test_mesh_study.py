@@ -1,0 +1,162 @@
+"""A study of a mesh that another program made: from its file to the report, and what is refused on the way."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from own_cases import EXAMPLE, mesh_case
+from stickslip import study
+from stickslip.case import Case
+from stickslip.cli import app
+from stickslip.errors import InputError
+from stickslip.model import build_model, load_joint, set_up
+from stickslip.results.measures import energy_imbalance
+from stickslip.results.storage import load_results
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """The example as ``stickslip run`` solves it, from files in another folder."""
+    folder = tmp_path_factory.mktemp("mesh")
+    (folder / "beam_and_block.inp").write_text((EXAMPLE / "beam_and_block.inp").read_text("utf-8"), "utf-8")
+    text = (EXAMPLE / "study.toml").read_text(encoding="utf-8").replace("harmonics = 3", "harmonics = 1")
+    (folder / "study.toml").write_text(text.replace("samples = 128", "samples = 64"), encoding="utf-8")
+    result = CliRunner().invoke(app, ["run", str(folder / "study.toml"), "--out", str(folder / "out")])
+    assert result.exit_code == 0, result.output
+    return folder / "out", result.output
+
+
+def test_run_writes_report_results_and_shapes(solved: tuple[Path, str]) -> None:
+    folder, output = solved
+    for name in ("results.nc", "report.html", "contact_pairs.vtu", "mode_shapes.vtu", "deflected_shape.pvd"):
+        assert (folder / name).stat().st_size > 0
+        assert name in output
+    saved = load_results(folder / "results.nc")
+    assert saved.study is not None
+    assert saved.study.face_names == ("sole", "lid")
+    assert list(saved.study.outputs) == ["tip", "block"]
+    assert np.abs(energy_imbalance(saved.response)).max() < 1e-6
+    assert (saved.response.contact_state > 0).any(), "nothing moves: raise the force of this test"
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    for words in ("Contact states, lid", "contact stuck", "Area without a partner, sole", "Beam with a friction block"):
+        assert words in page
+    assert "paper" not in saved.study.description
+
+
+def test_mode_table_compares_full_and_reduced(solved: tuple[Path, str]) -> None:
+    record = load_results(solved[0] / "results.nc").study
+    assert record is not None
+    assert record.mode_contact == "stuck"
+    assert len(record.mode_table) == 10
+    assert all(0.0 <= row["difference_percent"] < 1.0 and row["mac"] > 0.99 for row in record.mode_table[:4])
+
+
+def test_check_shows_bodies_sets_pairs_and_frequencies() -> None:
+    sections = dict(study.check(mesh_case()))
+    sizes = dict(sections["Sizes"])
+    assert sizes["body beam"].startswith("48 elements, 0.03768 kg")  # 60 x 10 x 8 mm of 7850 kg/m^3
+    assert "8200 kg/m^3" in sizes["body damper"]
+    assert sizes["contact pairs"] == "48 on 2 faces"
+    assert "beam_top" in sizes["face sets"]
+    assert dict(sections["Derived quantities"])["Area of the pairs, sole"] == "160 mm2"
+
+
+def test_forces_loads_and_outputs_of_sets() -> None:
+    """Resultants: a force on a set sums up to its amplitude, rotation to mass times distance of the centre."""
+    data = mesh_case().to_dict()
+    data["forces"]["second"] = {"node": 39, "direction": [0, 2, 0], "amplitude": "3 N", "phase": "90 deg"}
+    data["static_loads"] = {"weight": {"set": "damper_top", "direction": [0, 0, -1], "force": "80 N"}}
+    data["rotation"] = {"speed": "600 rpm", "axis": [0, 0, 1], "point": ["-1 m", "5 mm", "0 mm"]}
+    case = Case.from_mapping(data)
+    setup = set_up(case)
+    model = build_model(case, setup.assemble(), load_joint(case, setup.layout))
+    # a rigid motion of the beam is not free (it is clamped), so the shift is that of the loose block alone
+    block = np.isin(model.superelement.boundary_nodes, setup.mesh.nodes_of_body(1))
+    shift = np.zeros((3, model.superelement.size))
+    for axis in range(3):
+        shift[axis, 3 * np.flatnonzero(block) + axis] = 1.0
+    mass = 8200.0 * 0.02 * 0.008 * 0.006
+    turning = (600.0 / 60.0 * 2.0 * np.pi) ** 2 * mass * 1.05
+    assert shift @ model.static_load == pytest.approx([turning, 0.0, -80.0], rel=1e-9, abs=1e-9)
+    assert np.linalg.norm(model.force_cos) == pytest.approx(3.0)
+    assert model.force_cos[model.superelement.unknowns_of(int(setup.layout.ports["forces.second"].nodes[0]))][1] == 3.0
+    assert model.outputs["block"] @ shift[0] == pytest.approx(1.0)
+    assert np.allclose(setup.layout.ports["forces.push"].shares.sum(), 1.0)
+    assert model.joint.face_sum(model.joint.preload) == pytest.approx([40.0, 40.0])
+    assert set(model.joint.friction_coefficient) == {0.2, 0.3}
+
+
+def test_a_pair_across_a_gap_is_open_by_its_gap() -> None:
+    case = mesh_case(interfaces__lid__gap="0.01 mm")
+    with pytest.raises(InputError, match=r"interfaces\.lid: the normal load cannot rest .* 0\.01 mm"):
+        load_joint(case, set_up(case).layout)
+    count = set_up(case).layout.face_pairs.n_pairs
+    values = case.to_dict() | {"preload": {"values": [2.0] * (count // 2) + [0.0] * (count // 2)}}
+    opened = Case.from_mapping(values)
+    joint = load_joint(opened, set_up(opened).layout)
+    lid = joint.face_pairs.face == 1
+    assert joint.preload[lid] == pytest.approx(-1e-5 * joint.normal_stiffness[lid])
+    assert joint.preload[~lid] == pytest.approx(np.full(count // 2, 2.0))
+
+
+def test_two_materials_meet_in_the_reduced_modulus() -> None:
+    layout = set_up(mesh_case(bodies__damper__young_modulus="70 GPa")).layout
+    first, second = layout.face_materials[0]
+    assert (first.young_modulus, second.young_modulus) == (70e9, 210e9)
+    assert layout.face_materials[1] == (first, first)
+
+
+WRONG = {
+    "set that is not there": ({"interfaces.sole.second": "beam_tip"}, r"interfaces\.sole: .*beam_tip.*beam_top"),
+    "faces that do not meet": ({"interfaces.sole.second": "tip"}, r"interfaces\.sole: .*meet nowhere"),
+    "fixed set that is not there": ({"structure.fixed": ["foot"]}, r"structure\.fixed: .*'foot'.*root"),
+    "unknown body": ({"bodies.lamper.density": 1}, r"no \[bodies\.lamper\]"),
+    "force on a clamped set": ({"forces.push.set": "root", "forces.push.spread": "equal"}, r"forces\.push: .*held"),
+    "contact on a clamped face": ({"structure.fixed": ["beam_top"]}, r"interfaces\.sole: node .* held by a constraint"),
+    "point far away": ({"responses.block.point": [50, 5, 14]}, r"responses\.block: the nearest node .* mm away"),
+    "unit of length": ({"structure.length_unit": "furlong"}, "length_unit is 'furlong'"),
+    "ground with search": ({"interfaces.lid.search_distance": "1 mm"}, r"interfaces\.lid: search_distance"),
+    "file that is not there": ({"structure.file": "nowhere.inp"}, r"nowhere\.inp: there is no such file"),
+}
+
+
+@pytest.mark.parametrize(("changes", "message"), WRONG.values(), ids=WRONG.keys())
+def test_what_does_not_fit_is_named(changes: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        set_up(mesh_case().replace(changes))
+
+
+def test_missing_material_is_named(tmp_path: Path) -> None:
+    deck = (EXAMPLE / "beam_and_block.inp").read_text(encoding="utf-8")
+    (tmp_path / "bare.inp").write_text(deck.replace("*DENSITY\n7.85e-09\n", ""), encoding="utf-8")
+    case = mesh_case().replace({"structure.file": str(tmp_path / "bare.inp")})
+    with pytest.raises(InputError, match=r"body 'beam' has no \w+: .*\[bodies\.beam\].*\[material\]"):
+        set_up(case)
+
+
+def test_a_body_that_nothing_holds_is_refused() -> None:
+    data = mesh_case().to_dict()
+    sole = data["interfaces"].pop("sole")
+    data["interfaces"] = {"other": {**sole, "first": "tip", "second": "ground"}}
+    with pytest.raises(InputError, match=r"\(damper\) can move freely \(6 rigid-body motions\)"):
+        set_up(Case.from_mapping(data))
+
+
+def test_wrong_units_are_a_warning() -> None:
+    layout = set_up(mesh_case(bodies__damper__density="8.2 kg/m^3", structure__length_unit="mm")).layout
+    assert any("damper" in words and "8.2 kg/m3" in words for words in layout.messages)
+
+
+def test_a_sweep_varies_the_entry_of_one_interface(tmp_path: Path) -> None:
+    """A sweep over an entry with a name of its own: two cases, one reduction, results that differ."""
+    from stickslip.sweeps.run import sweep
+
+    result = sweep(mesh_case(), {"interfaces.sole.normal_load": [20, 40]}, out=tmp_path, workers=1)
+    assert result.table.failed == ()
+    peaks = result.table.column("peak_amplitude_m")
+    assert peaks[0] != peaks[1]
+    assert {row.name.rsplit("_", 1)[0] for row in result.table.rows} == {"sole.normal_load-20N", "sole.normal_load-40N"}
