@@ -1,4 +1,4 @@
-"""The command line: ``stickslip new | check | run | sweep | report | roughness | paper``.
+"""The command line: ``stickslip new | check | run | sweep | report | roughness | import | paper``.
 
 Exit codes: 0 done, 1 fault of the program, 2 bad input, 3 not converged (what was computed is kept), 130 interrupted.
 Everything heavy is imported inside the commands, so that ``stickslip --help`` answers at once.
@@ -219,6 +219,24 @@ def roughness(
         for file in measured_roughness.write(out, measured) if out is not None else ():
             typer.echo(f"Wrote {file}")
         typer.echo(f"\nFor the study file:\n{measured_roughness.study_lines(measured.fit)}", nl=False)
+
+
+@app.command("import")
+def import_model(
+    path: Annotated[Path, typer.Argument(metavar="FILE", help=".inp, .bdf, .msh, .vtu, .med", show_default=False)],
+    length_unit: Annotated[
+        str | None, typer.Option("--length-unit", help="Unit of the coordinates: mm, m, ...")
+    ] = None,
+    unit_system: Annotated[
+        str | None, typer.Option("--unit-system", help="System of materials: mm-t-s, SI, ...")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Show bodies, sets, masses and size of a model file."""
+    with _sentences(debug):
+        from stickslip.model_listing import print_model
+
+        print_model(path, length_unit, unit_system)
 
 
 def _print_rows(rows: list[tuple[str, str]]) -> None:

@@ -83,7 +83,7 @@ def sizes(case: Case, structure: Structure, joint: Joint) -> tuple[tuple[str, st
     reduced = 3 * boundary + case.reduction.modes
     columns = 2 * case.solver.harmonics + 1
     return (
-        ("elements", f"{len(mesh.cells)} ({case.mesh.element})"),
+        ("elements", f"{mesh.n_cells} ({case.mesh.element})"),
         ("nodes", f"{mesh.n_nodes}"),
         ("unknowns of the full model", f"{structure.stiffness.shape[0]} free of {3 * mesh.n_nodes}"),
         ("unknowns after reduction", f"{reduced} ({3 * boundary} of boundary nodes, {case.reduction.modes} modes)"),

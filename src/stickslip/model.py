@@ -28,6 +28,7 @@ from stickslip.structure.cache import cached_superelement
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.elasticity import Material, Structure, assemble
 from stickslip.structure.factor import best_backend
+from stickslip.structure.finite_element_mesh import AnyMesh
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
@@ -98,7 +99,7 @@ def build_structure(case: Case, mesh: Mesh | None = None) -> Structure:
     return assemble(build_mesh(case) if mesh is None else mesh, material, element=case.mesh.element)
 
 
-def find_pairs(mesh: Mesh) -> FacePairs:
+def find_pairs(mesh: AnyMesh) -> FacePairs:
     """Contact pairs of both faces: left face first."""
     return FacePairs.concatenate([pair_faces(mesh, *names) for names in FACES])
 
@@ -176,7 +177,7 @@ def case_roughness(case: Case) -> Roughness:
     )
 
 
-def boundary_nodes(mesh: Mesh, face_pairs: FacePairs) -> NDArray[np.int64]:
+def boundary_nodes(mesh: AnyMesh, face_pairs: FacePairs) -> NDArray[np.int64]:
     """Nodes that keep their displacements in the reduction: contact nodes, N1, N2 and A."""
     sets = mesh.node_sets
     points = np.concatenate([sets[name] for name in ("excitation_left", "excitation_right", "response")])

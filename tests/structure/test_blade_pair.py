@@ -60,7 +60,7 @@ def test_named_points(blade_mesh):
 
 
 def test_masses_of_the_inferred_parts(blade_mesh):
-    mass = consistent_mass(blade_mesh.points[blade_mesh.cells], Material().density, 3).sum(axis=(1, 2))
+    mass = consistent_mass(blade_mesh.points[blade_mesh.cells], Material().density).sum(axis=(1, 2))
     np.testing.assert_allclose(1e3 * np.bincount(blade_mesh.body, mass), [303.9, 303.9, 11.4], atol=0.05)
 
 

@@ -12,7 +12,8 @@ from scipy.spatial import cKDTree
 
 from stickslip.errors import InputError
 from stickslip.structure.faces import face_geometry
-from stickslip.structure.mesh import IntArray, Mesh
+from stickslip.structure.finite_element_mesh import AnyMesh
+from stickslip.structure.mesh import IntArray
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray, finite_array, require_positive
 
@@ -114,7 +115,7 @@ class FacePairs:
         return np.outer(self.area, [tangential_per_area, tangential_per_area, normal_per_area]).ravel()
 
 
-def pair_faces(mesh: Mesh, first_set: str, second_set: str, tolerance: float = 1e-7) -> FacePairs:
+def pair_faces(mesh: AnyMesh, first_set: str, second_set: str, tolerance: float = 1e-7) -> FacePairs:
     """Pair each node of one face with the node of another body's face at the same place.
 
     Parameters
@@ -166,7 +167,7 @@ def pair_faces(mesh: Mesh, first_set: str, second_set: str, tolerance: float = 1
 
 
 def _require_partners(
-    mesh: Mesh, name: str, nodes: IntArray, other_name: str, others: IntArray, tolerance: float
+    mesh: AnyMesh, name: str, nodes: IntArray, other_name: str, others: IntArray, tolerance: float
 ) -> IntArray:
     """Positions in ``others`` of the node nearest to each of ``nodes``; raises InputError beyond the tolerance."""
     distance, partner = cKDTree(mesh.points[others]).query(mesh.points[nodes])

@@ -1,8 +1,9 @@
-"""Linear elasticity on hexahedral meshes: stiffness, consistent mass and natural frequencies."""
+"""Linear elasticity on meshes of solid cells: stiffness, consistent mass and natural frequencies."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -13,12 +14,14 @@ from numpy.typing import ArrayLike
 
 from stickslip.errors import ConvergenceError, InputError
 from stickslip.structure.factor import Factor, factorize
+from stickslip.structure.finite_element_mesh import AnyMesh, FiniteElementMesh
 from stickslip.structure.incompatible_brick import incompatible_stiffness
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.shapes import compatible_stiffness, consistent_mass
 from stickslip.validation import FloatArray, finite_array, require_positive
 
 Element = Literal["incompatible", "trilinear", "serendipity"]
+Hexahedron = Literal["incompatible", "trilinear"]
 
 # Cells are worked on in groups, so that the temporary arrays of fine 20-node meshes stay below about 100 MB.
 _CELLS_AT_ONCE = 2000
@@ -67,27 +70,60 @@ class Structure:
         nodes whose three displacements are zero.
     element:
         name of the element.
+    fixed_unknowns:
+        all positions among the 3 * n_nodes displacements (node, then x, y, z) that are zero: those of ``fixed_nodes``,
+        which need not be given, and single directions of other nodes.
     """
 
-    mesh: Mesh
+    mesh: AnyMesh
     stiffness: Any
     mass: Any
     fixed_nodes: IntArray
     element: str
+    fixed_unknowns: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+
+    def __post_init__(self) -> None:
+        whole = (3 * np.asarray(self.fixed_nodes, dtype=np.int64)[:, None] + np.arange(3)).ravel()
+        object.__setattr__(self, "fixed_unknowns", np.union1d(whole, self.fixed_unknowns).astype(np.int64))
 
     @property
     def free_unknowns(self) -> IntArray:
         """(n_free,) position of each unknown among the 3 * n_nodes displacements (node, then x, y, z)."""
-        free = np.ones((self.mesh.n_nodes, 3), dtype=bool)
-        free[self.fixed_nodes] = False
-        return np.flatnonzero(free.ravel())
+        free = np.ones(3 * self.mesh.n_nodes, dtype=bool)
+        free[self.fixed_unknowns] = False
+        return np.flatnonzero(free)
+
+    @property
+    def full_size(self) -> int:
+        """Number of displacements of the mesh, fixed ones included."""
+        return 3 * self.mesh.n_nodes
+
+    @property
+    def node(self) -> IntArray:
+        """(n_free,) node of each unknown."""
+        return self.free_unknowns // 3
 
     def unknowns_of(self, nodes: ArrayLike) -> IntArray:
-        """(k, 3) unknowns x, y, z of free nodes (k,); raises InputError for a fixed node."""
+        """(k, 3) unknowns x, y, z of free nodes (k,).
+
+        Raises InputError for a node that does not exist, or is fixed in any direction.
+        """
         wanted = np.asarray(nodes, dtype=np.int64)
+        if wanted.size and (wanted.min() < 0 or wanted.max() >= self.mesh.n_nodes):
+            raise InputError(
+                f"nodes run from {wanted.min()} to {wanted.max()}, but the mesh has nodes 0 to {self.mesh.n_nodes - 1}."
+            )
         held = np.intersect1d(wanted, self.fixed_nodes)
         if held.size:
             raise InputError(f"node {held[0]} is fixed, so it has no unknowns ({held.size} of {wanted.size} are).")
+        held = np.intersect1d(wanted, self.fixed_unknowns // 3)
+        if held.size:
+            axes = ", ".join("xyz"[unknown % 3] for unknown in self.fixed_unknowns if unknown // 3 == held[0])
+            raise InputError(
+                f"node {held[0]} is held along {axes}, so it has no three unknowns ({held.size} of {wanted.size} nodes "
+                "are held in part); contact, force and output nodes must be free. Take such nodes out of the "
+                "constraint, or out of the set."
+            )
         position = np.full(3 * self.mesh.n_nodes, -1, dtype=np.int64)
         position[self.free_unknowns] = np.arange(len(self.free_unknowns))
         return np.asarray(position.reshape(-1, 3)[wanted])
@@ -127,26 +163,85 @@ def assemble(
         raise InputError(f"element {element!r} needs 8-node cells, but the mesh has 20-node cells; use 'serendipity'.")
     if fixed_nodes is None:
         fixed_nodes = mesh.node_sets.get("fixed", np.empty(0, dtype=np.int64))
-    fixed = np.unique(np.asarray(fixed_nodes, dtype=np.int64))
-    if fixed.size and (fixed[0] < 0 or fixed[-1] >= mesh.n_nodes):
-        raise InputError(f"fixed_nodes must lie between 0 and {mesh.n_nodes - 1}, but found {fixed[0]} to {fixed[-1]}.")
+    incompatible = element == "incompatible"
+    return _assembled(mesh, [(mesh.cells, material)], element, incompatible, fixed_nodes, ())
 
-    elastic = material.elastic_matrix()
+
+def assemble_bodies(
+    mesh: FiniteElementMesh,
+    materials: Sequence[Material],
+    hexahedron: Hexahedron = "incompatible",
+    fixed_nodes: ArrayLike = (),
+    fixed_unknowns: ArrayLike = (),
+) -> Structure:
+    """Stiffness and consistent mass, as :func:`assemble`, of several kinds of cells and several materials.
+
+    Parameters
+    ----------
+    materials:
+        one for each body, in the order of ``mesh.body_names``.
+    hexahedron:
+        what 8-node bricks are: with Taylor-Wilson modes, or plain (too stiff in bending). Every other kind has its
+        standard functions; points of the stiffness: 1 (tetra), 4 (tetra10), 6 (wedge), 9 (wedge15),
+        27 (hexahedron20).
+    fixed_nodes:
+        nodes to clamp.
+    fixed_unknowns:
+        positions among the 3 * n_nodes displacements (node, then x, y, z) to hold at zero.
+
+    Raises
+    ------
+    InputError
+        for a number of materials that is not that of the bodies, and for nodes or unknowns that do not exist.
+    """
+    if hexahedron not in get_args(Hexahedron):
+        raise InputError(f"hexahedron is {hexahedron!r}; it must be one of: {', '.join(get_args(Hexahedron))}.")
+    if len(materials) != len(mesh.body_names):
+        raise InputError(
+            f"materials has {len(materials)} entries, but the mesh has {len(mesh.body_names)} bodies: "
+            f"{', '.join(mesh.body_names)}. Give one material for each body, in this order."
+        )
+    groups = [
+        (block.cells[block.body == body], materials[body]) for block in mesh.blocks for body in np.unique(block.body)
+    ]
+    kinds = ", ".join(dict.fromkeys(hexahedron if b.kind == "hexahedron" else b.kind for b in mesh.blocks))
+    return _assembled(mesh, groups, kinds, hexahedron == "incompatible", fixed_nodes, fixed_unknowns)
+
+
+def _assembled(
+    mesh: AnyMesh,
+    groups: Sequence[tuple[IntArray, Material]],
+    element: str,
+    incompatible: bool,
+    fixed_nodes: ArrayLike,
+    fixed_unknowns: ArrayLike,
+) -> Structure:
+    """Matrices of groups of cells (m, k) of one kind and one material; ``incompatible`` concerns 8-node bricks."""
+    nodes = _existing("fixed_nodes", fixed_nodes, mesh.n_nodes)
+    unknowns = _existing("fixed_unknowns", fixed_unknowns, 3 * mesh.n_nodes)
     stiffness = scipy.sparse.csr_matrix((3 * mesh.n_nodes, 3 * mesh.n_nodes))
     mass = scipy.sparse.csr_matrix((mesh.n_nodes, mesh.n_nodes))
-    for start in range(0, len(mesh.cells), _CELLS_AT_ONCE):
-        cells = mesh.cells[start : start + _CELLS_AT_ONCE]
-        corners = mesh.points[cells]
-        if element == "incompatible":
-            local = incompatible_stiffness(corners, elastic)
-        else:
-            local = compatible_stiffness(corners, elastic, 2 if element == "trilinear" else 3)
-        unknowns = (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), -1)
-        stiffness = stiffness + _scatter(local, unknowns, 3 * mesh.n_nodes)
-        mass = mass + _scatter(consistent_mass(corners, material.density, 3), cells, mesh.n_nodes)
-    whole = Structure(mesh, stiffness, scipy.sparse.kron(mass, scipy.sparse.eye(3), format="csr"), fixed, element)
+    for cells, material in groups:
+        elastic = material.elastic_matrix()
+        cell_stiffness = incompatible_stiffness if incompatible and cells.shape[1] == 8 else compatible_stiffness
+        for start in range(0, len(cells), _CELLS_AT_ONCE):
+            part = cells[start : start + _CELLS_AT_ONCE]
+            corners = mesh.points[part]
+            rows = (3 * part[:, :, None] + np.arange(3)).reshape(len(part), -1)
+            stiffness = stiffness + _scatter(cell_stiffness(corners, elastic), rows, 3 * mesh.n_nodes)
+            mass = mass + _scatter(consistent_mass(corners, material.density), part, mesh.n_nodes)
+    mass = scipy.sparse.kron(mass, scipy.sparse.eye(3), format="csr")
+    whole = Structure(mesh, stiffness, mass, nodes, element, unknowns)
     free = whole.free_unknowns
-    return Structure(mesh, whole.stiffness[free][:, free], whole.mass[free][:, free], fixed, element)
+    return replace(whole, stiffness=stiffness[free][:, free], mass=mass[free][:, free])
+
+
+def _existing(name: str, value: ArrayLike, size: int) -> IntArray:
+    """``value`` as sorted integers from 0 to ``size - 1``, each once; raises InputError for others."""
+    numbers = np.unique(np.asarray(value, dtype=np.int64))
+    if numbers.size and (numbers[0] < 0 or numbers[-1] >= size):
+        raise InputError(f"{name} must lie between 0 and {size - 1}, but found {numbers[0]} to {numbers[-1]}.")
+    return numbers
 
 
 def _scatter(local: FloatArray, unknowns: IntArray, size: int) -> Any:

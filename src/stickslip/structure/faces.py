@@ -4,27 +4,28 @@ from __future__ import annotations
 
 import numpy as np
 
-from stickslip.structure.mesh import IntArray, Mesh
-from stickslip.structure.shapes import gauss_points, shape_functions
+from stickslip.structure.finite_element_mesh import AnyMesh
+from stickslip.structure.mesh import IntArray
+from stickslip.structure.shapes import side_rule, side_shape_functions
 from stickslip.validation import FloatArray
 
 
-def face_geometry(mesh: Mesh, name: str) -> tuple[IntArray, FloatArray, FloatArray]:
+def face_geometry(mesh: AnyMesh, name: str) -> tuple[IntArray, FloatArray, FloatArray]:
     """Nodes (k,) of a face set, the area (k,) in m2 that each node stands for, and its outward unit normal (k, 3).
 
-    On four-node sides the area is ``integral of N_i dA``. On eight-node sides that integral is negative at the
-    corners, so the side's area is shared in proportion to ``integral of N_i^2 dA`` instead (diagonal scaling, as for
-    lumped masses). The areas sum to the area of the face either way. A node's normal is the mean of the sides around
-    it, weighted with these areas. Nodes keep the order of the set.
+    On sides of three or four nodes the area is ``integral of N_i dA``. With midside nodes that integral is zero or
+    negative at the corners, so the side's area is shared in proportion to ``integral of N_i^2 dA`` instead (diagonal
+    scaling, as for lumped masses). The areas sum to the area of the face either way. A node's normal is the mean of
+    the sides around it, weighted with these areas. Nodes keep the order of the set.
 
     Raises InputError when the set is missing, empty, or holds no whole side of a cell.
     """
-    sides = mesh.sides_within(name)
-    share, direction = _side_geometry(mesh.points[sides])
     area = np.zeros(mesh.n_nodes)
-    np.add.at(area, sides, share)
     normal = np.zeros((mesh.n_nodes, 3))
-    np.add.at(normal, sides, share[:, :, None] * direction[:, None, :])
+    for sides in mesh.sides(name):
+        share, direction = _side_geometry(mesh.points[sides])
+        np.add.at(area, sides, share)
+        np.add.at(normal, sides, share[:, :, None] * direction[:, None, :])
     nodes = mesh.node_set(name)
     length = np.linalg.norm(normal[nodes], axis=1, keepdims=True)
     return nodes, area[nodes], np.divide(normal[nodes], length, out=np.zeros_like(normal[nodes]), where=length > 0.0)
@@ -33,18 +34,12 @@ def face_geometry(mesh: Mesh, name: str) -> tuple[IntArray, FloatArray, FloatArr
 def _side_geometry(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Area share of each node (m, k), and mean unit normal (m, 3), of sides given by their nodes (m, k, 3)."""
     n_nodes = points.shape[1]
-    # A side is the face zeta = -1 of the reference brick: its corners 0-3 and its edge nodes 8-11.
-    on_side = np.arange(4) if n_nodes == 4 else np.r_[0:4, 8:12]
-    abscissa, weights = gauss_points(3)
-    plane = np.flatnonzero(abscissa[:, 2] == abscissa[0, 2])
-    where = np.column_stack([abscissa[plane, :2], np.full(len(plane), -1.0)])
-    weight = 4.0 * weights[plane] / weights[plane].sum()
-    values, gradients = shape_functions(8 if n_nodes == 4 else 20, where)
-    values, gradients = values[:, on_side], gradients[:, on_side]
+    where, weight = side_rule(n_nodes)
+    values, gradients = side_shape_functions(n_nodes, where)
     along_xi, along_eta = (np.einsum("qk,mkx->mqx", gradients[..., axis], points) for axis in (0, 1))
     area_vector = np.cross(along_xi, along_eta)
     element_area = weight * np.linalg.norm(area_vector, axis=2)
-    if n_nodes == 4:
+    if n_nodes in (3, 4):
         share = element_area @ values
     else:
         share = element_area @ values**2

@@ -6,36 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from stickslip.errors import InputError
+from stickslip.structure.cell_kinds import CELL_KINDS, KIND_OF_SIZE, CellKind, all_sides, single_sides
+from stickslip.structure.cell_kinds import IntArray as IntArray
 from stickslip.validation import FloatArray, finite_array
 
-IntArray = NDArray[np.int64]
-
-# Local numbering of VTK hexahedra: corners 0-3 counter-clockwise seen from the side of corners 4-7.
-CORNERS = np.array(
-    [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]], dtype=float
-)
-EDGES = np.array(
-    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]], dtype=np.int64
-)
-# Corners of each side, counter-clockwise seen from outside, then the midside nodes of the 20-node cell between them.
-SIDES = np.array(
-    [
-        [0, 3, 2, 1, 11, 10, 9, 8],
-        [4, 5, 6, 7, 12, 13, 14, 15],
-        [0, 1, 5, 4, 8, 17, 12, 16],
-        [1, 2, 6, 5, 9, 18, 13, 17],
-        [2, 3, 7, 6, 10, 19, 14, 18],
-        [3, 0, 4, 7, 11, 16, 15, 19],
-    ],
-    dtype=np.int64,
-)
-# The three neighbours of each corner in an order that makes their edge vectors right-handed.
-_CORNER_NEIGHBOURS = np.array(
-    [[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]], dtype=np.int64
-)
+CORNERS = CELL_KINDS["hexahedron"].nodes
+EDGES = CELL_KINDS["hexahedron"].edges
 
 
 @dataclass(frozen=True)
@@ -69,7 +48,7 @@ class Mesh:
         points = finite_array("points", self.points)
         if points.ndim != 2 or points.shape[1] != 3:
             raise InputError(f"points must have shape (n, 3), x, y, z of each node; found shape {points.shape}.")
-        cells = _node_numbers("cells", self.cells, len(points))
+        cells = node_numbers("cells", self.cells, len(points))
         if cells.ndim != 2 or cells.shape[1] not in (8, 20) or not len(cells):
             raise InputError(
                 f"cells must have shape (m, 8) for bricks or (m, 20) for bricks with midside nodes; "
@@ -81,10 +60,10 @@ class Mesh:
         if body.shape != (len(cells),):
             raise InputError(f"body must have shape ({len(cells)},), one number a cell; found shape {body.shape}.")
         sets = {
-            name: np.atleast_1d(_node_numbers(f"node set '{name}'", nodes, len(points)))
+            name: np.atleast_1d(node_numbers(f"node set '{name}'", nodes, len(points)))
             for name, nodes in self.node_sets.items()
         }
-        _require_upright(points, cells)
+        require_upright(KIND_OF_SIZE[cells.shape[1]], points, cells)
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "cells", cells)
         object.__setattr__(self, "body", body)
@@ -95,15 +74,27 @@ class Mesh:
         """Number of nodes."""
         return len(self.points)
 
+    @property
+    def n_cells(self) -> int:
+        """Number of cells."""
+        return len(self.cells)
+
+    @property
+    def kind(self) -> CellKind:
+        """Kind of all its cells: bricks with 8 or 20 nodes."""
+        return KIND_OF_SIZE[self.cells.shape[1]]
+
     def node_set(self, name: str) -> IntArray:
         """The nodes of a named set; raises InputError when it does not exist or is empty."""
-        known = ", ".join(sorted(self.node_sets)) or "none"
-        if name not in self.node_sets:
-            raise InputError(f"the mesh has no node set '{name}'; it has: {known}.")
-        nodes = self.node_sets[name]
-        if not nodes.size:
-            raise InputError(f"node set '{name}' is empty; give it at least one node, or use another of: {known}.")
-        return nodes
+        return named_nodes(self.node_sets, name)
+
+    def cell_arrays(self) -> list[tuple[str, IntArray]]:
+        """Kind and cells (m, k) of each block of cells of one kind; here one block."""
+        return [(self.kind.name, self.cells)]
+
+    def sides(self, name: str) -> tuple[IntArray, ...]:
+        """:meth:`sides_within` as a tuple with one array, as meshes of several kinds of cells return it."""
+        return (self.sides_within(name),)
 
     def sides_within(self, name: str) -> IntArray:
         """(k, 4) or (k, 8) nodes of the cell sides that lie wholly in a node set, seen from outside the body.
@@ -111,20 +102,8 @@ class Mesh:
         Corners run counter-clockwise; in 20-node cells the four midside nodes follow. Sides that two cells share
         are inside the body and left out. Raises InputError when the set is missing, empty, or spans no side.
         """
-        member = np.zeros(self.n_nodes, dtype=bool)
-        member[self.node_set(name)] = True
-        width = 4 if self.cells.shape[1] == 8 else 8
-        sides = self.cells[:, SIDES[:, :width]].reshape(-1, width)
-        sides = sides[member[sides].all(axis=1)]
-        if len(sides):
-            _, first, count = np.unique(np.sort(sides[:, :4], axis=1), axis=0, return_index=True, return_counts=True)
-            sides = sides[np.sort(first[count == 1])]
-        if not len(sides):
-            raise InputError(
-                f"no side of a cell has all its nodes in node set '{name}' ({member.sum()} nodes); a face set must "
-                "hold every node of the sides that make up the face, midside nodes included."
-            )
-        return np.asarray(sides, dtype=np.int64)
+        (sides,) = sides_in_nodes(name, self.node_set(name), self.n_nodes, self.cell_arrays())
+        return sides
 
     def quadratic(self) -> Mesh:
         """The same bricks with a node in the middle of each edge (20-node serendipity cells).
@@ -148,7 +127,7 @@ class Mesh:
         )
 
 
-def _node_numbers(name: str, value: ArrayLike, n_nodes: int) -> IntArray:
+def node_numbers(name: str, value: ArrayLike, n_nodes: int) -> IntArray:
     """Return ``value`` as integers after checking that each is the number of a node; raises InputError."""
     array = np.asarray(value)
     if array.size and not np.issubdtype(array.dtype, np.integer):
@@ -162,16 +141,46 @@ def _node_numbers(name: str, value: ArrayLike, n_nodes: int) -> IntArray:
     return array
 
 
-def _require_upright(points: FloatArray, cells: IntArray) -> None:
-    """Raise InputError unless the Jacobian at every corner of every cell is positive."""
-    corner = points[cells[:, :8]]
-    edge = corner[:, _CORNER_NEIGHBOURS] - corner[:, :, None, :]
-    volume = np.linalg.det(edge)
+def named_nodes(node_sets: Mapping[str, IntArray], name: str) -> IntArray:
+    """The nodes of a named set; raises InputError when it does not exist or is empty."""
+    known = ", ".join(sorted(node_sets)) or "none"
+    if name not in node_sets:
+        raise InputError(f"the mesh has no node set '{name}'; it has: {known}.")
+    nodes = node_sets[name]
+    if not nodes.size:
+        raise InputError(f"node set '{name}' is empty; give it at least one node, or use another of: {known}.")
+    return nodes
+
+
+def sides_in_nodes(name: str, nodes: IntArray, n_nodes: int, cells: list[tuple[str, IntArray]]) -> tuple[IntArray, ...]:
+    """Sides (k, 3 | 4 | 6 | 8) of cells, seen from outside, whose nodes all lie in the set and that one cell alone has.
+
+    Raises InputError where there is none.
+    """
+    member = np.zeros(n_nodes, dtype=bool)
+    member[nodes] = True
+    inside = [side[member[side].all(axis=1)] for side, _ in all_sides(cells)]
+    single = [side[keep] for side, keep in zip(inside, single_sides(inside), strict=True)]
+    sides = tuple(side for side in single if len(side))
+    if not sides:
+        raise InputError(
+            f"no side of a cell has all its nodes in node set '{name}' ({member.sum()} nodes); a face set must "
+            "hold every node of the sides that make up the face, midside nodes included."
+        )
+    return sides
+
+
+def require_upright(kind: CellKind, points: FloatArray, cells: IntArray, first_cell: int = 0) -> None:
+    """Raise InputError unless the Jacobian at every corner of every cell (m, k) is positive.
+
+    ``first_cell`` is the number of the first of them in messages.
+    """
+    volume = kind.corner_jacobians(points[cells])
     bad = np.flatnonzero(volume.min(axis=1) <= 1e-12 * np.abs(volume).max(axis=1))
     if bad.size:
-        centre = 1e3 * corner[bad[0]].mean(axis=0)
+        centre = 1e3 * points[cells[bad[0], : kind.n_corners]].mean(axis=0)
         raise InputError(
-            f"cell {bad[0]} (centre at {centre[0]:.3g}, {centre[1]:.3g}, {centre[2]:.3g} mm) is inverted or flat: its "
-            f"corner Jacobian falls to {volume[bad[0]].min():.3g} m3 and must stay above 0; {bad.size} of {len(cells)} "
-            "cells are like this. Check the order of its nodes and the dimensions that shape it."
+            f"cell {first_cell + bad[0]} (centre at {centre[0]:.3g}, {centre[1]:.3g}, {centre[2]:.3g} mm) is inverted "
+            f"or flat: its corner Jacobian falls to {volume[bad[0]].min():.3g} m3 and must stay above 0; {bad.size} of "
+            f"{len(cells)} cells are like this. Check the order of its nodes and the dimensions that shape it."
         )

@@ -1,17 +1,52 @@
-"""Shape functions, quadrature and strain matrices of bricks on the reference cube [-1, 1]^3."""
+"""Shape functions, quadrature and strain matrices on the reference cells of ``cell_kinds``."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.structure.mesh import CORNERS, EDGES
+from stickslip.structure.cell_kinds import CELL_KINDS, KIND_OF_SIZE
 from stickslip.validation import FloatArray
 
-NODES = np.vstack([CORNERS, CORNERS[EDGES].mean(axis=1)])
+Rule = tuple[FloatArray, FloatArray]  # points (q, 3) and weights (q,) on the reference cell
+
+NODES = CELL_KINDS["hexahedron20"].nodes
+
+# Degree of the polynomials that a rule integrates exactly on tetrahedra, and on the triangle of wedges. Stiffness: the
+# strain of a straight cell squared; mass: the product of two functions, with room for the Jacobian of a curved cell.
+_STIFFNESS_DEGREE = {4: 1, 10: 2, 6: 2, 15: 2}
+_MASS_DEGREE = {4: 2, 10: 6, 6: 2, 15: 5}
+_STIFFNESS_ORDER = {8: 2, 20: 3, 6: 2, 15: 3}  # Gauss points a direction of bricks, and along wedges
+_MASS_ORDER = 3
 
 
-def gauss_points(order: int) -> tuple[FloatArray, FloatArray]:
+def stiffness_rule(n_nodes: int) -> Rule:
+    """Rule for the stiffness of a cell with ``n_nodes`` nodes: 1 (tetra), 4 (tetra10), 6 and 9 (wedges), 8 and 27."""
+    return _rule(n_nodes, _STIFFNESS_DEGREE.get(n_nodes, 0), _STIFFNESS_ORDER.get(n_nodes, 0))
+
+
+def mass_rule(n_nodes: int) -> Rule:
+    """Rule for the consistent mass of a cell with ``n_nodes`` nodes, exact for straight cells."""
+    return _rule(n_nodes, _MASS_DEGREE.get(n_nodes, 0), _MASS_ORDER)
+
+
+def _rule(n_nodes: int, degree: int, order: int) -> Rule:
+    """Tabulated rule (tetrahedra), rule of the triangle times Gauss rule (wedges), or Gauss product rule (bricks)."""
+    if n_nodes in (8, 20):
+        return gauss_points(order)
+    from skfem.quadrature import get_quadrature
+    from skfem.refdom import RefTet, RefTri
+
+    if n_nodes in (4, 10):
+        points, weights = get_quadrature(RefTet, degree)
+        return points.T, weights
+    triangle, area = get_quadrature(RefTri, degree)
+    abscissa, weight = np.polynomial.legendre.leggauss(order)
+    points = np.column_stack([np.repeat(triangle.T, order, axis=0), np.tile(abscissa, len(area))])
+    return points, np.outer(area, weight).ravel()
+
+
+def gauss_points(order: int) -> Rule:
     """Points (order^3, 3) and weights (order^3,) of the Gauss product rule with ``order`` points a direction."""
     abscissa, weight = np.polynomial.legendre.leggauss(order)
     points = np.stack(np.meshgrid(abscissa, abscissa, abscissa, indexing="ij"), axis=-1).reshape(-1, 3)
@@ -20,20 +55,81 @@ def gauss_points(order: int) -> tuple[FloatArray, FloatArray]:
 
 
 def shape_functions(n_nodes: int, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Values (q, k) and gradients (q, k, 3) of the 8-node or 20-node brick at points (q, 3), in VTK node order.
+    """Values (q, k) and gradients (q, k, 3) of the cell with ``n_nodes`` nodes at points (q, 3), in VTK node order.
 
-    The functions are those of scikit-fem (``ElementHex1``, ``ElementHexS2``), whose reference cube is [0, 1]^3 and
-    whose nodes come in another order: nodes are matched by their reference coordinates.
+    The functions are those of scikit-fem, whose reference cube is [0, 1]^3 and whose nodes come in another order: nodes
+    are matched by their reference coordinates. The 15-node wedge, which it lacks, is :func:`_wedge15`.
     """
-    from skfem import ElementHex1, ElementHexS2
+    if n_nodes == 15:
+        return _wedge15(points)
+    from skfem import ElementHex1, ElementHexS2, ElementTetP1, ElementTetP2, ElementWedge1
 
-    element = ElementHex1() if n_nodes == 8 else ElementHexS2()
-    distance = np.abs(0.5 * (1.0 + NODES[:n_nodes, None, :]) - element.doflocs[None, :, :]).max(axis=2)
-    unit_points = 0.5 * (1.0 + points.T)
-    basis = [element.lbasis(unit_points, int(position)) for position in distance.argmin(axis=1)]
-    values = np.stack([value for value, _ in basis], axis=1)
-    gradients = 0.5 * np.stack([gradient.T for _, gradient in basis], axis=1)
+    element = {4: ElementTetP1, 10: ElementTetP2, 6: ElementWedge1, 8: ElementHex1, 20: ElementHexS2}[n_nodes]()
+    # Where our reference coordinate runs from -1 to 1, that of scikit-fem runs from 0 to 1.
+    centred = {4: [0.0, 0.0, 0.0], 10: [0.0, 0.0, 0.0], 6: [0.0, 0.0, 1.0]}.get(n_nodes, [1.0, 1.0, 1.0])
+    start = np.array(centred)
+    scale = 1.0 - 0.5 * start
+    distance = np.abs(scale * (start + KIND_OF_SIZE[n_nodes].nodes[:, None, :]) - element.doflocs[None, :, :])
+    unit_points = (scale * (start + points)).T
+    basis = [element.lbasis(unit_points, int(position)) for position in distance.max(axis=2).argmin(axis=1)]
+    values = np.stack([np.broadcast_to(value, len(points)) for value, _ in basis], axis=1)
+    gradients = scale * np.stack([gradient.T for _, gradient in basis], axis=1)
     return values, gradients
+
+
+def _wedge15(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Serendipity functions of the 15-node wedge, in area coordinates L of the triangle and z from -1 to 1.
+
+    Corners ``L (1 + s z) (2 L - 2 + s z) / 2`` with s = -1 below and 1 above, middles of the triangles' edges
+    ``2 L_i L_j (1 + s z)``, middles of the edges along z ``L (1 - z^2)``.
+    """
+    area = np.column_stack([1.0 - points[:, 0] - points[:, 1], points[:, 0], points[:, 1]])
+    z = points[:, 2]
+    slope = np.array([[-1.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    along = np.array([0.0, 0.0, 1.0])
+    values, gradients = np.zeros((len(points), 15)), np.zeros((len(points), 15, 3))
+    for first in range(3):
+        second = (first + 1) % 3
+        mine, other = area[:, first], area[:, second]
+        for sign, corner, edge in ((-1.0, first, 6 + first), (1.0, 3 + first, 9 + first)):
+            end = 1.0 + sign * z
+            bracket = 2.0 * mine - 2.0 + sign * z
+            values[:, corner] = 0.5 * mine * end * bracket
+            gradients[:, corner] = np.outer(0.5 * end * (bracket + 2.0 * mine), slope[first])
+            gradients[:, corner] += np.outer(0.5 * mine * sign * (bracket + end), along)
+            values[:, edge] = 2.0 * mine * other * end
+            gradients[:, edge] = np.outer(2.0 * other * end, slope[first]) + np.outer(2.0 * mine * end, slope[second])
+            gradients[:, edge] += np.outer(2.0 * sign * mine * other, along)
+        values[:, 12 + first] = mine * (1.0 - z**2)
+        gradients[:, 12 + first] = np.outer(1.0 - z**2, slope[first]) + np.outer(-2.0 * mine * z, along)
+    return values, gradients
+
+
+# A side is a face of a reference cell: z = -1 of the brick, z = 0 of the tetrahedron. Side -> cell, its nodes in it.
+_SIDE_OF = {3: (4, [0, 1, 2]), 6: (10, [0, 1, 2, 4, 5, 6]), 4: (8, [0, 1, 2, 3]), 8: (20, [0, 1, 2, 3, 8, 9, 10, 11])}
+
+
+def side_rule(n_nodes: int) -> Rule:
+    """Points (q, 2) and weights (q,) on the triangle ``x, y >= 0, x + y <= 1`` (3, 6 nodes) or square (4, 8 nodes)."""
+    if n_nodes in (3, 6):
+        from skfem.quadrature import get_quadrature
+        from skfem.refdom import RefTri
+
+        points, weights = get_quadrature(RefTri, 5)
+        return points.T, weights
+    abscissa, weight = np.polynomial.legendre.leggauss(3)
+    return np.column_stack([np.repeat(abscissa, 3), np.tile(abscissa, 3)]), np.outer(weight, weight).ravel()
+
+
+def side_shape_functions(n_nodes: int, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Values (q, k) and gradients (q, k, 2) of a cell side with k = ``n_nodes`` nodes at points (q, 2) of it.
+
+    Corners come first, counter-clockwise, then the middles of the edges between them.
+    """
+    cell, nodes = _SIDE_OF[n_nodes]
+    height = -1.0 if n_nodes in (4, 8) else 0.0
+    values, gradients = shape_functions(cell, np.column_stack([points, np.full(len(points), height)]))
+    return values[:, nodes], gradients[:, nodes, :2]
 
 
 def jacobians(corners: FloatArray, gradients: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -70,13 +166,13 @@ def strain_matrix(gradients: FloatArray) -> FloatArray:
     return strain.reshape(n_cells, 6, 3 * n_functions)
 
 
-def compatible_stiffness(cells: FloatArray, elastic: FloatArray, order: int) -> FloatArray:
-    """(m, 3k, 3k) stiffness ``integral of B^T D B`` of 8-node or 20-node bricks, N/m.
+def compatible_stiffness(cells: FloatArray, elastic: FloatArray) -> FloatArray:
+    """(m, 3k, 3k) stiffness ``integral of B^T D B`` of cells of one kind, N/m.
 
-    ``cells`` (m, k, 3) node coordinates in m, ``elastic`` (6, 6) Pa, ``order`` Gauss points a direction.
+    ``cells`` (m, k, 3) node coordinates in m, whose number k tells the kind; ``elastic`` (6, 6) Pa.
     """
     n_nodes = cells.shape[1]
-    points, weights = gauss_points(order)
+    points, weights = stiffness_rule(n_nodes)
     _, gradients = shape_functions(n_nodes, points)
     stiffness = np.zeros((len(cells), 3 * n_nodes, 3 * n_nodes))
     for gradient, weight in zip(gradients, weights, strict=True):
@@ -86,10 +182,10 @@ def compatible_stiffness(cells: FloatArray, elastic: FloatArray, order: int) -> 
     return stiffness
 
 
-def consistent_mass(cells: FloatArray, density: float, order: int) -> FloatArray:
-    """(m, k, k) mass ``integral of density N_i N_j``, kg, the same for each of the three directions."""
+def consistent_mass(cells: FloatArray, density: float) -> FloatArray:
+    """(m, k, k) mass ``integral of density N_i N_j`` of cells (m, k, 3), kg, the same for each direction."""
     n_nodes = cells.shape[1]
-    points, weights = gauss_points(order)
+    points, weights = mass_rule(n_nodes)
     values, gradients = shape_functions(n_nodes, points)
     mass = np.zeros((len(cells), n_nodes, n_nodes))
     for value, gradient, weight in zip(values, gradients, weights, strict=True):

@@ -1,0 +1,1 @@
+"""Models of other programs: mesh, sets, materials, constraints and loads."""

@@ -1,0 +1,111 @@
+"""The cards of Nastran bulk data: fields of small, large and free format, continued lines joined."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NoReturn
+
+from stickslip.structure.importers.raw_model import fail
+
+_EXPONENT = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))([-+]\d+)")  # 1.5-3 is 1.5e-3
+_LARGEST_LABEL = 2**31
+
+
+@dataclass
+class BulkCard:
+    """One entry: its name in capitals and its fields from the second on, blank ones as ""."""
+
+    source: Path
+    name: str
+    fields: list[str]
+    line: int
+
+    def fail(self, sentence: str) -> NoReturn:
+        """Raise ImportFileError that names the file, the line and the card."""
+        fail(self.source, f"{self.name}: {sentence}", self.line)
+
+    def word(self, position: int) -> str:
+        """A field, counted from 0 after the name; "" beyond the last one."""
+        return self.fields[position] if position < len(self.fields) else ""
+
+    def integer(self, position: int, default: int | None = None) -> int:
+        """A number of at least 0; raises ImportFileError for anything else, or if it is blank without a default."""
+        word = self.word(position)
+        if not word and default is not None:
+            return default
+        if not word.isdecimal() or int(word) >= _LARGEST_LABEL:
+            self.fail(f'field {position + 2} is "{word[:24]}", not a whole number from 0 to {_LARGEST_LABEL - 1}.')
+        return int(word)
+
+    def real(self, position: int, default: float | None = None) -> float:
+        """A finite number; raises ImportFileError for anything else, or if it is blank without a default."""
+        word = self.word(position)
+        if not word and default is not None:
+            return default
+        text = word.upper().replace("D", "E")
+        match = _EXPONENT.fullmatch(text)
+        try:
+            value = float(f"{match[1]}e{match[2]}" if match else text)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value) or "_" in word:
+            self.fail(f'field {position + 2} is "{word[:24]}", not a number.')
+        return value
+
+    def numbers(self, start: int) -> list[int]:
+        """Whole numbers of the fields from ``start`` on, blanks left out; ``a THRU b`` gives a and all up to b."""
+        answer: list[int] = []
+        words = [(position, word) for position, word in enumerate(self.fields) if position >= start and word]
+        through = False
+        for position, word in words:
+            if word.upper() == "THRU":
+                through = True
+                continue
+            value = self.integer(position)
+            if through and answer:
+                if value - answer[-1] > 10_000_000:
+                    self.fail(f"{answer[-1]} THRU {value} is too long a range.")
+                answer += range(answer[-1] + 1, value)
+            through = False
+            answer.append(value)
+        return answer
+
+
+def read_bulk(source: Path, lines: list[str]) -> Iterator[BulkCard]:
+    """Cards of bulk data, from BEGIN BULK (or the first line) to ENDDATA, each with its continuation lines joined."""
+    start = next((at + 1 for at, text in enumerate(lines) if text.upper().split()[:2] == ["BEGIN", "BULK"]), 0)
+    card: BulkCard | None = None
+    for number, text in enumerate(lines[start:], start=start + 1):
+        line = text.split("$")[0].rstrip()
+        if not line.strip():
+            continue
+        if line.strip().upper().startswith("ENDDATA"):
+            break
+        name, fields = _split(line)
+        if name in ("", "+", "*") or name[:1] in "+*":
+            if card is None:
+                fail(source, "a continuation line stands before the first entry.", number)
+            card.fields += fields
+            continue
+        if card is not None:
+            yield card
+        card = BulkCard(source, name.rstrip("*").upper(), fields, number)
+    if card is not None:
+        yield card
+
+
+def _split(line: str) -> tuple[str, list[str]]:
+    """Name and data fields of one line: 8 of small or free format, 4 of large format."""
+    if "," in line:
+        words = [word.strip() for word in line.split(",")]
+        count = 4 if words[0].endswith("*") or words[0].startswith("*") else 8
+        fields = words[1 : 1 + count]
+        return words[0], fields + [""] * (count - len(fields))
+    line = line.expandtabs(8)
+    name = line[:8].strip()
+    width, count = (16, 4) if name.endswith("*") or name.startswith("*") else (8, 8)
+    return name, [line[8 + width * at : 8 + width * (at + 1)].strip() for at in range(count)]

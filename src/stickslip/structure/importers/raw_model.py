@@ -1,0 +1,122 @@
+"""A model file as its reader finds it: labels and numbers of the file, with the place where each entry stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NoReturn
+
+import numpy as np
+
+from stickslip.errors import ImportFileError
+from stickslip.structure.mesh import IntArray
+from stickslip.validation import FloatArray
+
+
+@dataclass(frozen=True)
+class RawBlock:
+    """Solid elements of one kind: labels (m,), node labels (m, k) in VTK order, and lines (m,), 0 where unknown."""
+
+    kind: str
+    labels: IntArray
+    cells: IntArray
+    lines: IntArray
+
+
+@dataclass(frozen=True)
+class RawMaterial:
+    """Numbers of a material in the units of the file; None where the file gives none."""
+
+    young_modulus: float | None
+    poisson_ratio: float | None
+    density: float | None
+    line: int
+
+
+@dataclass(frozen=True)
+class RawBody:
+    """Elements (k,) by label that share a name and, where ``material`` is given, a material."""
+
+    name: str
+    elements: IntArray
+    material: str | None
+    line: int
+
+
+@dataclass(frozen=True)
+class RawSides:
+    """Sides of solids: ``side`` (0, 1, ...) of elements (k,), or every free side of them where it is None.
+
+    ``corners`` instead holds the corner nodes (k, 3 | 4) of sides, as shell elements or surface cells name them.
+    """
+
+    line: int
+    elements: IntArray | None = None
+    side: int | None = None
+    corners: IntArray | None = None
+
+
+@dataclass(frozen=True)
+class RawLoad:
+    """Nodes (k,) by label, direction 0, 1, 2, and the force on each in the unit of the file."""
+
+    nodes: IntArray
+    direction: int
+    value: float
+    line: int
+
+
+@dataclass(frozen=True)
+class RawHeld:
+    """Nodes (k,) by label whose displacements along some directions 0, 1, 2 are zero."""
+
+    nodes: IntArray
+    directions: tuple[int, ...]
+    line: int
+
+
+@dataclass
+class RawModel:
+    """All that a reader found. Node and element labels are those of the file."""
+
+    source: Path
+    format: str
+    node_labels: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    coordinates: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
+    node_lines: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    blocks: list[RawBlock] = field(default_factory=list)
+    node_sets: dict[str, IntArray] = field(default_factory=dict)
+    element_sets: dict[str, IntArray] = field(default_factory=dict)
+    face_sets: dict[str, list[RawSides]] = field(default_factory=dict)
+    set_lines: dict[str, int] = field(default_factory=dict)
+    materials: dict[str, RawMaterial] = field(default_factory=dict)
+    bodies: list[RawBody] = field(default_factory=list)
+    held: list[RawHeld] = field(default_factory=list)
+    loads: list[RawLoad] = field(default_factory=list)
+    messages: list[str] = field(default_factory=list)
+
+    def fail(self, sentence: str, line: int = 0) -> NoReturn:
+        """Raise ImportFileError with the file, the line where one is known, and the sentence."""
+        fail(self.source, sentence, line)
+
+
+def fail(source: Path, sentence: str, line: int = 0) -> NoReturn:
+    """Raise ImportFileError with the file, the line where one is known, and the sentence."""
+    raise ImportFileError(f"{source}, line {line}: {sentence}" if line else f"{source}: {sentence}")
+
+
+def read_text(source: Path) -> list[str]:
+    """Lines of a text file. Raises ImportFileError where it cannot be read, is empty, or is no text."""
+    try:
+        content = source.read_bytes()
+    except OSError as error:
+        fail(source, f"the file cannot be read ({error.strerror}). Give the path of a model file.")
+    if not content.strip():
+        fail(source, "the file is empty.")
+    if b"\0" in content:
+        fail(source, "this is a binary file, but its name is that of a text format. Export the model as text.")
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = content.decode("latin-1")  # comments and names of older programs; every byte is a character
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")

@@ -1,0 +1,81 @@
+"""Facts about an imported mesh before anything is solved: parts, volumes, masses, size, rigid motions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+import scipy.sparse
+import scipy.sparse.csgraph
+
+from stickslip.structure.elasticity import Material
+from stickslip.structure.finite_element_mesh import FiniteElementMesh
+from stickslip.structure.mesh import IntArray
+from stickslip.structure.shapes import consistent_mass
+from stickslip.validation import FloatArray
+
+_CELLS_AT_ONCE = 5000
+# What solid machine parts have; values beyond are most likely in another unit.
+DENSITY_RANGE = (100.0, 30_000.0)  # kg/m3
+MODULUS_RANGE = (1e6, 2e12)  # Pa
+SIZE_RANGE = (1e-4, 1e2)  # m, diagonal of the bounding box
+MASS_RANGE = (1e-6, 1e6)  # kg, of a body
+FREQUENCY_RANGE = (1.0, 1e7)  # Hz, half a wave of compression along the diagonal of the bounding box
+
+
+def connected_parts(cells: Sequence[IntArray]) -> IntArray:
+    """Number of the part (m,) of each cell of all arrays (m, k); cells that share a node belong to one part."""
+    size = 1 + max(int(block.max()) for block in cells if block.size)
+    rows = np.concatenate([np.repeat(block[:, 0], block.shape[1] - 1) for block in cells])
+    columns = np.concatenate([block[:, 1:].ravel() for block in cells])
+    graph = scipy.sparse.coo_matrix((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(size, size))
+    _, part_of_node = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    part = part_of_node[np.concatenate([block[:, 0] for block in cells])]
+    _, first, position = np.unique(part, return_index=True, return_inverse=True)
+    # numbered in the order of their first cells
+    rank = np.empty(len(first), dtype=np.int64)
+    rank[np.argsort(first)] = np.arange(len(first))
+    return rank[position.ravel()]
+
+
+def bounding_box(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Smallest and largest coordinates (3,), (3,) of points (n, 3)."""
+    return points.min(axis=0), points.max(axis=0)
+
+
+def body_volumes(mesh: FiniteElementMesh) -> FloatArray:
+    """(n_bodies,) m3, by the quadrature of the mass, so that density times volume is the mass of the model."""
+    volume = np.zeros(len(mesh.body_names))
+    for block in mesh.blocks:
+        for start in range(0, len(block.cells), _CELLS_AT_ONCE):
+            part = slice(start, start + _CELLS_AT_ONCE)
+            cell_volume = consistent_mass(mesh.points[block.cells[part]], 1.0).sum(axis=(1, 2))
+            np.add.at(volume, block.body[part], cell_volume)
+    return volume
+
+
+def plausibility_warnings(mesh: FiniteElementMesh, materials: Mapping[str, Material]) -> Iterator[str]:
+    """Sentences on sizes, densities, moduli, masses and frequencies that only wrong units can explain."""
+    low, high = bounding_box(mesh.points)
+    diagonal = float(np.linalg.norm(high - low))
+    yield from _outside("the model's bounding box has the diagonal", diagonal, "m", SIZE_RANGE, "the length unit")
+    volumes = dict(zip(mesh.body_names, body_volumes(mesh), strict=True))
+    for name, material in materials.items():
+        about = f"body '{name}'"
+        yield from _outside(f"{about} has the density", material.density, "kg/m3", DENSITY_RANGE, "the unit system")
+        yield from _outside(
+            f"{about} has Young's modulus", material.young_modulus, "Pa", MODULUS_RANGE, "the unit system"
+        )
+        yield from _outside(f"{about} has the mass", material.density * volumes[name], "kg", MASS_RANGE, "the units")
+        size = float(np.linalg.norm(np.ptp(mesh.points[mesh.nodes_of_body(mesh.body_names.index(name))], axis=0)))
+        wave = float(np.sqrt(material.young_modulus / material.density)) / (2.0 * size)
+        words = f"{about} lets expect frequencies of compression of about"
+        yield from _outside(words, wave, "Hz", FREQUENCY_RANGE, "the units")
+
+
+def _outside(words: str, value: float, unit: str, allowed: tuple[float, float], cause: str) -> Iterator[str]:
+    if not allowed[0] <= value <= allowed[1]:
+        yield (
+            f"{words} {value:.3g} {unit}, outside {allowed[0]:g} to {allowed[1]:g} {unit}, where machine parts lie. "
+            f"Check {cause}."
+        )

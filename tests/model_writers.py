@@ -1,0 +1,129 @@
+"""Writers of small model files for the tests of the importers, by hand or through meshio."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+
+from stickslip.structure.mesh import Mesh
+
+STEEL_MM = (210_000.0, 0.3, 7.85e-9)  # MPa, -, t/mm3
+ABAQUS_TYPES = {"hexahedron": "C3D8I", "hexahedron20": "C3D20", "tetra": "C3D4", "tetra10": "C3D10"}
+ABAQUS_TYPES |= {"wedge": "C3D6", "wedge15": "C3D15"}
+SURFACES = {3: "triangle", 6: "triangle6", 4: "quad", 8: "quad8"}
+VTK_TO_NASTRAN = {"hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]}
+
+
+def rows(numbers: list[object], width: int = 8) -> str:
+    """Comma lists, continued lines ending in a comma."""
+    parts = [numbers[at : at + width] for at in range(0, len(numbers), width)]
+    return ",\n".join(", ".join(map(str, part)) for part in parts)
+
+
+def write_inp(path: Path, mesh: Mesh, body_names: list[str], faces: list[str], fixed: str) -> None:
+    """A deck in mm, t, s with one element set, section and material a body, surfaces and a clamped node set."""
+    young, poisson, density = STEEL_MM
+    text = ["*HEADING", "written by a test", "*NODE, NSET=everything"]
+    text += [f"{n + 1}, {x:.12g}, {y:.12g}, {z:.12g}" for n, (x, y, z) in enumerate(1e3 * mesh.points)]
+    for number, name in enumerate(body_names):
+        text.append(f"*ELEMENT, TYPE={ABAQUS_TYPES[mesh.kind.name]}, ELSET={name}")
+        text += [rows([int(cell) + 1, *(mesh.cells[cell] + 1)]) for cell in np.flatnonzero(mesh.body == number)]
+    for name in mesh.node_sets:
+        if name not in faces:
+            text += [f"*NSET, NSET={name}", rows(list(mesh.node_sets[name] + 1))]
+    for name in faces:
+        text.append(f"*SURFACE, NAME={name}, TYPE=ELEMENT")
+        text += [f"{cell + 1}, S{side + 1}" for cell, side in sides_of(mesh, name)]
+    text += ["*MATERIAL, NAME=steel", "*ELASTIC", f"{young}, {poisson}", "*DENSITY", f"{density}"]
+    text += [f"*SOLID SECTION, ELSET={name.upper()}, MATERIAL=Steel" for name in body_names]
+    text += ["*BOUNDARY", f"{fixed}, 1, 3"]
+    path.write_text("\n".join(text) + "\n", encoding="utf-8")
+
+
+def sides_of(mesh: Mesh, name: str) -> list[tuple[int, int]]:
+    """(cell, position of the side) of a face given by its node set."""
+    wanted = {tuple(sorted(side)) for side in mesh.sides_within(name).tolist()}
+    return [
+        (number, position)
+        for number, cell in enumerate(mesh.cells)
+        for position, side in enumerate(mesh.kind.sides)
+        if tuple(sorted(cell[side].tolist())) in wanted
+    ]
+
+
+def write_bdf(path: Path, mesh: Mesh, body_names: list[str], faces: list[str], fixed: str, large: bool) -> None:
+    """Bulk data in mm, t, s: PSOLID a body, shells on the faces, SPC1 on the fixed nodes."""
+    young, poisson, density = STEEL_MM
+    text = ["SOL 103", "CEND", "SPC = 1", "BEGIN BULK"]
+    for n, point in enumerate(1e3 * mesh.points):
+        if large:
+            x, y, z = (f"{value:16.9f}" for value in point)
+            text += [f"GRID*   {n + 1:16d}{'':16s}{x}{y}", f"*       {z}"]
+        else:
+            text.append(f"GRID,{n + 1},,{point[0]:.12g},{point[1]:.12g},{point[2]:.12g}")
+    name = {"hexahedron": "CHEXA", "hexahedron20": "CHEXA", "tetra": "CTETRA", "tetra10": "CTETRA"}[mesh.kind.name]
+    order = VTK_TO_NASTRAN.get(mesh.kind.name, list(range(mesh.kind.n_nodes)))
+    for number, cell in enumerate(mesh.cells):
+        fields = [number + 1, mesh.body[number] + 1, *(cell[order] + 1)]
+        parts = [fields[at : at + 8] for at in range(0, len(fields), 8)]
+        text += [f"{name if not at else '':8s}" + "".join(f"{v:8d}" for v in part) for at, part in enumerate(parts)]
+    label = len(mesh.cells) + 1
+    for position, face in enumerate(faces):
+        text.append(f'$HMNAME PROP {100 + position}"{face}" 5')
+        for side in mesh.sides_within(face):
+            corners = side[:4] + 1
+            text.append(f"CQUAD4,{label},{100 + position}," + ",".join(map(str, corners)))
+            label += 1
+    for number, body in enumerate(body_names):
+        text += [f'$HMNAME PROP {number + 1}"{body}" 5', f"PSOLID,{number + 1},7"]
+    text.append(f"MAT1,7,{young},,{poisson},{density}")
+    for position, (set_name, nodes) in enumerate(mesh.node_sets.items()):
+        if set_name == fixed:
+            text += [f"SPC1,1,123,{node + 1}" for node in nodes]
+        elif set_name not in faces:
+            text.append(f"SET1,{position}," + ",".join(str(node + 1) for node in nodes[:6]))
+    path.write_text("\n".join([*text, "ENDDATA", ""]), encoding="utf-8")
+
+
+def write_meshio(path: Path, mesh: Mesh, body_names: list[str], faces: list[str], form: str) -> None:
+    """A file in mm with the bodies and faces as groups, of .msh (form gmsh22, gmsh), .vtu (vtu) or .med (med)."""
+    cells: list[tuple[str, np.ndarray]] = []
+    tags: list[np.ndarray] = []
+    names: dict[str, tuple[int, int]] = {}
+    for number, name in enumerate(body_names):
+        block = mesh.cells[mesh.body == number]
+        cells.append((mesh.kind.name, block))
+        tags.append(np.full(len(block), number + 1))
+        names[name] = (number + 1, 3)
+    for number, name in enumerate(faces, start=len(body_names) + 1):
+        sides = mesh.sides_within(name)
+        cells.append((SURFACES[sides.shape[1]], sides))
+        tags.append(np.full(len(sides), number))
+        names[name] = (number, 2)
+    points = 1e3 * mesh.points
+    if form.startswith("gmsh"):
+        data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
+        field = {name: np.array(value) for name, value in names.items()}
+        meshio.Mesh(points, cells, cell_data=data, field_data=field).write(
+            path, file_format="gmsh22", binary=form == "gmsh22b"
+        )
+    elif form == "vtu":
+        flags = {name: [np.asarray(tag == value[0], dtype=np.int32) for tag in tags] for name, value in names.items()}
+        own = {
+            name: np.isin(np.arange(mesh.n_nodes), nodes).astype(np.int32)
+            for name, nodes in mesh.node_sets.items()
+            if name not in faces
+        }
+        meshio.Mesh(points, cells, cell_data=flags, point_data=own).write(path)
+    else:
+        merged: dict[str, list[int]] = {}
+        for at, (kind, _) in enumerate(cells):
+            merged.setdefault(kind, []).append(at)
+        whole = [(kind, np.concatenate([cells[at][1] for at in parts])) for kind, parts in merged.items()]
+        family = [-np.concatenate([tags[at] for at in parts]) for parts in merged.values()]
+        model = meshio.Mesh(points, whole, cell_data={"cell_tags": family})
+        model.cell_tags = {-value[0]: [name] for name, value in names.items()}
+        model.point_tags = {}
+        model.write(path)
