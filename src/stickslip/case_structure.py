@@ -47,14 +47,14 @@ FOREIGN_KEYS: dict[Kind, frozenset[str]] = {
     "mesh": frozenset(
         {
             *_WEDGE,
-            *(f"structure.{key}" for key in (*_MATRIX_FILES, "force_unit")),
+            *(f"structure.{key}" for key in _MATRIX_FILES),
             *(f"interfaces.{key}" for key in ("pairs", "normal", "area")),
         }
     ),
     "matrices": frozenset(
         {
             *_WEDGE,
-            *(f"structure.{key}" for key in ("unit_system", "fixed", "element")),
+            *(f"structure.{key}" for key in ("fixed", "element")),
             *(f"interfaces.{key}" for key in _INTERFACE_OF_MESH),
             *(f"{section}.spread" for section in ("forces", "responses", "static_loads")),
         }
@@ -80,10 +80,10 @@ class StructureSection(Section):
     file: str | None = Field(
         default=None, description="mesh or superelement (.npz), relative to the study file", examples=["blades.inp"]
     )
-    length_unit: str | None = Field(default=None, description="of the mesh file: m, mm, in ...", examples=["mm"])
-    unit_system: str | None = Field(
-        default=None, description="of moduli, densities and forces in the mesh file", examples=["mm-t-s"]
+    length_unit: str | None = Field(
+        default=None, description="of the mesh or matrix files: m, mm, in ...", examples=["mm"]
     )
+    unit_system: str | None = Field(default=None, description="of all other units in these files", examples=["mm-t-s"])
     stiffness: str | None = Field(
         default=None, description="matrices, instead of file: .mtx, .mat, .npy ...", examples=["stiffness.mtx"]
     )
@@ -95,7 +95,6 @@ class StructureSection(Section):
     node_positions: str | None = Field(
         default=None, description="lines node, x, y, z of the matrices", examples=["nodes.csv"]
     )
-    force_unit: str | None = Field(default=None, description="of the matrices: N, kN, lbf", examples=["N"])
     fixed: tuple[str, ...] = Field(
         default=(), description="node or face sets that are clamped, beside what the file holds", examples=[["root"]]
     )
@@ -282,20 +281,21 @@ def _unwanted(case: Case, keys: tuple[str, ...], why: str = "") -> Iterator[Entr
 
 def _matrix_errors(case: Case) -> Iterator[EntryError]:
     given = case.structure
-    yield from _unwanted(case, ("unit_system", "fixed", "element"))
+    yield from _unwanted(case, ("fixed", "element"))
     if given.file is not None:
-        yield from _unwanted(case, (*_MATRIX_FILES, "force_unit", "length_unit"), "stands in the superelement of file.")
+        yield from _unwanted(
+            case, (*_MATRIX_FILES, "unit_system", "length_unit"), "stands in the superelement of file."
+        )
         return
     for key in ("stiffness", "mass"):
         if getattr(given, key) is None:
             yield EntryError(("structure", key), "is missing: give file, or stiffness and mass.")
-    for key in ("length_unit", "force_unit"):
-        if getattr(given, key) is None:
-            yield EntryError(("structure", key), "is missing: matrix files do not say their units.")
+    if given.length_unit is None:
+        yield EntryError(("structure", "length_unit"), "is missing: matrix files do not say their unit of length.")
 
 
 def _mesh_errors(case: Case) -> Iterator[EntryError]:
-    yield from _unwanted(case, (*_MATRIX_FILES, "force_unit"))
+    yield from _unwanted(case, _MATRIX_FILES)
     if case.structure.file is None:
         yield EntryError(("structure", "file"), 'is missing, but a structure of kind "mesh" comes from a file.')
     if case.structure.length_unit is None:

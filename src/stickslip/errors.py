@@ -21,7 +21,11 @@ class StudyFileError(InputError):
 
 
 class ImportFileError(InputError):
-    """A mesh or matrix file of another program cannot be read, or its content makes no usable model."""
+    """A mesh or matrix file of another program cannot be read, or an entry of it is wrong; the message says which."""
+
+
+class SingularMatrixError(InputError):
+    """A matrix that must be factored is singular or nearly so."""
 
 
 class RoughnessError(InputError):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -28,8 +29,10 @@ from stickslip.own_structure import (
 from stickslip.setup import Layout, Port
 from stickslip.structure.elasticity import Material
 from stickslip.structure.finite_element_mesh import AnyMesh
-from stickslip.structure.matrix_files.exchange import as_superelement, read_superelement
+from stickslip.structure.matrix_files.exchange import boundary_unknowns, read_superelement
+from stickslip.structure.matrix_files.model import MatrixModel
 from stickslip.structure.matrix_files.read import read_matrices
+from stickslip.structure.matrix_files.reduce import reduce_matrices
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
@@ -53,32 +56,53 @@ __all__ = [
 ]
 
 _COINCIDENT = 1e-6  # m between the nodes of a pair, unless search_distance says more
-_LARGEST = 4000  # unknowns of dense matrices: about 400 MB for each
 _MAP_STEP = 1e-3  # m between pairs on a map, where the matrices have no positions
 
 
 @dataclass(frozen=True)
-class MatrixSetup:
-    """Small matrices whose unknowns are known by node and direction."""
+class _Book:
+    """Nodes of matrices that have x, y and z: their numbers (k,), where they are (k, 3) m or None, and named sets."""
 
-    superelement: Superelement
+    labels: IntArray
+    positions: FloatArray | None
+    node_sets: Mapping[str, IntArray]
+
+    @classmethod
+    def of(cls, matrices: Superelement | MatrixModel) -> _Book:
+        """The nodes of matrices."""
+        if isinstance(matrices, Superelement):
+            return cls(matrices.boundary_nodes, matrices.positions, matrices.node_sets)
+        nodes, _ = boundary_unknowns(matrices)
+        return cls(nodes, matrices.positions_of(nodes), matrices.node_sets)
+
+
+@dataclass(frozen=True)
+class MatrixSetup:
+    """Matrices whose unknowns are known by node and direction, and how many modes a reduction of them keeps."""
+
+    matrices: Superelement | MatrixModel
     layout: Layout
+    n_modes: int
 
     def assemble(self) -> Superelement:
-        """The matrices as they are."""
-        return self.superelement
+        """A superelement as it is; sparse matrices reduced to the nodes of the layout and some modes."""
+        if isinstance(self.matrices, Superelement):
+            return self.matrices
+        places = [port.nodes for port in self.layout.ports.values()]
+        nodes = np.unique(np.concatenate([self.layout.face_pairs.nodes, *places]))
+        return reduce_matrices(self.matrices, nodes, self.n_modes)
 
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """Nodes with three displacements, other unknowns, mass, named sets."""
-        found = self.superelement
-        nodes = found.boundary_nodes.size
-        sets = ", ".join(f"{name} ({members.size})" for name, members in found.node_sets.items())
-        rigid = np.zeros(found.size)
-        rigid[: 3 * nodes : 3] = 1.0
+        found, book = self.matrices, _Book.of(self.matrices)
+        nodes = book.labels.size
+        sets = ", ".join(f"{name} ({members.size})" for name, members in book.node_sets.items())
+        along_x = np.zeros(found.size)
+        along_x[np.arange(0, 3 * nodes, 3) if isinstance(found, Superelement) else found.direction == 0] = 1.0
         return (
             ("nodes with x, y, z", f"{nodes}"),
             ("other unknowns", f"{found.size - 3 * nodes}"),
-            ("mass that moves along x with all nodes", f"{float(rigid @ found.mass @ rigid):.4g} kg"),
+            ("mass that moves along x with all nodes", f"{float(along_x @ (found.mass @ along_x)):.4g} kg"),
             ("node sets", sets or "none"),
         )
 
@@ -92,21 +116,27 @@ def set_up(case: Case) -> MatrixSetup:
 
     Raises ImportFileError for a file; InputError that names the entry of the study file for what does not fit.
     """
-    superelement = _read(case)
-    if superelement.damping is not None and case.damping.modal_damping_ratio is not None:
+    matrices = _read(case)
+    if matrices.damping is not None and case.damping.modal_damping_ratio is not None:
         raise InputError(
             f"damping.modal_damping_ratio = {case.damping.modal_damping_ratio:g} cannot come on top of the damping in "
             "the matrix files. Set damping.rayleigh_alpha = 0 to take that of the files alone, or leave it out of them."
         )
-    pairs, messages = [], []
+    book, pairs, messages = _Book.of(matrices), [], []
     for name, given in case.interfaces.items():
-        found, words = _pairs(superelement, name, given)
+        found, words = _pairs(book, name, given)
         pairs.append(found)
         messages += words
-    ports = {name: _port(superelement, name, given) for name, given in port_sections(case).items()}
+    ports = {name: _port(book, name, given) for name, given in port_sections(case).items()}
     materials = _face_materials(case)
-    layout = Layout(FacePairs.concatenate(pairs), tuple(case.interfaces), materials, ports, messages=tuple(messages))
-    return MatrixSetup(superelement, layout)
+    layout = Layout(
+        FacePairs.concatenate(pairs),
+        tuple(case.interfaces),
+        materials,
+        ports,
+        messages=(*getattr(matrices, "messages", ()), *messages),
+    )
+    return MatrixSetup(matrices, layout, case.reduction.modes)
 
 
 def find_layout(case: Case, mesh: AnyMesh) -> Layout:
@@ -114,28 +144,23 @@ def find_layout(case: Case, mesh: AnyMesh) -> Layout:
     return set_up(case).layout
 
 
-def _read(case: Case) -> Superelement:
-    """The matrices of the files as they are. Raises ImportFileError; InputError for matrices that are too large."""
+def _read(case: Case) -> Superelement | MatrixModel:
+    """The matrices of the files. Raises ImportFileError, and InputError for a unit that is not known."""
     given = case.structure
     if given.file is not None:
         return read_superelement(given.file)
     assert given.stiffness is not None
     assert given.mass is not None
-    model = read_matrices(
+    assert given.length_unit is not None
+    return read_matrices(
         given.stiffness,
         given.mass,
         given.damping,
         given.unknown_map,
         given.node_positions,
-        length_unit=given.length_unit,  # type: ignore[arg-type]  # read_matrices refuses other units
-        force_unit=given.force_unit,  # type: ignore[arg-type]
+        length_unit=given.length_unit,
+        unit_system=given.unit_system,
     )
-    if model.size > _LARGEST:
-        raise InputError(
-            f"the matrices have {model.size} unknowns; up to {_LARGEST} are solved as they are. Reduce them first to "
-            "the nodes of the joints, forces and responses."
-        )
-    return as_superelement(model)
 
 
 def _face_materials(case: Case) -> tuple[tuple[Material, Material], ...]:
@@ -145,22 +170,22 @@ def _face_materials(case: Case) -> tuple[tuple[Material, Material], ...]:
     return ((material, material),) * len(case.interfaces)
 
 
-def _nodes(superelement: Superelement, entry: str, name: str) -> IntArray:
+def _nodes(book: _Book, entry: str, name: str) -> IntArray:
     """Nodes of a set. Raises InputError that names the entry."""
-    if name not in superelement.node_sets:
-        known = ", ".join(superelement.node_sets) or "none"
+    if name not in book.node_sets:
+        known = ", ".join(book.node_sets) or "none"
         raise InputError(f"{entry}: the matrices have no node set '{name}'; they have: {known}.")
-    nodes = np.asarray(superelement.node_sets[name], dtype=np.int64)
+    nodes = np.asarray(book.node_sets[name], dtype=np.int64)
     if not nodes.size:
         raise InputError(f"{entry}: node set '{name}' is empty. Give it nodes, or take another set.")
     return nodes
 
 
-def _pairs(superelement: Superelement, name: str, given: InterfaceSection) -> tuple[FacePairs, list[str]]:
+def _pairs(book: _Book, name: str, given: InterfaceSection) -> tuple[FacePairs, list[str]]:
     """Node to node pairs of an interface, or pairs of nodes and the ground; sentences on what was assumed."""
     entry = f"interfaces.{name}"
     messages: list[str] = []
-    first, second = _sides(superelement, entry, given)
+    first, second = _sides(book, entry, given)
     count = first.size
     weight = np.full((count, 1), 0.0 if second is None else 1.0)
     second = first if second is None else second
@@ -168,7 +193,7 @@ def _pairs(superelement: Superelement, name: str, given: InterfaceSection) -> tu
     assert given.area is not None
     normal = np.tile(given.normal, (count, 1))
     area = np.full(count, given.area / count)
-    places = _places(superelement, first)
+    places = _places(book, first)
     points = np.zeros((count, 3)) if places is None else places
     tangent1, tangent2 = local_tangents(points, normal, area, given.tangent)
     if places is None:
@@ -185,20 +210,20 @@ def _pairs(superelement: Superelement, name: str, given: InterfaceSection) -> tu
     return pairs, messages
 
 
-def _sides(superelement: Superelement, entry: str, given: InterfaceSection) -> tuple[IntArray, IntArray | None]:
+def _sides(book: _Book, entry: str, given: InterfaceSection) -> tuple[IntArray, IntArray | None]:
     """First and second node of each pair, from a file or from sets; None for the ground."""
     if given.pairs is not None:
-        return _listed_pairs(superelement, entry, Path(given.pairs))
+        return _listed_pairs(book, entry, Path(given.pairs))
     assert given.first is not None
     assert given.second is not None
-    first = _nodes(superelement, f"{entry}.first", given.first)
+    first = _nodes(book, f"{entry}.first", given.first)
     if given.second == GROUND:
         return first, None
-    others = _nodes(superelement, f"{entry}.second", given.second)
-    return first, _partners(superelement, entry, given, first, others)
+    others = _nodes(book, f"{entry}.second", given.second)
+    return first, _partners(book, entry, given, first, others)
 
 
-def _listed_pairs(superelement: Superelement, entry: str, path: Path) -> tuple[IntArray, IntArray | None]:
+def _listed_pairs(book: _Book, entry: str, path: Path) -> tuple[IntArray, IntArray | None]:
     """Pairs of a text file: two node numbers a line, or one for the ground. Raises ImportFileError with the line."""
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
@@ -213,7 +238,7 @@ def _listed_pairs(superelement: Superelement, entry: str, path: Path) -> tuple[I
         if not all(word.lstrip("-").isdecimal() for word in words) or len(words) != len(rows[0] if rows else words):
             raise ImportFileError(f'{where} "{line}" must be two node numbers, or one in every line for the ground.')
         rows.append([int(word) for word in words])
-        lone = np.setdiff1d(rows[-1], superelement.boundary_nodes)
+        lone = np.setdiff1d(rows[-1], book.labels)
         if len(words) > 2 or lone.size:
             what = f"the matrices have no node {lone[0]} with x, y and z" if lone.size else "more than two numbers"
             raise ImportFileError(f"{where} {what}.")
@@ -223,18 +248,16 @@ def _listed_pairs(superelement: Superelement, entry: str, path: Path) -> tuple[I
     return table[:, 0], table[:, 1] if table.shape[1] == 2 else None
 
 
-def _places(superelement: Superelement, nodes: IntArray) -> FloatArray | None:
+def _places(book: _Book, nodes: IntArray) -> FloatArray | None:
     """(k, 3) m of nodes, None where that is not known."""
-    if superelement.positions is None:
+    if book.positions is None:
         return None
-    order = np.argsort(superelement.boundary_nodes)
-    found = order[np.searchsorted(superelement.boundary_nodes, nodes, sorter=order)]
-    return np.asarray(superelement.positions)[found]
+    order = np.argsort(book.labels)
+    found = order[np.searchsorted(book.labels, nodes, sorter=order)]
+    return np.asarray(book.positions)[found]
 
 
-def _partners(
-    superelement: Superelement, entry: str, given: InterfaceSection, first: IntArray, others: IntArray
-) -> IntArray:
+def _partners(book: _Book, entry: str, given: InterfaceSection, first: IntArray, others: IntArray) -> IntArray:
     """The partner of each first node: the node at its place, or, without positions, the one with its rank in the set.
 
     Raises InputError for sets of different size, and for a node without a partner near enough.
@@ -244,7 +267,7 @@ def _partners(
             f"{entry}: '{given.first}' has {first.size} nodes and '{given.second}' has {others.size}; each node needs "
             "one partner. Make the sets equal."
         )
-    places, opposite = _places(superelement, first), _places(superelement, others)
+    places, opposite = _places(book, first), _places(book, others)
     if places is None or opposite is None:
         return others
     distance = np.linalg.norm(places[:, None] - opposite[None], axis=2)
@@ -261,22 +284,22 @@ def _partners(
     return np.asarray(others[nearest])
 
 
-def _port(superelement: Superelement, name: str, given: PortSection) -> Port:
+def _port(book: _Book, name: str, given: PortSection) -> Port:
     """The nodes of a place. Raises InputError that names the entry."""
     if given.set is not None:
-        return Port.equal(_nodes(superelement, f"{name}.set", given.set))
+        return Port.equal(_nodes(book, f"{name}.set", given.set))
     if given.node is not None:
-        if given.node not in superelement.boundary_nodes:
+        if given.node not in book.labels:
             raise InputError(
                 f"{name}.node: the matrices have no node {given.node} with x, y and z among their "
-                f"{superelement.boundary_nodes.size} such nodes."
+                f"{book.labels.size} such nodes."
             )
         return Port.single(given.node)
-    places = _places(superelement, superelement.boundary_nodes)
+    places = _places(book, book.labels)
     if places is None:
         raise InputError(f"{name}.point: the matrices do not say where their nodes are. Give node or set.")
     distance = np.linalg.norm(places - np.array(given.point), axis=1)
     size = float(np.linalg.norm(np.ptp(places, axis=0)))
     if distance.min() > 0.05 * size:
         raise InputError(f"{name}.point: the nearest node is {1e3 * distance.min():.4g} mm away. Check the point.")
-    return Port.single(int(superelement.boundary_nodes[distance.argmin()]))
+    return Port.single(int(book.labels[distance.argmin()]))

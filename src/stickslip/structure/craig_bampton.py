@@ -11,13 +11,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, SingularMatrixError
 from stickslip.progress import ProgressCallback
 from stickslip.structure.cache import cached_tied_modes
 from stickslip.structure.elasticity import Structure, natural_frequencies
 from stickslip.structure.factor import Backend, factor_forecast, factorize
+from stickslip.structure.floating_parts import floating_sentence
 from stickslip.structure.joined import NodePairs, joined_modes
-from stickslip.structure.recovery import Recovery, partition
+from stickslip.structure.mesh import IntArray
+from stickslip.structure.recovery import FullModel, Recovery, partition
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
 
@@ -26,7 +28,7 @@ BLOCK = 256
 
 
 def craig_bampton(
-    structure: Structure,
+    structure: FullModel,
     boundary_nodes: ArrayLike,
     n_modes: int = 30,
     backend: Backend = "superlu",
@@ -37,10 +39,12 @@ def craig_bampton(
 
     ``u_i = Psi u_b + Phi q`` with the constraint modes ``Psi = -K_ii^-1 K_ib`` and the modes
     ``K_ii Phi = M_ii Phi Lambda`` (mass-normalised). Reduced stiffness ``diag(K_bb + K_bi Psi, Lambda)``, reduced mass
-    with ``M_bq = Psi^T M_ii Phi + M_bi Phi`` and ``M_qq = I``.
+    with ``M_bq = Psi^T M_ii Phi + M_bi Phi`` and ``M_qq = I``; a damping matrix is projected as the mass is.
 
     Parameters
     ----------
+    structure:
+        a structure, or the matrices of another program (:class:`MatrixModel`).
     boundary_nodes:
         nodes to keep, in the order of the unknowns: node ``boundary_nodes[i]`` owns unknowns 3i, 3i + 1, 3i + 2.
     n_modes:
@@ -53,17 +57,17 @@ def craig_bampton(
     Returns
     -------
     Superelement
-        with 3 * n_boundary + n_modes unknowns and a ``recovery`` of shape (3 * n_nodes, n) to the full mesh.
+        with 3 * n_boundary + n_modes unknowns and a ``recovery`` of shape (full_size, n) to the full model.
 
     Raises
     ------
     InputError
         for an empty boundary, a node that is repeated, fixed or does not exist, a mode count out of range, and a
-        boundary that leaves a body free to move (singular ``K_ii``).
+        boundary that leaves a body free to move (singular ``K_ii``): the sentence names the part that floats.
 
     Source: R. R. Craig, M. C. C. Bampton, Coupling of substructures for dynamic analyses, AIAA J. 6 (1968) 1313-1319.
     """
-    nodes = _boundary(structure, boundary_nodes)
+    nodes = _boundary(boundary_nodes)
     boundary, interior = partition(structure, nodes)
     if not 0 <= n_modes < len(interior):
         raise InputError(
@@ -72,17 +76,21 @@ def craig_bampton(
         )
     stiffness, mass = structure.stiffness, structure.mass
     stiffness_ii, stiffness_ib = stiffness[interior][:, interior], stiffness[interior][:, boundary]
-    mass_ii, mass_ib = mass[interior][:, interior], mass[interior][:, boundary]
     report = progress or (lambda fraction, detail: None)
     report(0.0, factor_forecast(len(interior), backend))
-    factor = factorize(stiffness_ii, backend, threads)
+    try:
+        factor = factorize(stiffness_ii, backend, threads)
+    except SingularMatrixError as error:
+        raise InputError(floating_sentence(stiffness_ii, structure.node[interior])) from error
     size, n_boundary = len(boundary) + n_modes, len(boundary)
 
     transformation = np.empty((len(interior), size))
     squared = np.empty(0)
     report(0.2, f"{n_modes} fixed-interface modes")
     if n_modes:
-        frequency_hz, modes = natural_frequencies(stiffness_ii, mass_ii, n_modes, shift=0.0, factor=factor)
+        frequency_hz, modes = natural_frequencies(
+            stiffness_ii, mass[interior][:, interior], n_modes, shift=0.0, factor=factor
+        )
         transformation[:, n_boundary:] = modes
         squared = (2.0 * np.pi * frequency_hz) ** 2
     constraint = transformation[:, :n_boundary]
@@ -97,14 +105,22 @@ def craig_bampton(
     _add_sparse(reduced_stiffness, stiffness[boundary][:, boundary])
     reduced_stiffness[n_boundary:, n_boundary:] = np.diag(squared)
     with threadpool_limits(limits=threads):
-        reduced_mass = _congruence(mass_ii, transformation)
-    coupling = mass_ib.T @ transformation
-    reduced_mass[:n_boundary] += coupling
-    reduced_mass[:, :n_boundary] += coupling.T
-    del coupling
-    _add_sparse(reduced_mass, mass[boundary][:, boundary])
+        reduced_mass = _projected(mass, boundary, interior, transformation)
+        damping = getattr(structure, "damping", None)
+        reduced_damping = None if damping is None else _projected(damping, boundary, interior, transformation)
     recovery = Recovery(structure, nodes, transformation[:, n_boundary:].copy(), backend, threads, factor)
-    return Superelement(mass=reduced_mass, stiffness=reduced_stiffness, boundary_nodes=nodes, recovery=recovery)
+    return Superelement(reduced_mass, reduced_stiffness, reduced_damping, boundary_nodes=nodes, recovery=recovery)
+
+
+def _projected(matrix: Any, boundary: IntArray, interior: IntArray, transformation: FloatArray) -> FloatArray:
+    """``T^T A T`` of a sparse symmetric matrix, with ``T = [I 0; transformation]`` in boundary and interior rows."""
+    result = _congruence(matrix[interior][:, interior], transformation)
+    coupling = matrix[interior][:, boundary].T @ transformation
+    result[: len(boundary)] += coupling
+    result[:, : len(boundary)] += coupling.T
+    del coupling
+    _add_sparse(result, matrix[boundary][:, boundary])
+    return result
 
 
 def _add_sparse(dense: FloatArray, part: Any) -> None:
@@ -124,17 +140,12 @@ def _congruence(matrix: Any, basis: FloatArray) -> FloatArray:
     return answer
 
 
-def _boundary(structure: Structure, boundary_nodes: ArrayLike) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    """Boundary nodes as integers after checking that they exist and come once; raises InputError."""
+def _boundary(boundary_nodes: ArrayLike) -> IntArray:
+    """Boundary nodes as integers after checking that they come once; raises InputError."""
     nodes = np.asarray(boundary_nodes).ravel()
     if not nodes.size or not np.issubdtype(nodes.dtype, np.integer):
         raise InputError("boundary_nodes must be node numbers (integers), and at least one.")
     unique, count = np.unique(nodes, return_counts=True)
-    if unique[0] < 0 or unique[-1] >= structure.mesh.n_nodes:
-        raise InputError(
-            f"boundary_nodes run from {unique[0]} to {unique[-1]}, but the mesh has nodes 0 to "
-            f"{structure.mesh.n_nodes - 1}."
-        )
     if count.max() > 1:
         raise InputError(f"boundary_nodes names node {unique[count.argmax()]} {count.max()} times; name it once.")
     return nodes.astype(np.int64)

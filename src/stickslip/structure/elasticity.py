@@ -93,9 +93,26 @@ class Structure:
         free[self.fixed_unknowns] = False
         return np.flatnonzero(free)
 
+    @property
+    def full_size(self) -> int:
+        """Number of displacements of the mesh, fixed ones included."""
+        return 3 * self.mesh.n_nodes
+
+    @property
+    def node(self) -> IntArray:
+        """(n_free,) node of each unknown."""
+        return self.free_unknowns // 3
+
     def unknowns_of(self, nodes: ArrayLike) -> IntArray:
-        """(k, 3) unknowns x, y, z of free nodes (k,); raises InputError for a node that is fixed in any direction."""
+        """(k, 3) unknowns x, y, z of free nodes (k,).
+
+        Raises InputError for a node that does not exist, or is fixed in any direction.
+        """
         wanted = np.asarray(nodes, dtype=np.int64)
+        if wanted.size and (wanted.min() < 0 or wanted.max() >= self.mesh.n_nodes):
+            raise InputError(
+                f"nodes run from {wanted.min()} to {wanted.max()}, but the mesh has nodes 0 to {self.mesh.n_nodes - 1}."
+            )
         held = np.intersect1d(wanted, self.fixed_nodes)
         if held.size:
             raise InputError(f"node {held[0]} is fixed, so it has no unknowns ({held.size} of {wanted.size} are).")

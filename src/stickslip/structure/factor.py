@@ -12,7 +12,7 @@ import numpy as np
 import scipy.sparse
 import scipy.sparse.linalg
 
-from stickslip.errors import ConvergenceError, InputError, MissingPackageError
+from stickslip.errors import ConvergenceError, InputError, MissingPackageError, SingularMatrixError
 from stickslip.threads import in_threads
 from stickslip.validation import FloatArray
 
@@ -102,7 +102,7 @@ def factorize(matrix: Any, backend: Backend = "superlu", threads: int = 1) -> Fa
     Raises
     ------
     InputError
-        for a matrix that is singular, not square, or a backend that does not exist.
+        for a matrix that is not square, or a backend that does not exist; SingularMatrixError for a singular one.
     ConvergenceError
         when the backward error ``|A x - b| / (|A| |x| + |b|)`` of the check exceeds 1e-10.
     MissingPackageError
@@ -118,7 +118,7 @@ def factorize(matrix: Any, backend: Backend = "superlu", threads: int = 1) -> Fa
         raise InputError(f"backend is {backend!r}; it must be 'superlu' or 'pardiso'.")
     residual, solution_error = _errors(matrix, solve)
     if not solution_error <= SOLUTION_ERROR_LIMIT:
-        raise InputError(
+        raise SingularMatrixError(
             f"a matrix with {matrix.shape[0]} unknowns is singular or nearly so: its factor misses a known solution by "
             f"{solution_error:.1e} (allowed: {SOLUTION_ERROR_LIMIT:.0e}). {_SINGULAR_ADVICE}"
         )
@@ -141,7 +141,7 @@ def _superlu(matrix: Any) -> Callable[[FloatArray], FloatArray]:
             options={"SymmetricMode": True},
         )
     except RuntimeError as error:
-        raise InputError(
+        raise SingularMatrixError(
             f"a matrix with {matrix.shape[0]} unknowns is singular ({error}). {_SINGULAR_ADVICE}"
         ) from error
     return lambda right_hand_side: np.asarray(factor.solve(right_hand_side))

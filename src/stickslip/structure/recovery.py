@@ -2,19 +2,48 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.structure.elasticity import Structure
 from stickslip.structure.factor import Backend, Factor, factorize
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
 
 
-def partition(structure: Structure, boundary_nodes: IntArray) -> tuple[IntArray, IntArray]:
+class FullModel(Protocol):
+    """What a model must tell to be reduced and recovered: a :class:`Structure`, or matrices of another program."""
+
+    @property
+    def stiffness(self) -> Any:
+        """csr (n_free, n_free)."""
+
+    @property
+    def mass(self) -> Any:
+        """csr (n_free, n_free)."""
+
+    @property
+    def full_size(self) -> int:
+        """Number of displacements, held ones included."""
+
+    @property
+    def free_unknowns(self) -> IntArray:
+        """(n_free,) position of each unknown among all displacements."""
+
+    @property
+    def node(self) -> IntArray:
+        """(n_free,) node of each unknown."""
+
+    def unknowns_of(self, nodes: IntArray) -> IntArray:
+        """(k, 3) unknowns x, y, z of nodes (k,)."""
+
+    def expand(self, vectors: FloatArray) -> FloatArray:
+        """Displacements (full_size, ...) from free unknowns (n_free, ...)."""
+
+
+def partition(structure: FullModel, boundary_nodes: IntArray) -> tuple[IntArray, IntArray]:
     """Free unknowns of the boundary nodes, in their order, and all others."""
     boundary = structure.unknowns_of(boundary_nodes).ravel()
     return boundary, np.setdiff1d(np.arange(structure.stiffness.shape[0]), boundary)
@@ -29,7 +58,7 @@ class Recovery:
 
     def __init__(
         self,
-        structure: Structure,
+        structure: FullModel,
         boundary_nodes: IntArray,
         modes: FloatArray,
         backend: Backend = "superlu",
@@ -45,7 +74,7 @@ class Recovery:
     @property
     def shape(self) -> tuple[int, int]:
         """Displacements of the mesh, unknowns of the superelement."""
-        return 3 * self._structure.mesh.n_nodes, len(self._boundary) + self.modes.shape[1]
+        return self._structure.full_size, len(self._boundary) + self.modes.shape[1]
 
     def __matmul__(self, reduced: FloatArray) -> FloatArray:
         count = len(self._boundary)

@@ -124,12 +124,39 @@ class MatrixModel:
         return int(self.stiffness.shape[0])
 
     @property
+    def free_unknowns(self) -> IntArray:
+        """(n,) position of each unknown among the displacements: all are free."""
+        return np.arange(self.size)
+
+    @property
     def full_size(self) -> int:
         """Number of displacements that a recovery gives: all unknowns."""
         return self.size
 
+    def unknowns_of(self, nodes: ArrayLike) -> IntArray:
+        """(k, 3) unknowns x, y, z of nodes (k,); raises InputError for a node that has not all three."""
+        wanted = np.asarray(nodes, dtype=np.int64).ravel()
+        position = np.full((3, wanted.size), -1, dtype=np.int64)
+        for axis in range(3):
+            rows = np.flatnonzero(self.direction == axis)
+            order = rows[np.argsort(self.node[rows])]
+            at = np.searchsorted(self.node[order], wanted)
+            there = at < order.size
+            there[there] = self.node[order[at[there]]] == wanted[there]
+            position[axis, there] = order[at[there]]
+        missing = np.flatnonzero((position < 0).any(axis=0))
+        if missing.size:
+            node = wanted[missing[0]]
+            has = ", ".join(DIRECTIONS[axis] for axis in self.direction[self.node == node]) or "no unknowns"
+            raise InputError(
+                f"node {node} must have unknowns along x, y and z, but it has {has} ({missing.size} of {wanted.size} "
+                "nodes are like this). Contact, force and output nodes must be free in the source, and its unknown map "
+                "must be given."
+            )
+        return position.T
+
     def expand(self, vectors: FloatArray) -> FloatArray:
-        """Displacements (n, ...) of all unknowns, which none are held."""
+        """Displacements (n, ...) from the unknowns (n, ...): they are the same, for none is held."""
         return vectors
 
     def positions_of(self, nodes: ArrayLike) -> FloatArray | None:

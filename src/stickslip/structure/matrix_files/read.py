@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import scipy.sparse
 
-from stickslip.errors import ImportFileError, InputError
+from stickslip.errors import ImportFileError
+from stickslip.structure.importers.unit_systems import find_unit_system
 from stickslip.structure.matrix_files.ansys_full import ansys_full
 from stickslip.structure.matrix_files.arrays import matlab_matrices, numpy_matrices
 from stickslip.structure.matrix_files.checks import checked_matrix
@@ -23,11 +24,7 @@ from stickslip.structure.matrix_files.unknown_map import read_node_positions, re
 from stickslip.structure.mesh import IntArray
 
 FilePath = str | PathLike[str]
-LengthUnit = Literal["m", "mm", "in"]
-ForceUnit = Literal["N", "kN", "lbf"]
 
-_METRES = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
-_NEWTONS = {"N": 1.0, "kN": 1e3, "lbf": 4.4482216152605}
 _READERS: dict[str, Callable[[Path], Matrices]] = {
     ".mtx": matrix_market,
     ".mm": matrix_market,
@@ -58,8 +55,8 @@ def read_matrices(
     unknown_map: FilePath | None = None,
     node_positions: FilePath | None = None,
     *,
-    length_unit: LengthUnit = "m",
-    force_unit: ForceUnit = "N",
+    length_unit: str = "m",
+    unit_system: str | None = None,
 ) -> MatrixModel:
     """Matrices of another program as a checked model in SI units.
 
@@ -76,8 +73,8 @@ def read_matrices(
         ``i`` (counted from 0) is known as node ``i``, with no direction.
     node_positions:
         file with lines ``node, x, y, z`` in ``length_unit`` (:func:`read_node_positions`).
-    length_unit, force_unit:
-        units of the files. Time is in seconds, and mass in the unit that goes with them (mm and N: tonnes).
+    length_unit, unit_system:
+        consistent units of the files, as for meshes (:func:`find_unit_system`): mm alone means mm, t, s, N.
 
     Raises
     ------
@@ -89,9 +86,7 @@ def read_matrices(
     MissingPackageError
         for a ``.full`` file without the extra.
     """
-    for name, value, known in (("length_unit", length_unit, _METRES), ("force_unit", force_unit, _NEWTONS)):
-        if value not in known:
-            raise InputError(f"{name} is {value!r}; it must be one of: {', '.join(known)}.")
+    units = find_unit_system(length_unit, unit_system)
     contents: dict[Path, Matrices] = {}  # a file that holds several matrices is read once
     files = {"stiffness": stiffness, "mass": mass, "damping": damping}
     matrices = {name: _matrix(str(file), name, contents) for name, file in files.items() if file is not None}
@@ -104,16 +99,17 @@ def read_matrices(
                 f"{size} rows; all must be square and of one size."
             )
     node, direction = _unknowns(source, unknown_map, size, contents)
-    scale = _unit_scale(direction, _METRES[length_unit], _NEWTONS[force_unit])
+    scale = _unknown_scale(direction, units.length)
+    factor = {"stiffness": units.mass / units.time**2, "mass": units.mass, "damping": units.mass / units.time}
     labels, position = np.empty(0, dtype=np.int64), None
     if node_positions is not None:
         labels, position = read_node_positions(Path(node_positions))
-        position = position * _METRES[length_unit]
+        position = position * units.length
     messages = []
     for name, matrix in matrices.items():
         with told_of(Path(str(files[name]))):  # the model checks again, but does not know the files
             matrix, message = checked_matrix(name, matrix, node, direction)
-        matrices[name] = scale @ matrix @ scale
+        matrices[name] = factor[name] * (scale @ matrix @ scale)
         messages += [f'"{files[name]}": {message}'] if message else []
     with told_of(source):
         return MatrixModel(
@@ -126,11 +122,14 @@ def read_matrices(
         )
 
 
-def _unit_scale(direction: IntArray, metres: float, newtons: float) -> Any:
-    """Diagonal D with ``K_SI = D K D``: energy in force times length; displacements in length, rotations in rad."""
-    energy = np.full(len(direction), np.sqrt(newtons * metres))
-    energy[(direction < 3) | ((direction == OTHER) & (direction.min(initial=OTHER) == OTHER))] /= metres
-    return scipy.sparse.diags(energy, format="csr")
+def _unknown_scale(direction: IntArray, metres: float) -> Any:
+    """Diagonal D with ``M_SI = (kg in the unit of mass) D M D``: 1 for displacements, whose unit is ``metres``.
+
+    Rotations are in rad in any system, and other unknowns keep their numbers: their entries are energies of the file's
+    units, which hold the square of a length. Without a map all unknowns are taken as displacements.
+    """
+    displacement = (direction < 3) | (direction.min() == OTHER)
+    return scipy.sparse.diags(np.where(displacement, 1.0, metres), format="csr")
 
 
 def _unknowns(

@@ -38,7 +38,8 @@ def read_unknown_map(path: Path) -> tuple[IntArray, IntArray]:
     """
     lines = text_lines(path)
     kind = path.suffix.lower()
-    nodes, directions = [], []
+    nodes: list[int] = []
+    directions: list[int] = []
     for number, line in enumerate(lines, start=1):
         words = [word for word in _WORD.split(line.split("#")[0].strip()) if word]
         if not words or (not nodes and not any(_WHOLE.fullmatch(word) for word in words) and "." not in line):

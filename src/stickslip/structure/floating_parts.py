@@ -1,0 +1,155 @@
+"""Parts of a model that nothing holds: motions without strain energy, counted from the stiffness matrix alone."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse
+import scipy.sparse.csgraph
+import scipy.sparse.linalg
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError, SingularMatrixError
+from stickslip.structure.factor import factorize
+from stickslip.structure.mesh import IntArray
+from stickslip.structure.superelement import Superelement
+from stickslip.validation import FloatArray
+
+# Eigenvalues of a stiffness scaled to a diagonal of ones: motions without strain come out at 1e-16 to 1e-12 of one,
+# the softest bending of a slender finite element model at 1e-8 or more.
+ZERO_ENERGY = 1e-10
+RIGID_MOTIONS = 6
+# A body moves without strain only as a rigid one if its strainless motions miss the six rigid ones by less than this.
+_RIGID_RESIDUAL = 1e-3
+_DENSE_SIZE = 600
+_SHIFT = 1e-6
+
+
+def parts_of(matrix: Any) -> IntArray:
+    """(n,) number of the connected part of each unknown; unknowns that an entry joins belong to one part."""
+    graph = scipy.sparse.csr_matrix(matrix)
+    return np.asarray(scipy.sparse.csgraph.connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def strainless_motions(stiffness: Any) -> FloatArray:
+    """(n, k) motions v of one connected part with ``K v = 0``, at most 8 of them for a sparse matrix."""
+    scale = 1.0 / np.sqrt(stiffness.diagonal())
+    size = stiffness.shape[0]
+    if size <= _DENSE_SIZE or not scipy.sparse.issparse(stiffness):
+        dense = stiffness.toarray() if scipy.sparse.issparse(stiffness) else stiffness
+        value, vector = scipy.linalg.eigh(scale[:, None] * dense * scale)
+    else:
+        scaled = scipy.sparse.diags(scale) @ stiffness @ scipy.sparse.diags(scale)
+        factor = factorize(scaled + _SHIFT * scipy.sparse.identity(size))
+        inverse = scipy.sparse.linalg.LinearOperator((size, size), matvec=factor.solve, dtype=float)
+        start = np.random.default_rng(0).standard_normal(size)
+        value, vector = scipy.sparse.linalg.eigsh(scaled, RIGID_MOTIONS + 2, sigma=-_SHIFT, OPinv=inverse, v0=start)
+    return np.asarray(scale[:, None] * vector[:, value < ZERO_ENERGY])
+
+
+def floating_sentence(stiffness: Any, node: IntArray) -> str:
+    """Which parts make a stiffness (n, n), boundary nodes held, singular; ``node`` (n,) names its unknowns."""
+    part = parts_of(stiffness)
+    floating = []
+    for number in range(int(part.max()) + 1):
+        mine = np.flatnonzero(part == number)
+        try:
+            factorize(stiffness[mine][:, mine])
+        except SingularMatrixError:
+            floating.append(mine)
+    if not floating:
+        return (
+            f"the stiffness of the {stiffness.shape[0]} unknowns between the boundary nodes is singular or nearly so, "
+            "though each of its connected parts is held; its entries differ too much in size."
+        )
+    first = floating[0]
+    return (
+        f"the stiffness is singular with the boundary nodes held: {len(floating)} of {int(part.max()) + 1} "
+        f"connected parts float. The first one has {named_nodes(node[first])} and "
+        f"{strainless_motions(stiffness[first][:, first]).shape[1]} motions without strain. Keep enough of its nodes as "
+        "boundary nodes (three that are not in one line), or fix it."
+    )
+
+
+def named_nodes(node: IntArray) -> str:
+    """How a sentence names a group of nodes."""
+    unique = np.unique(node)
+    shown = ", ".join(str(label) for label in unique[:3])
+    return f"{unique.size} nodes ({shown}{', ...' if unique.size > 3 else ''})"
+
+
+def require_rigid_bodies(
+    stiffness: FloatArray,
+    part: IntArray,
+    node: IntArray,
+    contact: NDArray[np.bool_],
+    position: FloatArray | None = None,
+) -> None:
+    """Raise InputError where a stiffness is singular and rigid bodies with contact do not explain it.
+
+    Parameters
+    ----------
+    stiffness:
+        (n, n) dense.
+    part, node:
+        (n,) part and node of each unknown.
+    contact:
+        (n,) whether an unknown may be held by a contact. A part without any must not move without strain.
+    position:
+        (n / 3, 3) m, if known, of nodes whose unknowns x, y, z follow each other. The strainless motions of a part
+        with contact must then be rigid ones; otherwise they may be six at most.
+    """
+    for number in np.unique(part):
+        mine = np.flatnonzero(part == number)
+        motions = strainless_motions(stiffness[np.ix_(mine, mine)])
+        count = motions.shape[1]
+        if not count:
+            continue
+        what = f"the connected part with {named_nodes(node[mine])} can move in {count} ways without strain"
+        if not contact[mine].any():
+            raise InputError(
+                f"the stiffness is singular: {what}, and it has no contact that could hold it. Fix it, connect it, or "
+                "name nodes of it in a contact face."
+            )
+        if count > RIGID_MOTIONS:
+            raise InputError(
+                f"the stiffness is singular: {what}, but a body in one piece has {RIGID_MOTIONS}. It is a mechanism, "
+                "or entries that join its nodes are missing."
+            )
+        if position is not None and _misfit(motions, position, mine) > _RIGID_RESIDUAL:
+            raise InputError(
+                f"the stiffness is singular: {what}, and not as a rigid body. It is a mechanism, such as a hinge or "
+                "bricks that share single nodes; or the positions of its nodes are those of another model."
+            )
+
+
+def _misfit(motions: FloatArray, position: FloatArray, unknowns: IntArray) -> float:
+    """Largest part of unit motions (k, m) at ``unknowns`` that no rigid-body motion of the nodes explains."""
+    centred = position - position.mean(axis=0)
+    turned = np.cross(np.eye(3)[None], (centred / max(float(np.abs(centred).max()), 1e-300))[:, None])
+    rigid = np.hstack([np.tile(np.eye(3), (len(position), 1)), turned.transpose(0, 2, 1).reshape(-1, 3)])[unknowns]
+    left, value, _ = np.linalg.svd(rigid, full_matrices=False)
+    left = left[:, value > 1e-10 * value[0]]
+    unit = motions / np.linalg.norm(motions, axis=0)
+    return float(np.linalg.norm(unit - left @ (left.T @ unit), axis=0).max())
+
+
+def require_contact_bodies(superelement: Superelement, contact_nodes: IntArray) -> None:
+    """Refuse a superelement whose singular stiffness the rigid bodies of ``contact_nodes`` do not explain.
+
+    Raises InputError, which names the part, for a part that can move without strain and has no contact node, and for a
+    mechanism: more than six such motions of one part, or motions that are not those of a rigid body.
+    """
+    boundary = superelement.boundary_nodes
+    node = np.full(superelement.size, -1, dtype=np.int64)
+    node[: 3 * len(boundary)] = np.repeat(boundary, 3)
+    whole = 3 * len(boundary) == superelement.size
+    require_rigid_bodies(
+        superelement.stiffness,
+        parts_of(superelement.stiffness),
+        node,
+        np.isin(node, contact_nodes),
+        superelement.positions if whole else None,
+    )
