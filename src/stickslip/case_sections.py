@@ -180,8 +180,12 @@ class FrictionSection(Section):
 
 
 class PreloadSection(Section):
-    """Normal load at rest."""
+    """Normal load at rest: prescribed, or solved from the static load with contact, gaps and friction."""
 
+    method: Literal["prescribed", "solved"] = Field(
+        default="prescribed",
+        description="prescribed: uniform pressure, or values; solved: the pressure that the static load gives",
+    )
     centrifugal_force: Force | None = Field(
         default=500.0,
         description="F of the damper, total over both ends; each face carries F / (2 (cos angle + mu_0 sin angle))",
@@ -193,6 +197,14 @@ class PreloadSection(Section):
         default=None,
         description="N of each pair, left face first, instead of centrifugal_force; below 0: a gap",
         examples=[[2.5, 2.5, 2.5]],
+    )
+    residual_traction: Literal["released", "kept"] = Field(
+        default="released",
+        description="solved: what friction holds at rest is forgotten in vibration, or kept until a pair slips",
+    )
+    normal_law: Literal["spring", "pressure-gap"] = Field(
+        default="spring",
+        description="solved: springs of the face or of each pair (roughness.allocation), or the whole curve",
     )
 
     @model_validator(mode="before")

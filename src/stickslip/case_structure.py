@@ -27,7 +27,7 @@ _OWNERS: dict[str, tuple[Kind, ...]] = {
     "mesh": ("two-blade",),
     "excitation": ("two-blade",),
     "bodies": ("mesh",),
-    "rotation": ("mesh",),
+    "rotation": ("two-blade", "mesh"),
     "interfaces": ("mesh", "matrices"),
     "forces": ("mesh", "matrices"),
     "responses": ("mesh", "matrices"),
@@ -229,8 +229,11 @@ def kind_in(data: Any) -> Any:
 
 
 def without_other_kinds(data: Any) -> Any:
-    """``data`` without the defaults that only the two-blade kind has, where it is of another kind."""
+    """``data`` without the defaults that only the two-blade kind has, where it is of another kind or rotates."""
     if kind_in(data) not in KINDS[1:]:
+        preload = data.get("preload", {}) if isinstance(data, Mapping) and "rotation" in data else None
+        if isinstance(preload, Mapping) and "centrifugal_force" not in preload:
+            return {**data, "preload": {"centrifugal_force": None, **preload}}
         return data
     missing: dict[str, Any] = {name: None for name in _NO_DEFAULT if name not in data}
     if "study" not in data or (isinstance(data["study"], Mapping) and "title" not in data["study"]):
@@ -258,6 +261,7 @@ def _errors(case: Case) -> Iterator[EntryError]:
                 f'does not belong to a structure of kind "{kind}", only to {" and ".join(owners)}. Take the section '
                 "out, or set structure.kind.",
             )
+    yield from _preload_errors(case)
     if kind == "two-blade":
         yield from _unwanted(case, tuple(key for key in StructureSection.model_fields if key != "kind"))
         return
@@ -334,8 +338,11 @@ def _joint_errors(case: Case) -> Iterator[EntryError]:
         if (each.normal_stiffness is None) != (each.tangential_stiffness is None):
             lacking = "normal_stiffness" if each.normal_stiffness is None else "tangential_stiffness"
             yield EntryError((*where, lacking), "is missing: give both stiffnesses of a face, or none.")
-        if each.normal_load is None and case.preload.values is None:
+        solved = case.preload.method == "solved"
+        if each.normal_load is None and case.preload.values is None and not solved:
             yield EntryError((*where, "normal_load"), "is missing. Give the normal force on this face at rest.")
+        if each.normal_load is not None and solved:
+            yield EntryError((*where, "normal_load"), 'is what preload.method = "solved" finds. Take it out.')
         if case.structure.kind == "matrices":
             if each.pairs is None:
                 yield from _missing_sides(name, each)
@@ -345,6 +352,40 @@ def _joint_errors(case: Case) -> Iterator[EntryError]:
             for key in _INTERFACE_OF_MESH:
                 if getattr(each, key) is not None:
                     yield EntryError((*where, key), "belongs to faces of a mesh. Take it out.")
+
+
+def _preload_errors(case: Case) -> Iterator[EntryError]:
+    """What a prescribed preload has no use for, and what a solved one needs."""
+    given, loads = case.preload, [name for name in ("rotation", "static_loads") if getattr(case, name)]
+    if given.method == "prescribed":
+        for name in loads:
+            yield EntryError((name,), 'is used by preload.method = "solved" alone. Set it, or take the section out.')
+        for key in ("residual_traction", "normal_law"):
+            if key in given.model_fields_set and getattr(given, key) != type(given).model_fields[key].default:
+                yield EntryError(("preload", key), 'belongs to method = "solved". Set it, or take the key out.')
+        return
+    if given.values is not None:
+        yield EntryError(("preload", "values"), 'are what method = "solved" finds. Take one of the two out.')
+    if given.friction_coefficient_at_assembly:
+        yield EntryError(
+            ("preload", "friction_coefficient_at_assembly"),
+            'belongs to method = "prescribed"; a solved preload takes [friction]. Take it out.',
+        )
+    if given.centrifugal_force is not None and case.rotation is not None:
+        yield EntryError(
+            ("preload", "centrifugal_force"),
+            "and [rotation] would load the damper twice. Take one of the two out.",
+        )
+    if given.centrifugal_force is None and not loads:
+        yield EntryError(
+            ("preload", "method"),
+            'is "solved", but there is no static load. Give [rotation] or [static_loads.NAME], or for two blades '
+            "preload.centrifugal_force.",
+        )
+    if given.normal_law == "pressure-gap" and case.roughness is None:
+        yield EntryError(
+            ("preload", "normal_law"), 'is "pressure-gap", which follows from a roughness. Give [roughness].'
+        )
 
 
 def _missing_sides(name: str, interface: InterfaceSection) -> Iterator[EntryError]:

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     from stickslip.case import Case
 
 
+# Pa; where the preload is solved, the iteration of the contact stiffness starts from it.
+STARTING_PRESSURE = 3e6
+
+
 @dataclass(frozen=True)
 class RoughFace:
     """What the roughness says of one contact face under its preload."""
@@ -87,32 +91,61 @@ def make_joint(case: Case, layout: Layout, preload: FloatArray, settings: Sequen
     Raises RoughnessError where the roughness gives no usable contact.
     """
     pairs = layout.face_pairs
-    share = area_share(pairs.area, pairs.face)
-    normal, tangential = np.empty(pairs.n_pairs), np.empty(pairs.n_pairs)
     friction = np.array([each.friction for each in settings])[pairs.face]
-    rough_faces: list[RoughFace | None] = []
+    rough_faces = describe_faces(case, layout, preload, settings)
+    normal, tangential = pair_springs(case, layout, preload, settings)
+    # A pair that stands apart closes when it has moved by its gap; no load is on it before.
+    preload = np.where((pairs.gap > 0.0) & (preload == 0.0), -normal * pairs.gap, preload)
+    return Joint(layout, preload, friction, normal, tangential, rough_faces)
+
+
+def describe_faces(
+    case: Case, layout: Layout, preload: FloatArray, settings: Sequence[FaceSettings]
+) -> tuple[RoughFace | None, ...]:
+    """What the roughness says of each face under its load; None for a face whose stiffness is given."""
+    pairs = layout.face_pairs
+    faces: list[RoughFace | None] = []
     for face, own in enumerate(settings):
-        members = pairs.face == face
-        if own.stiffness is not None:
-            normal[members], tangential[members] = (value * share[members] for value in own.stiffness)
-            rough_faces.append(None)
+        given, members = case.roughness, pairs.face == face
+        if own.stiffness is not None or given is None:
+            faces.append(None)
             continue
-        given = case.roughness
-        assert given is not None  # a case has a roughness wherever a face has no stiffness of its own
         roughness = case_roughness(case, *layout.face_materials[face])
         area, load = float(pairs.area[members].sum()), float(np.maximum(preload[members], 0.0).sum())
-        rough_faces.append(
+        faces.append(
             RoughFace(
                 contact_stiffness(roughness, load, mode=given.mode, nominal_area=area),
                 surface_statistics(roughness, given.sample_length, given.shortest_length),
             )
         )
+    return tuple(faces)
+
+
+def pair_springs(
+    case: Case, layout: Layout, preload: FloatArray, settings: Sequence[FaceSettings]
+) -> tuple[FloatArray, FloatArray]:
+    """Normal and tangential stiffness (n_pairs,) in N/m under the loads ``preload`` (n_pairs,) in N.
+
+    Raises RoughnessError where the roughness gives no usable contact.
+    """
+    pairs = layout.face_pairs
+    share = area_share(pairs.area, pairs.face)
+    normal, tangential = np.empty(pairs.n_pairs), np.empty(pairs.n_pairs)
+    for face, own in enumerate(settings):
+        members = pairs.face == face
+        if own.stiffness is not None:
+            normal[members], tangential[members] = (value * share[members] for value in own.stiffness)
+            continue
+        given = case.roughness
+        assert given is not None  # a case has a roughness wherever a face has no stiffness of its own
         normal[members], tangential[members] = pair_stiffness(
-            roughness, pairs.area[members], preload[members], mode=given.mode, allocation=given.allocation
+            case_roughness(case, *layout.face_materials[face]),
+            pairs.area[members],
+            preload[members],
+            mode=given.mode,
+            allocation=given.allocation,
         )
-    # A pair that stands apart closes when it has moved by its gap; no load is on it before.
-    preload = np.where((pairs.gap > 0.0) & (preload == 0.0), -normal * pairs.gap, preload)
-    return Joint(layout, preload, friction, normal, tangential, tuple(rough_faces))
+    return normal, tangential
 
 
 def case_material(case: Case) -> Material:

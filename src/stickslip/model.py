@@ -14,6 +14,7 @@ from stickslip.joint import FaceSettings, Joint, make_joint
 from stickslip.progress import ProgressCallback
 from stickslip.setup import Layout, Port, PortForce, Reading, Setup
 from stickslip.solve.damping import rayleigh_damping_matrix
+from stickslip.solved_preload import SolvedPreload, resting_joint, resting_pairs, solve_preload
 from stickslip.structure.cache import cached_superelement
 from stickslip.structure.craig_bampton import ReductionRow, craig_bampton
 from stickslip.structure.elasticity import Structure
@@ -96,7 +97,8 @@ class ReducedModel:
     """What is needed to solve one case and to describe it; the mesh and its matrices are no longer part of it.
 
     The excitation is ``force_cos cos(w t) + force_sin sin(w t)``, (n,) N each; ``outputs`` are rows (n,);
-    ``static_load`` (n,) N are the constant forces and the load of rotation, from which a preload can be solved.
+    ``static_load`` (n,) N are the constant forces and the load of rotation; where the preload was solved from them,
+    ``preload`` tells, and ``joint`` and ``pairs`` are those at rest.
     """
 
     superelement: Superelement
@@ -107,6 +109,7 @@ class ReducedModel:
     static_load: FloatArray
     outputs: Mapping[str, FloatArray]
     signal_groups: Mapping[str, tuple[str, ...]]
+    preload: SolvedPreload | None
 
 
 @dataclass(frozen=True)
@@ -194,13 +197,6 @@ def build_model(
 def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel:
     """Connect joint, damping, forces and outputs of a case to a reduced structure, which several cases may share."""
     superelement, kind = reduced.superelement, kind_of(case)
-    pairs = ContactPairs(
-        joint.face_pairs.operator(superelement),
-        joint.normal_stiffness,
-        joint.tangential_stiffness,
-        joint.friction_coefficient,
-        joint.preload,
-    )
     if case.damping.modal_damping_ratio is None:
         damping = rayleigh_damping_matrix(
             superelement, case.damping.rayleigh_alpha or 0.0, case.damping.rayleigh_beta or 0.0
@@ -218,4 +214,18 @@ def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel
         static_load = static_load + force.amplitude * (np.asarray(force.direction) @ reduced.ports[force.port])
     readings, groups = kind.outputs(case)
     outputs = {name: np.asarray(each.direction) @ reduced.ports[each.port] for name, each in readings.items()}
-    return ReducedModel(superelement, joint, pairs, force_cos, force_sin, static_load, outputs, groups)
+    solved = None
+    if case.preload.method == "solved":
+        settings = kind.face_settings(case)
+        solved = solve_preload(case, joint, settings, superelement, static_load)
+        joint = resting_joint(case, joint, settings, solved.state)
+        pairs = resting_pairs(joint, superelement, solved.state, case.preload.residual_traction == "kept")
+    else:
+        pairs = ContactPairs(
+            joint.face_pairs.operator(superelement),
+            joint.normal_stiffness,
+            joint.tangential_stiffness,
+            joint.friction_coefficient,
+            joint.preload,
+        )
+    return ReducedModel(superelement, joint, pairs, force_cos, force_sin, static_load, outputs, groups, solved)

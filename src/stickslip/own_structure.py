@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.interface.preload import prescribed_preload
-from stickslip.joint import FaceSettings
+from stickslip.joint import STARTING_PRESSURE, FaceSettings
 from stickslip.setup import Layout, PortForce, Reading
 from stickslip.validation import FloatArray
 
@@ -25,11 +25,14 @@ def port_sections(case: Case) -> dict[str, PortSection]:
 
 
 def preload(case: Case, layout: Layout) -> FloatArray:
-    """(n_pairs,) N: each face's normal load with uniform pressure on the pairs that touch, or as prescribed.
+    """(n_pairs,) N: each face's normal load with uniform pressure on the pairs that touch, or as prescribed; where it
+    is solved, a pressure to start from.
 
     Raises InputError for a number of values that is not that of the pairs, and for a load on a face that is apart.
     """
     pairs = layout.face_pairs
+    if case.preload.method == "solved":
+        return STARTING_PRESSURE * pairs.area
     if case.preload.values is not None:
         count = np.bincount(pairs.face)
         if len(case.preload.values) != pairs.n_pairs:

@@ -12,9 +12,10 @@ from stickslip.case_sections import GeometrySection, MaterialSection
 from stickslip.errors import InputError
 from stickslip.interface.pairing import FacePairs, pair_faces
 from stickslip.interface.preload import prescribed_preload, uniform_preload
-from stickslip.joint import FaceSettings, case_material
+from stickslip.joint import STARTING_PRESSURE, FaceSettings, case_material
 from stickslip.setup import Direction, Layout, Port, PortForce, Reading
 from stickslip.structure.blade_pair import BladePairElements, BladePairGeometry, blade_pair_mesh
+from stickslip.structure.body_load import centrifugal_load
 from stickslip.structure.elasticity import Element, Material, Structure, assemble
 from stickslip.structure.finite_element_mesh import AnyMesh
 from stickslip.structure.mesh import Mesh
@@ -28,6 +29,8 @@ FACE_NAMES = ("left face", "right face")
 AXES: dict[str, Direction] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 # Node sets of one node where forces act (N1, N2) and displacements are read (A, the middles of the damper's faces).
 PORTS = ("excitation_left", "excitation_right", "response", "damper_left_mid", "damper_right_mid")
+# The ends of the damper's flat bottom, where a static force F_N acts, half at each.
+EDGES = ("damper_front_edge", "damper_back_edge")
 
 
 @dataclass(frozen=True)
@@ -76,11 +79,32 @@ def find_layout(case: Case, mesh: AnyMesh) -> Layout:
     pairs = FacePairs.concatenate([pair_faces(mesh, *names) for names in FACES])
     ports = {name: Port.single(int(mesh.node_set(name)[0])) for name in PORTS}
     material = case_material(case)
-    return Layout(pairs, FACE_NAMES, ((material, material),) * len(FACES), ports)
+    if _static_force(case):
+        ports |= {name: _edge_port(mesh, name) for name in EDGES}
+    body_load = None
+    if case.rotation is not None:
+        body_load = centrifugal_load(mesh, [material] * 3, np.array(case.rotation.axis), np.array(case.rotation.point))
+    return Layout(pairs, FACE_NAMES, ((material, material),) * len(FACES), ports, body_load)
+
+
+def _static_force(case: Case) -> float:
+    """N on the damper, both ends together; 0 where the preload is not solved from it."""
+    return (case.preload.centrifugal_force or 0.0) if case.preload.method == "solved" else 0.0
+
+
+def _edge_port(mesh: AnyMesh, name: str) -> Port:
+    """A line along x with a uniform load."""
+    nodes = mesh.node_set(name)
+    nodes = nodes[np.argsort(mesh.points[nodes, 0])]
+    length = np.diff(mesh.points[nodes, 0])
+    shares = np.zeros(nodes.size)
+    shares[:-1] += 0.5 * length
+    shares[1:] += 0.5 * length
+    return Port(nodes, shares / shares.sum())
 
 
 def preload(case: Case, layout: Layout) -> FloatArray:
-    """(n_pairs,) N of the wedge under centrifugal force, or as prescribed."""
+    """(n_pairs,) N of the wedge under centrifugal force, or as prescribed; where it is solved, a start for it."""
     assert case.geometry is not None
     face_pairs = layout.face_pairs
     if case.preload.values is not None:
@@ -92,7 +116,8 @@ def preload(case: Case, layout: Layout) -> FloatArray:
                 f"{face_pairs.n_pairs - first} of the right one; or give centrifugal_force instead."
             )
         return prescribed_preload(case.preload.values, face_pairs.n_pairs)
-    assert case.preload.centrifugal_force is not None
+    if case.preload.centrifugal_force is None:
+        return STARTING_PRESSURE * face_pairs.area
     return uniform_preload(
         case.preload.centrifugal_force,
         case.geometry.platform_angle,
@@ -108,8 +133,9 @@ def face_settings(case: Case) -> tuple[FaceSettings, ...]:
 
 
 def static_forces(case: Case) -> tuple[PortForce, ...]:
-    """None: the wedge's preload is known."""
-    return ()
+    """Half of F_N at each end of the damper's bottom, where the preload is solved; else the wedge's is known."""
+    force = _static_force(case)
+    return tuple(PortForce(name, (0.0, 0.0, 1.0), 0.5 * force) for name in EDGES) if force else ()
 
 
 def forces(case: Case) -> tuple[PortForce, ...]:
@@ -146,6 +172,9 @@ def description(case: Case) -> str:
     excitation, force = case.excitation, case.preload.centrifugal_force
     assert excitation is not None
     load = "prescribed preload" if force is None else f"centrifugal force {force:g} N"
+    if case.preload.method == "solved":
+        turning = "" if case.rotation is None else f"rotation at {case.rotation.speed:g} rad/s"
+        load = f"solved preload under {turning or load}, tractions at rest {case.preload.residual_traction}"
     return f"Force {excitation.amplitude:g} N {kinds[excitation.mode]}, {load}, friction {case.friction.coefficient:g}."
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stickslip.errors import InputError
 from stickslip.interface.preload import checked_area
@@ -36,6 +36,22 @@ class SpringLaw:
     def force(self, closure: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Force and stiffness at the closure."""
         return self.normal_stiffness * closure, self.normal_stiffness
+
+
+@dataclass(frozen=True)
+class FaceLaws:
+    """A law for each face: ``face`` (n_pairs,) says which of ``laws`` a pair follows."""
+
+    face: NDArray[np.int64]
+    laws: tuple[NormalLaw, ...]
+
+    def force(self, closure: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Force and stiffness at the closure."""
+        force, slope = np.empty_like(closure), np.empty_like(closure)
+        for number, law in enumerate(self.laws):
+            members = self.face == number
+            force[members], slope[members] = law.force(closure[members])
+        return force, slope
 
 
 @dataclass(frozen=True)

@@ -198,7 +198,8 @@ def blade_pair_mesh(geometry: BladePairGeometry | None = None, elements: BladePa
     ``damper_left_face``, ``damper_right_face``, ``excitation_left`` (N1), ``excitation_right`` (N2): the node of the
     outer shank face nearest to mid-chord and ``excitation_height``, never on the base; ``response`` (A): outer edge
     of the left tip at mid-chord; ``damper_left_mid``, ``damper_right_mid``: the node nearest to the middle of each
-    damper face. Face nodes run along y in the outer loop and up the slope in the inner loop.
+    damper face; ``damper_front_edge``, ``damper_back_edge``: the two ends of its flat bottom. Face nodes run along y
+    in the outer loop and up the slope in the inner loop.
 
     Raises InputError (from the geometry, the counts, or a cell that turns out inverted).
     """
@@ -232,6 +233,8 @@ def blade_pair_mesh(geometry: BladePairGeometry | None = None, elements: BladePa
         "excitation_left": nodes(0, "excitation", middle_blade),
         "excitation_right": nodes(1, "excitation", middle_blade),
         "response": nodes(0, "tip", middle_blade),
+        "damper_front_edge": nodes(2, "bottom", [0]),
+        "damper_back_edge": nodes(2, "bottom", [len(damper_levels) - 1]),
         "damper_left_mid": nodes(2, "left_middle", middle_damper),
         "damper_right_mid": nodes(2, "right_middle", middle_damper),
     }
@@ -336,6 +339,7 @@ def _damper_section(geometry: BladePairGeometry, elements: BladePairElements) ->
         points=grid_points.reshape(-1, 2),
         quads=_quads(grid),
         sets={
+            "bottom": grid[0],
             "left": faces[:, 0],
             "right": faces[:, -1],
             "left_middle": faces[middle, 0],

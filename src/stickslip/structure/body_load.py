@@ -7,26 +7,25 @@ from collections.abc import Sequence
 import numpy as np
 
 from stickslip.structure.elasticity import Material
-from stickslip.structure.finite_element_mesh import FiniteElementMesh
+from stickslip.structure.finite_element_mesh import AnyMesh, CellBlock, FiniteElementMesh
 from stickslip.structure.shapes import consistent_mass
 from stickslip.validation import FloatArray
 
 _CELLS_AT_ONCE = 2000
 
 
-def centrifugal_load(
-    mesh: FiniteElementMesh, materials: Sequence[Material], axis: FloatArray, point: FloatArray
-) -> FloatArray:
+def centrifugal_load(mesh: AnyMesh, materials: Sequence[Material], axis: FloatArray, point: FloatArray) -> FloatArray:
     """(3 * n_nodes,) N of every node at a rotation of 1 rad/s: ``integral of density N^T r dV``.
 
     r is the vector from the axis through ``point`` (3,) m along the unit vector ``axis`` (3,), linear in the nodes'
     places as the cells' shape functions carry it, so that ``f = M r`` with the consistent mass of all nodes, held ones
-    included. Multiply by the square of the speed. ``materials`` are one for each body.
+    included. Multiply by the square of the speed. ``materials`` are one for each body, in their order.
     """
     arm = mesh.points - point
     arm = arm - np.outer(arm @ axis, axis)
     load = np.zeros((mesh.n_nodes, 3))
-    for block in mesh.blocks:
+    blocks = mesh.blocks if isinstance(mesh, FiniteElementMesh) else (CellBlock(mesh.kind.name, mesh.cells, mesh.body),)
+    for block in blocks:
         density = np.array([material.density for material in materials])[block.body]
         for start in range(0, len(block.cells), _CELLS_AT_ONCE):
             part = slice(start, start + _CELLS_AT_ONCE)

@@ -100,6 +100,7 @@ def case_hashes(case: Case) -> tuple[str, str]:
             name: {key: value for key, value in entry.items() if key in keys}
             for name, entry in inputs.get(section, {}).items()
         }
+    structure["preload"] = {"method": case.preload.method}  # a solved one has ports for its load
     structure["axis"] = {key: value for key, value in inputs.get("rotation", {}).items() if key != "speed"}
     files = {key: _content(getattr(case.structure, key)) for key in FILE_KEYS if getattr(case.structure, key)}
     files |= {name: _content(each.pairs) for name, each in case.interfaces.items() if each.pairs}
