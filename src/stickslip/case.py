@@ -121,6 +121,10 @@ class Case(BaseModel):
             message = case_file.report(details, source, data, cls.known_keys(), lines, cls.named_sections())
             raise StudyFileError(message) from error
 
+    def __hash__(self) -> int:
+        """Cases serve as keys; the dictionaries of named sections alone could not."""
+        return hash(self.model_dump_json())
+
     @classmethod
     def known_keys(cls) -> dict[str, tuple[str, ...]]:
         """Section name -> its keys, in the order of the file."""
