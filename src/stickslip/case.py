@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
@@ -123,7 +124,7 @@ class Case(BaseModel):
 
     def __hash__(self) -> int:
         """Cases serve as keys; the dictionaries of named sections alone could not."""
-        return hash(self.model_dump_json())
+        return hash(json.dumps(self.to_dict()))
 
     @classmethod
     def known_keys(cls) -> dict[str, tuple[str, ...]]:
