@@ -47,6 +47,10 @@ def test_values_are_si_and_file_names_absolute() -> None:
     assert (case.geometry, case.mesh, case.excitation, case.material) == (None, None, None, None)
 
 
+def test_equal_cases_have_one_hash() -> None:
+    assert len({mesh_case(), mesh_case(), Case(), Case()}) == 2
+
+
 def test_a_key_of_a_named_entry_is_replaced_and_swept() -> None:
     case = mesh_case(interfaces__sole__friction=0.6)
     assert case.interfaces["sole"].friction == 0.6

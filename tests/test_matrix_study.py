@@ -18,8 +18,8 @@ from stickslip.cli import app
 from stickslip.errors import InputError
 from stickslip.model import build_model, load_joint, set_up
 from stickslip.results.storage import load_results
-from stickslip.structure.matrix_files.exchange import read_superelement, write_superelement
 from stickslip.structure.joined import joined_modes
+from stickslip.structure.matrix_files.exchange import read_superelement, write_superelement
 
 STUDY = """\
 [structure]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
@@ -120,6 +121,10 @@ class Case(BaseModel):
             details = error.errors(include_url=False)
             message = case_file.report(details, source, data, cls.known_keys(), lines, cls.named_sections())
             raise StudyFileError(message) from error
+
+    def __hash__(self) -> int:
+        """Cases serve as keys; the dictionaries of named sections alone could not."""
+        return hash(json.dumps(self.to_dict()))
 
     @classmethod
     def known_keys(cls) -> dict[str, tuple[str, ...]]:

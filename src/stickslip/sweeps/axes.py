@@ -77,7 +77,7 @@ def _kind(name: str) -> Quantity | Count | tuple[str, ...]:
     if section not in known or key not in known.get(section, ()) or not entry:
         between = {each: ".NAME." if each in named else "." for each in known}
         everything = [f"{each}{between[each]}{inner}" for each, keys in known.items() for inner in keys]
-        homes = [full for full in everything if full.split(".")[-1] == name.split(".")[-1]]
+        homes = [full for full in everything if full.partition(".")[2] == name.split(".")[-1]]
         nearest = homes or difflib.get_close_matches(name, everything, n=1)
         advice = f"Did you mean {nearest[0]}?" if nearest else '"stickslip new FILE" writes a file with every key.'
         raise InputError(f"{name} is not a key of a study file (section.key or section.NAME.key). {advice}")
