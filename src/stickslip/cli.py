@@ -245,6 +245,8 @@ def paper(
         except KeyboardInterrupt:
             typer.echo("Finished curves are kept; the same command goes on with the others.", err=True)
             raise
+        for notice in outcome.notices:
+            typer.echo(notice, err=True)
         if not quiet:
             typer.echo(f"Wrote {outcome.files[0]} and {len(outcome.files) - 1} other files.")
             words = ", ".join(f"{verdict.value}: {count}" for verdict, count in outcome.verdicts.items())

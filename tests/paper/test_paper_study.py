@@ -119,6 +119,9 @@ def test_a_stopped_study_goes_on_and_damage_is_computed_again(
     monkeypatch.setattr(study, "_written", lambda folder, scope, computed, told: computed)
     again = paper_study(folder, workers=1, scope=coarse_scope())
     assert (again.found, len(solved), len(again.solved)) == (outcome.curves - 2, 2, outcome.curves)
+    (notice,) = again.notices  # the file that was missing needs no sentence
+    assert notice.startswith(f'"{files[1]}": the file of the computation')
+    assert notice.endswith("This curve is computed again.")
 
 
 def test_a_curve_that_fails_is_told_and_without_any_curve_there_is_no_page(tmp_path: Path) -> None:

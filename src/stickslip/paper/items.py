@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
+from stickslip.case import Case
 from stickslip.paper.claims import MICRO, Solutions, friction_energy
 from stickslip.paper.plan import BASE_CHOICE
 from stickslip.paper.records import Solved
@@ -22,6 +24,27 @@ class Item:
     tables: tuple[Table, ...] = ()
     figures: tuple[str, ...] = ()
     judgements: tuple[tuple[str, Judgement], ...] = ()
+
+
+@dataclass(frozen=True)
+class ModelClaim:
+    """A claim that the model decides before any vibration.
+
+    statement, place:
+        the claim in our words, and the item of the page that judges it.
+    depends_on:
+        keys of the study file among the choices that can change its verdict.
+    reason:
+        why the other choices cannot.
+    judged:
+        the verdict for a case and curves of it.
+    """
+
+    statement: str
+    place: str
+    depends_on: frozenset[str]
+    reason: str
+    judged: Callable[[Case, Solutions], Judgement]
 
 
 def base(solutions: Solutions, law: str = "consistent") -> list[Solved]:

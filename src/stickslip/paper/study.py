@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from stickslip.errors import ConvergenceError
 from stickslip.model import build_mesh, find_pairs
-from stickslip.paper import figures, model_items, motion_items, verdict_items
+from stickslip.paper import choice_items, figures, model_items, motion_items, verdict_items
 from stickslip.paper.compute import Computed, Failure, compute
 from stickslip.paper.errata import errata_item
 from stickslip.paper.items import Item, base, peak_table
@@ -37,13 +37,14 @@ TABLE_FOLDER = "tables"
 
 @dataclass(frozen=True)
 class PaperOutcome:
-    """What the study wrote, and what has no result."""
+    """What the study wrote, what has no result, and sentences about files of an earlier run that were of no use."""
 
     files: tuple[Path, ...]
     curves: int
     found: int
     failures: tuple[Failure, ...]
     verdicts: dict[Verdict, int]
+    notices: tuple[str, ...]
 
 
 def paper_study(
@@ -64,14 +65,18 @@ def paper_study(
 
 def _written(folder: Path, scope: Scope, computed: Computed, told: Progress) -> PaperOutcome:
     told.update("Files", 0.0, "verdicts")
-    shown, claims = _items(scope, computed.solved)
+    shown, claims, changed = _items(scope, computed.solved)
     counts = Counter(judged.verdict for _, _, judged in claims)
     verdicts = {verdict: counts[verdict] for verdict in Verdict}
     told.update("Files", 0.1, FIGURE_FOLDER)
     wanted = [name for item in shown for name in item.figures]
     drawn = _drawn(folder / FIGURE_FOLDER, wanted, _drawings(scope, computed.solved), told)
     tables = [table for item in shown for table in item.tables]
-    tables += [verdict_items.answers_table(computed.solved), peak_table("curves", "All curves", computed.solved)]
+    tables += [
+        verdict_items.answers_table(computed.solved),
+        choice_items.reasons_table(changed),
+        peak_table("curves", "All curves", computed.solved),
+    ]
     told.update("Files", 0.8, TABLE_FOLDER)
     files = [*_tables(folder / TABLE_FOLDER, tables), write_netcdf(tables, computed.solved, folder / NUMBERS_FILE)]
     page = folder / PAGE_FILE
@@ -79,19 +84,24 @@ def _written(folder: Path, scope: Scope, computed: Computed, told: Progress) -> 
     write_page(page, shown, pictures, verdicts, computed.failures, base_case(scope).to_text(), run_provenance())
     told.update("Files", 1.0, PAGE_FILE)
     files = [page, *files, *(file for written in drawn.values() for file in written)]
-    return PaperOutcome(tuple(files), len(computed.solved), computed.found, computed.failures, verdicts)
+    return PaperOutcome(
+        tuple(files), len(computed.solved), computed.found, computed.failures, verdicts, computed.notices
+    )
 
 
-def _items(scope: Scope, solved: Sequence[Solved]) -> tuple[tuple[Item, ...], list[verdict_items.Judged]]:
-    """The items of the page in its order, and the claims that they judge."""
+def _items(
+    scope: Scope, solved: Sequence[Solved]
+) -> tuple[tuple[Item, ...], list[verdict_items.Judged], list[choice_items.ChangedVerdict]]:
+    """The items of the page in its order, the claims that they judge, and these under every changed choice."""
     case = base_case(scope)
     mesh = build_mesh(case)
     surfaces, stiffness = model_items.surface_item(case), model_items.stiffness_item(case)
-    reduction = model_items.reduction_item(solved, 3 * mesh.n_nodes, find_pairs(mesh).n_pairs)
-    claims = verdict_items.judged_claims(solved, (surfaces, reduction, stiffness))
+    reduction = model_items.reduction_item(case, solved, 3 * mesh.n_nodes, find_pairs(mesh).n_pairs)
+    claims = verdict_items.judged_claims(case, solved)
+    changed = choice_items.changed_verdicts(solved, scope)
     items = (
-        verdict_items.conclusions_item(claims),
-        verdict_items.choices_item(solved, scope),
+        verdict_items.conclusions_item(claims, changed),
+        choice_items.choices_item(changed, scope),
         reduction,
         surfaces,
         stiffness,
@@ -103,7 +113,7 @@ def _items(scope: Scope, solved: Sequence[Solved]) -> tuple[tuple[Item, ...], li
         motion_items.laws_item(solved),
         errata_item(solved, surfaces.tables[0], stiffness.tables[0]),
     )
-    return items, claims
+    return items, claims, changed
 
 
 def _tables(folder: Path, tables: Sequence[Table]) -> list[Path]:

@@ -8,13 +8,13 @@ import json
 import math
 import re
 from dataclasses import dataclass
-from importlib.metadata import version
 
 from stickslip.case import Case
 from stickslip.errors import InputError, StudyFileError
 from stickslip.results.storage import FORMAT_VERSION
 from stickslip.results.sweep_table import SweptKey, Value
 from stickslip.sweeps.axes import UNSWEPT_SECTIONS, study_value
+from stickslip.sweeps.work import worker_version
 
 LARGEST_SWEEP = 20_000
 _SHOWN_ERRORS = 10
@@ -28,7 +28,7 @@ class PlannedCase:
     name:
         short and readable, with the first digits of ``key``; the name of its folder.
     key:
-        hash of every input that can change its results, and of the version of stickslip.
+        hash of every input that can change its results, and of the version and the code of stickslip.
     structure:
         hash of what the reduced structure follows from: geometry, mesh, material, reduction.
     values:
@@ -78,11 +78,11 @@ def _bare(name: str) -> str:
 
 
 def case_hashes(case: Case) -> tuple[str, str]:
-    """Hash of the case and version, hash of its structure."""
+    """Hash of the case, version and code, hash of its structure."""
     inputs = case.to_dict()
     answer = {name: section for name, section in inputs.items() if name not in UNSWEPT_SECTIONS}
     structure = {name: inputs[name] for name in _STRUCTURE_SECTIONS}
-    whole = {"stickslip": version("stickslip"), "results_format": FORMAT_VERSION, "inputs": answer}
+    whole = {"stickslip": worker_version(), "results_format": FORMAT_VERSION, "inputs": answer}
     return _hash(whole), _hash(structure)
 
 
