@@ -125,10 +125,10 @@ def choices_item(changed: Sequence[ChangedVerdict], scope: Scope) -> Item:
         "Friction coefficient, damping, hardness, centrifugal force and the place of the force are not given.",
         (
             f"Every column is judged on the same curves, the base too: the short series of D and G under the first of "
-            f"the runs {runs}, and under the others {points}, so that claims which compare forces or loads are asked "
-            "too. With another centrifugal force the loads of all runs change in proportion, so a load is always "
-            "compared with the same part of it. The base column has fewer curves than the verdicts above, and may differ from "
-            "them. The law of stiffness has one other value, not a low and a high one.",
+            f"the runs {runs}; under the others {points}, so that claims which compare forces or loads are asked too. "
+            "With another centrifugal force the loads of all runs change in proportion, so a load is always compared "
+            "with the same part of it. The base column has fewer curves than the verdicts above, and may differ. The "
+            "law of stiffness has one other value, not a low and a high one.",
             "Undecided: no situation says anything, for example because all of the compared values are alike. "
             "choices_reasons.csv has the reason of each verdict.",
         ),

@@ -6,11 +6,20 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from stickslip.case import Case
-from stickslip.paper.claims import MICRO, Solutions, friction_energy
+from stickslip.paper.claims import CLAIMS, MICRO, Solutions, friction_energy
 from stickslip.paper.plan import BASE_CHOICE
 from stickslip.paper.records import Solved
 from stickslip.paper.tables import Table, columns
 from stickslip.paper.verdicts import Judgement
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure of the page: its name, what it shows in words, and the table with its numbers."""
+
+    name: str
+    words: str
+    table: str
 
 
 @dataclass(frozen=True)
@@ -22,7 +31,7 @@ class Item:
     statement: str
     notes: tuple[str, ...] = ()
     tables: tuple[Table, ...] = ()
-    figures: tuple[str, ...] = ()
+    figures: tuple[Picture, ...] = ()
     judgements: tuple[tuple[str, Judgement], ...] = ()
 
 
@@ -45,6 +54,12 @@ class ModelClaim:
     depends_on: frozenset[str]
     reason: str
     judged: Callable[[Case, Solutions], Judgement]
+
+
+def judged(solutions: Solutions, *names: str) -> tuple[tuple[str, Judgement], ...]:
+    """The statements of these claims with the verdicts of these curves."""
+    found = {claim.name: claim for claim in CLAIMS}
+    return tuple((found[name].statement, found[name].judged(solutions)) for name in names)
 
 
 def base(solutions: Solutions, law: str = "consistent") -> list[Solved]:

@@ -119,7 +119,7 @@ class Scope:
     dimension: float = 2.4
     scale: float = 1e-9
     runs: tuple[tuple[float, float], ...] = ((5.0, 100.0), (2.0, 100.0), (5.0, 50.0))
-    compared: Roughnesses = ((2.35, 1e-9), (2.49, 1e-9))
+    compared: Roughnesses = ((2.4, 1e-9), (2.4, 1e-10))
     extra: tuple[tuple[float, float, str], ...] = (
         (2.45, 1e-8, "consistent"),
         (2.49, 1e-8, "consistent"),

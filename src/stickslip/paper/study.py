@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 
 from stickslip.errors import ConvergenceError
 from stickslip.model import build_mesh, find_pairs
-from stickslip.paper import choice_items, figures, model_items, motion_items, verdict_items
+from stickslip.paper import choice_items, curve_items, figures, model_items, motion_items, verdict_items
 from stickslip.paper.compute import Computed, Failure, compute
 from stickslip.paper.errata import errata_item
 from stickslip.paper.items import Item, base, peak_table
 from stickslip.paper.motion_items import main_series
-from stickslip.paper.page import write_page
+from stickslip.paper.page import FIGURE_FOLDER, TABLE_FOLDER, write_page
 from stickslip.paper.plan import Scope, base_case, computations
 from stickslip.paper.records import Solved
 from stickslip.paper.tables import Table, write_csv, write_netcdf
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
 PAGE_FILE = "paper.html"
 NUMBERS_FILE = "paper.nc"
-FIGURE_FOLDER = "figures"
-TABLE_FOLDER = "tables"
 
 
 @dataclass(frozen=True)
@@ -69,7 +67,7 @@ def _written(folder: Path, scope: Scope, computed: Computed, told: Progress) -> 
     counts = Counter(judged.verdict for _, _, judged in claims)
     verdicts = {verdict: counts[verdict] for verdict in Verdict}
     told.update("Files", 0.1, FIGURE_FOLDER)
-    wanted = [name for item in shown for name in item.figures]
+    wanted = [picture.name for item in shown for picture in item.figures]
     drawn = _drawn(folder / FIGURE_FOLDER, wanted, _drawings(scope, computed.solved), told)
     tables = [table for item in shown for table in item.tables]
     tables += [
@@ -108,9 +106,9 @@ def _items(
         motion_items.period_item(solved, scope),
         motion_items.damper_item(solved, scope),
         motion_items.states_item(solved, scope),
-        motion_items.curves_item(solved),
-        motion_items.energy_item(solved),
-        motion_items.laws_item(solved),
+        curve_items.curves_item(solved),
+        curve_items.energy_item(solved),
+        curve_items.laws_item(solved),
         errata_item(solved, surfaces.tables[0], stiffness.tables[0]),
     )
     return items, claims, changed

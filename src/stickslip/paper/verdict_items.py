@@ -69,8 +69,8 @@ def conclusions_item(claims: Sequence[Judged], changed: Sequence[ChangedVerdict]
         "Same direction translates the damper and slips most; less load, larger D and smaller G give more slip, a "
         "lower peak and more energy.",
         (
-            "Each verdict follows from all base curves under the consistent law; answers.csv has what is behind it. The "
-            "last column names the changed choices under which the verdict is another one, see the next item.",
+            "Each verdict follows from all base curves under the consistent law; answers.csv has what is behind it. "
+            "The last column names the changed choices under which the verdict is another one, see the next item.",
         ),
         (table,),
     )

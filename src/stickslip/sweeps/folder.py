@@ -1,8 +1,8 @@
 """The folder of a sweep: a results file for each case, what is found finished when a sweep goes on, and the tables.
 
-``DIR/cases/NAME/results.nc`` holds a case that was solved, ``row.json`` beside it what the table and the page need of it
-with the digest of that file, ``failed.json`` the message of a case that stickslip refused or could not start. NAME ends
-with the hash of its inputs, the version and the code.
+``DIR/cases/NAME/results.nc`` holds a case that was solved, ``row.json`` beside it what table and page need of it with
+the digest of that file, ``failed.json`` the message of a case that stickslip refused or could not start. NAME ends with
+the hash of its inputs, the version and the code.
 """
 
 from __future__ import annotations
