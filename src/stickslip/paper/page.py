@@ -29,6 +29,7 @@ _CLASS = {
     Verdict.UNDECIDED: "open",
 }
 LARGEST_SHOWN = 60
+LONG_CELL = 40  # letters from which a cell needs a wide column
 # Folders beside the page, to which it links.
 FIGURE_FOLDER = "figures"
 TABLE_FOLDER = "tables"
@@ -125,6 +126,7 @@ def _unit(unit: str) -> str:
 
 def _cell(cell: Cell, is_word: bool) -> str:
     if isinstance(cell, str):
-        return f'<td class="word">{badge(cell) if cell in set(Verdict) else escape(cell)}</td>'
+        kind = "word long" if len(cell) > LONG_CELL else "word"
+        return f'<td class="{kind}">{badge(cell) if cell in set(Verdict) else escape(cell)}</td>'
     shown = "–" if isnan(cell) else number(cell)
     return f"<td{word_class(is_word)}>{shown}</td>"
