@@ -105,8 +105,8 @@ def contact_sentence(fit: RoughnessFit, hardness: str | None = None) -> str:
     return (
         f"With {given}hardness {case.roughness.hardness / 1e9:g} GPa spots below the critical area "
         f"{exp(log_critical_area(roughness)):.3g} m2 are plastic. A face that carries less than {least:.3g} N has no "
-        "other spots, so the law gives it no stiffness (mode unloading does); above that it has one, which stickslip check "
-        "shows."
+        "other spots, so the law gives it no stiffness (mode unloading does); above that it has one, which stickslip "
+        "check shows."
     )
 
 

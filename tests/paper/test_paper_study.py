@@ -148,8 +148,13 @@ def test_command(made: tuple[Path, PaperOutcome], monkeypatch: pytest.MonkeyPatc
     assert result.exit_code == 0, result.stderr
     assert f"Wrote {outcome.files[0]}" in result.stdout
     assert "21 curves, 0 of them found." in result.stdout
-    failed = replace(outcome, failures=(computing.Failure(computations(coarse_scope())[0].setting, "No."),))
+    failed = replace(
+        outcome,
+        notices=("A file was damaged.",),
+        failures=(computing.Failure(computations(coarse_scope())[0].setting, "No."),),
+    )
     monkeypatch.setattr(study, "paper_study", lambda out, workers, progress: failed)
     result = CliRunner().invoke(cli.app, ["paper", "--out", str(tmp_path), "--quiet"])
     assert (result.exit_code, result.stdout) == (3, "")
     assert "No." in result.stderr
+    assert "A file was damaged." in result.stderr
