@@ -13,6 +13,8 @@ from typer.testing import CliRunner
 
 from stickslip.case import Case
 from stickslip.cli import app
+from stickslip.interface.stiffness import ContactStatus, contact_stiffness
+from stickslip.model import case_roughness
 
 PROFILE = Path(__file__).parents[1] / "examples" / "data" / "profile.csv"
 
@@ -69,6 +71,8 @@ def test_a_profile_without_d_ends_with_a_sentence(tmp_path: Path) -> None:
         (("--scales", "4 um", "0.2 N"), 'the scale "0.2 N"'),
         (("--scales", "4 um", "9 mm"), "half the length"),
         (("--longest-wave", "-1 mm"), "longest wave"),
+        (("--hardness", "3"), "roughness.hardness"),
+        (("--hardness", "3 mm"), "roughness.hardness"),
     ],
 )
 def test_bad_options_are_refused(arguments: tuple[str, ...], words: str) -> None:
@@ -83,3 +87,22 @@ def test_missing_file_is_named(tmp_path: Path) -> None:
     result = invoke(tmp_path / "none.txt", "--unit", "um")
     assert result.exit_code == 2
     assert "none.txt" in result.stderr
+
+
+@pytest.mark.parametrize("hardness", ["1 GPa", "3 GPa"])
+def test_the_load_that_is_told_parts_plastic_from_elastic_contact(hardness: str) -> None:
+    result = invoke(PROFILE, "--hardness", hardness)
+    assert result.exit_code == 0, result.output
+    sentence, section = result.stdout.split("For the study file:\n")
+    assert f"With hardness {hardness} spots" in sentence
+    roughness = case_roughness(Case.from_text(section))
+    least = float(re.search(r"less than (\S+) N", sentence).group(1))
+    assert contact_stiffness(roughness, 0.99 * least).status is ContactStatus.FULLY_PLASTIC
+    assert contact_stiffness(roughness, 0.99 * least).normal == 0.0
+    assert contact_stiffness(roughness, 1.01 * least).normal > 0.0
+    area = float(re.search(r"critical area (\S+) m2", sentence).group(1))
+    assert area == pytest.approx(contact_stiffness(roughness, least).critical_area, rel=5e-3)
+
+
+def test_without_a_hardness_that_of_a_new_study_file_is_told() -> None:
+    assert "With the default hardness 3 GPa" in invoke(PROFILE).stdout

@@ -210,6 +210,9 @@ def roughness(
     longest_wave: Annotated[
         str | None, typer.Option("--longest-wave", help='Where waves end, such as the cut-off of a filter: "0.8 mm".')
     ] = None,
+    hardness: Annotated[
+        str | None, typer.Option("--hardness", help='Of the face, for the load that it needs: "3 GPa".')
+    ] = None,
     out: Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder for plot and table.")] = None,
     debug: Debug = False,
 ) -> None:
@@ -219,13 +222,17 @@ def roughness(
             _require_writable(out)
         from stickslip import measured_roughness
 
+        if hardness is not None:
+            measured_roughness.require_hardness(hardness)
         measured = measured_roughness.measure(path, position_unit or unit, height_unit or unit, scales, longest_wave)
         _print_rows(measured_roughness.rows(measured))
         for sentence in measured.fit.warnings:
             typer.echo(f"Warning: {sentence}")
         for file in measured_roughness.write(out, measured) if out is not None else ():
             typer.echo(f"Wrote {file}")
-        typer.echo(f"\nFor the study file:\n{measured_roughness.study_lines(measured.fit)}", nl=False)
+        lines = measured_roughness.study_lines(measured.fit, hardness)
+        typer.echo(measured_roughness.contact_sentence(measured.fit, hardness))
+        typer.echo(f"\nFor the study file:\n{lines}", nl=False)
 
 
 @app.command("import")
@@ -270,6 +277,8 @@ def paper(
         except KeyboardInterrupt:
             typer.echo("Finished curves are kept; the same command goes on with the others.", err=True)
             raise
+        for notice in outcome.notices:
+            typer.echo(notice, err=True)
         if not quiet:
             typer.echo(f"Wrote {outcome.files[0]} and {len(outcome.files) - 1} other files.")
             words = ", ".join(f"{verdict.value}: {count}" for verdict, count in outcome.verdicts.items())

@@ -1,9 +1,10 @@
-"""Files that are written whole or not at all."""
+"""Files that are written whole or not at all, and the digest of source files."""
 
 from __future__ import annotations
 
+import hashlib
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -27,3 +28,11 @@ def whole_file(target: Path, what: str, error: type[StickslipError]) -> Iterator
         ) from problem
     finally:
         part.unlink(missing_ok=True)
+
+
+def source_digest(sources: Iterable[Path]) -> str:
+    """Hexadecimal digest of the content of source files, in the order of their paths: other code, other digest."""
+    digest = hashlib.blake2b(digest_size=16)
+    for source in sorted(sources):
+        digest.update(source.read_bytes())
+    return digest.hexdigest()

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import csv
 from dataclasses import dataclass
+from math import exp
 from os import PathLike
 from pathlib import Path
 
+from stickslip.case import Case
 from stickslip.errors import InputError
 from stickslip.files import whole_file
+from stickslip.interface.asperities import fully_plastic_load, log_critical_area
 from stickslip.interface.roughness_fit import Interval, RoughnessFit, fit_roughness
+from stickslip.joint import case_material, case_roughness
 from stickslip.profile_file import Profile, read_profile
 from stickslip.units import Quantity
 
@@ -77,13 +81,42 @@ def rows(measured: MeasuredRoughness) -> list[tuple[str, str]]:
     return found
 
 
-def study_lines(fit: RoughnessFit) -> str:
-    """The section of a study file. Raises InputError for a fit that is not usable."""
+def require_hardness(text: str) -> None:
+    """Raise InputError unless the text is a hardness that a study file takes."""
+    Case().replace({"roughness.hardness": text})
+
+
+def contact_sentence(fit: RoughnessFit, hardness: str | None = None) -> str:
+    """What load gives a face of this roughness a contact stiffness, in a sentence; ``hardness`` with its unit.
+
+    Below that load the largest spot is smaller than the critical area a_c', so every spot is plastic and K = 0 in the
+    consistent and the paper mode. Material, wave range and, if ``hardness`` is None, hardness are the defaults of a
+    study file. Raises InputError for a hardness that is not usable or a fit without D and G.
+    """
+    chosen: dict[str, float | str] = {
+        "roughness.fractal_dimension": fit.fractal_dimension,
+        "roughness.fractal_roughness": f"{fit.fractal_roughness!r} m",
+    }
+    case = Case().replace(chosen | ({} if hardness is None else {"roughness.hardness": hardness}))
+    roughness = case_roughness(case, *[case_material(case)] * 2)
+    least = fully_plastic_load(roughness)
+    assert case.roughness is not None
+    given = "" if hardness else "the default "
+    return (
+        f"With {given}hardness {case.roughness.hardness / 1e9:g} GPa spots below the critical area "
+        f"{exp(log_critical_area(roughness)):.3g} m2 are plastic. A face that carries less than {least:.3g} N has no "
+        "other spots, so the law gives it no stiffness (mode unloading does); above that it has one, which stickslip "
+        "check shows."
+    )
+
+
+def study_lines(fit: RoughnessFit, hardness: str | None = None) -> str:
+    """The section of a study file, with the hardness if one is given. Raises InputError for a fit without D and G."""
     if not fit.usable:
         raise InputError(f"there is no D and G for a study file. {fit.warnings[0]}")
     return (
         f"[roughness]\nfractal_dimension = {fit.fractal_dimension:.4f}\n"
-        f'fractal_roughness = "{fit.fractal_roughness:.4g} m"\n'
+        f'fractal_roughness = "{fit.fractal_roughness:.4g} m"\n' + (f'hardness = "{hardness}"\n' if hardness else "")
     )
 
 

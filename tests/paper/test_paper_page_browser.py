@@ -8,11 +8,12 @@ from typing import Any
 
 import pytest
 
+from browser_pages import WIDTHS, opened_page, require_readable, tab_stops
 from helpers import opened_browser
 from paper_curves import curve
 from stickslip.paper import figures
 from stickslip.paper.compute import Failure
-from stickslip.paper.items import Item, peak_table
+from stickslip.paper.items import Item, Picture, peak_table
 from stickslip.paper.page import write_page
 from stickslip.paper.plan import Setting
 from stickslip.paper.verdicts import Answer, Verdict, judge
@@ -31,28 +32,37 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     picture = figures.write(folder, "sides", lambda: figures.damper_sides(same, opposite))[-1]
     judged = judge([Answer({"force": "5 N"}, True, "<1 µm")])
     table = peak_table("peaks", "Peaks", [same, opposite])
-    item = Item("one", "One & only", "Says <this>.", ("A note.",), (table,), ("sides",), (("Is it?", judged),))
+    picture_words = Picture("sides", "Two <nodes> over a period.", "peaks")
+    item = Item("one", "One & only", "Says <this>.", ("A note.",), (table,), (picture_words,), (("Is it?", judged),))
     failures = [Failure(Setting("base", "same", 5.0, 100.0, 2.4, 1e-9, "consistent"), "No <result>.")]
     path = folder / "paper.html"
     write_page(path, [item], {"sides": picture}, {Verdict.HOLDS: 1}, failures, "[study]", {"date": "2024-01-01"})
     return path
 
 
-@pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.parametrize("width", WIDTHS)
 def test_page(browser: Any, report: Path, width: int) -> None:
-    page = browser.new_page(viewport={"width": width, "height": 900})
-    troubles: list[str] = []
-    page.on("console", lambda message: troubles.append(message.text) if message.type in ("error", "warning") else None)
-    page.on("pageerror", lambda error: troubles.append(str(error)))
-    page.on(
-        "request",
-        lambda asked: None if asked.url.startswith(("data:", report.as_uri())) else troubles.append(asked.url),
-    )
-    page.goto(report.as_uri())
-    assert page.evaluate("[...document.images].every(image => image.complete && image.naturalWidth > 0)")
-    assert page.locator("section#one .verdict").inner_text() == "holds"
-    assert page.locator("section#one .says").inner_text() == "The paper: Says <this>."
-    assert "No <result>." in page.locator(".notice").inner_text()
-    assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
-    page.close()
-    assert troubles == []
+    with opened_page(browser, report, width, drawn=False) as page:
+        assert page.evaluate("[...document.images].every(image => image.complete && image.naturalWidth > 0)")
+        assert page.locator("section#one .verdict").inner_text() == "holds"
+        assert page.locator("section#one .says").inner_text() == "The paper: Says <this>."
+        assert "No <result>." in page.locator(".notice").inner_text()
+        require_readable(page)
+
+
+def test_the_keyboard_reaches_items_tables_and_data(browser: Any, report: Path) -> None:
+    with opened_page(browser, report, drawn=False) as page:
+        stops = tab_stops(page)
+        assert (stops[0]["tag"], stops[0]["name"]) == ("a", "One & only")
+        names = [stop["name"] for stop in stops]
+        assert {"as SVG", "peaks.csv", "Peaks", "Inputs"} <= set(names)
+        page.keyboard.press("Tab")
+        page.keyboard.press("Enter")  # the link to the item
+        assert page.evaluate("location.hash") == "#one"
+
+
+def test_a_picture_says_what_it_shows_and_where_its_numbers_are(browser: Any, report: Path) -> None:
+    with opened_page(browser, report, drawn=False) as page:
+        assert page.get_attribute("section#one img", "alt") == "Two <nodes> over a period."
+        links = page.eval_on_selector_all("section#one a", "all => all.map(link => link.getAttribute('href'))")
+        assert links == ["figures/sides.svg", "tables/peaks.csv", "tables/peaks.csv"]

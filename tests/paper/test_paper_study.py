@@ -30,7 +30,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, PaperOutcome]:
 
 
 class _Tags(HTMLParser):
-    """Open tags, ids, and addresses that a page asks for."""
+    """Open tags, ids, and addresses that a page asks for or links to."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -56,7 +56,9 @@ def test_page_is_whole_and_asks_for_nothing(made: tuple[Path, PaperOutcome]) -> 
     text = (folder / "paper.html").read_text(encoding="utf-8")
     tags = _Tags()
     tags.feed(text)
-    assert (tags.open, tags.asked) == ([], [])
+    assert tags.open == []
+    assert {address.split("/")[0] for address in tags.asked} == {"figures", "tables"}
+    assert all((folder / address).is_file() for address in tags.asked)
     assert tags.ids == [
         "conclusions", "choices", "reduction", "surfaces", "stiffness", "period", "damper", "states", "curves",
         "energies", "laws", "errata",
@@ -119,6 +121,9 @@ def test_a_stopped_study_goes_on_and_damage_is_computed_again(
     monkeypatch.setattr(study, "_written", lambda folder, scope, computed, told: computed)
     again = paper_study(folder, workers=1, scope=coarse_scope())
     assert (again.found, len(solved), len(again.solved)) == (outcome.curves - 2, 2, outcome.curves)
+    (notice,) = again.notices  # the file that was missing needs no sentence
+    assert notice.startswith(f'"{files[1]}": the file of the computation')
+    assert notice.endswith("This curve is computed again.")
 
 
 def test_a_curve_that_fails_is_told_and_without_any_curve_there_is_no_page(tmp_path: Path) -> None:
@@ -143,8 +148,13 @@ def test_command(made: tuple[Path, PaperOutcome], monkeypatch: pytest.MonkeyPatc
     assert result.exit_code == 0, result.stderr
     assert f"Wrote {outcome.files[0]}" in result.stdout
     assert "21 curves, 0 of them found." in result.stdout
-    failed = replace(outcome, failures=(computing.Failure(computations(coarse_scope())[0].setting, "No."),))
+    failed = replace(
+        outcome,
+        notices=("A file was damaged.",),
+        failures=(computing.Failure(computations(coarse_scope())[0].setting, "No."),),
+    )
     monkeypatch.setattr(study, "paper_study", lambda out, workers, progress: failed)
     result = CliRunner().invoke(cli.app, ["paper", "--out", str(tmp_path), "--quiet"])
     assert (result.exit_code, result.stdout) == (3, "")
     assert "No." in result.stderr
+    assert "A file was damaged." in result.stderr

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from browser_pages import LARGEST_PAGE, WIDTHS, opened_page, require_readable, tab_stops
 from helpers import opened_browser
 from stickslip.report.page import write_page
 from synthetic import synthetic_response, synthetic_study
@@ -33,18 +34,8 @@ def width() -> int:
 
 @pytest.fixture
 def page(browser, report, width) -> Iterator:
-    opened = browser.new_page(viewport={"width": width, "height": 900})
-    troubles: list[str] = []
-    opened.on(
-        "console", lambda message: troubles.append(message.text) if message.type in ("error", "warning") else None
-    )
-    opened.on("pageerror", lambda error: troubles.append(str(error)))
-    opened.on("request", lambda asked: None if asked.url == report.as_uri() else troubles.append(asked.url))
-    opened.goto(report.as_uri())
-    opened.wait_for_selector("body[data-ready=yes]", timeout=60_000)
-    yield opened
-    opened.close()
-    assert troubles == []
+    with opened_page(browser, report, width) as opened:
+        yield opened
 
 
 def colours(page, plot: str) -> list:
@@ -59,10 +50,10 @@ def settle(page) -> None:
     page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
 
-@pytest.mark.parametrize("width", [1280, 400])
+@pytest.mark.parametrize("width", WIDTHS)
 def test_plots_are_drawn_and_nothing_overflows(page):
     assert page.locator(".js-plotly-plot").count() == PLOTS
-    assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    require_readable(page)
     widths = page.evaluate("Array.from(document.querySelectorAll('.js-plotly-plot')).map(plot => plot.clientWidth)")
     assert min(widths) > 300
     assert len(loop(page)[0][0]) > 60
@@ -86,7 +77,7 @@ def test_slider_moves_the_maps_the_cursor_and_the_signals(page):
     assert colours(page, "state-map-0") == before[0]
 
 
-@pytest.mark.parametrize("width", [1280, 400])
+@pytest.mark.parametrize("width", WIDTHS)
 def test_pair_by_select_click_and_arrow_keys(page):
     before, chosen = loop(page), page.input_value("#pair")
     page.select_option("#pair", "3")
@@ -127,3 +118,52 @@ def test_curve_has_a_logarithmic_axis_on_request(page):
     page.click("#scale")
     page.wait_for_function("document.getElementById('curve').layout.yaxis.type === 'log'")
     assert page.inner_text("#scale") == "Linear axis"
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_the_keyboard_alone_moves_the_point_and_the_pair(page):
+    stops = tab_stops(page)
+    wanted = ["scale", "point", "to-peak", "previous-pair", "pair", "next-pair"]
+    wanted += [f"{quantity}-map-{face}" for quantity in ("state", "energy") for face in (0, 1)]
+    found = [stop["id"] for stop in stops]
+    assert [name for name in found if name in wanted] == wanted  # all of them, in the order of the page
+    assert {"Inputs", "Measures at the peak", "Natural frequencies"} <= {stop["name"] for stop in stops}
+
+    def go_to(name: str) -> None:
+        page.evaluate("() => document.activeElement.blur()")
+        while page.evaluate("document.activeElement.id") != name:
+            page.keyboard.press("Tab")
+
+    go_to("point")
+    start, before = int(page.input_value("#point")), loop(page)
+    page.keyboard.press("ArrowLeft")
+    settle(page)
+    assert int(page.input_value("#point")) == start - 1
+    page.keyboard.press("Home")
+    settle(page)
+    assert loop(page) != before
+    assert "1 of 40" in page.get_attribute("#point", "aria-valuetext")
+    go_to("to-peak")
+    page.keyboard.press("Enter")
+    settle(page)
+    assert (int(page.input_value("#point")), loop(page)) == (start, before)
+    go_to("energy-map-1")
+    page.keyboard.press("ArrowRight")
+    assert int(page.input_value("#pair")) >= 55  # a pair of that face
+    assert loop(page) != before
+    go_to("scale")
+    page.keyboard.press("Space")
+    page.wait_for_function("document.getElementById('curve').layout.yaxis.type === 'log'")
+
+
+def test_size_and_points_of_a_long_curve(browser, tmp_path):
+    """Pages stay small because the curves and loops are thinned by their shape; nothing of the shape is lost."""
+    response = synthetic_response(n_points=300)
+    path = tmp_path / "long.html"
+    write_page(path, response, synthetic_study())
+    assert path.stat().st_size < LARGEST_PAGE
+    with opened_page(browser, path) as page:
+        drawn = page.evaluate("document.getElementById('curve').data[2].x.length")
+        assert drawn == 300
+        assert page.get_attribute("#point", "max") == "299"
+        assert page.locator(".js-plotly-plot").count() == PLOTS

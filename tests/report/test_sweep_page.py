@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from browser_pages import LARGEST_PAGE, WIDTHS, opened_page, require_readable, tab_stops
 from helpers import opened_browser
 from stickslip.errors import InputError
 from stickslip.report import sweep_plots as plots
@@ -151,20 +152,42 @@ def browser() -> Iterator:
         yield opened
 
 
-@pytest.mark.parametrize("width", [1280, 400])
-def test_the_page_draws_itself_without_network(browser, tmp_path: Path, width: int) -> None:
-    path = tmp_path / "sweep.html"
+@pytest.fixture(scope="module")
+def sweep_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("sweep") / "sweep.html"
     view = sweep_view((LOADS, MODE), [1e-4, 2e-4, None, 3e-4, 4e-4, 5e-4, 6e-4, 7e-4], at_end=(7,))
     write_sweep_page(path, view, "Blades", "[study]", PROVENANCE)
-    page, troubles = browser.new_page(viewport={"width": width, "height": 900}), []
-    page.on("console", lambda said: troubles.append(said.text) if said.type in ("error", "warning") else None)
-    page.on("pageerror", lambda error: troubles.append(str(error)))
-    page.on("request", lambda asked: None if asked.url == path.as_uri() else troubles.append(asked.url))
-    page.goto(path.as_uri())
-    page.wait_for_selector("body[data-ready=yes]", timeout=60_000)
-    assert page.locator(".js-plotly-plot").count() == 1 + 2 + 2 + 2
-    assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
-    page.click("#scale")
-    page.wait_for_function("document.getElementById('curves').layout.yaxis.type === 'log'")
-    page.close()
-    assert troubles == []
+    return path
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_the_page_draws_itself_without_network(browser, sweep_file: Path, width: int) -> None:
+    with opened_page(browser, sweep_file, width) as page:
+        assert page.locator(".js-plotly-plot").count() == 1 + 2 + 2 + 2
+        require_readable(page)
+        page.click("#scale")
+        page.wait_for_function("document.getElementById('curves').layout.yaxis.type === 'log'")
+
+
+def test_the_keyboard_reaches_everything(browser, sweep_file: Path) -> None:
+    with opened_page(browser, sweep_file) as page:
+        stops = tab_stops(page)
+        assert stops[0]["id"] == "scale"
+        assert {"All cases", "Inputs"} <= {stop["name"] for stop in stops}
+        assert sum(stop["tag"] == "summary" for stop in stops) == page.locator("summary").count() == 7
+        page.focus("#scale")
+        page.keyboard.press("Enter")
+        page.wait_for_function("document.getElementById('curves').layout.yaxis.type === 'log'")
+
+
+def test_a_large_sweep_stays_small_and_draws_every_curve(browser, tmp_path: Path) -> None:
+    loads = load_key(tuple(np.linspace(100.0, 800.0, 200).tolist()))
+    view = sweep_view((loads,), [1e-4 * (1.0 + k / 200) for k in range(200)], points=2001)
+    path = tmp_path / "sweep.html"
+    write_sweep_page(path, view, "Blades", "[study]", PROVENANCE)
+    assert path.stat().st_size < LARGEST_PAGE
+    with opened_page(browser, path) as page:
+        lines = page.evaluate("document.getElementById('curves').data.map(trace => [trace.name, trace.x.length])")
+        drawn = [count for name, count in lines if count > 1]
+        assert len(drawn) == 200
+        assert sum(drawn) <= plots.DRAWN_POINTS

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+import shutil
+from pathlib import Path
 
 import pytest
 
+import stickslip
 from stickslip.case import Case
 from stickslip.errors import InputError, StudyFileError
-from stickslip.sweeps import plan
+from stickslip.sweeps import plan, work
 from stickslip.sweeps.axes import swept_keys
 from stickslip.sweeps.plan import PlannedCase, plan_cases
 
@@ -44,8 +47,31 @@ def test_name_and_key_follow_from_the_inputs_alone(monkeypatch: pytest.MonkeyPat
     retitled = planned({"preload.centrifugal_force": "300"}, Case().replace({"study.title": "Other"}))[0]
     assert retitled.key == first.key  # a title changes no answer
     assert planned({"preload.centrifugal_force": "300"}, Case().replace({"solver.harmonics": 3}))[0].key != first.key
-    monkeypatch.setattr(plan, "version", lambda name: "99.0")
-    assert planned({"preload.centrifugal_force": "300"})[0].key != first.key  # another version answers anew
+    for other in ("99.0 (code 0)", plan.worker_version().replace("(code ", "(code 0")):
+        with monkeypatch.context() as patch:
+            patch.setattr(plan, "worker_version", lambda other=other: other)
+            assert planned({"preload.centrifugal_force": "300"})[0].key != first.key  # another version answers anew
+
+
+def test_the_key_follows_from_the_code_that_solves_not_from_what_shows(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    package = Path(stickslip.__file__).parent
+    copy = tmp_path / "stickslip"
+    shutil.copytree(package, copy, ignore=shutil.ignore_patterns("__pycache__"))
+
+    def digest_of_copy() -> str:
+        work.code_digest.cache_clear()
+        return work.code_digest()
+
+    before = digest_of_copy()
+    monkeypatch.setattr(work, "__file__", str(copy / "sweeps" / "work.py"))
+    assert digest_of_copy() == before
+    for name, changes in (("report/page.py", False), ("paper/claims.py", False), ("solve/newton.py", True)):
+        with (copy / name).open("a", encoding="utf-8") as stream:
+            stream.write("# changed\n")
+        assert (digest_of_copy() != before) == changes, name
+    work.code_digest.cache_clear()
 
 
 def test_structure_is_shared_unless_geometry_mesh_material_or_reduction_changes() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import os
+import shutil
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -21,7 +22,8 @@ from stickslip.errors import ConvergenceError, InputError, RoughnessError
 from stickslip.model import ReducedModel
 from stickslip.results.measures import summary
 from stickslip.results.response import ForcedResponse
-from stickslip.results.storage import load_results
+from stickslip.results.storage import SavedResults, load_results
+from stickslip.sweeps import folder as sweep_folder
 from stickslip.sweeps import run as sweep_run
 from stickslip.sweeps import schedule, work
 from sweep_cases import quick_case
@@ -144,6 +146,36 @@ def test_a_sweep_goes_on_where_it_ended(swept: tuple, monkeypatch: pytest.Monkey
     assert len((folder / "sweep.html").read_text(encoding="utf-8")) == pytest.approx(len(page), abs=50)
     part = ss.sweep(quick_case(), VARY | {"excitation.mode": "same"}, out=folder)
     assert part.table.rows == result.table.rows[1::2]
+
+
+def test_going_on_reads_rows_and_whole_results_only_where_a_row_is_missing(
+    swept: tuple, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    folder, result, _, _ = swept
+    copy = tmp_path / "copy"
+    shutil.copytree(folder, copy)
+    opened: list[Path] = []
+
+    def load(path: Path) -> SavedResults:
+        opened.append(path)
+        return load_results(path)
+
+    monkeypatch.setattr(sweep_folder, "load_results", load)
+    assert ss.sweep(quick_case(), VARY, out=copy).table == result.table
+    assert opened == []
+    cases = [copy / row.file for row in result.table.rows]
+    cases[0].with_name("row.json").unlink()  # killed between the two files
+    cases[1].with_name("row.json").write_text("half", encoding="utf-8")
+    cases[2].with_name("row.json").write_text(cases[3].with_name("row.json").read_text("utf-8"), encoding="utf-8")
+    again = ss.sweep(quick_case(), VARY, out=copy)
+    assert (again.found, again.notices, again.table) == (4, (), result.table)
+    assert opened == cases[:3]
+    content = bytearray(cases[3].read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    cases[3].write_bytes(content)
+    damaged = ss.sweep(quick_case(), VARY, out=copy, workers=1)
+    assert (damaged.found, damaged.table) == (3, result.table)
+    assert str(cases[3]) in damaged.notices[0]
 
 
 def test_damaged_and_foreign_files_are_told_and_solved_again(swept: tuple, tmp_path: Path) -> None:

@@ -41,11 +41,13 @@ class Failure:
 
 @dataclass(frozen=True)
 class Computed:
-    """What came of the plan: curves in its order, failures, and how many an earlier run had finished."""
+    """What came of the plan: curves in its order, failures, how many an earlier run had finished, and sentences about
+    files of it that could not be used."""
 
     solved: tuple[Solved, ...]
     failures: tuple[Failure, ...]
     found: int
+    notices: tuple[str, ...]
 
 
 def compute(plan: Sequence[Computation], out: Path, workers: int, progress: Progress) -> Computed:
@@ -64,7 +66,7 @@ def compute(plan: Sequence[Computation], out: Path, workers: int, progress: Prog
         with local_executor(workers) as executor:
             Schedule(executor, lambda: executor.tasks_at_a_time, run.finish, run.fail, solve_setting).run(groups)
     solved = tuple(run.solved[each.planned.key] for each in plan if each.planned.key in run.solved)
-    return Computed(solved, tuple(run.failures), run.found)
+    return Computed(solved, tuple(run.failures), run.found, tuple(run.notices))
 
 
 def solve_setting(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
@@ -89,21 +91,22 @@ class _Run:
         self._setting = {each.planned.key: each.setting for each in plan}
         self.solved: dict[str, Solved] = {}
         self.failures: list[Failure] = []
+        self.notices: list[str] = []
         self.found = 0
 
     def _file(self, planned: PlannedCase) -> Path:
         return self._folder / f"{planned.name}.npz"
 
     def find_finished(self) -> None:
-        """Take over the files of an earlier run; a damaged one is computed again."""
+        """Take over the files of an earlier run; one that cannot be used is named and computed again."""
         for each in self._plan:
             file = self._file(each.planned)
             if not file.exists():
                 continue
             try:
                 self.solved[each.planned.key] = Solved.from_bytes(file.read_bytes(), each.planned.key)
-            except ResultsFileError:
-                file.unlink()
+            except ResultsFileError as error:
+                self.notices.append(f'"{file}": {error} This curve is computed again.')
         self.found = len(self.solved)
 
     def check(self) -> list[StructureGroup]:

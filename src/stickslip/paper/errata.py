@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.paper.claims import Solutions
+from stickslip.paper.curve_items import law_pairs
 from stickslip.paper.items import Item, base
-from stickslip.paper.motion_items import law_pairs
 from stickslip.paper.tables import Cell, Table, columns
 from stickslip.structure.craig_bampton import paper_table
 

@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
-from stickslip.paper.claims import MICRO, Solutions, friction_energy
+from stickslip.case import Case
+from stickslip.paper.claims import CLAIMS, MICRO, Solutions, friction_energy
 from stickslip.paper.plan import BASE_CHOICE
 from stickslip.paper.records import Solved
 from stickslip.paper.tables import Table, columns
 from stickslip.paper.verdicts import Judgement
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure of the page: its name, what it shows in words, and the table with its numbers."""
+
+    name: str
+    words: str
+    table: str
 
 
 @dataclass(frozen=True)
@@ -20,8 +31,35 @@ class Item:
     statement: str
     notes: tuple[str, ...] = ()
     tables: tuple[Table, ...] = ()
-    figures: tuple[str, ...] = ()
+    figures: tuple[Picture, ...] = ()
     judgements: tuple[tuple[str, Judgement], ...] = ()
+
+
+@dataclass(frozen=True)
+class ModelClaim:
+    """A claim that the model decides before any vibration.
+
+    statement, place:
+        the claim in our words, and the item of the page that judges it.
+    depends_on:
+        keys of the study file among the choices that can change its verdict.
+    reason:
+        why the other choices cannot.
+    judged:
+        the verdict for a case and curves of it.
+    """
+
+    statement: str
+    place: str
+    depends_on: frozenset[str]
+    reason: str
+    judged: Callable[[Case, Solutions], Judgement]
+
+
+def judged(solutions: Solutions, *names: str) -> tuple[tuple[str, Judgement], ...]:
+    """The statements of these claims with the verdicts of these curves."""
+    found = {claim.name: claim for claim in CLAIMS}
+    return tuple((found[name].statement, found[name].judged(solutions)) for name in names)
 
 
 def base(solutions: Solutions, law: str = "consistent") -> list[Solved]:

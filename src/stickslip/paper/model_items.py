@@ -13,9 +13,9 @@ from stickslip.interface.stiffness import ContactStatus, ContactStiffness, Rough
 from stickslip.interface.surface import draw_phases, fractal_surface, frequency_count, surface_statistics
 from stickslip.joint import case_material, case_roughness
 from stickslip.paper.claims import MICRO, Solutions
-from stickslip.paper.items import Item
+from stickslip.paper.items import Item, ModelClaim, Picture
 from stickslip.paper.tables import Cell, Table, columns
-from stickslip.paper.verdicts import Answer, judge, rises
+from stickslip.paper.verdicts import Answer, Judgement, judge, rises
 from stickslip.structure.craig_bampton import paper_table
 from stickslip.validation import FloatArray
 
@@ -27,11 +27,10 @@ LOADS = (50.0, 100.0, 500.0, 2000.0)  # N of the damper; a face carries 0.577 of
 LAWS = ("consistent", "paper", "unloading")
 
 
-def reduction_item(solutions: Solutions, full_size: int, pairs: int) -> Item:
+def reduction_item(case: Case, solutions: Solutions, full_size: int, pairs: int) -> Item:
     """Tables 1 and 2, Figure 2."""
     reduced = int(solutions[0].numbers["unknowns_reduced"])
     rows: list[tuple[Cell, ...]] = []
-    answers = []
     for mode, paper in zip(solutions[0].mode_table, paper_table(), strict=False):
         number, full_hz, reduced_hz, difference, mac = (float(value) for value in mode)
         rows.append(
@@ -45,13 +44,6 @@ def reduction_item(solutions: Solutions, full_size: int, pairs: int) -> Item:
                 paper["frequency_difference_percent"],
                 mac,
                 paper["mac"],
-            )
-        )
-        answers.append(
-            Answer(
-                {"mode": f"{int(number)}"},
-                abs(difference) < 0.01,
-                f"{difference:.2e} % (paper {paper['frequency_difference_percent']:.2e} %)",
             )
         )
     sizes = Table(
@@ -87,14 +79,39 @@ def reduction_item(solutions: Solutions, full_size: int, pairs: int) -> Item:
     )
     return Item(
         "reduction",
-        "Tables 1 and 2, Figure 2: reduction of the model",
+        REDUCTION.place,
         "The reduced model keeps the first ten frequencies within 1/10,000 and MAC near 1, with some 20 times fewer "
         "unknowns.",
         notes,
         (sizes, frequencies),
-        ("fig02_reduction",),
-        (("Each difference is below 1/10,000 on our model.", judge(answers)),),
+        (
+            Picture(
+                "fig02_reduction",
+                "Frequency difference of the reduced from the full model in percent, and MAC, for modes 1 to 10: ours "
+                "beside the paper's.",
+                frequencies.name,
+            ),
+        ),
+        ((REDUCTION.statement, REDUCTION.judged(case, solutions)),),
     )
+
+
+def _judged_reduction(_case: Case, solutions: Solutions) -> Judgement:
+    answers = []
+    for mode, paper in zip(solutions[0].mode_table, paper_table(), strict=False):
+        number, difference = int(mode[0]), float(mode[3])
+        words = f"{difference:.2e} % (paper {paper['frequency_difference_percent']:.2e} %)"
+        answers.append(Answer({"mode": f"{number}"}, abs(difference) < 0.01, words))
+    return judge(answers)
+
+
+REDUCTION = ModelClaim(
+    "Each difference is below 1/10,000 on our model.",
+    "Tables 1 and 2, Figure 2: reduction of the model",
+    frozenset({"geometry.excitation_height"}),
+    "follows from mesh, material and the nodes that are kept, with tied contact",
+    _judged_reduction,
+)
 
 
 def rough_case(base: Case, dimension: float, scale: float) -> Case:
@@ -118,6 +135,33 @@ def surface_item(base: Case) -> Item:
         for dimension in DIMENSIONS:
             sq, sdq = _heights(base, dimension, scale)
             rows.append((dimension, scale, MICRO * sq, sdq, _roughness_words(sq, sdq)))
+    table = Table(
+        "fig04_surfaces",
+        "Root mean square height and slope over 28 mm, waves from 28 mm to 1 um",
+        columns("dimension||D", "scale|m|G", "sq|um|Sq", "sdq||Sdq", "meaning||Meaning"),
+        tuple(rows),
+    )
+    return Item(
+        "surfaces",
+        ROUGHER.place,
+        "A larger D and a smaller G make the face rougher.",
+        (
+            "Both make every wave longer than G lower, so Sq and Sdq fall: the face is smoother and therefore stiffer. "
+            "D alone raises the share of short waves, not their height. Where the paper says rougher, read stiffer.",
+        ),
+        (table,),
+        (
+            Picture(
+                "fig04_surfaces",
+                "Heights of the contact face for D = 2.2, 2.3 and 2.49 at G = 1e-8 m, each with its own colour scale.",
+                table.name,
+            ),
+        ),
+        ((ROUGHER.statement, ROUGHER.judged(base, ())),),
+    )
+
+
+def _judged_surfaces(base: Case, _solutions: Solutions) -> Judgement:
     answers = []
     for name, place in (("Sq", 0), ("Sdq", 1)):
         for scale in (1e-8, 1e-9, 1e-11):
@@ -128,24 +172,16 @@ def surface_item(base: Case) -> Item:
             values = [_heights(base, dimension, scale)[place] for scale in (1e-8, 1e-9, 1e-11)]
             shown = ", ".join(f"{value:.3g}" for value in values)
             answers.append(Answer({"measure": name, "along": "G"}, rises(values), f"D {dimension:g}: {shown}"))
-    table = Table(
-        "fig04_surfaces",
-        "Root mean square height and slope over 28 mm, waves from 28 mm to 1 um",
-        columns("dimension||D", "scale|m|G", "sq|um|Sq", "sdq||Sdq", "meaning||Meaning"),
-        tuple(rows),
-    )
-    return Item(
-        "surfaces",
-        "Figure 4: rough faces, and the word rougher (E9)",
-        "A larger D and a smaller G make the face rougher.",
-        (
-            "Both make every wave longer than G lower, so Sq and Sdq fall: the face is smoother and therefore stiffer. "
-            "D alone raises the share of short waves, not their height. Where the paper says rougher, read stiffer.",
-        ),
-        (table,),
-        ("fig04_surfaces",),
-        (("A larger D or a smaller G raises Sq or Sdq.", judge(answers)),),
-    )
+    return judge(answers)
+
+
+ROUGHER = ModelClaim(
+    "A larger D or a smaller G raises Sq or Sdq.",
+    "Figure 4: rough faces, and the word rougher (E9)",
+    frozenset(),
+    "follows from D, G and the range of waves alone",
+    _judged_surfaces,
+)
 
 
 def _roughness_words(sq: float, sdq: float) -> str:
@@ -216,19 +252,10 @@ def stiffness_item(base: Case) -> Item:
         ),
         tuple(rows),
     )
-    answers = [
-        Answer(
-            {"D": f"{dimension:g}", "F_N": f"{load:g} N"},
-            _stiffness(base, dimension, PAPER_SCALE, load, "consistent").status is not ContactStatus.FULLY_PLASTIC,
-            f"K_n {_stiffness(base, dimension, PAPER_SCALE, load, 'consistent').normal:.3g} N/m",
-        )
-        for dimension in PAPER_DIMENSIONS
-        for load in LOADS
-    ]
     ratios = [row[8] for row in rows if row[8] == row[8]]
     return Item(
         "stiffness",
-        "Contact stiffness, equations 5 to 10",
+        STIFFNESS.place,
         "The law gives K_n and K_t for D = 2.2, 2.3 and 2.49 at G = 1e-8 (unit not printed; metre assumed).",
         (
             "Without elastic spots the law has no stiffness at all, and blind evaluation would give a negative one; "
@@ -237,9 +264,38 @@ def stiffness_item(base: Case) -> Item:
             f"{min(ratios):.2f} to {max(ratios):.2f} here; equation 9 uses Hertz, so the two disagree with each other.",
         ),
         (table,),
-        ("contact_stiffness",),
-        (("The law gives these faces a stiffness.", judge(answers)),),
+        (
+            Picture(
+                "contact_stiffness",
+                "Normal stiffness of a face against G (above) and centrifugal force (below) in the three modes, a line "
+                "for each D; no point where the law gives none.",
+                table.name,
+            ),
+        ),
+        ((STIFFNESS.statement, STIFFNESS.judged(base, ())),),
     )
+
+
+def _judged_stiffness(base: Case, _solutions: Solutions) -> Judgement:
+    assert base.roughness is not None
+    answers = []
+    for dimension in PAPER_DIMENSIONS:
+        for load in LOADS:
+            found = _stiffness(base, dimension, PAPER_SCALE, load, base.roughness.mode)
+            holds = found.status is not ContactStatus.FULLY_PLASTIC
+            where = {"D": f"{dimension:g}", "F_N": f"{load:g} N"}
+            answers.append(Answer(where, holds, f"K_n {found.normal:.3g} N/m"))
+    return judge(answers)
+
+
+STIFFNESS = ModelClaim(
+    "The law gives these faces a stiffness.",
+    "Contact stiffness, equations 5 to 10",
+    frozenset({"roughness.hardness", "roughness.mode"}),
+    "is asked for F_N from 50 to 2000 N, and the law knows neither friction nor damping nor the place of the force",
+    _judged_stiffness,
+)
+MODEL_CLAIMS = (ROUGHER, REDUCTION, STIFFNESS)
 
 
 def _grid() -> Iterator[tuple[float, float, float]]:

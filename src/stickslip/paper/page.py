@@ -5,17 +5,16 @@ from __future__ import annotations
 import base64
 from collections.abc import Mapping, Sequence
 from html import escape
-from importlib.metadata import version
 from math import isnan
 from pathlib import Path
 
 from stickslip.errors import InputError
 from stickslip.files import whole_file
 from stickslip.paper.compute import Failure
-from stickslip.paper.items import Item
+from stickslip.paper.items import Item, Picture
 from stickslip.paper.tables import Cell, Table
 from stickslip.paper.verdicts import Judgement, Verdict
-from stickslip.report.html_parts import asset, filled, notice, table_rows, word_class
+from stickslip.report.html_parts import notice, scrolled, when, whole_page, word_class
 from stickslip.report.style import number
 
 TITLE = "Interface roughness and an under-platform damper"
@@ -30,6 +29,10 @@ _CLASS = {
     Verdict.UNDECIDED: "open",
 }
 LARGEST_SHOWN = 60
+LONG_CELL = 40  # letters from which a cell needs a wide column
+# Folders beside the page, to which it links.
+FIGURE_FOLDER = "figures"
+TABLE_FOLDER = "tables"
 
 
 def write_page(
@@ -45,7 +48,7 @@ def write_page(
     parts = {
         "title": escape(TITLE),
         "description": escape(DESCRIPTION),
-        "byline": escape(provenance.get("date", "date unknown").replace("T", " ").replace("+00:00", " UTC")),
+        "byline": escape(when(provenance)),
         "notices": _failures(failures),
         "tiles": "".join(
             f'<div class="tile"><h3>Claims: {verdict.value}</h3><p class="value">{counts.get(verdict, 0)}</p></div>'
@@ -54,12 +57,10 @@ def write_page(
         "contents": "".join(f'<li><a href="#{item.anchor}">{escape(item.title)}</a></li>' for item in items),
         "items": "".join(_item(item, figures) for item in items),
         "inputs": escape(inputs),
-        "provenance": table_rows(provenance.items()),
-        "version": version("stickslip"),
-        "css": asset("page.css"),
     }
+    text = whole_page("paper.html", "A published study, computed again", parts, provenance, styles=("paper.css",))
     with whole_file(path, "page of the study", InputError) as part:
-        part.write_text(filled("paper.html", parts), encoding="utf-8")
+        part.write_text(text, encoding="utf-8")
 
 
 def _failures(failures: Sequence[Failure]) -> str:
@@ -72,7 +73,7 @@ def _failures(failures: Sequence[Failure]) -> str:
 def _item(item: Item, figures: Mapping[str, Path]) -> str:
     body = "".join(f'<p class="note">{escape(note)}</p>' for note in item.notes)
     judged = "".join(_judgement(question, judgement) for question, judgement in item.judgements)
-    drawn = "".join(_figure(name, figures[name]) for name in item.figures)
+    drawn = "".join(_figure(picture, figures[picture.name]) for picture in item.figures)
     tables = "".join(_table(table) for table in item.tables)
     return (
         f'<section id="{item.anchor}"><h2>{escape(item.title)}</h2><p class="says"><b>The paper:</b> '
@@ -89,9 +90,17 @@ def _judgement(question: str, judgement: Judgement) -> str:
     return f"<p><b>{escape(question)}</b> {badge(judgement.verdict.value)} {escape(judgement.reason)}</p>"
 
 
-def _figure(name: str, file: Path) -> str:
+def _figure(picture: Picture, file: Path) -> str:
     data = base64.b64encode(file.read_bytes()).decode("ascii")
-    return f'<figure class="panel"><img alt="{escape(name)}" src="data:image/png;base64,{data}"></figure>'
+    vector = f'<a href="{FIGURE_FOLDER}/{picture.name}.svg">as SVG</a>'
+    return (
+        f'<figure class="panel"><img alt="{escape(picture.words)}" src="data:image/png;base64,{data}"><figcaption>'
+        f"{escape(picture.words)} {vector}; numbers: {_csv_link(picture.table)}</figcaption></figure>"
+    )
+
+
+def _csv_link(table: str) -> str:
+    return f'<a href="{TABLE_FOLDER}/{table}.csv">{table}.csv</a>'
 
 
 def _table(table: Table) -> str:
@@ -105,11 +114,10 @@ def _table(table: Table) -> str:
         for row in table.rows[:LARGEST_SHOWN]
     )
     more = len(table.rows) - LARGEST_SHOWN
-    rest = f'<p class="note">{more} more rows are in {table.name}.csv.</p>' if more > 0 else ""
-    caption = f"<caption>{escape(table.caption)}</caption>"
-    return (
-        f'<div class="scroll"><table>{caption}<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>{rest}'
-    )
+    rest = f'<p class="note">{more} more rows are in {_csv_link(table.name)}.</p>' if more > 0 else ""
+    caption = f"<caption>{escape(table.caption)} ({_csv_link(table.name)})</caption>"
+    body = f"<thead><tr>{head}</tr></thead><tbody>{rows}</tbody>"
+    return scrolled(table.caption, f"<table>{caption}{body}</table>") + rest
 
 
 def _unit(unit: str) -> str:
@@ -118,6 +126,7 @@ def _unit(unit: str) -> str:
 
 def _cell(cell: Cell, is_word: bool) -> str:
     if isinstance(cell, str):
-        return f'<td class="word">{badge(cell) if cell in set(Verdict) else escape(cell)}</td>'
+        kind = "word long" if len(cell) > LONG_CELL else "word"
+        return f'<td class="{kind}">{badge(cell) if cell in set(Verdict) else escape(cell)}</td>'
     shown = "–" if isnan(cell) else number(cell)
     return f"<td{word_class(is_word)}>{shown}</td>"

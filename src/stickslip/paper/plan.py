@@ -18,6 +18,10 @@ EXCITATIONS = ("single", "same", "opposite")
 BASE_CHOICE = "base"
 
 
+LOAD_KEY = "preload.centrifugal_force"
+Roughnesses = tuple[tuple[float, float], ...]  # (D, G in m)
+
+
 @dataclass(frozen=True)
 class Choice:
     """A value that the paper leaves open: key of the study file, base value, low and high ones beside it, and why."""
@@ -61,7 +65,7 @@ CHOICES = (
     ),
     Choice(
         "centrifugal force",
-        "preload.centrifugal_force",
+        LOAD_KEY,
         "100 N",
         ("50 N", "200 N"),
         "with it 5 N and 2 N in the same direction make pairs slip and separate for most of the roughness, as in the "
@@ -103,7 +107,8 @@ class Scope:
     """How much is computed; the defaults are the whole study.
 
     dimensions at ``scale`` and scales (m) at ``dimension`` are the two roughness series of the base; the shorter ones
-    are those of the varied choices. ``runs`` are (force N, load N) of the base, the first one the main run.
+    are those of the varied choices. ``runs`` are (force N, load N) of the base, the first one the main run. A varied
+    choice has the same runs, those after the first for the (D, G) of ``compared`` alone, which are among its series.
     ``extra`` are (D, G, law) beside them. ``changes`` apply to every case.
     """
 
@@ -114,6 +119,7 @@ class Scope:
     dimension: float = 2.4
     scale: float = 1e-9
     runs: tuple[tuple[float, float], ...] = ((5.0, 100.0), (2.0, 100.0), (5.0, 50.0))
+    compared: Roughnesses = ((2.4, 1e-9), (2.4, 1e-10))
     extra: tuple[tuple[float, float, str], ...] = (
         (2.45, 1e-8, "consistent"),
         (2.49, 1e-8, "consistent"),
@@ -127,12 +133,22 @@ class Scope:
     choices: tuple[Choice, ...] = CHOICES
     changes: Mapping[str, Any] = field(default_factory=dict)
 
-    def roughness(self, short: bool) -> tuple[tuple[float, float], ...]:
+    def roughness(self, short: bool) -> Roughnesses:
         """(D, G) of both series, each pair once."""
         dimensions = self.short_dimensions if short else self.dimensions
         scales = self.short_scales if short else self.scales
         found = [(d, self.scale) for d in dimensions] + [(self.dimension, g) for g in scales]
         return tuple(dict.fromkeys(found))
+
+    def changed_runs(self, load: float | None = None) -> tuple[tuple[float, float, Roughnesses], ...]:
+        """(force N, load N, its roughness) of the runs of a varied choice, or of the base where it is compared with
+        one. Under another main load the loads of all runs change in proportion."""
+        _, main = self.runs[0]
+        factor = 1.0 if load is None else load / main
+        return tuple(
+            (force, factor * here, self.compared if place else self.roughness(short=True))
+            for place, (force, here) in enumerate(self.runs)
+        )
 
 
 WINDOW: Mapping[str, Any] = {"solver.frequency_start": "405 Hz", "solver.frequency_stop": "535 Hz"}
@@ -147,10 +163,10 @@ def base_case(scope: Scope) -> Case:
 def computations(scope: Scope) -> tuple[Computation, ...]:
     """Every curve of the study, the base first. Raises StudyFileError for a case that is not valid."""
     base, seen, result = base_case(scope), set(), []
-    for choice, changes, force, load, dimension, scale, law in _wanted(scope):
+    for choice, changed, force, load, dimension, scale, law in _wanted(scope):
         for excitation in EXCITATIONS:
             setting = Setting(choice, excitation, force, load, dimension, scale, law)
-            case = base.replace({**_of(setting), **changes})
+            case = base.replace({**changed, **_of(setting)})
             key, structure = case_hashes(case)
             if key in seen:
                 raise StudyFileError(f"the study computes {setting} twice; leave one of them out of the scope.")
@@ -168,19 +184,26 @@ def _wanted(scope: Scope) -> Iterator[tuple[str, dict[str, Any], float, float, f
     force, load = scope.runs[0]
     for dimension, scale, other in scope.extra:
         yield BASE_CHOICE, {}, force, load, dimension, scale, other
+    for choice, value in changes(scope):
+        changed, probe = variant(choice, value), base_case(scope).replace({choice.key: value})
+        assert probe.roughness is not None
+        for force, load, points in scope.changed_runs(changed_load(choice, probe)):
+            if choice.key == LOAD_KEY and (force, load) in scope.runs:
+                continue  # a run of the base already
+            for dimension, scale in points:
+                yield changed, {choice.key: value}, force, load, dimension, scale, probe.roughness.mode
+
+
+def changes(scope: Scope) -> Iterator[tuple[Choice, Any]]:
+    """Every choice with each of its other values."""
     for choice in scope.choices:
         for value in choice.others:
-            changed = variant(choice, value)
-            probe = base_case(scope).replace({choice.key: value})
-            if choice.key == "preload.centrifugal_force":
-                load_here = float(probe.preload.centrifugal_force or 0.0)
-                if (force, load_here) in scope.runs:
-                    continue  # a run of the base already
-            else:
-                load_here = load
-            assert probe.roughness is not None
-            for dimension, scale in scope.roughness(short=True):
-                yield changed, {choice.key: value}, force, load_here, dimension, scale, probe.roughness.mode
+            yield choice, value
+
+
+def changed_load(choice: Choice, case: Case) -> float | None:
+    """The main centrifugal force (N) of a case if it is the choice that is varied, else None."""
+    return case.preload.centrifugal_force if choice.key == LOAD_KEY else None
 
 
 def variant(choice: Choice, value: Any) -> str:
@@ -192,7 +215,7 @@ def _of(setting: Setting) -> dict[str, Any]:
     return {
         "excitation.mode": setting.excitation,
         "excitation.amplitude": setting.force,
-        "preload.centrifugal_force": setting.load,
+        LOAD_KEY: setting.load,
         "roughness.fractal_dimension": setting.dimension,
         "roughness.fractal_roughness": f"{setting.scale!r} m",
         "roughness.mode": setting.law,

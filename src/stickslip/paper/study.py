@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip.errors import ConvergenceError
-from stickslip.paper import figures, model_items, motion_items, verdict_items
+from stickslip.paper import choice_items, curve_items, figures, model_items, motion_items, verdict_items
 from stickslip.paper.compute import Computed, Failure, compute
 from stickslip.paper.errata import errata_item
 from stickslip.paper.items import Item, base, peak_table
 from stickslip.paper.motion_items import main_series
-from stickslip.paper.page import write_page
+from stickslip.paper.page import FIGURE_FOLDER, TABLE_FOLDER, write_page
 from stickslip.paper.plan import Scope, base_case, computations
 from stickslip.paper.records import Solved
 from stickslip.paper.tables import Table, write_csv, write_netcdf
@@ -31,19 +31,18 @@ if TYPE_CHECKING:
 
 PAGE_FILE = "paper.html"
 NUMBERS_FILE = "paper.nc"
-FIGURE_FOLDER = "figures"
-TABLE_FOLDER = "tables"
 
 
 @dataclass(frozen=True)
 class PaperOutcome:
-    """What the study wrote, and what has no result."""
+    """What the study wrote, what has no result, and sentences about files of an earlier run that were of no use."""
 
     files: tuple[Path, ...]
     curves: int
     found: int
     failures: tuple[Failure, ...]
     verdicts: dict[Verdict, int]
+    notices: tuple[str, ...]
 
 
 def paper_study(
@@ -64,14 +63,18 @@ def paper_study(
 
 def _written(folder: Path, scope: Scope, computed: Computed, told: Progress) -> PaperOutcome:
     told.update("Files", 0.0, "verdicts")
-    shown, claims = _items(scope, computed.solved)
+    shown, claims, changed = _items(scope, computed.solved)
     counts = Counter(judged.verdict for _, _, judged in claims)
     verdicts = {verdict: counts[verdict] for verdict in Verdict}
     told.update("Files", 0.1, FIGURE_FOLDER)
-    wanted = [name for item in shown for name in item.figures]
+    wanted = [picture.name for item in shown for picture in item.figures]
     drawn = _drawn(folder / FIGURE_FOLDER, wanted, _drawings(scope, computed.solved), told)
     tables = [table for item in shown for table in item.tables]
-    tables += [verdict_items.answers_table(computed.solved), peak_table("curves", "All curves", computed.solved)]
+    tables += [
+        verdict_items.answers_table(computed.solved),
+        choice_items.reasons_table(changed),
+        peak_table("curves", "All curves", computed.solved),
+    ]
     told.update("Files", 0.8, TABLE_FOLDER)
     files = [*_tables(folder / TABLE_FOLDER, tables), write_netcdf(tables, computed.solved, folder / NUMBERS_FILE)]
     page = folder / PAGE_FILE
@@ -79,31 +82,36 @@ def _written(folder: Path, scope: Scope, computed: Computed, told: Progress) -> 
     write_page(page, shown, pictures, verdicts, computed.failures, base_case(scope).to_text(), run_provenance())
     told.update("Files", 1.0, PAGE_FILE)
     files = [page, *files, *(file for written in drawn.values() for file in written)]
-    return PaperOutcome(tuple(files), len(computed.solved), computed.found, computed.failures, verdicts)
+    return PaperOutcome(
+        tuple(files), len(computed.solved), computed.found, computed.failures, verdicts, computed.notices
+    )
 
 
-def _items(scope: Scope, solved: Sequence[Solved]) -> tuple[tuple[Item, ...], list[verdict_items.Judged]]:
-    """The items of the page in its order, and the claims that they judge."""
+def _items(
+    scope: Scope, solved: Sequence[Solved]
+) -> tuple[tuple[Item, ...], list[verdict_items.Judged], list[choice_items.ChangedVerdict]]:
+    """The items of the page in its order, the claims that they judge, and these under every changed choice."""
     case = base_case(scope)
     setup = set_up(case)
     surfaces, stiffness = model_items.surface_item(case), model_items.stiffness_item(case)
-    reduction = model_items.reduction_item(solved, 3 * setup.mesh.n_nodes, setup.layout.face_pairs.n_pairs)
-    claims = verdict_items.judged_claims(solved, (surfaces, reduction, stiffness))
+    reduction = model_items.reduction_item(case, solved, 3 * setup.mesh.n_nodes, setup.layout.face_pairs.n_pairs)
+    claims = verdict_items.judged_claims(case, solved)
+    changed = choice_items.changed_verdicts(solved, scope)
     items = (
-        verdict_items.conclusions_item(claims),
-        verdict_items.choices_item(solved, scope),
+        verdict_items.conclusions_item(claims, changed),
+        choice_items.choices_item(changed, scope),
         reduction,
         surfaces,
         stiffness,
         motion_items.period_item(solved, scope),
         motion_items.damper_item(solved, scope),
         motion_items.states_item(solved, scope),
-        motion_items.curves_item(solved),
-        motion_items.energy_item(solved),
-        motion_items.laws_item(solved),
+        curve_items.curves_item(solved),
+        curve_items.energy_item(solved),
+        curve_items.laws_item(solved),
         errata_item(solved, surfaces.tables[0], stiffness.tables[0]),
     )
-    return items, claims
+    return items, claims, changed
 
 
 def _tables(folder: Path, tables: Sequence[Table]) -> list[Path]:

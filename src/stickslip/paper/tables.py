@@ -89,7 +89,7 @@ def _write_groups(path: Path, parts: Sequence[tuple[str, xarray.Dataset]]) -> No
 
 
 def _storable(values: Any) -> Any:
-    import h5py  # type: ignore[import-untyped]
+    import h5py
 
     return values.astype(h5py.string_dtype()) if values.dtype.kind in "OU" else values
 

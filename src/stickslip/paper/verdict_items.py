@@ -1,15 +1,16 @@
-"""Items that judge: the conclusions claim by claim, and what our choices do to every verdict."""
+"""The item that judges: the conclusions claim by claim."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+from stickslip.case import Case
+from stickslip.paper.choice_items import ChangedVerdict
 from stickslip.paper.claims import CLAIMS, Solutions
 from stickslip.paper.items import Item, base
-from stickslip.paper.plan import BASE_CHOICE, Scope, variant
-from stickslip.paper.records import Solved
+from stickslip.paper.model_items import MODEL_CLAIMS
 from stickslip.paper.tables import Cell, Table, columns
-from stickslip.paper.verdicts import Answer, Judgement, Verdict
+from stickslip.paper.verdicts import Answer, Judgement
 
 # What explains a verdict and does not depend on the numbers of a run, for the claims that need it.
 REMARKS = {
@@ -28,14 +29,16 @@ REMARKS = {
 Judged = tuple[str, str, Judgement]  # statement, place in the paper, verdict
 
 
-def judged_claims(solutions: Solutions, others: Sequence[Item]) -> list[Judged]:
-    """Every claim: those about the vibration, and those that other items judge from the model alone."""
-    found = [(claim.statement, claim.place, claim.judged(base(solutions))) for claim in CLAIMS]
-    return found + [(question, item.title, judged) for item in others for question, judged in item.judgements]
+def judged_claims(case: Case, solutions: Solutions) -> list[Judged]:
+    """Every claim: those about the vibration, and those that the model decides alone."""
+    chosen = base(solutions)
+    found = [(claim.statement, claim.place, claim.judged(chosen)) for claim in CLAIMS]
+    return found + [(claim.statement, claim.place, claim.judged(case, chosen)) for claim in MODEL_CLAIMS]
 
 
-def conclusions_item(claims: Sequence[Judged]) -> Item:
+def conclusions_item(claims: Sequence[Judged], changed: Sequence[ChangedVerdict]) -> Item:
     """Conclusions 1 to 4: a row for each claim."""
+    sensitive = {each.statement: each.changes_with for each in changed}
     rows: list[tuple[Cell, ...]] = [
         (
             statement,
@@ -43,13 +46,21 @@ def conclusions_item(claims: Sequence[Judged]) -> Item:
             _examples(judged),
             judged.verdict.value,
             f"{judged.reason} {REMARKS.get(statement, '')}".strip(),
+            sensitive[statement],
         )
         for statement, place, judged in claims
     ]
     table = Table(
         "conclusions",
         "Claims, our numbers, verdicts",
-        columns("claim||Claim", "place||In the paper", "numbers||Our numbers", "verdict||Verdict", "why||Why"),
+        columns(
+            "claim||Claim",
+            "place||In the paper",
+            "numbers||Our numbers",
+            "verdict||Verdict",
+            "why||Why",
+            "changes_with||Another verdict with",
+        ),
         tuple(rows),
     )
     return Item(
@@ -57,7 +68,10 @@ def conclusions_item(claims: Sequence[Judged]) -> Item:
         "Conclusions 1 to 4, claim by claim",
         "Same direction translates the damper and slips most; less load, larger D and smaller G give more slip, a "
         "lower peak and more energy.",
-        ("Each verdict follows from all base curves under the consistent law; answers.csv has what is behind it.",),
+        (
+            "Each verdict follows from all base curves under the consistent law; answers.csv has what is behind it. "
+            "The last column names the changed choices under which the verdict is another one, see the next item.",
+        ),
         (table,),
     )
 
@@ -90,60 +104,3 @@ def answers_table(solutions: Solutions) -> Table:
         columns("claim||Claim", "situation||Situation", "holds||Holds", "numbers||Numbers"),
         tuple(rows),
     )
-
-
-def choices_item(solutions: Solutions, scope: Scope) -> Item:
-    """The choices, and every verdict with one of them changed."""
-    rows: list[tuple[Cell, ...]] = [
-        (c.name, str(c.base), ", ".join(map(str, c.others)), c.reason) for c in scope.choices
-    ]
-    choices = Table(
-        "choices",
-        "Choices that the paper leaves open",
-        columns("choice||Choice", "base||Base", "others||Also", "reason||Why"),
-        tuple(rows),
-    )
-    sets = dict(changed_sets(solutions, scope))
-    body = []
-    for claim in CLAIMS:
-        verdicts = [claim.judged(chosen).verdict for chosen in sets.values()]
-        if any(verdict is not Verdict.UNDECIDED for verdict in verdicts):
-            body.append((claim.statement, *(verdict.value for verdict in verdicts)))
-    heads = ("claim||Claim", *(f"{name.replace(' ', '_')}||{name}" for name in sets))
-    table = Table("choices_verdicts", "Verdicts with one choice changed at a time", columns(*heads), tuple(body))
-    return Item(
-        "choices",
-        "Our choices, and what they do to the verdicts",
-        "Friction coefficient, damping, hardness, centrifugal force and the place of the force are not given.",
-        (
-            "Each column is judged on the short series of D and G alone (the base as well), with one force and one "
-            "centrifugal force, so claims that compare forces or loads are left out.",
-        ),
-        (choices, table),
-    )
-
-
-def changed_sets(solutions: Solutions, scope: Scope) -> list[tuple[str, list[Solved]]]:
-    """(name, curves) of the base on the short series, of each changed choice, and of the base under other loads."""
-    short = set(scope.roughness(short=True))
-    force, load = scope.runs[0]
-
-    def pick(choice: str, force_here: float, load_here: float) -> list[Solved]:
-        return [
-            one
-            for one in solutions
-            if one.setting.choice == choice
-            and (one.setting.dimension, one.setting.scale) in short
-            and (one.setting.force, one.setting.load) == (force_here, load_here)
-            and (choice != BASE_CHOICE or one.setting.law == "consistent")
-        ]
-
-    sets = [("base", pick(BASE_CHOICE, force, load))]
-    sets += [(f"{f:g} N, F_N {n:g} N", pick(BASE_CHOICE, f, n)) for f, n in scope.runs[1:]]
-    for choice in scope.choices:
-        for value in choice.others:
-            name = variant(choice, value)
-            found = [one for one in solutions if one.setting.choice == name]
-            if found:
-                sets.append((name, found))
-    return sets

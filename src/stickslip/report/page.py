@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from html import escape
-from importlib.metadata import version
 from os import PathLike
 from pathlib import Path
 
 from stickslip.errors import InputError
 from stickslip.files import whole_file
 from stickslip.report import plots
-from stickslip.report.html_parts import asset, filled, notice, script_json, table_rows, word_class
+from stickslip.report.html_parts import notice, scrolled, table_rows, when, whole_page, word_class
 from stickslip.report.look import Figure
 from stickslip.report.page_data import page_data
 from stickslip.report.style import number
@@ -50,16 +49,15 @@ def write_page(path: str | PathLike[str], response: ForcedResponse, study: Study
 
 def page(response: ForcedResponse, study: StudyRecord) -> str:
     """The report of one run as HTML. Raises InputError if the study does not belong to the response."""
-    from plotly.offline import get_plotlyjs
-
     view = View.of(response, study)
     faces = range(len(study.face_names))
-    date = response.provenance.get("date", "date unknown").replace("T", " ").replace("+00:00", " UTC")
     ended = "converged" if response.converged else "NOT converged"
     parts = {
         "title": escape(study.title),
         "description": escape(study.description),
-        "byline": escape(f"{date} · {response.n_points} points · {response.harmonics} harmonics · {ended}"),
+        "byline": escape(
+            f"{when(response.provenance)} · {response.n_points} points · {response.harmonics} harmonics · {ended}"
+        ),
         "notices": _notices(view),
         "tiles": _tiles(view),
         "output": escape(study.response_output),
@@ -78,15 +76,15 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
         "derived": _derived(study),
         "inputs": escape(study.inputs),
         "settings": table_rows((key, number(value)) for key, value in response.settings.items()),
-        "provenance": table_rows(response.provenance.items()),
-        "version": version("stickslip"),
-        "data": script_json(page_data(view)),
-        "figures": script_json(_figures(view)),
-        "css": asset("page.css"),
-        "js": asset("page.js"),
-        "plotly": get_plotlyjs(),
     }
-    return filled("page.html", parts)
+    return whole_page(
+        "page.html",
+        "Forced response with rough frictional contact",
+        parts,
+        response.provenance,
+        script="page.js",
+        data={"page-data": page_data(view), "page-figures": _figures(view)},
+    )
 
 
 def _figures(view: View) -> dict[str, Figure]:
@@ -188,7 +186,7 @@ def _groups(study: StudyRecord) -> str:
         return ""
     figures = "".join(
         f'<figure class="panel"><figcaption>{escape(heading)}</figcaption>'
-        f'<div id="group-{i}" class="plot"></div></figure>'
+        f'<div id="group-{i}" class="plot" role="img" aria-label="{escape(heading)}"></div></figure>'
         for i, heading in enumerate(study.signal_groups)
     )
     return (
@@ -212,12 +210,9 @@ def _mode_table(study: StudyRecord) -> str:
         body.append("<tr>" + "".join(f"<td{word_class(text)}>{value}</td>" for text, value in cells) + "</tr>")
     head = "".join(f"<th{word_class(heading == 'Mode')}>{heading}</th>" for heading in headings)
     note = f'<p class="note">{_INFERRED}</p>' if compared else ""
-    return (
-        f"<section><h2>Natural frequencies, contact {study.mode_contact}"
-        f"{' (geometry inferred)' if compared else ''}</h2>{note}"
-        f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{"".join(body)}</tbody></table></div>'
-        "</section>"
-    )
+    table = f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(body)}</tbody></table>"
+    heading = f"Natural frequencies, contact {study.mode_contact}{' (geometry inferred)' if compared else ''}"
+    return f"<section><h2>{heading}</h2>{note}{scrolled('Natural frequencies', table)}</section>"
 
 
 def _mode_cell(key: str, value: str | float | int | None) -> str:
@@ -247,7 +242,5 @@ def _derived(study: StudyRecord) -> str:
         for name, value, unit, explanation in study.derived
     )
     head = '<th class="word">Quantity</th><th>Value</th><th class="word">Unit</th><th class="word">Meaning</th>'
-    return (
-        '<section><h2>Derived quantities</h2><div class="scroll"><table class="plain">'
-        f"<thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div></section>"
-    )
+    table = f'<table class="plain"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>'
+    return f"<section><h2>Derived quantities</h2>{scrolled('Derived quantities', table)}</section>"

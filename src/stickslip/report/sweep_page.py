@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from html import escape
-from importlib.metadata import version
 from os import PathLike
 from pathlib import Path
 
 from stickslip.errors import InputError
 from stickslip.files import whole_file
 from stickslip.report import sweep_plots as plots
-from stickslip.report.html_parts import asset, filled, notice, script_json, table_rows
+from stickslip.report.html_parts import notice, scrolled, when, whole_page
 from stickslip.report.look import Figure
 from stickslip.report.style import MICRO, number
 from stickslip.report.sweep_view import LOAD_KEY, SweepView, short_name
@@ -47,14 +46,11 @@ def write_sweep_page(
 
 def sweep_page(view: SweepView, title: str, inputs: str, provenance: Mapping[str, str]) -> str:
     """The page of a sweep as HTML."""
-    from plotly.offline import get_plotlyjs
-
     figures: dict[str, Figure] = {}
-    date = provenance.get("date", "date unknown").replace("T", " ").replace("+00:00", " UTC")
     parts = {
         "title": escape(title),
         "description": escape("; ".join(f"{key.name}: {_values(key.labels)}" for key in view.table.keys) + "."),
-        "byline": escape(f"{date} · {len(view.table.rows)} cases · {len(view.table.failed)} failed"),
+        "byline": escape(f"{when(provenance)} · {len(view.table.rows)} cases · {len(view.table.failed)} failed"),
         "notices": _failures(view),
         "tiles": _tiles(view),
         "curves": _curves(view, figures),
@@ -63,14 +59,16 @@ def sweep_page(view: SweepView, title: str, inputs: str, provenance: Mapping[str
         "maps": _maps(view, figures),
         "table": _table(view),
         "inputs": escape(inputs),
-        "provenance": table_rows(provenance.items()),
-        "version": version("stickslip"),
-        "figures": script_json(figures),
-        "css": asset("page.css"),
-        "js": asset("sweep.js"),
-        "plotly": get_plotlyjs(),
     }
-    return filled("sweep.html", parts)
+    return whole_page(
+        "sweep.html",
+        "Sweep of forced responses with rough frictional contact",
+        parts,
+        provenance,
+        head_title=f"{escape(title)}: sweep",
+        script="sweep.js",
+        data={"page-figures": figures},
+    )
 
 
 def _values(labels: tuple[str, ...]) -> str:
@@ -109,6 +107,12 @@ def _plot(name: str, words: str) -> str:
     return f'<div class="panel"><div id="{name}" class="plot" role="img" aria-label="{escape(words)}"></div></div>'
 
 
+def _figure(name: str, caption: str, words: str) -> str:
+    """A plot with a caption; ``words`` say in plain text what it shows."""
+    drawn = f'<div id="{name}" class="plot" role="img" aria-label="{escape(words)}"></div>'
+    return f'<figure class="panel"><figcaption>{caption}</figcaption>{drawn}</figure>'
+
+
 def _curves(view: SweepView, figures: dict[str, Figure]) -> str:
     if not any(view.curves):
         return '<p class="note">No case has a curve.</p>'
@@ -131,8 +135,7 @@ def _keys(view: SweepView, figures: dict[str, Figure]) -> str:
     for place, key in enumerate(view.table.keys):
         name = f"key-{place}"
         figures[name] = plots.against_key(view, place)
-        heading = f"<figcaption>Against {escape(key.name)}</figcaption>"
-        panels.append(f'<figure class="panel">{heading}<div id="{name}" class="plot" role="img"></div></figure>')
+        panels.append(_figure(name, f"Against {escape(key.name)}", f"Peak and its frequency against {key.name}"))
     return f'<div class="two">{"".join(panels)}</div>' if len(panels) > 1 else "".join(panels)
 
 
@@ -145,10 +148,10 @@ def _performance(view: SweepView, figures: dict[str, Figure]) -> str:
         "<section><h2>Damper performance</h2>"
         f'<p class="note">{_optimum_words(view)} The linear limits are drawn where their peaks lie inside the computed '
         "range: contact all stuck (its stiffness follows the load) and no contact.</p>"
-        '<div class="two"><figure class="panel"><figcaption>Against the load F<sub>N</sub></figcaption>'
-        '<div id="performance-load" class="plot" role="img"></div></figure>'
-        '<figure class="panel"><figcaption>Against force / F<sub>N</sub></figcaption>'
-        '<div id="performance-ratio" class="plot" role="img"></div></figure></div></section>'
+        '<div class="two">'
+        + _figure("performance-load", "Against the load F<sub>N</sub>", "Peak against the load")
+        + _figure("performance-ratio", "Against force / F<sub>N</sub>", "Peak against force / load")
+        + "</div></section>"
     )
 
 
@@ -177,8 +180,7 @@ def _maps(view: SweepView, figures: dict[str, Figure]) -> str:
     panels = []
     for count, (heading, figure) in enumerate(plots.maps(view)):
         figures[f"map-{count}"] = figure
-        caption = f"<figcaption>{escape(heading)}</figcaption>"
-        panels.append(f'<figure class="panel">{caption}<div id="map-{count}" class="plot" role="img"></div></figure>')
+        panels.append(_figure(f"map-{count}", escape(heading), f"Map: {heading}"))
     first, second = (key.name for key in view.table.keys[:2])
     total = math.prod(len(key.values) for key in view.table.keys[2:])
     rest = ""
@@ -195,7 +197,7 @@ def _table(view: SweepView) -> str:
     head = "".join(f"<th>{escape(short_name(key))}</th>" for key in view.table.keys)
     head += "".join(f"<th>{heading}</th>" for heading, _, _ in _COLUMNS.values()) + '<th class="word">Remarks</th>'
     body = "".join(_table_row(view, place, row) for place, row in enumerate(view.table.rows))
-    return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+    return scrolled("All cases", f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>")
 
 
 def _table_row(view: SweepView, place: int, row: SweepRow) -> str:

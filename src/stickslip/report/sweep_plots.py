@@ -169,7 +169,8 @@ def _coordinates(view: SweepView, place: int, rows: Any) -> list[float] | list[s
 
 
 def _number_axis(values: FloatArray) -> dict[str, Any]:
-    return {"type": "log"} if is_logarithmic(values) else {}
+    # plotly draws the digits between two powers of ten at three quarters of the size: 15 px keep them readable
+    return {"type": "log", "tickfont": {"size": 15}} if is_logarithmic(values) else {}
 
 
 def _group_lines(

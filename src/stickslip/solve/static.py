@@ -23,8 +23,8 @@ from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray, finite_array
 
 # Local stiffness is iterated until the normal forces change by less than this share of the largest.
-STIFFNESS_TOLERANCE = 1e-5
-STIFFNESS_ITERATIONS = 60
+STIFFNESS_TOLERANCE = 1e-4
+STIFFNESS_ITERATIONS = 200
 
 # Normal and tangential stiffness (n_pairs,) of pairs under normal forces (n_pairs,).
 LocalStiffness = Callable[[FloatArray], tuple[FloatArray, FloatArray]]

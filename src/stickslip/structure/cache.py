@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.errors import StickslipError
-from stickslip.files import whole_file
+from stickslip.files import source_digest, whole_file
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import NodePairs, joined_modes
 from stickslip.structure.mesh import IntArray
@@ -103,10 +103,7 @@ def _digest(structure: Structure, *numbers: NDArray[Any]) -> str:
 @cache
 def _code() -> bytes:
     """Digest of the modules that reduce structures: results of other code are never taken."""
-    digest = hashlib.blake2b()
-    for source in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(source.read_bytes())
-    return digest.digest()
+    return source_digest(Path(__file__).parent.glob("*.py")).encode()
 
 
 def _read(path: Path) -> Arrays | None:

@@ -1,11 +1,13 @@
 """The folder of a sweep: a results file for each case, what is found finished when a sweep goes on, and the tables.
 
-``DIR/cases/NAME/results.nc`` holds a case that was solved, ``DIR/cases/NAME/failed.json`` the message of one that
-stickslip refused or could not start. NAME ends with the hash of its inputs and of the version.
+``DIR/cases/NAME/results.nc`` holds a case that was solved, ``row.json`` beside it what table and page need of it with
+the digest of that file, ``failed.json`` the message of a case that stickslip refused or could not start. NAME ends with
+the hash of its inputs, the version and the code.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import time
 import traceback
@@ -13,16 +15,19 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from stickslip.errors import ResultsFileError
 from stickslip.files import whole_file
 from stickslip.results.storage import load_results
-from stickslip.results.sweep_table import curve_and_measures
+from stickslip.results.sweep_table import SweepCurve, curve_and_measures
 from stickslip.study import RESULTS_FILE
 from stickslip.sweeps.plan import PlannedCase
 from stickslip.sweeps.work import CASE_KEY, CaseOutcome
 
 CASES = "cases"
 FAILED_FILE = "failed.json"
+ROW_FILE = "row.json"
 TRACEBACK_FILE = "traceback.log"
 # Saving takes seconds: an unfinished file this old was left by a process that was killed.
 _ABANDONED_SECONDS = 600.0
@@ -54,6 +59,9 @@ class SweepFolder:
         with whole_file(target, "results", ResultsFileError) as part:
             part.write_bytes(content)
         if outcome.file:
+            # after the results: a process that is killed between the two leaves a case that is read whole
+            with whole_file(target.with_name(ROW_FILE), "row of a case", ResultsFileError) as part:
+                part.write_text(_row_text(planned.key, outcome), encoding="utf-8")
             for left_over in (FAILED_FILE, TRACEBACK_FILE):
                 target.with_name(left_over).unlink(missing_ok=True)
 
@@ -72,6 +80,9 @@ class SweepFolder:
         failed = file.with_name(FAILED_FILE)
         if not file.exists():
             return _failure(failed, planned.key) if failed.exists() else (None, "")
+        row = _row(file, planned.key)
+        if row is not None:
+            return row, ""
         try:
             saved = load_results(file)
         except ResultsFileError as error:
@@ -101,6 +112,42 @@ def _make(folder: Path) -> None:
 def _parts(folder: Path) -> Iterator[Path]:
     """Unfinished files of ``whole_file``."""
     return folder.glob(".*.part")
+
+
+def _row_text(key: str, outcome: CaseOutcome) -> str:
+    """What a row, its curve and its warnings need of the results, as JSON; numbers keep every digit."""
+    curve = outcome.curve
+    assert curve is not None  # a case with a results file has one
+    row = {
+        CASE_KEY: key,
+        "results": _digest(outcome.file),
+        "converged": outcome.converged,
+        "message": outcome.message,
+        "measures": dict(outcome.measures),
+        "warnings": list(outcome.warnings),
+        "frequency_hz": curve.frequency_hz.tolist(),
+        "amplitude_m": curve.amplitude_m.tolist(),
+    }
+    return json.dumps(row)
+
+
+def _row(results: Path, key: str) -> CaseOutcome | None:
+    """The row kept beside a results file, without opening that as NetCDF; None unless both belong to the case.
+
+    The caller reads the results themselves then, and tells what is wrong with them.
+    """
+    try:
+        kept = json.loads(results.with_name(ROW_FILE).read_text(encoding="utf-8"))
+        if kept[CASE_KEY] != key or kept["results"] != _digest(results.read_bytes()):
+            return None
+        curve = SweepCurve(np.array(kept["frequency_hz"]), np.array(kept["amplitude_m"]))
+        return CaseOutcome(kept["converged"], kept["message"], kept["measures"], curve, tuple(kept["warnings"]))
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.blake2b(content, digest_size=16).hexdigest()
 
 
 def _failure(file: Path, key: str) -> tuple[CaseOutcome | None, str]:

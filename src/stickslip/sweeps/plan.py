@@ -8,7 +8,6 @@ import json
 import math
 import re
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 
 from stickslip.case import Case
@@ -17,6 +16,7 @@ from stickslip.errors import InputError, StudyFileError
 from stickslip.results.storage import FORMAT_VERSION
 from stickslip.results.sweep_table import SweptKey, Value
 from stickslip.sweeps.axes import UNSWEPT_SECTIONS, study_value
+from stickslip.sweeps.work import worker_version
 
 LARGEST_SWEEP = 20_000
 _SHOWN_ERRORS = 10
@@ -41,7 +41,7 @@ class PlannedCase:
     name:
         short and readable, with the first digits of ``key``; the name of its folder.
     key:
-        hash of every input that can change its results, and of the version of stickslip.
+        hash of every input that can change its results, and of the version and the code of stickslip.
     structure:
         hash of what the reduced structure follows from: geometry, mesh, material, reduction; files, pairs and places.
     values:
@@ -91,7 +91,7 @@ def _bare(name: str) -> str:
 
 
 def case_hashes(case: Case) -> tuple[str, str]:
-    """Hash of the case and version, hash of its structure."""
+    """Hash of the case, version and code, hash of its structure."""
     inputs = case.to_dict()
     answer = {name: section for name, section in inputs.items() if name not in UNSWEPT_SECTIONS}
     structure = {name: inputs[name] for name in _STRUCTURE_SECTIONS if name in inputs}
@@ -106,7 +106,7 @@ def case_hashes(case: Case) -> tuple[str, str]:
     files |= {name: _content(each.pairs) for name, each in case.interfaces.items() if each.pairs}
     if files:
         answer["files"], structure["files"] = files, files
-    whole = {"stickslip": version("stickslip"), "results_format": FORMAT_VERSION, "inputs": answer}
+    whole = {"stickslip": worker_version(), "results_format": FORMAT_VERSION, "inputs": answer}
     return _hash(whole), _hash(structure)
 
 

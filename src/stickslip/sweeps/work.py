@@ -9,6 +9,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip.case import Case
 from stickslip.errors import StickslipError
+from stickslip.files import source_digest
 from stickslip.joint import Joint
 from stickslip.model import ReducedStructure, connect, reduce_structure
 from stickslip.results.storage import save_results
@@ -50,9 +52,17 @@ class CaseOutcome:
     file: bytes = b""
 
 
+@cache
+def code_digest() -> str:
+    """Digest of the code that a result follows from: the package without the folders that only show results."""
+    package = Path(__file__).parents[1]
+    shown = tuple(package / name for name in ("paper", "report"))
+    return source_digest(file for file in package.rglob("*.py") if not any(map(file.is_relative_to, shown)))
+
+
 def worker_version() -> str:
-    """The version of stickslip where the tasks run; also the sign that a worker runs at all."""
-    return version("stickslip")
+    """Version and code of stickslip where the tasks run; also the sign that a worker runs at all."""
+    return f"{version('stickslip')} (code {code_digest()[:12]})"
 
 
 def reduce_task(case: Case, setup: Setup, threads: int) -> ReducedStructure:
