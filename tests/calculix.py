@@ -64,7 +64,16 @@ def blades(kind: str, elements: BladePairElements | None = COARSE) -> tuple[Mesh
 
 def cut_bricks(mesh: Mesh, quadratic: bool) -> FiniteElementMesh:
     """Each brick as six tetrahedra around its diagonal 0-6; neighbours fit where their bricks have the same axes."""
-    corner = {0: (0, 0, 0), 1: (1, 0, 0), 2: (1, 1, 0), 3: (0, 1, 0), 4: (0, 0, 1), 5: (1, 0, 1), 6: (1, 1, 1), 7: (0, 1, 1)}
+    corner = {
+        0: (0, 0, 0),
+        1: (1, 0, 0),
+        2: (1, 1, 0),
+        3: (0, 1, 0),
+        4: (0, 0, 1),
+        5: (1, 0, 1),
+        6: (1, 1, 1),
+        7: (0, 1, 1),
+    }
     number = {place: node for node, place in corner.items()}
     local = []
     for order in permutations(range(3)):
@@ -104,7 +113,10 @@ def tied(structure: Structure, pairs: Pairs) -> tuple[Any, Any, np.ndarray]:
     column = np.full(size, -1)
     column[kept] = np.arange(len(kept))
     tie = scipy.sparse.csr_matrix(
-        (np.ones(len(structure.free_unknowns)), (np.arange(len(structure.free_unknowns)), column[follows.ravel()[structure.free_unknowns]])),
+        (
+            np.ones(len(structure.free_unknowns)),
+            (np.arange(len(structure.free_unknowns)), column[follows.ravel()[structure.free_unknowns]]),
+        ),
         shape=(len(structure.free_unknowns), len(kept)),
     )
     return tie.T @ structure.stiffness @ tie, tie.T @ structure.mass @ tie, kept
@@ -117,11 +129,20 @@ def run_calculix(folder: Path, mesh: Mesh | FiniteElementMesh, element: str, pai
         absent_tool("ccx", "CalculiX is not on the path (apt-get install calculix-ccx).")
     for name in ("frequency", "matrices"):
         brick = element if element in ("C3D8I", "C3D8") else "C3D8I"
-        write_calculix_deck(folder / f"{name}.inp", mesh, Material(), element=brick, pairs=pairs, step=name, count=count)
-        subprocess.run(
-            [program, "-i", name], cwd=folder, check=True, capture_output=True, timeout=300, env=os.environ | {"OMP_NUM_THREADS": "1"}
+        write_calculix_deck(
+            folder / f"{name}.inp", mesh, Material(), element=brick, pairs=pairs, step=name, count=count
         )
-    table = re.findall(r"^\s+\d+" + 4 * r"\s+(\S+)" + r"\s*$", (folder / "frequency.dat").read_text(), flags=re.MULTILINE)
+        subprocess.run(
+            [program, "-i", name],
+            cwd=folder,
+            check=True,
+            capture_output=True,
+            timeout=300,
+            env=os.environ | {"OMP_NUM_THREADS": "1"},
+        )
+    table = re.findall(
+        r"^\s+\d+" + 4 * r"\s+(\S+)" + r"\s*$", (folder / "frequency.dat").read_text(), flags=re.MULTILINE
+    )
     return np.array([float(row[2]) for row in table[:count]])
 
 
