@@ -70,10 +70,10 @@ def floating_sentence(stiffness: Any, node: IntArray) -> str:
         )
     first = floating[0]
     return (
-        f"the stiffness is singular with boundary nodes held: {len(floating)} of {int(part.max()) + 1} "
+        f"the stiffness is singular with the boundary nodes held: {len(floating)} of {part.max() + 1} "
         f"connected parts float. The first has {named_nodes(node[first])} and "
-        f"{strainless_motions(stiffness[first][:, first]).shape[1]} motions without strain. Keep enough of its nodes as "
-        "boundary nodes (three that are not in one line), or fix it."
+        f"{strainless_motions(stiffness[first][:, first]).shape[1]} motions without strain. Keep enough of its nodes "
+        "as boundary nodes (three that are not in one line), or fix it."
     )
 
 
