@@ -112,6 +112,16 @@ def test_guide_to_sweeps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
         assert option in options
 
 
+def test_guide_to_matrices(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    guide = (ROOT / "docs" / "matrices.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    script = re.findall(r"<!-- tested -->\n```python\n(.*?)```", guide, flags=re.DOTALL)[0]
+    exec(compile(script, "matrices.md", "exec"), {"__name__": "__main__"})
+    printed = capsys.readouterr().out
+    assert "108 unknowns reduced to 37 with 9 boundary nodes" in printed
+    assert printed.count("only the lower triangle is stored") == 2
+
+
 def test_make_targets_of_the_readme_exist() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     for target in re.findall(r"^make (\w+)", (ROOT / "README.md").read_text(encoding="utf-8"), flags=re.MULTILINE):

@@ -20,8 +20,13 @@ if TYPE_CHECKING:
     from stickslip.interface.surface import fractal_surface
     from stickslip.results.response import ForcedResponse
     from stickslip.solve.forced import forced_response
+    from stickslip.structure.calculix_deck import write_calculix_deck
     from stickslip.structure.craig_bampton import craig_bampton
-    from stickslip.structure.elasticity import Structure, assemble
+    from stickslip.structure.elasticity import Material, Structure, assemble
+    from stickslip.structure.matrix_files.exchange import read_superelement, write_superelement
+    from stickslip.structure.matrix_files.model import MatrixModel
+    from stickslip.structure.matrix_files.read import read_matrices
+    from stickslip.structure.matrix_files.reduce import reduce_matrices
     from stickslip.structure.mesh import Mesh
     from stickslip.structure.superelement import Superelement
     from stickslip.study import report, run
@@ -33,6 +38,8 @@ _HOME = {
     "Case": "case",
     "ContactPairs": "interface.contact_pairs",
     "ForcedResponse": "results.response",
+    "Material": "structure.elasticity",
+    "MatrixModel": "structure.matrix_files.model",
     "Mesh": "structure.mesh",
     "Roughness": "interface.stiffness",
     "RoughnessFit": "interface.roughness_fit",
@@ -49,14 +56,21 @@ _HOME = {
     "pair_faces": "interface.pairing",
     "pair_surfaces": "interface.pairing",
     "pair_with_ground": "interface.pairing",
+    "read_matrices": "structure.matrix_files.read",
+    "read_superelement": "structure.matrix_files.exchange",
+    "reduce_matrices": "structure.matrix_files.reduce",
     "run": "study",
     "sweep": "sweeps.run",
+    "write_calculix_deck": "structure.calculix_deck",
+    "write_superelement": "structure.matrix_files.exchange",
 }
 
 __all__ = [
     "Case",
     "ContactPairs",
     "ForcedResponse",
+    "Material",
+    "MatrixModel",
     "Mesh",
     "Roughness",
     "RoughnessFit",
@@ -74,9 +88,14 @@ __all__ = [
     "pair_faces",
     "pair_surfaces",
     "pair_with_ground",
+    "read_matrices",
+    "read_superelement",
+    "reduce_matrices",
     "report",
     "run",
     "sweep",
+    "write_calculix_deck",
+    "write_superelement",
 ]
 
 

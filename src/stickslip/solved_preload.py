@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stickslip.errors import ConvergenceError
+from stickslip.interface.asperities import fully_plastic_load
 from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.interface.normal_law import FaceLaws, NormalLaw, PressureGapLaw, SpringLaw
-from stickslip.interface.asperities import fully_plastic_load
 from stickslip.interface.stiffness import pair_stiffness
 from stickslip.joint import FaceSettings, Joint, case_roughness, describe_faces, pair_springs
 from stickslip.solve.static import static_preload

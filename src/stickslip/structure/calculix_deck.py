@@ -110,7 +110,7 @@ def _mesh_lines(
         for number in np.unique(body):
             yield f"*ELEMENT, TYPE={name}, ELSET=body_{number}"
             for at in np.flatnonzero(body == number):
-                yield from _wrapped([first + at + 1, *(cells[at] + 1)])
+                yield from _wrapped([int(first + at + 1), *(cells[at] + 1)])
         first += len(cells)
 
 

@@ -17,9 +17,9 @@ from stickslip.structure.mesh import IntArray
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
 
-# Eigenvalues of a stiffness scaled to a diagonal of ones: motions without strain come out at 1e-16 to 1e-12 of one,
-# the softest bending of a slender finite element model at 1e-8 or more.
-ZERO_ENERGY = 1e-10
+# Eigenvalues of a stiffness scaled to a largest diagonal entry of one: motions without strain come out at 1e-16 to
+# 2e-12, the softest bending of the blades of the two-blade case at 4e-3.
+ZERO_ENERGY = 1e-9
 RIGID_MOTIONS = 6
 # A body moves without strain only as a rigid one if its strainless motions miss the six rigid ones by less than this.
 _RIGID_RESIDUAL = 1e-3
@@ -33,9 +33,13 @@ def parts_of(matrix: Any) -> IntArray:
     return np.asarray(scipy.sparse.csgraph.connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
-def strainless_motions(stiffness: Any) -> FloatArray:
-    """(n, k) motions v of one connected part with ``K v = 0``, at most 8 of them for a sparse matrix."""
-    scale = 1.0 / np.sqrt(stiffness.diagonal())
+def strainless_motions(stiffness: Any, typical: FloatArray | float | None = None) -> FloatArray:
+    """(n, k) motions v of one connected part with ``K v = 0``, at most 8 of them for a sparse matrix.
+
+    ``typical`` (n,) or a number: stiffness that unknowns are scaled with, so that those of different units compare; by
+    default each unknown's own, which must not be zero.
+    """
+    scale = 1.0 / np.sqrt(stiffness.diagonal() if typical is None else np.full(stiffness.shape[0], typical))
     size = stiffness.shape[0]
     if size <= _DENSE_SIZE or not scipy.sparse.issparse(stiffness):
         dense = stiffness.toarray() if scipy.sparse.issparse(stiffness) else stiffness
@@ -66,10 +70,10 @@ def floating_sentence(stiffness: Any, node: IntArray) -> str:
         )
     first = floating[0]
     return (
-        f"the stiffness is singular with the boundary nodes held: {len(floating)} of {int(part.max()) + 1} "
-        f"connected parts float. The first one has {named_nodes(node[first])} and "
-        f"{strainless_motions(stiffness[first][:, first]).shape[1]} motions without strain. Keep enough of its nodes as "
-        "boundary nodes (three that are not in one line), or fix it."
+        f"the stiffness is singular with the boundary nodes held: {len(floating)} of {part.max() + 1} "
+        f"connected parts float. The first has {named_nodes(node[first])} and "
+        f"{strainless_motions(stiffness[first][:, first]).shape[1]} motions without strain. Keep enough of its nodes "
+        "as boundary nodes (three that are not in one line), or fix it."
     )
 
 
@@ -94,16 +98,19 @@ def require_rigid_bodies(
     stiffness:
         (n, n) dense.
     part, node:
-        (n,) part and node of each unknown.
+        (n,) part and node of each unknown; below 0 for unknowns that are no displacements of a node.
     contact:
         (n,) whether an unknown may be held by a contact. A part without any must not move without strain.
     position:
         (n / 3, 3) m, if known, of nodes whose unknowns x, y, z follow each other. The strainless motions of a part
         with contact must then be rigid ones; otherwise they may be six at most.
     """
+    # A node of a body that few nodes hold may move freely by itself, so displacements are scaled alike.
+    typical = np.diagonal(stiffness).copy()
+    typical[node >= 0] = typical[node >= 0].max(initial=0.0)
     for number in np.unique(part):
         mine = np.flatnonzero(part == number)
-        motions = strainless_motions(stiffness[np.ix_(mine, mine)])
+        motions = strainless_motions(stiffness[np.ix_(mine, mine)], typical[mine])
         count = motions.shape[1]
         if not count:
             continue

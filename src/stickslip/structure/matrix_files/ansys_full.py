@@ -20,17 +20,21 @@ _CHILD = """
 import sys
 import numpy
 from ansys.mapdl.reader.full import FullFile
-unknowns, stiffness, mass = FullFile(sys.argv[1]).load_km(sort=False)
-arrays = {"unknowns": unknowns}
+file = FullFile(sys.argv[1])
+unknowns, stiffness, mass = file.load_km(sort=False)
+held = set(map(tuple, file.const.tolist()))  # the reader empties their rows
+free = [row for row, unknown in enumerate(unknowns.tolist()) if tuple(unknown) not in held]
+arrays = {"unknowns": unknowns[free]}
 for name, matrix in (("stiffness", stiffness), ("mass", mass)):
-    entries = matrix.tocoo()
+    entries = matrix[free][:, free].tocoo()
     arrays |= {f"{name}_row": entries.row, f"{name}_column": entries.col, f"{name}_data": entries.data}
 numpy.savez(sys.argv[2], **arrays)
 """
 
 
 def ansys_full(path: Path) -> Matrices:
-    """Matrices ``stiffness`` and ``mass`` of a ``.full`` file, and ``unknowns`` (n, 2): node and direction of each row.
+    """Matrices ``stiffness`` and ``mass`` of a ``.full`` file, and ``unknowns`` (n, 2): node and direction of each
+    row; held displacements are left out.
 
     The file is read in a process of its own. Raises MissingPackageError without the extra ``stickslip[ansys]``, and
     ImportFileError for a file that is damaged, lumped, unsymmetric or without one of the two matrices.

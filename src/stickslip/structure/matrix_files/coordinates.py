@@ -110,7 +110,15 @@ def calculix_matrix(path: Path) -> Matrices:
     table, numbers = number_table(path, text_lines(path), 1, 3)
     if not len(table):
         raise ImportFileError(f'"{path}" has no entries.')
-    return {"": one_triangle(path, coordinate_matrix(path, table, numbers))}
+    matrix = one_triangle(path, coordinate_matrix(path, table, numbers))
+    on_diagonal = table[table[:, 0] == table[:, 1], 0].astype(np.int64)
+    if len(on_diagonal) != matrix.shape[0]:
+        row = np.setdiff1d(np.arange(1, matrix.shape[0] + 1), on_diagonal)[0]
+        raise ImportFileError(
+            f'"{path}" lacks the diagonal entry {row}, {row}; CalculiX stores all of them, zeros as well, so the file '
+            "is not complete."
+        )
+    return {"": matrix}
 
 
 def one_triangle(path: Path, matrix: Any) -> Any:

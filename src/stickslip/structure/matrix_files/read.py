@@ -169,7 +169,7 @@ def _matrix(source: str, role: str, contents: dict[Path, Matrices]) -> Any:
     found = contents[path]
     if wanted:
         names = [name for name in found if name == wanted]
-    elif len(found) == 1:
+    elif len(found) == 1 and not any(next(iter(found)).lower() in names for names in _NAMES.values()):
         names = list(found)
     else:
         names = [name for name in found if name.lower() in _NAMES[role]]

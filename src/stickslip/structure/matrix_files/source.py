@@ -61,7 +61,7 @@ def file_bytes(path: Path) -> bytes:
 
 
 def text_lines(path: Path) -> list[str]:
-    """The lines of a text file; raises ImportFileError for one that is missing, empty or binary."""
+    """The lines of a text file; raises ImportFileError for one that is missing, empty, binary or cut in a line."""
     content = file_bytes(path)
     try:
         text = content.decode("utf-8")
@@ -69,7 +69,13 @@ def text_lines(path: Path) -> list[str]:
         raise ImportFileError(f'"{path}" is no text file: byte {error.start} is no letter or digit.') from error
     if "\0" in text:
         raise ImportFileError(f'"{path}" is no text file: byte {text.index(chr(0))} is 0.')
-    return text.splitlines()
+    lines = text.splitlines()
+    if not text.endswith(("\n", "\r")):
+        raise ImportFileError(
+            f'"{path}" ends in the middle of line {len(lines)}, without a line end, so its last number may be cut off. '
+            "Write the file again; if it is complete, add a line end."
+        )
+    return lines
 
 
 def numpy_arrays(path: Path) -> dict[str, NDArray[Any]]:

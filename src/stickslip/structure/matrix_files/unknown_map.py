@@ -60,6 +60,11 @@ def read_unknown_map(path: Path) -> tuple[IntArray, IntArray]:
             )
         nodes.append(int(words[0]))
         directions.append(_DIRECTION[words[1].lower()])
+        if kind == ".dof" and len(nodes) > 1 and (nodes[-2], directions[-2]) >= (nodes[-1], directions[-1]):
+            raise ImportFileError(
+                f'"{path}", line {number}: {line.strip()} comes after {nodes[-2]}.{directions[-2] + 1}, but CalculiX '
+                "writes rising nodes and directions. The lines are out of order."
+            )
     if not nodes:
         raise ImportFileError(f'"{path}" names no unknown; each line must name the node and direction of a matrix row.')
     return np.array(nodes, dtype=np.int64), np.array(directions, dtype=np.int64)
