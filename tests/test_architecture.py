@@ -33,6 +33,7 @@ LAYER_OF = {
     "case_file": "case",
     "case_sections": "case",
     "case_structure": "case",
+    "case_fit": "case",
     "case_examples": "case",
     "profile_file": "case",
     "measured_roughness": "study",
@@ -45,7 +46,9 @@ LAYER_OF = {
     "own_structure": "study",
     "mesh_study": "study",
     "matrix_study": "study",
+    "cli_errors": "cli",
     "model": "study",
+    "solved_preload": "study",
 }
 BASE = ROWS[0]
 

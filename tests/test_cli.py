@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 import stickslip
-from stickslip import cli
+from stickslip import cli, cli_errors
 from stickslip.case import Case
 from stickslip.errors import ConvergenceError, ResultsFileError, RoughnessError
 from stickslip.progress import Progress, SilentProgress, terminal_progress
@@ -169,7 +169,7 @@ def test_fault_writes_its_traceback_into_the_folder(study: Study, study_file: Pa
     study.error = ZeroDivisionError("division by zero")
     out = tmp_path / "out"
     result = invoke("run", study_file, "--out", out)
-    log = out / cli.LOG_NAME
+    log = out / cli_errors.LOG_NAME
     assert result.exit_code == 1
     assert "Traceback" not in result.stderr
     assert str(log) in result.stderr

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from stickslip.case import Case
 from stickslip.cli import app
 from stickslip.interface.stiffness import ContactStatus, contact_stiffness
-from stickslip.model import case_roughness
+from stickslip.joint import case_material, case_roughness
 
 PROFILE = Path(__file__).parents[1] / "examples" / "data" / "profile.csv"
 
@@ -95,7 +95,8 @@ def test_the_load_that_is_told_parts_plastic_from_elastic_contact(hardness: str)
     assert result.exit_code == 0, result.output
     sentence, section = result.stdout.split("For the study file:\n")
     assert f"With hardness {hardness} spots" in sentence
-    roughness = case_roughness(Case.from_text(section))
+    case = Case.from_text(section)
+    roughness = case_roughness(case, *[case_material(case)] * 2)
     least = float(re.search(r"less than (\S+) N", sentence).group(1))
     assert contact_stiffness(roughness, 0.99 * least).status is ContactStatus.FULLY_PLASTIC
     assert contact_stiffness(roughness, 0.99 * least).normal == 0.0

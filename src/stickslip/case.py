@@ -11,6 +11,7 @@ from typing import Any, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_validator, model_validator
 
 from stickslip import case_file
+from stickslip.case_fit import require_fit
 from stickslip.case_sections import (
     ContactStiffnessSection,
     DampingSection,
@@ -38,7 +39,6 @@ from stickslip.case_structure import (
     RotationSection,
     StaticLoadSection,
     StructureSection,
-    require_fit,
     without_other_kinds,
 )
 from stickslip.errors import StudyFileError

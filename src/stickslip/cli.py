@@ -6,9 +6,7 @@ Everything heavy is imported inside the commands, so that ``stickslip --help`` a
 
 from __future__ import annotations
 
-import sys
 import tempfile
-import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,7 +14,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip.errors import InputError, StickslipError
+from stickslip.cli_errors import error_sentences
+from stickslip.errors import InputError
 from stickslip.progress import terminal_progress
 
 if TYPE_CHECKING:
@@ -24,11 +23,8 @@ if TYPE_CHECKING:
     from stickslip.study import StudyOutcome
     from stickslip.sweeps.run import Sweep
 
-EXIT_FAULT = 1
 EXIT_NOT_CONVERGED = 3
-EXIT_INTERRUPTED = 130
 SHOWN_FAILURES = 10
-LOG_NAME = "stickslip-error.log"
 
 app = typer.Typer(
     add_completion=False,
@@ -75,7 +71,7 @@ def new(
     debug: Debug = False,
 ) -> None:
     """Write a commented study file to start from."""
-    with _sentences(debug):
+    with error_sentences(debug):
         from stickslip.case import Case
         from stickslip.case_examples import EXAMPLES
 
@@ -95,7 +91,7 @@ def new(
 @app.command()
 def check(path: StudyFile, debug: Debug = False) -> None:
     """Validate a study file and show what would run."""
-    with _sentences(debug):
+    with error_sentences(debug):
         case = _load(path)
         from stickslip import study
 
@@ -123,7 +119,7 @@ def run(
     debug: Debug = False,
 ) -> None:
     """Solve a study and write results, report and figures into DIR."""
-    with _sentences(debug, log_folder=out):
+    with error_sentences(debug, log_folder=out):
         case = _load(path, quiet)
         _require_writable(out)
         from stickslip import study
@@ -160,7 +156,7 @@ def sweep(
     debug: Debug = False,
 ) -> None:
     """Solve a study for every combination of some values; goes on where an earlier sweep into DIR ended."""
-    with _sentences(debug, log_folder=out):
+    with error_sentences(debug, log_folder=out):
         if scheduler is not None and workers is not None:
             raise InputError("--workers and --scheduler cannot both be given: the cluster has its own workers.")
         case = _load(path, quiet)
@@ -188,7 +184,7 @@ def report(
     debug: Debug = False,
 ) -> None:
     """Make the report of a solved study again, without solving."""
-    with _sentences(debug):
+    with error_sentences(debug):
         if not folder.is_dir():
             raise InputError(f'there is no folder "{folder}". Give the --out folder of a run, which holds results.nc.')
         _require_writable(folder)
@@ -217,7 +213,7 @@ def roughness(
     debug: Debug = False,
 ) -> None:
     """Fractal dimension and fractal roughness of a measured profile."""
-    with _sentences(debug):
+    with error_sentences(debug):
         if out is not None:
             _require_writable(out)
         from stickslip import measured_roughness
@@ -247,7 +243,7 @@ def import_model(
     debug: Debug = False,
 ) -> None:
     """Show bodies, sets, masses and size of a model file."""
-    with _sentences(debug):
+    with error_sentences(debug):
         from stickslip.model_listing import print_model
 
         print_model(path, length_unit, unit_system)
@@ -267,7 +263,7 @@ def paper(
     debug: Debug = False,
 ) -> None:
     """Compute a published study again, with a verdict on each of its claims; goes on where it was stopped."""
-    with _sentences(debug, log_folder=out):
+    with error_sentences(debug, log_folder=out):
         _require_writable(out)
         from stickslip.paper.study import paper_study
 
@@ -350,54 +346,3 @@ def _about(path: Path) -> Iterator[None]:
         yield
     except InputError as error:
         raise type(error)(f"{path}: {error}") from error
-
-
-@contextmanager
-def _sentences(debug: bool, log_folder: Path | None = None) -> Iterator[None]:
-    """Turn whatever goes wrong into a sentence on stderr and an exit code; tracebacks go to a log or to --debug."""
-    try:
-        yield
-    except (typer.Exit, typer.Abort, BrokenPipeError):
-        raise
-    except StickslipError as error:
-        _show_traceback(debug)
-        typer.echo(f"Error: {error}", err=True)
-        raise typer.Exit(error.exit_code) from error
-    except KeyboardInterrupt as error:
-        _show_traceback(debug)
-        typer.echo("Interrupted; the study did not end.", err=True)
-        raise typer.Exit(EXIT_INTERRUPTED) from error
-    except MemoryError as error:
-        _show_traceback(debug)
-        typer.echo(
-            "Error: the memory is too small. Take fewer elements, harmonics or samples, or a machine with more of it.",
-            err=True,
-        )
-        raise typer.Exit(InputError.exit_code) from error
-    except Exception as error:
-        _show_traceback(debug)
-        where = "Run it again with --debug to see where" if log_folder is None else _write_log(log_folder)
-        if isinstance(error, OSError):
-            typer.echo(f"Error: a file could not be read or written: {error}. {where}.", err=True)
-            raise typer.Exit(EXIT_FAULT) from error
-        typer.echo(
-            f"Fault of stickslip ({type(error).__name__}: {error}), not of your input. {where}, "
-            "and please report it to the developers together with the study file.",
-            err=True,
-        )
-        raise typer.Exit(EXIT_FAULT) from error
-
-
-def _show_traceback(debug: bool) -> None:
-    if debug:
-        traceback.print_exc(file=sys.stderr)
-
-
-def _write_log(folder: Path) -> str:
-    """Write the traceback of the current exception into ``folder``; returns the start of a sentence on where it is."""
-    log = folder / LOG_NAME
-    try:
-        log.write_text(traceback.format_exc(), encoding="utf-8")
-    except OSError:
-        return "Run it again with --debug to see where"
-    return f"The traceback is in {log}"
