@@ -101,8 +101,8 @@ def test_separate_files_and_a_list_of_pairs_give_the_same_frequencies(folder: Pa
     nodes = found.boundary_nodes
     rows = [f"{node}, {axis + 1}" for node in nodes for axis in range(3)]
     rows += [f"{10_000 + mode}, other" for mode in range(found.size - 3 * nodes.size)]
-    (tmp_path / "unknowns.csv").write_text("\n".join(rows), encoding="utf-8")
-    (tmp_path / "pairs.csv").write_text("\n".join(map(str, found.node_sets["lid"])), encoding="utf-8")
+    (tmp_path / "unknowns.csv").write_text("\n".join([*rows, ""]), encoding="utf-8")
+    (tmp_path / "pairs.csv").write_text("\n".join([*map(str, found.node_sets["lid"]), ""]), encoding="utf-8")
     text = STUDY.replace(
         'file = "superelement.npz"',
         'stiffness = "stiffness.mtx"\nmass = "mass.mtx"\nunknown_map = "unknowns.csv"\nlength_unit = "m"',

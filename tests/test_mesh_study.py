@@ -70,7 +70,10 @@ def test_forces_loads_and_outputs_of_sets() -> None:
     data = mesh_case().to_dict()
     data["forces"]["second"] = {"node": 39, "direction": [0, 2, 0], "amplitude": "3 N", "phase": "90 deg"}
     data["static_loads"] = {"weight": {"set": "damper_top", "direction": [0, 0, -1], "force": "80 N"}}
-    data["rotation"] = {"speed": "600 rpm", "axis": [0, 0, 1], "point": ["-1 m", "5 mm", "0 mm"]}
+    data["rotation"] = {"speed": "200 rpm", "axis": [0, 0, 1], "point": ["-1 m", "5 mm", "0 mm"]}
+    data["preload"] = {"method": "solved", "residual_traction": "kept"}
+    for interface in data["interfaces"].values():
+        del interface["normal_load"]
     case = Case.from_mapping(data)
     setup = set_up(case)
     model = build_model(case, setup.assemble(), load_joint(case, setup.layout))
@@ -80,13 +83,14 @@ def test_forces_loads_and_outputs_of_sets() -> None:
     for axis in range(3):
         shift[axis, 3 * np.flatnonzero(block) + axis] = 1.0
     mass = 8200.0 * 0.02 * 0.008 * 0.006
-    turning = (600.0 / 60.0 * 2.0 * np.pi) ** 2 * mass * 1.05
+    turning = (200.0 / 60.0 * 2.0 * np.pi) ** 2 * mass * 1.05
     assert shift @ model.static_load == pytest.approx([turning, 0.0, -80.0], rel=1e-9, abs=1e-9)
     assert np.linalg.norm(model.force_cos) == pytest.approx(3.0)
     assert model.force_cos[model.superelement.unknowns_of(int(setup.layout.ports["forces.second"].nodes[0]))][1] == 3.0
     assert model.outputs["block"] @ shift[0] == pytest.approx(1.0)
     assert np.allclose(setup.layout.ports["forces.push"].shares.sum(), 1.0)
-    assert model.joint.face_sum(model.joint.preload) == pytest.approx([40.0, 40.0])
+    assert model.preload is not None
+    assert np.isfinite(model.joint.preload).all()
     assert set(model.joint.friction_coefficient) == {0.2, 0.3}
 
 

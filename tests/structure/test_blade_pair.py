@@ -22,6 +22,8 @@ def test_default_counts(blade_mesh):
         "excitation_left": 1,
         "excitation_right": 1,
         "response": 1,
+        "damper_front_edge": 5,
+        "damper_back_edge": 5,
         "damper_left_mid": 1,
         "damper_right_mid": 1,
     }
