@@ -14,12 +14,15 @@ if TYPE_CHECKING:
     from stickslip.case import Case, load_case
     from stickslip.interface.contact_pairs import ContactPairs
     from stickslip.interface.friction import contact_cycle
+    from stickslip.interface.normal_law import PressureGapLaw
     from stickslip.interface.pairing import pair_faces, pair_surfaces, pair_with_ground
     from stickslip.interface.roughness_fit import RoughnessFit, fit_roughness
     from stickslip.interface.stiffness import Roughness, contact_stiffness
     from stickslip.interface.surface import fractal_surface
     from stickslip.results.response import ForcedResponse
     from stickslip.solve.forced import forced_response
+    from stickslip.solve.static import static_preload
+    from stickslip.solve.static_ramp import StaticState
     from stickslip.structure.calculix_deck import write_calculix_deck
     from stickslip.structure.craig_bampton import craig_bampton
     from stickslip.structure.elasticity import Material, Structure, assemble
@@ -37,6 +40,9 @@ if TYPE_CHECKING:
 _HOME = {
     "Case": "case",
     "ContactPairs": "interface.contact_pairs",
+    "PressureGapLaw": "interface.normal_law",
+    "StaticState": "solve.static_ramp",
+    "static_preload": "solve.static",
     "ForcedResponse": "results.response",
     "Material": "structure.elasticity",
     "MatrixModel": "structure.matrix_files.model",
@@ -72,8 +78,10 @@ __all__ = [
     "Material",
     "MatrixModel",
     "Mesh",
+    "PressureGapLaw",
     "Roughness",
     "RoughnessFit",
+    "StaticState",
     "Structure",
     "Superelement",
     "__version__",
@@ -93,6 +101,7 @@ __all__ = [
     "reduce_matrices",
     "report",
     "run",
+    "static_preload",
     "sweep",
     "write_calculix_deck",
     "write_superelement",

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from stickslip.joint import Joint
+from stickslip.results.measures import summary
 from stickslip.results.response import ForcedResponse
 from stickslip.setup import Derived, Setup
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.superelement import Superelement
+from stickslip.validation import FloatArray
 
 if TYPE_CHECKING:
     from stickslip.case import Case
+    from stickslip.model import ReducedModel
 
 
 def derived_quantities(case: Case, joint: Joint) -> tuple[Derived, ...]:
@@ -22,7 +28,7 @@ def derived_quantities(case: Case, joint: Joint) -> tuple[Derived, ...]:
 
 def _faces(joint: Joint) -> Iterator[Derived]:
     area = joint.face_sum(joint.face_pairs.area)
-    load = joint.face_sum(joint.preload)
+    load = joint.face_sum(np.maximum(joint.preload, 0.0))  # a gap carries nothing
     normal, tangential = joint.face_sum(joint.normal_stiffness), joint.face_sum(joint.tangential_stiffness)
     for face, name in enumerate(joint.face_names):
         pressure = load[face] / area[face]
@@ -59,10 +65,58 @@ def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
     yield "Load on plastic spots", float(100.0 * first.stiffness.plastic_load_share), "%", "share of the preload"
 
 
+def resting_state(model: ReducedModel) -> tuple[Derived, ...]:
+    """What a solved preload says of each face at rest; empty where the preload was prescribed."""
+    if model.preload is None:
+        return ()
+    joint, state = model.joint, model.preload.state
+    pressure = 1e-6 * state.normal_force / joint.face_pairs.area
+    rows: list[Derived] = []
+    for face, name in enumerate(joint.face_names):
+        here = joint.face_pairs.face == face
+        opened, limit = int((state.state[here] == 2).sum()), int((state.state[here] == 1).sum())
+        traction = float(np.linalg.norm(state.traction[here].sum(axis=0)))
+        largest = float(pressure[here].max())
+        rows += [
+            (f"Pairs open at rest, {name}", opened, "-", f"of {int(here.sum())}; solved from the static load"),
+            (f"Pairs on the friction limit at rest, {name}", limit, "-", "they slip as soon as they are moved"),
+            (f"Largest pressure at rest, {name}", largest, "MPa", "normal force over area of a pair"),
+            (f"Friction force at rest, {name}", traction, "N", "resultant of the tractions of its pairs"),
+        ]
+    rows.append(("Balance of forces at rest", state.residual, "-", state.message))
+    return tuple(rows)
+
+
+def compared_tractions(
+    case: Case, response: ForcedResponse, other: ForcedResponse | str, output: FloatArray
+) -> tuple[Derived, ...]:
+    """The peak with the traction at rest kept and released: one of them is the study's, ``other`` the other one's.
+
+    ``other`` may also be the sentence that says why there is no such curve.
+    """
+    names = ("kept", "released") if case.preload.residual_traction == "kept" else ("released", "kept")
+    own = summary(response, output)
+    label = f"Peak with tractions at rest {names[1]}"
+    if isinstance(other, str):
+        return ((label, "not found", "-", other),)
+    there = summary(other, output)
+    change = 100.0 * (there.peak.amplitude / own.peak.amplitude - 1.0)
+    energy = 100.0 * (there.friction_energy / own.friction_energy - 1.0) if own.friction_energy > 0.0 else math.nan
+    shift = there.peak.frequency_hz - own.peak.frequency_hz
+    words = f"this study's tractions are {names[0]}; {change:+.2f} % against it"
+    if not other.converged:
+        words += f"; that curve is not complete: {other.message}"
+    return (
+        (label, float(1e6 * there.peak.amplitude), "µm", words),
+        (f"{label}: frequency", there.peak.frequency_hz, "Hz", f"{shift:+.3f} Hz against this study"),
+        (f"{label}: friction energy", float(1e6 * there.friction_energy), "µJ", f"per cycle, {energy:+.1f} %"),
+    )
+
+
 def natural_frequencies_found(response: ForcedResponse, count: int = 4) -> tuple[Derived, ...]:
     """The first natural frequencies of the two linear limits of this study, as the curves show them."""
     limits = {
-        "all contacts closed and stuck": ("stuck", response.linear.stuck_frequency_hz),
+        "contacts that are closed at rest stuck": ("stuck", response.linear.stuck_frequency_hz),
         "no contact; rigid-body motions left out": ("free", response.linear.free_frequency_hz),
     }
     return tuple(

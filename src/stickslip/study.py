@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING
 from threadpoolctl import threadpool_limits
 
 from stickslip.drawing import Drawing, SecondProcess
-from stickslip.facts import derived_quantities, natural_frequencies_found, sizes, study_warnings
+from stickslip.errors import ConvergenceError
+from stickslip.facts import (
+    compared_tractions,
+    derived_quantities,
+    natural_frequencies_found,
+    resting_state,
+    sizes,
+    study_warnings,
+)
 from stickslip.interface.pairing import FacePairs
 from stickslip.model import Model, ReducedModel, build_model, kind_of, load_joint, set_up
 from stickslip.progress import Progress, SilentProgress
@@ -20,9 +28,11 @@ from stickslip.results.measures import peaks, summary, summary_table
 from stickslip.results.record import StudyRecord, run_provenance
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, save_results
+from stickslip.setup import Derived
 from stickslip.solve.continuation import ContinuationSettings
 from stickslip.solve.forced import forced_response
 from stickslip.solve.newton import NewtonSettings
+from stickslip.solved_preload import resting_pairs
 from stickslip.structure.craig_bampton import ReductionRow, reduction_table
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes
@@ -79,6 +89,9 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
     progress.update("Structure", 1.0, f"{model.superelement.size} unknowns, {model.pairs.n_pairs} pairs")
     response = solve(case, model, progress, threads)
     record = study_record(case, model, table, response)
+    record = replace(
+        record, derived=(*record.derived, *_with_other_tractions(case, model, response, progress, threads))
+    )
     progress.update("Files", 0.0, RESULTS_FILE)
     artist.start(response, record)
     save_results(out / RESULTS_FILE, response, record)
@@ -122,6 +135,23 @@ def solve(
     return replace(response, provenance={**response.provenance, **run_provenance()})
 
 
+def _with_other_tractions(
+    case: Case, model: ReducedModel, response: ForcedResponse, progress: Progress, threads: int
+) -> tuple[Derived, ...]:
+    """The peak with the tractions at rest treated the other way, where the preload was solved."""
+    if model.preload is None:
+        return ()
+    output, other = next(iter(model.outputs.values())), model.preload.other
+    if other is None:
+        return compared_tractions(case, response, model.preload.why, output)
+    kept = case.preload.residual_traction != "kept"
+    changed = replace(model, pairs=resting_pairs(model.joint, model.superelement, other, kept))
+    try:
+        return compared_tractions(case, response, solve(case, changed, progress, threads), output)
+    except ConvergenceError as error:
+        return compared_tractions(case, response, str(error), output)
+
+
 def compare_modes(
     structure: Structure | Superelement, superelement: Superelement, pairs: FacePairs, springs: FloatArray | None = None
 ) -> tuple[ReductionRow, ...]:
@@ -153,7 +183,7 @@ def study_record(
         pair_area=pairs.area,
         mode_table=tuple(_mode_rows(case, table)),
         mode_contact="tied" if pairs.is_matching else "stuck",
-        derived=(*derived_quantities(case, model.joint), *natural_frequencies_found(response)),
+        derived=(*derived_quantities(case, model.joint), *resting_state(model), *natural_frequencies_found(response)),
         warnings=study_warnings(model.joint),
     )
 

@@ -58,6 +58,24 @@ def contact_states(response: ForcedResponse, study: StudyRecord, point: int | No
     return figure
 
 
+def rest_pressure(response: ForcedResponse, study: StudyRecord) -> Figure:
+    """Map of the pressure at rest on each face; pairs that are open there are hollow."""
+    view = View.of(response, study)
+    pressure = view.rest_pressure_mpa
+    figure, panels = _face_panels(study, "at rest")
+    top = max(float(np.nanmax(pressure)), 1e-30)
+    for face, axes in enumerate(panels):
+        here = study.pair_face == face
+        opened = here & np.isnan(pressure)
+        x, y = 1e3 * study.pair_position[opened].T
+        axes.scatter(x, y, marker="s", s=60, facecolor="none", edgecolor=GREY)
+        closed = here & ~opened
+        x, y = 1e3 * study.pair_position[closed].T
+        dots = axes.scatter(x, y, c=pressure[closed], marker="s", s=70, cmap="cividis", vmin=0.0, vmax=top)
+    figure.colorbar(dots, ax=panels, label="Pressure at rest, MPa (hollow: open)")
+    return figure
+
+
 def energy_map(response: ForcedResponse, study: StudyRecord, point: int | None = None) -> Figure:
     """Map of the energy that each pair dissipates per cycle at one computed point, the peak unless another is given."""
     view = View.of(response, study)
@@ -191,6 +209,8 @@ def save_all(
         "hysteresis_loop": hysteresis_loop(response, study),
         "energy_curve": energy_curve(response, study),
     }
+    if View.of(response, study).rest_is_uneven:
+        drawn["rest_pressure"] = rest_pressure(response, study)
     if any("table2_hz" in row and "full_hz" in row for row in study.mode_table):
         drawn["mode_comparison"] = mode_comparison(study)
     return [save(figure, Path(folder) / f"{name}.{ending}") for name, figure in drawn.items() for ending in formats]

@@ -64,6 +64,7 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
         "point": str(view.point),
         "last_point": str(response.n_points - 1),
         "pair_options": _pair_options(view),
+        "rest": _rest(view),
         "state_maps": _maps(study, faces, "state", "Contact states"),
         "energy_maps": _maps(study, faces, "energy", "Dissipated energy"),
         "imbalance": number(view.summary.energy_imbalance, 2),
@@ -97,6 +98,8 @@ def _figures(view: View) -> dict[str, Figure]:
     for face in range(len(view.study.face_names)):
         for quantity in ("state", "energy"):
             figures[f"{quantity}-map-{face}"] = plots.face_map(view, face, quantity)
+        if view.rest_is_uneven:
+            figures[f"rest-map-{face}"] = plots.rest_map(view, face)
     for group, names in enumerate(view.study.signal_groups.values()):
         figures[f"group-{group}"] = plots.output_signals(names)
     return figures
@@ -178,6 +181,27 @@ def _maps(study: StudyRecord, faces: Iterable[int], quantity: str, words: str) -
         f'<div id="{quantity}-map-{face}" class="plot" tabindex="0" role="application" '
         f'aria-label="{words}, {escape(study.face_names[face])}; arrow keys select a pair"></div></figure>'
         for face in faces
+    )
+
+
+def _rest(view: View) -> str:
+    """The pressure at rest, where it is not uniform on each face."""
+    if not view.rest_is_uneven:
+        return ""
+    names, closed = view.study.face_names, view.response.pairs.closed_at_rest
+    counts = "; ".join(
+        f"{escape(name)}: {int((~closed[view.study.pair_face == face]).sum())} of "
+        f"{int((view.study.pair_face == face).sum())} pairs open"
+        for face, name in enumerate(names)
+    )
+    figures = "".join(
+        f'<figure class="panel"><figcaption>{escape(name)}</figcaption><div id="rest-map-{face}" class="plot" '
+        f'role="img" aria-label="Pressure at rest, {escape(name)}"></div></figure>'
+        for face, name in enumerate(names)
+    )
+    return (
+        f'<section><h2>Pressure at rest</h2><p class="note">{counts}. Hollow pairs are open at rest; the linear stuck '
+        f'curve leaves them open.</p><div class="maps">{figures}</div></section>'
     )
 
 

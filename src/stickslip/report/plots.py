@@ -5,6 +5,7 @@ They show the peak and the pair that dissipates most; page.js moves them to any 
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from stickslip.report.style import (
     VERMILLION,
 )
 from stickslip.report.view import View
+from stickslip.validation import FloatArray
 
 TIME = "Time over period"
 
@@ -109,23 +111,8 @@ def face_map(view: View, face: int, quantity: str) -> Figure:
             "symbol": [STATES[state].plotly_symbol for state in states],
         }
     else:
-        energy = view.energy_factor * response.dissipated_energy
-        dots["marker"] = {
-            "size": 17,
-            "symbol": "square",
-            "color": plain_list(energy[view.point, pairs]),
-            "colorscale": "Cividis",
-            "cmin": 0.0,
-            "cmax": max(float(energy[view.point].max()), 1e-30),
-            "line": {"color": "#9aa5b1", "width": 0.5},
-            "showscale": True,
-            "colorbar": {
-                "title": {"text": f"{view.energy_unit} per cycle", "side": "right", "font": {"size": 11}},
-                "thickness": 12,
-                "outlinewidth": 0,
-                "exponentformat": "power",
-            },
-        }
+        energy = view.energy_factor * response.dissipated_energy[view.point]
+        dots["marker"] = _scale(energy[pairs], float(energy.max()), f"{view.energy_unit} per cycle")
     chosen = {
         "type": "scatter",
         "mode": "markers",
@@ -135,10 +122,57 @@ def face_map(view: View, face: int, quantity: str) -> Figure:
         "hoverinfo": "skip",
         "showlegend": False,
     }
+    return _on_face([dots, chosen], position)
+
+
+def rest_map(view: View, face: int) -> Figure:
+    """The pressure at rest on one face; pairs that are open there are hollow."""
+    pairs = np.flatnonzero(view.study.pair_face == face)
+    position, pressure = 1e3 * view.study.pair_position[pairs], view.rest_pressure_mpa
+    marker = _scale(pressure[pairs], float(np.nanmax(pressure)), "MPa at rest")
+    opened = np.isnan(pressure[pairs])
+    marker["color"] = plain_list(np.nan_to_num(pressure[pairs]))
+    marker["symbol"] = ["square-open" if is_open else "square" for is_open in opened]
+    words = ["open at rest" if math.isnan(value) else f"{value:.3g} MPa" for value in pressure[pairs]]
+    dots = {
+        "type": "scatter",
+        "mode": "markers",
+        "x": plain_list(position[:, 0]),
+        "y": plain_list(position[:, 1]),
+        "showlegend": False,
+        "hovertemplate": "%{text}<extra></extra>",
+        "text": [f"{view.pair_label(int(pair))}: {word}" for pair, word in zip(pairs, words, strict=True)],
+        "marker": marker,
+    }
+    return _on_face([dots], position)
+
+
+def _scale(values: FloatArray, top: float, title: str) -> dict[str, Any]:
+    """Square markers coloured by values from 0 to ``top``, with their bar."""
+    return {
+        "size": 17,
+        "symbol": "square",
+        "color": plain_list(values),
+        "colorscale": "Cividis",
+        "cmin": 0.0,
+        "cmax": max(top, 1e-30),
+        "line": {"color": "#9aa5b1", "width": 0.5},
+        "showscale": True,
+        "colorbar": {
+            "title": {"text": title, "side": "right", "font": {"size": 11}},
+            "thickness": 12,
+            "outlinewidth": 0,
+            "exponentformat": "power",
+        },
+    }
+
+
+def _on_face(traces: list[dict[str, Any]], position: FloatArray) -> Figure:
+    """Traces on one face whose pairs stand at ``position`` (n, 2) mm."""
     pad = 0.06 * np.ptp(position, axis=0) + 0.4
     ranges = np.stack([position.min(axis=0) - pad, position.max(axis=0) + pad], axis=1).tolist()
     return figure_of(
-        [dots, chosen],
+        traces,
         230,
         xaxis=axis_look("Along the length, mm", range=ranges[0], showgrid=False, fixedrange=True),
         yaxis=axis_look("Across, mm", range=ranges[1], showgrid=False, fixedrange=True),

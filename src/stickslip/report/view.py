@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from stickslip.report.style import MICRO, energy_unit
 from stickslip.results.measures import Summary, summary
 from stickslip.results.record import StudyRecord
@@ -59,6 +61,19 @@ class View:
         shown += [p.frequency_hz for p in (self.summary.stuck_peak, self.summary.free_peak) if p.bracketed]
         margin = 0.04 * (max(shown) - min(shown))
         return min(shown) - margin, max(shown) + margin
+
+    @property
+    def rest_pressure_mpa(self) -> FloatArray:
+        """(n_pairs,) MPa at rest; not a number for a pair that is open there."""
+        pressure = 1e-6 * self.response.pairs.preload / self.study.pair_area
+        return np.where(self.response.pairs.closed_at_rest, pressure, np.nan)
+
+    @property
+    def rest_is_uneven(self) -> bool:
+        """Whether the pressure at rest differs within a face, so that a map of it tells something."""
+        pressure = np.nan_to_num(self.rest_pressure_mpa)
+        faces = (pressure[self.study.pair_face == face] for face in range(len(self.study.face_names)))
+        return any(np.ptp(here) > 1e-6 * float(pressure.max()) for here in faces)
 
     def pair_label(self, pair: int) -> str:
         """Name of a pair for a reader: face, number in that face from 1, place in mm."""
