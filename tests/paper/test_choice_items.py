@@ -50,7 +50,7 @@ def test_every_column_is_judged_on_the_same_situations(solutions: list[Solved]) 
     assert [each.name for each in sets] == [
         "base", "excitation height 11.01 mm", "excitation height 25.69 mm", "damping 0.0005", "damping 0.002",
         "friction coefficient 0.15", "friction coefficient 0.5", "hardness 2 GPa", "hardness 4 GPa",
-        "centrifugal force 50 N", "centrifugal force 200 N", "stiffness law paper",
+        "centrifugal force 50 N", "centrifugal force 200 N", "stiffness law paper", "preload solved",
     ]  # fmt: skip
     for each in sets:
         assert len(each.curves) == 27
@@ -67,7 +67,7 @@ def test_every_column_is_judged_on_the_same_situations(solutions: list[Solved]) 
 def test_every_claim_has_a_verdict_under_every_change(changed: dict[str, ChangedVerdict]) -> None:
     assert list(changed) == [claim.statement for claim in (*CLAIMS, *MODEL_CLAIMS)]
     for claim in CLAIMS:
-        assert len(changed[claim.statement].verdicts) == 12
+        assert len(changed[claim.statement].verdicts) == 13
         assert None not in changed[claim.statement].verdicts.values()
 
 
@@ -108,5 +108,5 @@ def test_tables_have_a_cell_for_every_claim_and_change(changed: dict[str, Change
     words = {cell for row in table.rows for cell in row[1:13]}
     assert words <= {*(verdict.value for verdict in Verdict), NOT_AFFECTED}
     reasons = reasons_table(verdicts).rows
-    assert len(reasons) == 12 * len(verdicts)
+    assert len(reasons) == 13 * len(verdicts)
     assert all(reason for *_, reason in reasons)

@@ -78,6 +78,14 @@ CHOICES = (
         ("paper",),
         "the stiffness of a spot at fixed curvature (Hertz), in which equations 8 and 9 agree with each other.",
     ),
+    Choice(
+        "preload",
+        "preload.method",
+        "prescribed",
+        ("solved",),
+        "uniform pressure on each face, as the paper's preload of each pair suggests. The other one follows from the "
+        "static load with contact and gaps, tractions at rest released.",
+    ),
 )
 
 
