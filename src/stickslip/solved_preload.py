@@ -26,6 +26,11 @@ if TYPE_CHECKING:
 # zero pressure, nor below this multiple of the pressure at which all spots are plastic, where it vanishes already.
 LOWEST_PRESSURE = 0.01
 LOWEST_ABOVE_PLASTIC = 2.0
+SECANT_WARNING = (
+    'roughness.allocation = "pressure" with a solved preload takes the stiffness under the pressure of a pair as a '
+    "spring from zero, N = A kappa(p) closure. The curve of a rough face is flatter at first, so this concentrates the "
+    'load on few pairs. preload.normal_law = "pressure-gap" follows the whole curve.'
+)
 # The pressure-gap table reaches up to this multiple of the mean pressure of the face.
 HIGHEST_PRESSURE = 1e3
 
@@ -63,8 +68,12 @@ def solve_preload(
 def resting_joint(case: Case, joint: Joint, settings: Sequence[FaceSettings], state: StaticState) -> Joint:
     """The joint with the forces, gaps and stiffness of a state at rest."""
     faces = describe_faces(case, joint.layout, state.normal_force, settings)
+    layout = joint.layout
+    if case.roughness is not None and case.roughness.allocation == "pressure" and case.preload.normal_law == "spring":
+        layout = replace(layout, messages=(*layout.messages, SECANT_WARNING))
     return replace(
         joint,
+        layout=layout,
         preload=state.preload,
         normal_stiffness=state.normal_stiffness,
         tangential_stiffness=state.tangential_stiffness,

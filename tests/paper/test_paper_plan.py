@@ -29,9 +29,8 @@ def test_size_and_keys(plan) -> None:
     assert 350 <= len(plan) <= 420  # at some 2.3 s each, 420 take 8 minutes on two cores
     assert len({each.planned.key for each in plan}) == len(plan)
     assert len({each.planned.name for each in plan}) == len(plan)
-    assert (
-        len({each.planned.structure for each in plan}) == 4
-    )  # three excitation heights, and one with the places of the static load
+    # Three excitation heights, and one with the places of the static load.
+    assert len({each.planned.structure for each in plan}) == 4
 
 
 def test_every_joint_of_the_study_has_a_stiffness(plan) -> None:
