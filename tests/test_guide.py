@@ -23,6 +23,8 @@ PAGES = (
     "roughness",
     "sweeps",
     "paper_study",
+    "solved_preload",
+    "studies",
 )
 
 
