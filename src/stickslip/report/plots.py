@@ -9,7 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.report.look import FREQUENCY, Figure, axis_look, figure_of, line_trace, plain_list
+from stickslip.report.look import (
+    FREQUENCY,
+    Figure,
+    axis_look,
+    figure_of,
+    line_trace,
+    map_range,
+    mark_size,
+    plain_list,
+)
 from stickslip.report.style import (
     AXIS_NAMES,
     BLUE,
@@ -25,6 +34,8 @@ from stickslip.report.style import (
 from stickslip.report.view import View
 
 TIME = "Time over period"
+_MAP = (400.0, 160.0)  # px of a face's map beside its axes and scale, on a wide screen
+_RING = 9.0  # px that the ring about the chosen pair is wider than its mark
 
 
 def amplitude_frequency(view: View) -> Figure:
@@ -102,16 +113,17 @@ def face_map(view: View, face: int, quantity: str) -> Figure:
         "hovertemplate": "%{text}<extra></extra>",
         "text": [""] * pairs.size,
     }
+    size = mark_size(position, _MAP, 15.0 if quantity == "state" else 17.0)
     if quantity == "state":
         dots["marker"] = {
-            "size": 15,
+            "size": size,
             "color": [STATES[state].colour for state in states],
             "symbol": [STATES[state].plotly_symbol for state in states],
         }
     else:
         energy = view.energy_factor * response.dissipated_energy
         dots["marker"] = {
-            "size": 17,
+            "size": size,
             "symbol": "square",
             "color": plain_list(energy[view.point, pairs]),
             "colorscale": "Cividis",
@@ -131,12 +143,11 @@ def face_map(view: View, face: int, quantity: str) -> Figure:
         "mode": "markers",
         "x": [],
         "y": [],
-        "marker": {"symbol": "circle-open", "size": 26, "color": INK, "line": {"width": 2.5}},
+        "marker": {"symbol": "circle-open", "size": size + _RING, "color": INK, "line": {"width": 2.5}},
         "hoverinfo": "skip",
         "showlegend": False,
     }
-    pad = 0.06 * np.ptp(position, axis=0) + 0.4
-    ranges = np.stack([position.min(axis=0) - pad, position.max(axis=0) + pad], axis=1).tolist()
+    ranges = map_range(position).tolist()
     return figure_of(
         [dots, chosen],
         230,
