@@ -50,6 +50,15 @@ def from_gmsh() -> None:
             gmsh.option.setNumber("Mesh.MshFileVersion", version)
             gmsh.option.setNumber("Mesh.Binary", binary)
             gmsh.write(str(HERE / f"gmsh_{version}_{kind}.msh"))
+    gmsh.option.setNumber("Mesh.Binary", 0)
+    gmsh.option.setNumber("Mesh.MshFileVersion", 4.0)
+    gmsh.write(str(HERE / "gmsh_4.0_text.msh"))
+    # faces, edges and corners without a group too
+    gmsh.option.setNumber("Mesh.SaveAll", 1)
+    gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
+    for binary, kind in ((0, "text"), (1, "binary")):
+        gmsh.option.setNumber("Mesh.Binary", binary)
+        gmsh.write(str(HERE / f"gmsh_4.1_all_{kind}.msh"))
     gmsh.finalize()
 
 
