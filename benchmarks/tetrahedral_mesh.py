@@ -46,7 +46,16 @@ ELEMENTS = BladePairElements(
 BODIES = ("left_blade", "right_blade", "damper")
 FACES = {"left_face": 0, "right_face": 1, "damper_left_face": 2, "damper_right_face": 2}
 # Corners of a brick on the six ways along its edges from corner 0 to corner 6: neighbours are cut along the same lines.
-_STEPS = {0: (0, 0, 0), 1: (1, 0, 0), 2: (1, 1, 0), 3: (0, 1, 0), 4: (0, 0, 1), 5: (1, 0, 1), 6: (1, 1, 1), 7: (0, 1, 1)}
+_STEPS = {
+    0: (0, 0, 0),
+    1: (1, 0, 0),
+    2: (1, 1, 0),
+    3: (0, 1, 0),
+    4: (0, 0, 1),
+    5: (1, 0, 1),
+    6: (1, 1, 1),
+    7: (0, 1, 1),
+}
 _EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 _SIDES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
 

@@ -36,9 +36,14 @@ def readable_content(source: Path) -> bytes:
     while comments := _COMMENTS.match(content):
         content = content[comments.end() :]
     words = content[: content.find(b"\n", content.find(b"\n") + 1) + 1].split()
-    if words[:1] != [b"$MeshFormat"] or words[1:2] not in [[v] for v in _VERSIONS] or words[2:] not in (
-        [b"0", b"8"],
-        [b"1", b"8"],
+    if (
+        words[:1] != [b"$MeshFormat"]
+        or words[1:2] not in [[v] for v in _VERSIONS]
+        or words[2:]
+        not in (
+            [b"0", b"8"],
+            [b"1", b"8"],
+        )
     ):
         fail(source, "the first two lines are not those of a Gmsh file of version 2.2, 4.0 or 4.1.")
     version, is_text = words[1], words[2] == b"0"
@@ -53,9 +58,17 @@ def readable_content(source: Path) -> bytes:
     if version in (b"4.0", b"4", b"4.1") and b"$Entities\n" in content:
         entities = _section(source, content, b"Entities")
         try:
-            grouped = _with_groups(_Text(entities) if is_text else _Binary(entities), 6 if version == b"4.0" else 3)
+            grouped, most = _with_groups(
+                _Text(entities) if is_text else _Binary(entities), 6 if version == b"4.0" else 3
+            )
         except (ValueError, OverflowError):
             fail(source, _damaged("Entities"))
+        if most > 1 and version == b"4.0":
+            fail(
+                source,
+                "it has entities in several physical groups, of which one each is read of version 4.0. "
+                "Write it again as version 4.1.",
+            )
         content = content.replace(entities, grouped, 1)
     return content
 
@@ -101,23 +114,24 @@ def _node_problem(numbers: _Binary | _Text) -> str:
     return _damaged("Nodes") if missing else ""
 
 
-def _with_groups(numbers: _Binary | _Text, point_size: int) -> bytes:
-    """The $Entities section with the physical group 0, which is none, where an entity has no group.
+def _with_groups(numbers: _Binary | _Text, point_size: int) -> tuple[bytes, int]:
+    """The $Entities section with the physical group 0, which is none, where an entity has no group; most groups of one.
 
     ``point_size`` coordinates stand with each point, 6 with all other entities. Raises ValueError.
     """
     counts = numbers.take(4, "u8")
-    parts = [counts]
+    parts, most = [counts], 0
     for dimension, count in enumerate(counts.tolist()):
         for _ in range(count):
             parts += [numbers.take(1, "i4"), numbers.take(6 if dimension else point_size, "f8")]
             (n_groups,) = numbers.take(1, "u8").tolist()
+            most = max(most, n_groups)
             groups = numbers.take(n_groups, "i4") if n_groups else np.zeros(1, dtype="i4")
             parts += [np.array([groups.size], dtype="u8"), groups]
             if dimension:
                 (n_borders,) = numbers.take(1, "u8").tolist()
                 parts += [np.array([n_borders], dtype="u8"), numbers.take(n_borders, "i4")]
-    return numbers.written(parts)
+    return numbers.written(parts), most
 
 
 class _Binary:
