@@ -1,6 +1,6 @@
 """From file to joint at rest: the two blades in about 100,000 unknowns of quadratic tetrahedra, with both factors.
 
-``python benchmarks/tetrahedral_mesh.py [superlu] [pardiso]``: each in a process of its own, whose peak memory it reports.
+``python benchmarks/tetrahedral_mesh.py [superlu] [pardiso]``: each in a process of its own, with its peak memory.
 Seconds are shown as wall / processor time; the second one, over all threads, is little disturbed by other work on the
 machine. The mesh is made of bricks that are cut into six tetrahedra each, so no mesh generator is needed.
 """
@@ -23,7 +23,7 @@ import numpy as np
 
 from stickslip.case import Case
 from stickslip.mesh_study import set_up
-from stickslip.model import ReducedStructure, port_rows, connect, load_joint
+from stickslip.model import ReducedStructure, connect, load_joint, port_rows
 from stickslip.structure.blade_pair import BladePairElements, blade_pair_mesh
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.factor import Backend

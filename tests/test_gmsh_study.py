@@ -1,4 +1,4 @@
-"""A complete case on a mesh that Gmsh made: two blades and a damper in quadratic tetrahedra, faces that do not match."""
+"""A complete case on a mesh of Gmsh: two blades and a damper in quadratic tetrahedra, faces that do not match."""
 
 from __future__ import annotations
 
@@ -136,4 +136,14 @@ def test_with_a_solved_preload(tmp_path: Path) -> None:
     checked = CliRunner().invoke(app, ["check", str(path)])
     assert checked.exit_code == 0, checked.output
     assert "Preload solved from 500 N at wedge" in checked.output
+    assert "of the pressure that the solution starts from" in " ".join(checked.output.split())
     run(path, tmp_path / "out")
+    study = load_results(tmp_path / "out" / "results.nc").study
+    assert study is not None
+    derived = {row[0]: row[1] for row in study.derived}
+    # by symmetry each face carries half of the vertical load; at rest without friction as much as the wedge says
+    for face in ("left", "right"):
+        assert derived[f"Normal load, {face}"] == pytest.approx(250.0 / np.cos(np.pi / 6.0), rel=1e-3)
+    # one stiffness of each face at rest, in the mode table as in the curve
+    stuck = float(str(derived["Natural frequencies, stuck"]).split(",")[0])
+    assert study.mode_table[0]["full_hz"] == pytest.approx(stuck, rel=1e-3)

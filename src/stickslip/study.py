@@ -75,7 +75,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
         case, structure, joint, threads, lambda share, detail: progress.update("Structure", 0.1 + 0.7 * share, detail)
     )
     progress.update("Structure", 0.8, "full against reduced frequencies")
-    table = compare_modes(structure, model.superelement, joint.face_pairs, joint.springs)
+    table = compare_modes(structure, model.superelement, joint.face_pairs, model.joint.springs)
     progress.update("Structure", 1.0, f"{model.superelement.size} unknowns, {model.pairs.n_pairs} pairs")
     response = solve(case, model, progress, threads)
     record = study_record(case, model, table, response)
@@ -251,6 +251,11 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
         ),
     ]
     warnings = list(study_warnings(joint))
+    if case.preload.method == "solved":
+        warnings.append(
+            "The preload is solved by a run: normal loads, stiffness and frequencies shown here are those of the pressure "
+            "that the solution starts from."
+        )
     low, high = sorted((solver.frequency_start, solver.frequency_stop))
     if not ((stuck_hz >= low) & (stuck_hz <= high)).any():
         warnings.append("None of these natural frequencies lies in the sweep, so it may hold no resonance.")
