@@ -43,7 +43,7 @@ def test_the_reference_finds_the_known_peak(bench: ModuleType) -> None:
 
 
 def test_bricks_cut_into_tetrahedra_fill_the_same_space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The file of benchmarks/tetrahedral_mesh.py, read as any other: volumes of the bodies, sides and pairs of faces."""
+    """The file of benchmarks/tetrahedral_mesh.py, read as any other: volumes of bodies, sides and pairs of faces."""
     monkeypatch.syspath_prepend(str(BENCHMARKS))
     import tetrahedral_mesh
 
