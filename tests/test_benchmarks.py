@@ -8,6 +8,10 @@ from types import ModuleType
 
 import pytest
 
+from stickslip.mesh_study import set_up
+from stickslip.structure.blade_pair import BladePairElements
+from stickslip.structure.model_facts import body_volumes
+
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 
 
@@ -36,3 +40,23 @@ def test_the_reference_finds_the_known_peak(bench: ModuleType) -> None:
     points = dense.DenseBalance(problem, harmonics=3, samples=128).sweep(*problem.window_hz)
     peak = max(dense.first_harmonic(point, problem.output) for point in points)
     assert 1e6 * peak == pytest.approx(198.44, abs=0.1)
+
+
+def test_bricks_cut_into_tetrahedra_fill_the_same_space(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The file of benchmarks/tetrahedral_mesh.py, read as any other: volumes of bodies, sides and pairs of faces."""
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    import tetrahedral_mesh
+
+    coarse = BladePairElements(
+        shank_rows=3, platform_rows=2, airfoil_rows=5, contact_columns=2, chordwise=4, damper_columns=2
+    )
+    monkeypatch.setattr(tetrahedral_mesh, "ELEMENTS", coarse)
+    path = tmp_path / "coarse.msh"
+    tetrahedral_mesh.write_model(path)
+    setup = set_up(tetrahedral_mesh.study(path))
+    assert 1e9 * body_volumes(setup.mesh) == pytest.approx([38962.7, 38962.7, 1461.34], rel=1e-5)
+    for name in tetrahedral_mesh.FACES:
+        (sides,) = setup.mesh.sides(name)
+        assert sides.shape == (2 * 2 * 4, 6)
+    assert setup.layout.face_pairs.is_matching
+    assert setup.layout.face_pairs.n_pairs == 2 * 5 * 9

@@ -162,10 +162,10 @@ def reduce_structure(
     body_load = (
         np.zeros(superelement.size) if layout.body_load is None else reduced_load(superelement, layout.body_load)
     )
-    return ReducedStructure(superelement, _port_rows(superelement, layout), body_load)
+    return ReducedStructure(superelement, port_rows(superelement, layout), body_load)
 
 
-def _port_rows(superelement: Superelement, layout: Layout) -> dict[str, FloatArray]:
+def port_rows(superelement: Superelement, layout: Layout) -> dict[str, FloatArray]:
     """Name -> (3, n) rows that read the mean displacement x, y, z of a port."""
     return {name: _rows_of(superelement, port) for name, port in layout.ports.items()}
 

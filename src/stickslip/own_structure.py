@@ -98,12 +98,21 @@ def description(case: Case) -> str:
     settings = face_settings(case)
     joints = "; ".join(
         f"{name}: "
-        + ("" if case.preload.values is not None else f"normal load {each.normal_load:g} N, ")
+        + ("" if each.normal_load is None else f"normal load {each.normal_load:g} N, ")
         + f"friction {given.friction:g}"
         for (name, each), given in zip(case.interfaces.items(), settings, strict=True)
     )
-    load = " Prescribed preload." if case.preload.values is not None else ""
-    return f"Force {acting}. {joints}.{load}"
+    return f"Force {acting}. {joints}.{_preload_words(case)}"
+
+
+def _preload_words(case: Case) -> str:
+    """What a preload that no interface gives comes from."""
+    given = case.preload
+    if given.method == "prescribed":
+        return "" if given.values is None else " Prescribed preload."
+    loads = [f"{each.force:g} N at {name}" for name, each in case.static_loads.items()]
+    loads += [] if case.rotation is None else [f"rotation at {case.rotation.speed:g} rad/s"]
+    return f" Preload solved from {' and '.join(loads)}, tractions at rest {given.residual_traction}."
 
 
 def rough_face_size(case: Case) -> tuple[float, float]:

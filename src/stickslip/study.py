@@ -283,7 +283,8 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
     warnings = list(study_warnings(joint))
     if case.preload.method == "solved":
         warnings.append(
-            "The preload is solved when the study runs; loads and stiffness above are where its iteration starts."
+            "The preload is solved by a run: normal loads, stiffness and frequencies shown here are those of the "
+            "pressure that the solution starts from."
         )
     low, high = sorted((solver.frequency_start, solver.frequency_stop))
     if not ((stuck_hz >= low) & (stuck_hz <= high)).any():

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from stickslip.errors import InputError
 from stickslip.files import whole_file
 from stickslip.interface.roughness_fit import RoughnessFit
+from stickslip.report.look import mark_size
 from stickslip.report.style import BLUE, GREY, INK, LINE_COLOURS, MICRO, ORANGE, STATES, VERMILLION
 from stickslip.report.view import View
 from stickslip.results.record import StudyRecord
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FORMATS = ("svg", "png", "pdf")
+_MAP = (390.0, 115.0)  # points of one face's map beside its axes and scale
 
 
 def amplitude_frequency(response: ForcedResponse, study: StudyRecord) -> Figure:
@@ -50,10 +52,11 @@ def contact_states(response: ForcedResponse, study: StudyRecord, point: int | No
     at = view.point if point is None else point
     figure, panels = _face_panels(study, f"{response.frequency_hz[at]:.2f} Hz, {view.amplitude_um[at]:.4g} µm")
     for face, axes in enumerate(panels):
+        size = mark_size(1e3 * study.pair_position[study.pair_face == face], _MAP, 7.4) ** 2
         for code, state in enumerate(STATES):
             here = (study.pair_face == face) & (response.contact_state[at] == code)
             x, y = 1e3 * study.pair_position[here].T
-            axes.scatter(x, y, marker=state.matplotlib_marker, color=state.colour, s=55, label=state.name)
+            axes.scatter(x, y, marker=state.matplotlib_marker, color=state.colour, s=size, label=state.name)
     panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.12), ncols=3, frameon=False, borderaxespad=0.0)
     return figure
 
@@ -66,12 +69,13 @@ def rest_pressure(response: ForcedResponse, study: StudyRecord) -> Figure:
     top = max(float(np.nanmax(pressure)), 1e-30)
     for face, axes in enumerate(panels):
         here = study.pair_face == face
+        size = mark_size(1e3 * study.pair_position[here], _MAP, 8.4) ** 2
         opened = here & np.isnan(pressure)
         x, y = 1e3 * study.pair_position[opened].T
-        axes.scatter(x, y, marker="s", s=60, facecolor="none", edgecolor=GREY)
+        axes.scatter(x, y, marker="s", s=size, facecolor="none", edgecolor=GREY)
         closed = here & ~opened
         x, y = 1e3 * study.pair_position[closed].T
-        dots = axes.scatter(x, y, c=pressure[closed], marker="s", s=70, cmap="cividis", vmin=0.0, vmax=top)
+        dots = axes.scatter(x, y, c=pressure[closed], marker="s", s=size, cmap="cividis", vmin=0.0, vmax=top)
     figure.colorbar(dots, ax=panels, label="Pressure at rest, MPa (hollow: open)")
     return figure
 
@@ -86,7 +90,8 @@ def energy_map(response: ForcedResponse, study: StudyRecord, point: int | None =
     for face, axes in enumerate(panels):
         here = study.pair_face == face
         x, y = 1e3 * study.pair_position[here].T
-        dots = axes.scatter(x, y, c=energy[here], marker="s", s=70, cmap="cividis", vmin=0.0, vmax=top)
+        size = mark_size(np.column_stack([x, y]), _MAP, 8.4) ** 2
+        dots = axes.scatter(x, y, c=energy[here], marker="s", s=size, cmap="cividis", vmin=0.0, vmax=top)
     figure.colorbar(dots, ax=panels, label=f"Friction energy, {view.energy_unit} per cycle")
     return figure
 

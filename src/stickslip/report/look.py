@@ -5,11 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from stickslip.report.style import INK
+from stickslip.validation import FloatArray
 
 Figure = dict[str, Any]
 FREQUENCY = "Excitation frequency, Hz"
+_SMALLEST_MARK = 3.0
+_CLOSE_SHARE = 0.1  # of the pairs may have a neighbour that is nearer than the size of a mark
 _FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 
 
@@ -60,3 +64,22 @@ def line_trace(name: str, x: Any, y: Any, colour: str, dash: str = "solid", widt
 def plain_list(values: Any) -> list[float]:
     """Numbers of an array with seven digits, for JSON."""
     return [float(f"{value:.7g}") for value in np.asarray(values, dtype=float).ravel()]
+
+
+def map_range(position: FloatArray) -> FloatArray:
+    """(2, 2) first and last value of both axes of a map with marks at ``position`` (n, 2) in mm."""
+    pad = 0.06 * np.ptp(position, axis=0) + 0.4
+    return np.stack([position.min(axis=0) - pad, position.max(axis=0) + pad], axis=1)
+
+
+def mark_size(position: FloatArray, drawing: tuple[float, float], largest: float) -> float:
+    """Width of square marks at ``position`` (n, 2) in mm, so that nine in ten do not overlap, at most ``largest``.
+
+    ``drawing`` is the width and height of the map, in the unit of the answer (px or points).
+    """
+    if len(position) < 2:
+        return largest
+    places = position * np.array(drawing) / np.ptp(map_range(position), axis=1)
+    # squares of width s are apart where |dx| or |dy| is above s
+    nearest = KDTree(places).query(places, k=2, p=np.inf)[0][:, 1]
+    return float(np.clip(np.quantile(nearest, _CLOSE_SHARE), _SMALLEST_MARK, largest))

@@ -10,7 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.report.look import FREQUENCY, Figure, axis_look, figure_of, line_trace, plain_list
+from stickslip.report.look import (
+    FREQUENCY,
+    Figure,
+    axis_look,
+    figure_of,
+    line_trace,
+    map_range,
+    mark_size,
+    plain_list,
+)
 from stickslip.report.style import (
     AXIS_NAMES,
     BLUE,
@@ -27,6 +36,8 @@ from stickslip.report.view import View
 from stickslip.validation import FloatArray
 
 TIME = "Time over period"
+_MAP = (400.0, 160.0)  # px of a face's map beside its axes and scale, on a wide screen
+_RING = 9.0  # px that the ring about the chosen pair is wider than its mark
 
 
 def amplitude_frequency(view: View) -> Figure:
@@ -104,21 +115,22 @@ def face_map(view: View, face: int, quantity: str) -> Figure:
         "hovertemplate": "%{text}<extra></extra>",
         "text": [""] * pairs.size,
     }
+    size = mark_size(position, _MAP, 15.0 if quantity == "state" else 17.0)
     if quantity == "state":
         dots["marker"] = {
-            "size": 15,
+            "size": size,
             "color": [STATES[state].colour for state in states],
             "symbol": [STATES[state].plotly_symbol for state in states],
         }
     else:
         energy = view.energy_factor * response.dissipated_energy[view.point]
-        dots["marker"] = _scale(energy[pairs], float(energy.max()), f"{view.energy_unit} per cycle")
+        dots["marker"] = _scale(size, energy[pairs], float(energy.max()), f"{view.energy_unit} per cycle")
     chosen = {
         "type": "scatter",
         "mode": "markers",
         "x": [],
         "y": [],
-        "marker": {"symbol": "circle-open", "size": 26, "color": INK, "line": {"width": 2.5}},
+        "marker": {"symbol": "circle-open", "size": size + _RING, "color": INK, "line": {"width": 2.5}},
         "hoverinfo": "skip",
         "showlegend": False,
     }
@@ -129,7 +141,7 @@ def rest_map(view: View, face: int) -> Figure:
     """The pressure at rest on one face; pairs that are open there are hollow."""
     pairs = np.flatnonzero(view.study.pair_face == face)
     position, pressure = 1e3 * view.study.pair_position[pairs], view.rest_pressure_mpa
-    marker = _scale(pressure[pairs], float(np.nanmax(pressure)), "MPa at rest")
+    marker = _scale(mark_size(position, _MAP, 17.0), pressure[pairs], float(np.nanmax(pressure)), "MPa at rest")
     opened = np.isnan(pressure[pairs])
     marker["color"] = plain_list(np.nan_to_num(pressure[pairs]))
     marker["symbol"] = ["square-open" if is_open else "square" for is_open in opened]
@@ -147,10 +159,10 @@ def rest_map(view: View, face: int) -> Figure:
     return _on_face([dots], position)
 
 
-def _scale(values: FloatArray, top: float, title: str) -> dict[str, Any]:
+def _scale(size: float, values: FloatArray, top: float, title: str) -> dict[str, Any]:
     """Square markers coloured by values from 0 to ``top``, with their bar."""
     return {
-        "size": 17,
+        "size": size,
         "symbol": "square",
         "color": plain_list(values),
         "colorscale": "Cividis",
@@ -169,8 +181,7 @@ def _scale(values: FloatArray, top: float, title: str) -> dict[str, Any]:
 
 def _on_face(traces: list[dict[str, Any]], position: FloatArray) -> Figure:
     """Traces on one face whose pairs stand at ``position`` (n, 2) mm."""
-    pad = 0.06 * np.ptp(position, axis=0) + 0.4
-    ranges = np.stack([position.min(axis=0) - pad, position.max(axis=0) + pad], axis=1).tolist()
+    ranges = map_range(position).tolist()
     return figure_of(
         traces,
         230,

@@ -33,6 +33,7 @@ def from_gmsh() -> None:
     gmsh.model.occ.addBox(0, 0, 0, 10, 10, 10)
     gmsh.model.occ.addBox(10, 0, 0, 5, 10, 10)
     gmsh.model.occ.synchronize()
+    both = 0
     for dimension, entities, name in (
         (3, [1], "cube"),
         (3, [2], "plate"),
@@ -40,7 +41,8 @@ def from_gmsh() -> None:
         (2, [1, 2], "two faces"),
         (0, [1], "corner"),
     ):
-        gmsh.model.addPhysicalGroup(dimension, entities, name=name)
+        last = gmsh.model.addPhysicalGroup(dimension, entities, name=name)
+        both = last if name == "two faces" else both
     gmsh.option.setNumber("Mesh.MeshSizeMin", 10)
     gmsh.option.setNumber("Mesh.MeshSizeMax", 10)
     gmsh.model.mesh.generate(3)
@@ -50,6 +52,18 @@ def from_gmsh() -> None:
             gmsh.option.setNumber("Mesh.MshFileVersion", version)
             gmsh.option.setNumber("Mesh.Binary", binary)
             gmsh.write(str(HERE / f"gmsh_{version}_{kind}.msh"))
+    # faces, edges and corners without a group too
+    gmsh.option.setNumber("Mesh.SaveAll", 1)
+    gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
+    for binary, kind in ((0, "text"), (1, "binary")):
+        gmsh.option.setNumber("Mesh.Binary", binary)
+        gmsh.write(str(HERE / f"gmsh_4.1_all_{kind}.msh"))
+    # of version 4.0 only one group of an entity is read, so the face in two groups leaves one
+    gmsh.model.removePhysicalGroups([group for group in gmsh.model.getPhysicalGroups(2) if group[1] == both])
+    gmsh.option.setNumber("Mesh.SaveAll", 0)
+    gmsh.option.setNumber("Mesh.Binary", 0)
+    gmsh.option.setNumber("Mesh.MshFileVersion", 4.0)
+    gmsh.write(str(HERE / "gmsh_4.0_text.msh"))
     gmsh.finalize()
 
 

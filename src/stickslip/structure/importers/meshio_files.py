@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.structure.cell_kinds import CELL_KINDS, IntArray
-from stickslip.structure.importers.gmsh_nodes import require_node_numbers
+from stickslip.structure.importers.gmsh_content import readable_content
 from stickslip.structure.importers.raw_model import RawBlock, RawBody, RawModel, RawSides, fail
 from stickslip.validation import FloatArray
 
@@ -37,8 +38,10 @@ Members = list[NDArray[np.bool_]]  # of each block of cells
 
 def read_gmsh(source: Path) -> RawModel:
     """The entries of a Gmsh file: physical groups by name, or "group 3" where they have none."""
-    require_node_numbers(source)
-    mesh = _parsed(source, "gmsh")
+    with tempfile.TemporaryDirectory() as folder:
+        readable = Path(folder) / "model.msh"
+        readable.write_bytes(readable_content(source))
+        mesh = _parsed(source, "gmsh", readable)
     groups: dict[str, Members] = {}
     names = {(int(number), int(dim)): name for name, (number, dim) in mesh.field_data.items()}
     tags = mesh.cell_data.get("gmsh:physical", [np.zeros(len(block.data), dtype=int) for block in mesh.cells])
@@ -90,15 +93,18 @@ def read_med(source: Path) -> RawModel:
     return _raw(source, "MED", mesh, groups, {name: np.concatenate(parts) for name, parts in nodes.items()})
 
 
-def _parsed(source: Path, kind: str) -> Any:
-    """The file as meshio reads it, with what it can get wrong checked. Raises ImportFileError."""
+def _parsed(source: Path, kind: str, readable: Path | None = None) -> Any:
+    """The file as meshio reads it, or its ``readable`` copy, with what it can get wrong checked.
+
+    Raises ImportFileError.
+    """
     import meshio
 
     reader: Callable[[str], Any] = getattr(meshio, kind).read
     said = io.StringIO()
     try:
         with contextlib.redirect_stderr(said), contextlib.redirect_stdout(said):
-            mesh = reader(str(source))
+            mesh = reader(str(readable or source))
     # A damaged file can end in any error of meshio, NumPy, HDF5 or an XML parser; all mean that it cannot be read.
     except (Exception, SystemExit) as error:
         detail = str(error).splitlines()[0][:200] if str(error).strip() else type(error).__name__
