@@ -78,8 +78,8 @@ def test_all_figures_are_written(case, tmp_path):
             "hysteresis_loop",
             "energy_curve",
             "mode_comparison",
-            "mode_comparison",
             "rest_pressure",
+        )
     }
     assert all(path.read_text().startswith("<?xml") for path in written)
 
