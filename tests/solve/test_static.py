@@ -273,3 +273,22 @@ def test_bad_input_gets_a_sentence(blade: Blade) -> None:
     with pytest.raises(InputError, match="start at 0 and rise"):
         PressureGapLaw(np.ones(1), np.array([0.0, 1.0]), np.array([1.0, 2.0]))
     assert SpringLaw(np.ones(2)).force(np.ones(2))[0].tolist() == [1.0, 1.0]
+
+
+def test_the_restraint_of_a_state_without_friction_carries_nothing_that_the_structure_holds() -> None:
+    """Contact far stiffer than the structure: the restraint of the mean position must not stand in for K."""
+    rng = np.random.default_rng(3)
+    rotation, _ = np.linalg.qr(rng.normal(size=(9, 9)))
+    stiffness = (rotation * np.geomspace(1e5, 1e7, 9)) @ rotation.T
+    superelement = Superelement(np.eye(9), 0.5 * (stiffness + stiffness.T))
+    load = 100.0 * rng.normal(size=9)
+    for preload in (0.0, 1e5):
+        for force in (load, np.zeros(9)):
+            if preload == 0.0 and not force.any():
+                continue
+            pairs = ContactPairs(np.eye(9), 1e10, 1e10, FRICTION, preload)
+            state = static_preload(superelement, pairs, force, friction=False)
+            contact = np.column_stack([np.zeros((3, 2)), state.normal_force]).ravel()
+            unbalanced = superelement.stiffness @ state.displacement + contact - force
+            assert np.linalg.norm(unbalanced) < 1e-8 * (np.linalg.norm(force) + np.linalg.norm(contact))
+            assert state.residual < 1e-8
