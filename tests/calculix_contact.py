@@ -151,7 +151,11 @@ def _contact_lines(model: PressedBlades, stiffness: float, friction: float, kind
         for body in ("", "damper_"):
             lines += [f"*SURFACE, NAME=surface_{body}{side}, TYPE=ELEMENT"]
             lines += _surface_lines(model.mesh, model.mesh.node_set(f"{body}{side}_face"))
-    lines += ["*SURFACE INTERACTION, NAME=joint", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", f"{stiffness!r}, 1."]
+    lines += [
+        "*SURFACE INTERACTION, NAME=joint",
+        "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
+        f"{stiffness!r}, 1.",
+    ]
     if friction > 0.0:
         lines += ["*FRICTION", f"{friction!r}, {TANGENTIAL_SHARE * stiffness!r}"]
     for side in SIDES:

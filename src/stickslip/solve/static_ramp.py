@@ -131,8 +131,7 @@ class LoadRamp:
         self._compliance = pairs.operator @ self._factor.solve(pairs.operator.T)
         self._loaded = pairs.operator @ self._factor.solve(load)
         self._iterations = 0
-        # Where the restraint of a solution without friction is at ease, m along t1, t2.
-        self._at_ease = np.zeros((pairs.n_pairs, 2))
+        self._at_ease = np.zeros((pairs.n_pairs, 2))  # where the restraint without friction is at ease, m along t1, t2
 
     def run(self, steps: int) -> StaticState:
         """The state under the full load. Raises ConvergenceError."""
@@ -140,6 +139,8 @@ class LoadRamp:
         start, _ = self._law.force(-self._gap)
         known = _Known(np.zeros((n_pairs, 3)), np.zeros((n_pairs, 2)), self._pairs.friction_coefficient * start)
         share, increment, count, damped = 0.0, 1.0 / steps, 0, False
+        self._iterations = 0
+        self._at_ease = np.zeros((n_pairs, 2))
         trial: _Trial | None = None
         while share < 1.0:
             target = min(1.0, share + increment)
