@@ -186,7 +186,7 @@ def _surface_lines(mesh: Mesh, nodes: np.ndarray) -> list[str]:
 
 
 def _face_forces(model: PressedBlades, printed: str) -> tuple[np.ndarray, np.ndarray]:
-    """Normal force (pressing is positive) and size of the shear force of each face: what the bases of the blades hold."""
+    """Normal force (pressing is positive) and shear force of each face: what the bases of the blades hold."""
     normal, shear = [], []
     for number, side in enumerate(SIDES):
         row = re.findall(rf"total force \(fx,fy,fz\) for set BASE_{side.upper()} .*?\n\s*\n([^\n]+)", printed)[-1]

@@ -1,4 +1,4 @@
-"""The preload of the two blades beside static contact of CalculiX on the same mesh, with the same stiffness per area."""
+"""The preload of the two blades beside contact of CalculiX on the same mesh with the same stiffness per area."""
 
 import numpy as np
 import pytest

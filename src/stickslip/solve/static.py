@@ -22,12 +22,12 @@ from stickslip.solve.static_ramp import LoadRamp, StaticState
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray, finite_array
 
-# Local stiffness is iterated until the normal forces change by less than this share of the largest.
+# Local stiffness is iterated until normal forces and stiffness change by less than this share of the largest.
 STIFFNESS_TOLERANCE = 1e-4
 STIFFNESS_ITERATIONS = 200
-# With gaps the load steps are multiplied until no traction changes by more than this share of the largest friction limit.
+# With gaps the load steps are multiplied until no traction changes by more than this share of the largest limit.
 PATH_TOLERANCE = 0.01
-MORE_STEPS, MOST_STEPS = 4, 256
+MORE_STEPS, MOST_STEPS = 4, 64
 
 # Normal and tangential stiffness (n_pairs,) of pairs under normal forces (n_pairs,).
 LocalStiffness = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
@@ -65,7 +65,7 @@ def static_preload(
     steps:
         load steps to begin with; a step that does not converge is cut. Pairs with a gap or an interference slip along
         bent lines, so with friction the steps are multiplied by four until no traction changes by more than 1 % of the
-        largest friction limit, at most to 256; the message says how much they still changed.
+        largest friction limit, at most to 64; the message says how much they still changed.
 
     Raises
     ------
@@ -94,16 +94,27 @@ def static_preload(
         normal = np.sqrt(normal * state.normal_stiffness) if normal_law is None else state.normal_stiffness
         tangential = np.sqrt(tangential * state.tangential_stiffness)
         local = ContactPairs(pairs.operator, normal, tangential, pairs.friction_coefficient, -normal * gap)
-        previous = state.normal_force
+        previous = state
         law = normal_law or SpringLaw(normal)
         state = LoadRamp(superelement, local, force, law, gap, friction).run(steps)
-        change = float(np.abs(state.normal_force - previous).max() / max(previous.max(), 1e-300))
+        # The stiffness too: forces that equilibrium alone determines do not tell whether it has reached its law.
+        change = max(
+            _change(state.normal_force, previous.normal_force),
+            _change(state.normal_stiffness, previous.normal_stiffness) if normal_law is None else 0.0,
+            _change(state.tangential_stiffness, previous.tangential_stiffness),
+        )
         if change <= STIFFNESS_TOLERANCE:
             return replace(state, message=f"{state.message}{path} Local stiffness after {iteration + 1} iterations.")
     raise ConvergenceError(
         f"the stiffness of the pairs under their own pressure did not settle in {STIFFNESS_ITERATIONS} iterations; the "
-        f"normal forces still change by {change:.1e} of the largest. Use a pressure-gap law, or one stiffness a face."
+        f"normal forces or stiffness still change by {change:.1e} of the largest. Use a pressure-gap law, or one "
+        "stiffness a face."
     )
+
+
+def _change(new: FloatArray, old: FloatArray) -> float:
+    """Largest change as a share of the largest value."""
+    return float(np.abs(new - old).max() / max(old.max(), 1e-300))
 
 
 def _settled(ramp: LoadRamp, pairs: ContactPairs, state: StaticState, steps: int) -> tuple[StaticState, int, str]:
