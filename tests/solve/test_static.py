@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 import numpy as np
@@ -14,8 +15,8 @@ from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.interface.friction import harmonic_force
 from stickslip.interface.normal_law import PressureGapLaw, SpringLaw
 from stickslip.solve.forced import forced_response
-from stickslip.solve.static import static_preload
-from stickslip.solve.static_ramp import StaticState
+from stickslip.solve.static import PATH_TOLERANCE, static_preload
+from stickslip.solve.static_ramp import LoadRamp, StaticState
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
 
@@ -273,3 +274,56 @@ def test_bad_input_gets_a_sentence(blade: Blade) -> None:
     with pytest.raises(InputError, match="start at 0 and rise"):
         PressureGapLaw(np.ones(1), np.array([0.0, 1.0]), np.array([1.0, 2.0]))
     assert SpringLaw(np.ones(2)).force(np.ones(2))[0].tolist() == [1.0, 1.0]
+
+
+def test_the_restraint_of_a_state_without_friction_carries_nothing_that_the_structure_holds() -> None:
+    """Contact far stiffer than the structure: the restraint of the mean position must not stand in for K."""
+    rng = np.random.default_rng(3)
+    rotation, _ = np.linalg.qr(rng.normal(size=(9, 9)))
+    stiffness = (rotation * np.geomspace(1e5, 1e7, 9)) @ rotation.T
+    superelement = Superelement(np.eye(9), 0.5 * (stiffness + stiffness.T))
+    load = 100.0 * rng.normal(size=9)
+    for preload in (0.0, 1e5):
+        for force in (load, np.zeros(9)):
+            if preload == 0.0 and not force.any():
+                continue
+            pairs = ContactPairs(np.eye(9), 1e10, 1e10, FRICTION, preload)
+            state = static_preload(superelement, pairs, force, friction=False)
+            contact = np.column_stack([np.zeros((3, 2)), state.normal_force]).ravel()
+            unbalanced = superelement.stiffness @ state.displacement + contact - force
+            assert np.linalg.norm(unbalanced) < 1e-6 * (np.linalg.norm(force) + np.linalg.norm(contact))
+            assert state.residual < 1e-6
+
+
+def test_gaps_take_as_many_load_steps_as_the_tractions_need() -> None:
+    """Pairs that touch one after the other slip along bent lines: the error of a ramp falls with its steps."""
+    rng = np.random.default_rng(11)
+    rotation, _ = np.linalg.qr(rng.normal(size=(18, 18)))
+    stiffness = (rotation * np.geomspace(1e5, 1e7, 18)) @ rotation.T
+    superelement = Superelement(np.eye(18), 0.5 * (stiffness + stiffness.T))
+    load = np.tile([25.0, 10.0, 60.0], 6) + 10.0 * rng.normal(size=18)
+    gap = rng.uniform(-5e-6, 3e-5, 6)
+    pairs = ContactPairs(np.eye(18), 1e7, 1e7, 0.5, -1e7 * gap)
+    coarse = LoadRamp(superelement, pairs, load, SpringLaw(pairs.normal_stiffness), gap, True).run(4)
+    fine = LoadRamp(superelement, pairs, load, SpringLaw(pairs.normal_stiffness), gap, True).run(2000)
+    state = static_preload(superelement, pairs, load)
+    limit = (0.5 * fine.normal_force).max()
+    far, near = (np.abs(each.traction - fine.traction).max() / limit for each in (coarse, state))
+    assert far > 2.0 * PATH_TOLERANCE
+    assert near < PATH_TOLERANCE
+    assert state.steps > 4
+    assert re.search(r"Tractions change by \S+ % of the largest friction limit", state.message)
+
+
+@pytest.mark.parametrize("law", [None, SpringLaw(np.array([2e7]))])
+def test_local_stiffness_settles_also_where_the_forces_do_not_depend_on_it(law: SpringLaw | None) -> None:
+    """One pair under a force: N is known from the start, and the stiffness still has to reach its law."""
+    superelement = Superelement(np.eye(3), np.diag([1e6, 1e6, 0.0]))
+    pairs = ContactPairs(np.eye(3), 1e7, 1e7, FRICTION, 0.0)
+
+    def local(normal_force: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return 2e5 * normal_force, 1e5 * normal_force
+
+    state = static_preload(superelement, pairs, [0.0, 0.0, 300.0], local_stiffness=local, normal_law=law)
+    assert state.tangential_stiffness[0] == pytest.approx(3e7, rel=1e-3)
+    assert state.normal_stiffness[0] == pytest.approx(6e7 if law is None else 2e7, rel=1e-3)

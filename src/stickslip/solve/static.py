@@ -22,9 +22,12 @@ from stickslip.solve.static_ramp import LoadRamp, StaticState
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray, finite_array
 
-# Local stiffness is iterated until the normal forces change by less than this share of the largest.
+# Local stiffness is iterated until normal forces and stiffness change by less than this share of the largest.
 STIFFNESS_TOLERANCE = 1e-4
 STIFFNESS_ITERATIONS = 200
+# With gaps the load steps are multiplied until no traction changes by more than this share of the largest limit.
+PATH_TOLERANCE = 0.01
+MORE_STEPS, MOST_STEPS = 4, 64
 
 # Normal and tangential stiffness (n_pairs,) of pairs under normal forces (n_pairs,).
 LocalStiffness = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
@@ -60,7 +63,9 @@ def static_preload(
         a law instead of springs, such as :class:`PressureGapLaw`; ``local_stiffness`` then sets the tangential springs
         alone. The gaps are those of ``pairs``.
     steps:
-        load steps; a step that does not converge is cut.
+        load steps to begin with; a step that does not converge is cut. Pairs with a gap or an interference slip along
+        bent lines, so with friction the steps are multiplied by four until no traction changes by more than 1 % of the
+        largest friction limit, at most to 64; the message says how much they still changed.
 
     Raises
     ------
@@ -77,8 +82,11 @@ def static_preload(
     law = normal_law or SpringLaw(pairs.normal_stiffness)
     ramp = LoadRamp(superelement, pairs, force, law, gap, friction)
     state = ramp.run(steps)
+    path = ""
+    if friction and gap.any():
+        state, steps, path = _settled(ramp, pairs, state, steps)
     if local_stiffness is None:
-        return state
+        return replace(state, message=state.message + path)
     for iteration in range(STIFFNESS_ITERATIONS):
         told(iteration / STIFFNESS_ITERATIONS, f"local stiffness, iteration {iteration + 1}")
         normal, tangential = local_stiffness(state.normal_force)
@@ -86,16 +94,39 @@ def static_preload(
         normal = np.sqrt(normal * state.normal_stiffness) if normal_law is None else state.normal_stiffness
         tangential = np.sqrt(tangential * state.tangential_stiffness)
         local = ContactPairs(pairs.operator, normal, tangential, pairs.friction_coefficient, -normal * gap)
-        previous = state.normal_force
+        previous = state
         law = normal_law or SpringLaw(normal)
         state = LoadRamp(superelement, local, force, law, gap, friction).run(steps)
-        change = float(np.abs(state.normal_force - previous).max() / previous.max())
+        # The stiffness too: forces that equilibrium alone determines do not tell whether it has reached its law.
+        change = max(
+            _change(state.normal_force, previous.normal_force),
+            _change(state.normal_stiffness, previous.normal_stiffness) if normal_law is None else 0.0,
+            _change(state.tangential_stiffness, previous.tangential_stiffness),
+        )
         if change <= STIFFNESS_TOLERANCE:
-            return replace(state, message=f"{state.message} Local stiffness after {iteration + 1} iterations.")
+            return replace(state, message=f"{state.message}{path} Local stiffness after {iteration + 1} iterations.")
     raise ConvergenceError(
         f"the stiffness of the pairs under their own pressure did not settle in {STIFFNESS_ITERATIONS} iterations; the "
-        f"normal forces still change by {change:.1e} of the largest. Use a pressure-gap law, or one stiffness a face."
+        f"normal forces or stiffness still change by {change:.1e} of the largest. Use a pressure-gap law, or one "
+        "stiffness a face."
     )
+
+
+def _change(new: FloatArray, old: FloatArray) -> float:
+    """Largest change as a share of the largest value."""
+    return float(np.abs(new - old).max() / max(old.max(), 1e-300))
+
+
+def _settled(ramp: LoadRamp, pairs: ContactPairs, state: StaticState, steps: int) -> tuple[StaticState, int, str]:
+    """The state from so many load steps that more do not change its tractions, their number, and a sentence on it."""
+    while True:
+        finer = ramp.run(MORE_STEPS * steps)
+        limit = max(float((pairs.friction_coefficient * finer.normal_force).max()), 1e-300)
+        change = float(np.abs(finer.traction - state.traction).max()) / limit
+        state, steps = finer, MORE_STEPS * steps
+        if change <= PATH_TOLERANCE or MORE_STEPS * steps > MOST_STEPS:
+            sentence = f" Tractions change by {100.0 * change:.2g} % of the largest friction limit"
+            return state, steps, f"{sentence} when the load steps become {MORE_STEPS} times as many."
 
 
 def _checked_load(load: ArrayLike, superelement: Superelement, pairs: ContactPairs) -> FloatArray:

@@ -32,8 +32,9 @@ LARGEST_STEP = 1e6
 LARGEST_RESIDUAL = 1e-6
 # Damping of the steps that approach a solution which plain Newton misses, as a share of the springs.
 FIRST_DAMPING, LAST_DAMPING, DAMPED_STEPS = 1.0, 1e-5, 60
-# Share of the load that the restraint may take in a solution without friction.
-LARGEST_RESTRAINT_SHARE = 1e-3
+# Without friction: the share of the forces that the restraint may keep once it has been moved along, the share from
+# which it is moved along, and the factor by which each move must lower it.
+LARGEST_RESTRAINT_SHARE, SMALLEST_RESTRAINT_SHARE, RESTRAINT_DECAY = 1e-3, 1e-10, 0.99
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class StaticState:
     normal_stiffness, tangential_stiffness:
         (n_pairs,) N/m at rest, for small motions about it.
     residual:
-        ``|K u + B^T f - load| / |load|``.
+        ``|K u + B^T f - load| / (|load| + |B^T f|)`` with the forces f of this state.
     steps, iterations:
         load steps and Newton iterations of the last ramp.
     message:
@@ -130,6 +131,7 @@ class LoadRamp:
         self._compliance = pairs.operator @ self._factor.solve(pairs.operator.T)
         self._loaded = pairs.operator @ self._factor.solve(load)
         self._iterations = 0
+        self._at_ease = np.zeros((pairs.n_pairs, 2))  # where the restraint without friction is at ease, m along t1, t2
 
     def run(self, steps: int) -> StaticState:
         """The state under the full load. Raises ConvergenceError."""
@@ -137,6 +139,8 @@ class LoadRamp:
         start, _ = self._law.force(-self._gap)
         known = _Known(np.zeros((n_pairs, 3)), np.zeros((n_pairs, 2)), self._pairs.friction_coefficient * start)
         share, increment, count, damped = 0.0, 1.0 / steps, 0, False
+        self._iterations = 0
+        self._at_ease = np.zeros((n_pairs, 2))
         trial: _Trial | None = None
         while share < 1.0:
             target = min(1.0, share + increment)
@@ -156,6 +160,8 @@ class LoadRamp:
             share, count = target, count + 1
             increment = min(1.5 * increment, 1.0 / steps)
         assert trial is not None
+        if not self._friction:
+            trial = self._let_go(trial, known)
         return self._state(trial, count, damped)
 
     def _limit(self, trial: _Trial) -> FloatArray:
@@ -186,9 +192,9 @@ class LoadRamp:
             derivative[:, :2, :2] = step.by_pull * tangential[:, None, :]
             derivative[:, :2, 2] = step.by_limit * limit_slope[:, None]
         else:
-            # A body that only friction would hold gets the restraint of the mean position in dynamics.
+            # A body that only friction would hold gets the restraint of the mean position in dynamics; see _let_go.
             code = np.where(normal > 0.0, SLIP, OPEN).astype(np.int8)
-            force[:, :2] = MEAN_RESTRAINT * tangential * relative[:, :2]
+            force[:, :2] = MEAN_RESTRAINT * tangential * (relative[:, :2] - self._at_ease)
             derivative[:, [0, 1], [0, 1]] = MEAN_RESTRAINT * tangential
         closed = normal > 0.0
         force[:, 2] = np.where(closed, normal, 0.0)
@@ -272,27 +278,25 @@ class LoadRamp:
         normal, slope = self._law.force(relative[:, 2] - self._gap)
         deviation = (trial.force - self._springs * relative).ravel()
         displacement = self._factor.solve(self._load - operator.T @ deviation)
-        self._require_held(trial)
-        unbalanced = self._superelement.stiffness @ displacement + operator.T @ trial.force.ravel() - self._load
-        scale = float(np.linalg.norm(self._load)) + float(np.linalg.norm(operator.T @ trial.force.ravel()))
-        residual = float(np.linalg.norm(unbalanced)) / scale
-        if residual > LARGEST_RESIDUAL:
+        equilibrium = self._unbalanced(displacement, trial.force)
+        if equilibrium > LARGEST_RESIDUAL:
             raise ConvergenceError(
-                f"the static state is in equilibrium only to {residual:.1e} of its forces (wanted: "
+                f"the static state is in equilibrium only to {equilibrium:.1e} of its forces (wanted: "
                 f"{LARGEST_RESIDUAL:.0e}): contact many orders stiffer than the structure loses digits. Lower the "
                 "contact stiffness; a joint a thousand times stiffer than what it joins is rigid."
             )
+        force = trial.force if self._friction else trial.force * np.array([0.0, 0.0, 1.0])
         reached = "in damped steps" if damped else "by Newton's method"
         open_pairs, slipping = int((trial.code == OPEN).sum()), int((trial.code == SLIP).sum())
         return StaticState(
             displacement=displacement,
             normal_force=np.maximum(normal, 0.0),
-            traction=trial.force[:, :2] if self._friction else np.zeros((len(relative), 2)),
+            traction=force[:, :2],
             gap=np.maximum(self._gap - relative[:, 2], 0.0),
             state=trial.code,
             normal_stiffness=slope,
             tangential_stiffness=self._pairs.tangential_springs[:, 0].copy(),
-            residual=residual,
+            residual=self._unbalanced(displacement, force),
             steps=steps,
             iterations=self._iterations,
             message=(
@@ -301,14 +305,39 @@ class LoadRamp:
             ),
         )
 
-    def _require_held(self, trial: _Trial) -> None:
-        """Raise ConvergenceError where a body that nothing but friction holds is loaded along its free direction."""
-        if self._friction:
-            return
-        held = float(np.linalg.norm(self._pairs.operator.T @ np.pad(trial.force[:, :2], ((0, 0), (0, 1))).ravel()))
-        if held > LARGEST_RESTRAINT_SHARE * float(np.linalg.norm(self._load)):
+    def _unbalanced(self, displacement: FloatArray, force: FloatArray) -> float:
+        """``|K u + B^T f - load|`` over the forces."""
+        contact = self._pairs.operator.T @ force.ravel()
+        unbalanced = self._superelement.stiffness @ displacement + contact - self._load
+        return float(np.linalg.norm(unbalanced) / (np.linalg.norm(self._load) + np.linalg.norm(contact)))
+
+    def _let_go(self, trial: _Trial, known: _Known) -> _Trial:
+        """The solution without friction whose restraint carries nothing: it is moved along until that is so.
+
+        What the structure or other contacts hold takes the force over, step by step (a proximal point method). Where
+        nothing does, the force stays: ConvergenceError unless it is small, when the residual of the state shows it.
+        """
+        held, share = self._restrained(trial)
+        while share > SMALLEST_RESTRAINT_SHARE:
+            self._at_ease = trial.relative[:, :2].copy()
+            moved = self._newton(trial.relative, known, 1.0)
+            before = share
+            if moved is not None:
+                trial = moved
+                held, share = self._restrained(trial)
+            if moved is None or share > RESTRAINT_DECAY * before:
+                break
+        if share > LARGEST_RESTRAINT_SHARE:
             raise ConvergenceError(
                 f"without friction the static load pushes a body along a direction in which nothing holds it: an "
                 f"artificial restraint carries {held:.3g} N there. Keep the traction of the static solution with "
                 'friction (residual_traction = "kept"), or hold the body along that direction.'
             )
+        return trial
+
+    def _restrained(self, trial: _Trial) -> tuple[float, float]:
+        """What the restraint carries: N, and as a share of the load and the contact forces."""
+        transposed = self._pairs.operator.T
+        held = float(np.linalg.norm(transposed @ (trial.force * np.array([1.0, 1.0, 0.0])).ravel()))
+        contact = float(np.linalg.norm(transposed @ (trial.force * np.array([0.0, 0.0, 1.0])).ravel()))
+        return held, held / (float(np.linalg.norm(self._load)) + contact + 1e-300)
