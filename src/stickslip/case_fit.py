@@ -81,9 +81,7 @@ def _matrix_errors(case: Case) -> Iterator[EntryError]:
     given = case.structure
     yield from _unwanted(case, ("fixed", "element"))
     if given.file is not None:
-        yield from _unwanted(
-            case, (*MATRIX_FILES, "unit_system", "length_unit"), "stands in the superelement of file."
-        )
+        yield from _unwanted(case, (*MATRIX_FILES, "unit_system", "length_unit"), "stands in the superelement of file.")
         return
     for key in ("stiffness", "mass"):
         if getattr(given, key) is None:
