@@ -51,8 +51,8 @@ _NOT_SOLID = {
     "R3D3": 3,
 }
 _TIES = (
-    "it ties nodes to each other, and the model would be another one without it. Take it out: hold or load the set of its "
-    "nodes, merge meshes in the preprocessor, or make the faces an interface of the study"
+    "it ties nodes to each other, and the model would be another one without it. Take it out: hold or load the set of "
+    "its nodes, merge meshes in the preprocessor, or make the faces an interface of the study"
 )
 # These change what the numbers of a deck mean, so the model would be another one without them.
 _REFUSED = {
