@@ -190,7 +190,8 @@ def test_a_body_without_contact_that_nothing_holds_is_refused(folder: Path, tmp_
 def test_wrong_units_are_a_warning(folder: Path, tmp_path: Path) -> None:
     found = read_superelement(folder)
     write_superelement(tmp_path, replace(found, positions=1e6 * found.positions, mass=1e-9 * found.mass, recovery=None))
-    layout = set_up(changed(folder, structure__file=str(tmp_path / "superelement.npz"), reduction__modes=3)).layout
+    far = {"responses__block__point": ["48 km", "3.67 km", "14 km"]}
+    layout = set_up(changed(folder, structure__file=str(tmp_path / "superelement.npz"), **far)).layout
     assert any("nodes of the matrices span" in words and "length_unit" in words for words in layout.messages)
     assert any("the matrices hold the mass" in words for words in layout.messages)
     assert set_up(changed(folder)).layout.messages == ()
@@ -207,3 +208,23 @@ def test_a_pair_that_stands_twice_in_a_list_is_refused(folder: Path, tmp_path: P
         set_up(Case.from_mapping(data))
     (tmp_path / "pairs.csv").write_text(f"{nodes[0]}\n{nodes[1]}", encoding="utf-8")
     assert set_up(Case.from_mapping(data)).layout.face_pairs.n_pairs == 2
+
+
+def test_a_joint_that_stands_twice_is_refused(folder: Path) -> None:
+    data = changed(folder).to_dict()
+    data["interfaces"]["again"] = {**data["interfaces"]["lid"], "normal": [0, 0, -1]}
+    with pytest.raises(InputError, match=r"interfaces\.lid and interfaces\.again join the same \d+ node pairs"):
+        set_up(Case.from_mapping(data))
+
+
+def test_a_file_of_another_kind_and_a_missing_map_are_told(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "model.inp").write_text("*NODE\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r'model\.inp" is no superelement.*structure\.kind = "mesh"'):
+        set_up(changed(folder, structure__file=str(tmp_path / "model.inp")))
+    found = read_superelement(folder)
+    for name in ("stiffness", "mass"):
+        scipy.io.mmwrite(tmp_path / f"{name}.mtx", scipy.sparse.coo_matrix(getattr(found, name)), precision=17)
+    files = 'stiffness = "stiffness.mtx"\nmass = "mass.mtx"\nlength_unit = "m"'
+    (tmp_path / "study.toml").write_text(STUDY.replace('file = "superelement.npz"', files), encoding="utf-8")
+    with pytest.raises(InputError, match=r"structure\.unknown_map: no node of the matrices has unknowns along"):
+        set_up(load_case(tmp_path / "study.toml"))

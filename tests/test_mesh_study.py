@@ -124,6 +124,10 @@ WRONG = {
     "point far away": ({"responses.block.point": [50, 5, 14]}, r"responses\.block: the nearest node .* mm away"),
     "unit of length": ({"structure.length_unit": "furlong"}, "length_unit is 'furlong'"),
     "ground with search": ({"interfaces.lid.search_distance": "1 mm"}, r"interfaces\.lid: search_distance"),
+    "units that explain it": (
+        {"structure.length_unit": "m"},
+        r"responses\.block: .* Besides, body 'beam' has the density .* Check the unit",
+    ),
     "file that is not there": ({"structure.file": "nowhere.inp"}, r"nowhere\.inp: there is no such file"),
 }
 
@@ -138,8 +142,17 @@ def test_missing_material_is_named(tmp_path: Path) -> None:
     deck = (EXAMPLE / "beam_and_block.inp").read_text(encoding="utf-8")
     (tmp_path / "bare.inp").write_text(deck.replace("*DENSITY\n7.85e-09\n", ""), encoding="utf-8")
     case = mesh_case().replace({"structure.file": str(tmp_path / "bare.inp")})
-    with pytest.raises(InputError, match=r"body 'beam' has no \w+: .*\[bodies\.beam\].*\[material\]"):
+    words = r"body 'beam' has no young_modulus, no .* In the file, material 'STEEL' has no density.*\[bodies\.beam\]"
+    with pytest.raises(InputError, match=words):
         set_up(case)
+
+
+@pytest.mark.parametrize("sides", [("damper_bottom", "beam_top"), ("beam_top", "damper_bottom")])
+def test_a_joint_that_stands_twice_is_refused(sides: tuple[str, str]) -> None:
+    data = mesh_case().to_dict()
+    data["interfaces"]["again"] = {**data["interfaces"]["sole"], "first": sides[0], "second": sides[1]}
+    with pytest.raises(InputError, match=r"interfaces\.sole and interfaces\.again join the same \d+ element sides"):
+        set_up(Case.from_mapping(data))
 
 
 def test_a_body_that_nothing_holds_is_refused() -> None:

@@ -14,6 +14,7 @@ from stickslip.errors import ImportFileError, InputError
 from stickslip.interface.face_pairs import FacePairs
 from stickslip.interface.local_axes import local_tangents, map_position
 from stickslip.joint import case_material
+from stickslip.joint_overlap import require_single_pairs
 from stickslip.own_structure import (
     description,
     face_settings,
@@ -128,14 +129,21 @@ def set_up(case: Case) -> MatrixSetup:
             "the matrix files. Set damping.rayleigh_alpha = 0 to take that of the files alone, or leave it out of them."
         )
     book, pairs, messages = _Book.of(matrices), [], []
+    if not book.labels.size:
+        raise InputError(
+            "structure.unknown_map: no node of the matrices has unknowns along x, y and z, so no place can be named. Give "
+            "a file with the node and direction of each row."
+        )
     for name, given in case.interfaces.items():
         found, words = _pairs(book, name, given)
         pairs.append(found)
         messages += words
     ports = {name: _port(book, name, given) for name, given in port_sections(case).items()}
     materials = _face_materials(case)
+    joined = FacePairs.concatenate(pairs)
+    require_single_pairs(tuple(case.interfaces), joined)
     layout = Layout(
-        FacePairs.concatenate(pairs),
+        joined,
         tuple(case.interfaces),
         materials,
         ports,
