@@ -131,8 +131,8 @@ def set_up(case: Case) -> MatrixSetup:
     book, pairs, messages = _Book.of(matrices), [], []
     if not book.labels.size:
         raise InputError(
-            "structure.unknown_map: no node of the matrices has unknowns along x, y and z, so no place can be named. Give "
-            "a file with the node and direction of each row."
+            "structure.unknown_map: no node of the matrices has unknowns along x, y and z, so no place can be named. "
+            "Give a file with the node and direction of each row."
         )
     for name, given in case.interfaces.items():
         found, words = _pairs(book, name, given)

@@ -188,7 +188,9 @@ def _material(case: Case, name: str, source: ImportedModel) -> Material:
     values: dict[str, float] = {}
     for key in keys:
         found = [getattr(each, key) for each in sections if each is not None]
-        values |= {key: value for value in reversed(found) if value is not None}
+        given = [value for value in found if value is not None]
+        if given:
+            values[key] = given[0]
     missing = [key for key in keys if key not in values]
     if missing:
         # an incomplete material of the file is not taken in part

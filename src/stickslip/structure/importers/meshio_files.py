@@ -93,7 +93,10 @@ def read_med(source: Path) -> RawModel:
 def _parsed(source: Path, kind: str) -> Any:
     """The file as meshio reads it, with what it can get wrong checked. Raises ImportFileError."""
     import meshio
+    from meshio._mesh import topological_dimension
 
+    # meshio reads and names these cells, but its table of dimensions forgets them.
+    topological_dimension.setdefault("wedge15", 3)
     reader: Callable[[str], Any] = getattr(meshio, kind).read
     said = io.StringIO()
     try:

@@ -61,8 +61,8 @@ def read_superelement(path: str | PathLike[str]) -> Superelement:
         source = source / FILE_NAME
     if source.is_file() and source.suffix.lower() != ".npz":
         raise ImportFileError(
-            f'"{source}" is no superelement: those are .npz files in the format of docs/matrices.md. Stiffness and mass '
-            "in files of other kinds are read by read_matrices (structure.stiffness and structure.mass in a study), a "
+            f'"{source}" is no superelement: those are .npz files in the format of docs/matrices.md. Stiffness and '
+            "mass in other files are read by read_matrices (structure.stiffness and structure.mass in a study), a "
             'mesh by read_model (structure.kind = "mesh").'
         )
     arrays = numpy_arrays(source)
