@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from unittest.mock import patch
 
 import meshio
 import numpy as np
@@ -12,8 +13,6 @@ from meshio._mesh import topological_dimension
 from stickslip.structure.cell_kinds import CELL_KINDS, CORNERS_OF_SIDE
 from stickslip.structure.finite_element_mesh import FiniteElementMesh
 from stickslip.structure.mesh import Mesh
-
-topological_dimension.setdefault("wedge15", 3)  # forgotten by meshio
 
 STEEL_MM = (210_000.0, 0.3, 7.85e-9)  # MPa, -, t/mm3
 ABAQUS_TYPES = {"hexahedron": "C3D8I", "hexahedron20": "C3D20", "tetra": "C3D4", "tetra10": "C3D10"}
@@ -118,6 +117,7 @@ def write_bdf(
     path.write_text("\n".join([*text, "ENDDATA", ""]), encoding="utf-8")
 
 
+@patch.dict(topological_dimension, {"wedge15": 3})  # which meshio forgets
 def write_meshio(path: Path, mesh: Mesh | OneKind, body_names: list[str], faces: list[str], form: str) -> None:
     """A file in mm with the bodies and faces as groups, of .msh (form gmsh22, gmsh), .vtu (vtu) or .med (med)."""
     cells: list[tuple[str, np.ndarray]] = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from pathlib import Path
 
 import numpy as np
@@ -17,13 +18,18 @@ from stickslip.model import build_model, load_joint, set_up
 from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
 
+DENSITY = "8200 kg/m^3"
+LIGHT = "body 'damper' has the density 99 kg/m3, outside 100 to 30000 kg/m3"
+
 
 @pytest.fixture(scope="module")
 def solved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
-    """The example as ``stickslip run`` solves it, from files in another folder."""
+    """The example as ``stickslip run`` solves it, from files in another folder, with a damper too light to be true."""
     folder = tmp_path_factory.mktemp("mesh")
     (folder / "beam_and_block.inp").write_text((EXAMPLE / "beam_and_block.inp").read_text("utf-8"), "utf-8")
     text = (EXAMPLE / "study.toml").read_text(encoding="utf-8").replace("harmonics = 3", "harmonics = 1")
+    assert DENSITY in text
+    text = text.replace(DENSITY, "99 kg/m^3")
     (folder / "study.toml").write_text(text.replace("samples = 128", "samples = 64"), encoding="utf-8")
     result = CliRunner().invoke(app, ["run", str(folder / "study.toml"), "--out", str(folder / "out")])
     assert result.exit_code == 0, result.output
@@ -45,6 +51,15 @@ def test_run_writes_report_results_and_shapes(solved: tuple[Path, str]) -> None:
     for words in ("Contact states, lid", "contact stuck", "Area without a partner, sole", "Beam with a friction block"):
         assert words in page
     assert "paper" not in saved.study.description
+
+
+def test_wrong_units_are_warned_of_wherever_one_looks(solved: tuple[Path, str]) -> None:
+    folder, output = solved
+    assert LIGHT in " ".join(output.split())
+    assert LIGHT in html.unescape((folder / "report.html").read_text(encoding="utf-8"))
+    result = CliRunner().invoke(app, ["check", str(folder.parent / "study.toml")])
+    assert result.exit_code == 0, result.output
+    assert LIGHT in " ".join(result.output.split())
 
 
 def test_mode_table_compares_full_and_reduced(solved: tuple[Path, str]) -> None:

@@ -9,10 +9,8 @@ import pytest
 from calculix import COARSE, cut_bricks
 from model_writers import STEEL_MM, OneKind, write_bdf, write_inp, write_meshio
 from stickslip.structure.blade_pair import blade_pair_mesh
-from stickslip.structure.cell_kinds import CELL_KINDS
 from stickslip.structure.elasticity import Material, assemble, assemble_bodies, natural_frequencies
 from stickslip.structure.faces import face_geometry
-from stickslip.structure.finite_element_mesh import CellBlock, FiniteElementMesh
 from stickslip.structure.importers.read import read_model
 from stickslip.structure.model_facts import body_volumes
 
@@ -33,20 +31,7 @@ def block_of(kind, make_block):
     bricks = make_block((2, 2, 1), (0.06, 0.03, 0.01), 0.1)
     grid = np.arange(bricks.n_nodes).reshape(3, 3, 2)
     bricks = replace(bricks, node_sets={"base": grid[:, :, 0].ravel(), "contact": grid[:, :, 1].ravel()})
-    if kind.startswith("tetra"):
-        mesh = cut_bricks(replace(bricks, body=np.array([0, 1, 2, 2])), kind == "tetra10")
-        block = CellBlock(kind, mesh.blocks[0].cells, np.zeros(mesh.n_cells, dtype=int))
-        return FiniteElementMesh(mesh.points, (block,), ("lower",), mesh.node_sets)
-    cells = bricks.cells[:, [[0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7]]].reshape(-1, 6)
-    points, sets = bricks.points, bricks.node_sets
-    if kind == "wedge15":
-        ends = np.sort(cells[:, CELL_KINDS[kind].edges], axis=2)
-        edges, position = np.unique(ends.reshape(-1, 2), axis=0, return_inverse=True)
-        cells = np.hstack([cells, len(points) + position.reshape(len(cells), -1)])
-        middle = {name: np.flatnonzero(np.isin(edges, nodes).all(axis=1)) for name, nodes in sets.items()}
-        sets = {name: np.append(nodes, len(points) + middle[name]) for name, nodes in sets.items()}
-        points = np.vstack([points, points[edges].mean(axis=1)])
-    return FiniteElementMesh(points, (CellBlock(kind, cells, np.zeros(len(cells), dtype=int)),), ("lower",), sets)
+    return cut_bricks(bricks, kind)
 
 
 def frequencies(mesh, count, fixed):
@@ -59,7 +44,7 @@ def frequencies(mesh, count, fixed):
 def test_tetrahedra_and_wedges_come_back(tmp_path, make_block, kind, form):
     mesh = block_of(kind, make_block)
     file, write, holds = WRITERS[form]
-    arguments = (tmp_path / file, OneKind(mesh), ["lower"], ["contact"])
+    arguments = (tmp_path / file, OneKind(mesh), ["left"], ["contact"])
     write(*arguments, *(("base",) if holds else ()))
     model = read_model(tmp_path / file, "mm")
     np.testing.assert_allclose(model.mesh.points, mesh.points, atol=1e-12)

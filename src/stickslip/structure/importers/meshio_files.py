@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from stickslip.structure.cell_kinds import CELL_KINDS, IntArray
 from stickslip.structure.importers.gmsh_nodes import require_node_numbers
 from stickslip.structure.importers.raw_model import RawBlock, RawBody, RawModel, RawSides, fail
+from stickslip.structure.meshio_cells import complete_meshio
 from stickslip.validation import FloatArray
 
 _SURFACES = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 4}
@@ -92,12 +93,7 @@ def read_med(source: Path) -> RawModel:
 
 def _parsed(source: Path, kind: str) -> Any:
     """The file as meshio reads it, with what it can get wrong checked. Raises ImportFileError."""
-    import meshio
-    from meshio._mesh import topological_dimension
-
-    # meshio reads and names these cells, but its table of dimensions forgets them.
-    topological_dimension.setdefault("wedge15", 3)
-    reader: Callable[[str], Any] = getattr(meshio, kind).read
+    reader: Callable[[str], Any] = getattr(complete_meshio(), kind).read
     said = io.StringIO()
     try:
         with contextlib.redirect_stderr(said), contextlib.redirect_stdout(said):
