@@ -34,6 +34,8 @@ ELEMENTS = {
     "C3D20": ("hexahedron20", "serendipity"),
     "C3D10": ("tetra10", ""),
     "C3D4": ("tetra", ""),
+    "C3D15": ("wedge15", ""),
+    "C3D6": ("wedge", ""),
 }
 
 
@@ -51,7 +53,7 @@ def blades(kind: str, elements: BladePairElements | None = COARSE) -> tuple[Mesh
     if kind == "hexahedron20":
         mesh = mesh.quadratic()
     elif kind != "hexahedron":
-        mesh = cut_bricks(mesh, kind == "tetra10")
+        mesh = cut_bricks(mesh, kind)
     first, second = [], []
     for side in ("left", "right"):
         damper, blade = mesh.node_sets[f"damper_{side}_face"], mesh.node_sets[f"{side}_face"]
@@ -62,8 +64,27 @@ def blades(kind: str, elements: BladePairElements | None = COARSE) -> tuple[Mesh
     return mesh, Pairs(np.concatenate(first), np.concatenate(second))
 
 
-def cut_bricks(mesh: Mesh, quadratic: bool) -> FiniteElementMesh:
-    """Each brick as six tetrahedra around its diagonal 0-6; neighbours fit where their bricks have the same axes."""
+def cut_bricks(mesh: Mesh, kind: str) -> FiniteElementMesh:
+    """Each brick as six tetrahedra around its diagonal 0-6, or two wedges; neighbours fit where their bricks have the
+    same axes. The bodies are left, right and damper as far as the mesh has them."""
+    local = _tetrahedra() if kind.startswith("tetra") else [[0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7]]
+    cells = mesh.cells[:, np.array(local)].reshape(-1, len(local[0]))
+    points, sets = mesh.points, dict(mesh.node_sets)
+    if CELL_KINDS[kind].is_quadratic:
+        ends = np.sort(cells[:, CELL_KINDS[kind].edges], axis=2)
+        edges, position = np.unique(ends.reshape(-1, 2), axis=0, return_inverse=True)
+        cells = np.hstack([cells, len(points) + position.reshape(len(cells), -1)])
+        sets = {
+            name: np.append(nodes, len(points) + np.flatnonzero(np.isin(edges, nodes).all(axis=1)))
+            for name, nodes in sets.items()
+        }
+        points = np.vstack([points, points[edges].mean(axis=1)])
+    block = CellBlock(kind, cells, np.repeat(mesh.body, len(local)))
+    return FiniteElementMesh(points, (block,), ("left", "right", "damper")[: mesh.body.max() + 1], sets, {}, {})
+
+
+def _tetrahedra() -> list[list[int]]:
+    """Corners of a brick that make its six tetrahedra."""
     corner = {
         0: (0, 0, 0),
         1: (1, 0, 0),
@@ -82,19 +103,7 @@ def cut_bricks(mesh: Mesh, quadratic: bool) -> FiniteElementMesh:
         if np.linalg.det(np.eye(3)[list(order)]) < 0:
             nodes[1], nodes[2] = nodes[2], nodes[1]
         local.append(nodes)
-    cells = mesh.cells[:, np.array(local)].reshape(-1, 4)
-    points, sets = mesh.points, dict(mesh.node_sets)
-    if quadratic:
-        ends = np.sort(cells[:, CELL_KINDS["tetra10"].edges], axis=2)
-        edges, position = np.unique(ends.reshape(-1, 2), axis=0, return_inverse=True)
-        cells = np.hstack([cells, len(points) + position.reshape(len(cells), 6)])
-        sets = {
-            name: np.append(nodes, len(points) + np.flatnonzero(np.isin(edges, nodes).all(axis=1)))
-            for name, nodes in sets.items()
-        }
-        points = np.vstack([points, points[edges].mean(axis=1)])
-    block = CellBlock("tetra10" if quadratic else "tetra", cells, np.repeat(mesh.body, 6))
-    return FiniteElementMesh(points, (block,), ("left", "right", "damper"), sets, {}, {})
+    return local
 
 
 def our_structure(mesh: Mesh | FiniteElementMesh, element: str) -> Structure:

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
+from unittest.mock import patch
 
 import meshio
 import numpy as np
+from meshio._mesh import topological_dimension
 
+from stickslip.structure.cell_kinds import CELL_KINDS, CORNERS_OF_SIDE
+from stickslip.structure.finite_element_mesh import FiniteElementMesh
 from stickslip.structure.mesh import Mesh
 
 STEEL_MM = (210_000.0, 0.3, 7.85e-9)  # MPa, -, t/mm3
@@ -14,6 +19,27 @@ ABAQUS_TYPES = {"hexahedron": "C3D8I", "hexahedron20": "C3D20", "tetra": "C3D4",
 ABAQUS_TYPES |= {"wedge": "C3D6", "wedge15": "C3D15"}
 SURFACES = {3: "triangle", 6: "triangle6", 4: "quad", 8: "quad8"}
 VTK_TO_NASTRAN = {"hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]}
+VTK_TO_NASTRAN |= {"wedge15": [*range(9), 12, 13, 14, 9, 10, 11]}
+NASTRAN_TYPES = {"hexahedron": "CHEXA", "tetra": "CTETRA", "wedge": "CPENTA"}
+
+
+@dataclass(frozen=True)
+class OneKind:
+    """A mesh of cells of one kind as the writers want it; each named face has sides of one kind."""
+
+    mesh: FiniteElementMesh
+
+    def __post_init__(self) -> None:
+        (block,) = self.mesh.blocks
+        object.__setattr__(self, "kind", CELL_KINDS[block.kind])
+        object.__setattr__(self, "cells", block.cells)
+        for name in ("points", "n_nodes", "body", "node_sets"):
+            object.__setattr__(self, name, getattr(self.mesh, name))
+
+    def sides_within(self, name: str) -> np.ndarray:
+        """Sides of a face."""
+        (sides,) = self.mesh.sides(name)
+        return sides
 
 
 def rows(numbers: list[object], width: int = 8) -> str:
@@ -22,7 +48,7 @@ def rows(numbers: list[object], width: int = 8) -> str:
     return ",\n".join(", ".join(map(str, part)) for part in parts)
 
 
-def write_inp(path: Path, mesh: Mesh, body_names: list[str], faces: list[str], fixed: str) -> None:
+def write_inp(path: Path, mesh: Mesh | OneKind, body_names: list[str], faces: list[str], fixed: str) -> None:
     """A deck in mm, t, s with one element set, section and material a body, surfaces and a clamped node set."""
     young, poisson, density = STEEL_MM
     text = ["*HEADING", "written by a test", "*NODE, NSET=everything"]
@@ -42,7 +68,7 @@ def write_inp(path: Path, mesh: Mesh, body_names: list[str], faces: list[str], f
     path.write_text("\n".join(text) + "\n", encoding="utf-8")
 
 
-def sides_of(mesh: Mesh, name: str) -> list[tuple[int, int]]:
+def sides_of(mesh: Mesh | OneKind, name: str) -> list[tuple[int, int]]:
     """(cell, position of the side) of a face given by its node set."""
     wanted = {tuple(sorted(side)) for side in mesh.sides_within(name).tolist()}
     return [
@@ -53,7 +79,9 @@ def sides_of(mesh: Mesh, name: str) -> list[tuple[int, int]]:
     ]
 
 
-def write_bdf(path: Path, mesh: Mesh, body_names: list[str], faces: list[str], fixed: str, large: bool) -> None:
+def write_bdf(
+    path: Path, mesh: Mesh | OneKind, body_names: list[str], faces: list[str], fixed: str, large: bool
+) -> None:
     """Bulk data in mm, t, s: PSOLID a body, shells on the faces, SPC1 on the fixed nodes."""
     young, poisson, density = STEEL_MM
     text = ["SOL 103", "CEND", "SPC = 1", "BEGIN BULK"]
@@ -63,7 +91,7 @@ def write_bdf(path: Path, mesh: Mesh, body_names: list[str], faces: list[str], f
             text += [f"GRID*   {n + 1:16d}{'':16s}{x}{y}", f"*       {z}"]
         else:
             text.append(f"GRID,{n + 1},,{point[0]:.12g},{point[1]:.12g},{point[2]:.12g}")
-    name = {"hexahedron": "CHEXA", "hexahedron20": "CHEXA", "tetra": "CTETRA", "tetra10": "CTETRA"}[mesh.kind.name]
+    name = next(card for kind, card in NASTRAN_TYPES.items() if mesh.kind.name.startswith(kind))
     order = VTK_TO_NASTRAN.get(mesh.kind.name, list(range(mesh.kind.n_nodes)))
     for number, cell in enumerate(mesh.cells):
         fields = [number + 1, mesh.body[number] + 1, *(cell[order] + 1)]
@@ -73,8 +101,10 @@ def write_bdf(path: Path, mesh: Mesh, body_names: list[str], faces: list[str], f
     for position, face in enumerate(faces):
         text.append(f'$HMNAME PROP {100 + position}"{face}" 5')
         for side in mesh.sides_within(face):
-            corners = side[:4] + 1
-            text.append(f"CQUAD4,{label},{100 + position}," + ",".join(map(str, corners)))
+            corners = side[: CORNERS_OF_SIDE[len(side)]] + 1
+            text.append(
+                f"{'CTRIA3' if len(corners) == 3 else 'CQUAD4'},{label},{100 + position}," + ",".join(map(str, corners))
+            )
             label += 1
     for number, body in enumerate(body_names):
         text += [f'$HMNAME PROP {number + 1}"{body}" 5', f"PSOLID,{number + 1},7"]
@@ -87,7 +117,8 @@ def write_bdf(path: Path, mesh: Mesh, body_names: list[str], faces: list[str], f
     path.write_text("\n".join([*text, "ENDDATA", ""]), encoding="utf-8")
 
 
-def write_meshio(path: Path, mesh: Mesh, body_names: list[str], faces: list[str], form: str) -> None:
+@patch.dict(topological_dimension, {"wedge15": 3})  # which meshio forgets
+def write_meshio(path: Path, mesh: Mesh | OneKind, body_names: list[str], faces: list[str], form: str) -> None:
     """A file in mm with the bodies and faces as groups, of .msh (form gmsh22, gmsh), .vtu (vtu) or .med (med)."""
     cells: list[tuple[str, np.ndarray]] = []
     tags: list[np.ndarray] = []

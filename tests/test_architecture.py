@@ -44,6 +44,7 @@ LAYER_OF = {
     "joint": "study",
     "two_blade": "study",
     "own_structure": "study",
+    "joint_overlap": "study",
     "mesh_study": "study",
     "matrix_study": "study",
     "cli_errors": "cli",

@@ -19,6 +19,9 @@ def test_what_is_in_a_model():
     assert result.exit_code == 0, result.output
     for words in ("Abaqus/CalculiX", "lower", "0.00785", "contact", "base", "mm-t-s", "has 6 rigid-body motions"):
         assert words in result.output
+    assert "free faces" in result.output
+    (contact,) = [line for line in result.output.splitlines() if line.startswith("│ contact")]
+    assert [word.strip() for word in contact.split("│")[1:-1]] == ["contact", "1", "4", "100", "lower"]
     assert "(lower) has" not in result.output, "the clamped body has no rigid-body motions"
     assert "Warning" not in result.output
 
@@ -54,3 +57,27 @@ def test_a_bad_file_ends_with_2(tmp_path):
     result = run(tmp_path / "bad.inp", "--length-unit", "mm")
     assert result.exit_code == 2
     assert 'bad.inp, line 2: *NODE: "nothing" is no number' in result.output
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("part.stl", "mesh it first"),
+        ("job.odb", "Export the model as .inp, .bdf or .vtu"),
+        ("k.mtx", 'structure.kind = "matrices"'),
+        ("study.toml", "It is a study file"),
+        ("notes.txt", "'.txt' is no model format that can be read; there are: .inp, .bdf"),
+        ("folder.inp", "this is a folder"),
+        ("binary.inp", "this is a binary file"),
+        ("text.msh", "are not those of a Gmsh file of version 2.2, 4.0 or 4.1"),
+    ],
+)
+def test_files_of_another_kind_end_with_2_and_advice(tmp_path, name, words):
+    path = tmp_path / name
+    if name.startswith("folder"):
+        path.mkdir()
+    else:
+        path.write_bytes(b"\0\1\2" if name.startswith("binary") else b"hello\n")
+    result = run(path, "--length-unit", "mm")
+    assert result.exit_code == 2
+    assert words in result.output

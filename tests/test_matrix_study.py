@@ -18,6 +18,7 @@ from stickslip.cli import app
 from stickslip.errors import InputError
 from stickslip.model import build_model, load_joint, set_up
 from stickslip.results.storage import load_results
+from stickslip.structure.floating_parts import parts_of
 from stickslip.structure.joined import joined_modes
 from stickslip.structure.matrix_files.exchange import read_superelement, write_superelement
 
@@ -168,3 +169,62 @@ def test_damping_of_the_files_is_taken_and_never_doubled(folder: Path, tmp_path:
     setup = set_up(both)
     model = build_model(both, setup.assemble(), load_joint(both, setup.layout))
     assert model.superelement.damping == pytest.approx(2e-7 * found.stiffness + 3.0 * found.mass, rel=1e-12, abs=1e-9)
+
+
+def test_a_body_without_contact_that_nothing_holds_is_refused(folder: Path, tmp_path: Path) -> None:
+    """The lid's name given to nodes of the clamped beam: contact then leaves the block alone."""
+    found = read_superelement(folder)
+    part = parts_of(found.stiffness)[: 3 * found.boundary_nodes.size : 3]
+    block = part[np.isin(found.boundary_nodes, found.node_sets["lid"])]
+    beam = found.boundary_nodes[part != block[0]]
+    write_superelement(tmp_path, replace(found, node_sets={"lid": beam[:4]}, recovery=None))
+    text = STUDY.replace('"superelement.npz"', f'"{tmp_path / "superelement.npz"}"')
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+    result = CliRunner().invoke(app, ["check", str(tmp_path / "study.toml")])
+    assert result.exit_code == 2
+    words = " ".join(result.output.split())
+    assert "stiffness is singular: the connected part with" in words
+    assert "can move in 6 ways without strain, and it has no contact that could hold it" in words
+
+
+def test_wrong_units_are_a_warning(folder: Path, tmp_path: Path) -> None:
+    found = read_superelement(folder)
+    write_superelement(tmp_path, replace(found, positions=1e6 * found.positions, mass=1e-9 * found.mass, recovery=None))
+    far = {"responses__block__point": ["48 km", "3.67 km", "14 km"]}
+    layout = set_up(changed(folder, structure__file=str(tmp_path / "superelement.npz"), **far)).layout
+    assert any("nodes of the matrices span" in words and "length_unit" in words for words in layout.messages)
+    assert any("the matrices hold the mass" in words for words in layout.messages)
+    assert set_up(changed(folder)).layout.messages == ()
+
+
+def test_a_pair_that_stands_twice_in_a_list_is_refused(folder: Path, tmp_path: Path) -> None:
+    nodes = read_superelement(folder).node_sets["lid"]
+    (tmp_path / "pairs.csv").write_text(f"{nodes[0]}\n{nodes[1]}\n{nodes[0]}", encoding="utf-8")
+    data = changed(folder).to_dict()
+    lid = data["interfaces"]["lid"]
+    data["interfaces"]["lid"] = {key: lid[key] for key in lid if key not in ("first", "second")}
+    data["interfaces"]["lid"]["pairs"] = str(tmp_path / "pairs.csv")
+    with pytest.raises(InputError, match=rf"has the pair {nodes[0]} in 2 lines"):
+        set_up(Case.from_mapping(data))
+    (tmp_path / "pairs.csv").write_text(f"{nodes[0]}\n{nodes[1]}", encoding="utf-8")
+    assert set_up(Case.from_mapping(data)).layout.face_pairs.n_pairs == 2
+
+
+def test_a_joint_that_stands_twice_is_refused(folder: Path) -> None:
+    data = changed(folder).to_dict()
+    data["interfaces"]["again"] = {**data["interfaces"]["lid"], "normal": [0, 0, -1]}
+    with pytest.raises(InputError, match=r"interfaces\.lid and interfaces\.again join the same \d+ node pairs"):
+        set_up(Case.from_mapping(data))
+
+
+def test_a_file_of_another_kind_and_a_missing_map_are_told(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "model.inp").write_text("*NODE\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r'model\.inp" is no superelement.*structure\.kind = "mesh"'):
+        set_up(changed(folder, structure__file=str(tmp_path / "model.inp")))
+    found = read_superelement(folder)
+    for name in ("stiffness", "mass"):
+        scipy.io.mmwrite(tmp_path / f"{name}.mtx", scipy.sparse.coo_matrix(getattr(found, name)), precision=17)
+    files = 'stiffness = "stiffness.mtx"\nmass = "mass.mtx"\nlength_unit = "m"'
+    (tmp_path / "study.toml").write_text(STUDY.replace('file = "superelement.npz"', files), encoding="utf-8")
+    with pytest.raises(InputError, match=r"structure\.unknown_map: no node of the matrices has unknowns along"):
+        set_up(load_case(tmp_path / "study.toml"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from pathlib import Path
 
 import numpy as np
@@ -17,13 +18,18 @@ from stickslip.model import build_model, load_joint, set_up
 from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
 
+DENSITY = "8200 kg/m^3"
+HEAVY = "body 'damper' has the density 3.1e+04 kg/m3, outside 100 to 30000 kg/m3"
+
 
 @pytest.fixture(scope="module")
 def solved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
-    """The example as ``stickslip run`` solves it, from files in another folder."""
+    """The example as ``stickslip run`` solves it, from files in another folder, with a damper too heavy to be true."""
     folder = tmp_path_factory.mktemp("mesh")
     (folder / "beam_and_block.inp").write_text((EXAMPLE / "beam_and_block.inp").read_text("utf-8"), "utf-8")
     text = (EXAMPLE / "study.toml").read_text(encoding="utf-8").replace("harmonics = 3", "harmonics = 1")
+    assert DENSITY in text
+    text = text.replace(DENSITY, "31000 kg/m^3").replace('"1600 Hz"', '"1000 Hz"')
     (folder / "study.toml").write_text(text.replace("samples = 128", "samples = 64"), encoding="utf-8")
     result = CliRunner().invoke(app, ["run", str(folder / "study.toml"), "--out", str(folder / "out")])
     assert result.exit_code == 0, result.output
@@ -45,6 +51,15 @@ def test_run_writes_report_results_and_shapes(solved: tuple[Path, str]) -> None:
     for words in ("Contact states, lid", "contact stuck", "Area without a partner, sole", "Beam with a friction block"):
         assert words in page
     assert "paper" not in saved.study.description
+
+
+def test_wrong_units_are_warned_of_wherever_one_looks(solved: tuple[Path, str]) -> None:
+    folder, output = solved
+    assert HEAVY in " ".join(output.split())
+    assert HEAVY in html.unescape((folder / "report.html").read_text(encoding="utf-8"))
+    result = CliRunner().invoke(app, ["check", str(folder.parent / "study.toml")])
+    assert result.exit_code == 0, result.output
+    assert HEAVY in " ".join(result.output.split())
 
 
 def test_mode_table_compares_full_and_reduced(solved: tuple[Path, str]) -> None:
@@ -124,6 +139,10 @@ WRONG = {
     "point far away": ({"responses.block.point": [50, 5, 14]}, r"responses\.block: the nearest node .* mm away"),
     "unit of length": ({"structure.length_unit": "furlong"}, "length_unit is 'furlong'"),
     "ground with search": ({"interfaces.lid.search_distance": "1 mm"}, r"interfaces\.lid: search_distance"),
+    "units that explain it": (
+        {"structure.length_unit": "m"},
+        r"responses\.block: .* Besides, body 'beam' has the density .* Check the unit",
+    ),
     "file that is not there": ({"structure.file": "nowhere.inp"}, r"nowhere\.inp: there is no such file"),
 }
 
@@ -138,8 +157,17 @@ def test_missing_material_is_named(tmp_path: Path) -> None:
     deck = (EXAMPLE / "beam_and_block.inp").read_text(encoding="utf-8")
     (tmp_path / "bare.inp").write_text(deck.replace("*DENSITY\n7.85e-09\n", ""), encoding="utf-8")
     case = mesh_case().replace({"structure.file": str(tmp_path / "bare.inp")})
-    with pytest.raises(InputError, match=r"body 'beam' has no \w+: .*\[bodies\.beam\].*\[material\]"):
+    words = r"body 'beam' has no young_modulus, no .* In the file, material 'STEEL' has no density.*\[bodies\.beam\]"
+    with pytest.raises(InputError, match=words):
         set_up(case)
+
+
+@pytest.mark.parametrize("sides", [("damper_bottom", "beam_top"), ("beam_top", "damper_bottom")])
+def test_a_joint_that_stands_twice_is_refused(sides: tuple[str, str]) -> None:
+    data = mesh_case().to_dict()
+    data["interfaces"]["again"] = {**data["interfaces"]["sole"], "first": sides[0], "second": sides[1]}
+    with pytest.raises(InputError, match=r"interfaces\.sole and interfaces\.again join the same \d+ element sides"):
+        set_up(Case.from_mapping(data))
 
 
 def test_a_body_that_nothing_holds_is_refused() -> None:

@@ -87,7 +87,10 @@ def _matrix_errors(case: Case) -> Iterator[EntryError]:
         if getattr(given, key) is None:
             yield EntryError(("structure", key), "is missing: give file, or stiffness and mass.")
     if given.length_unit is None:
-        yield EntryError(("structure", "length_unit"), "is missing: matrix files do not say their unit of length.")
+        yield EntryError(
+            ("structure", "length_unit"),
+            'is missing: matrix files do not say their unit of length. Give "mm", "m" or another one.',
+        )
 
 
 def _mesh_errors(case: Case) -> Iterator[EntryError]:
@@ -138,9 +141,12 @@ def _joint_errors(case: Case) -> Iterator[EntryError]:
         if case.structure.kind == "matrices":
             if each.pairs is None:
                 yield from _missing_sides(name, each)
-            for key in ("normal", "area"):
+            for key, such in (
+                ("normal", "[0, 0, 1], out of the first side"),
+                ("area", '"180 mm^2", of the whole face'),
+            ):
                 if getattr(each, key) is None:
-                    yield EntryError((*where, key), "is missing: matrices do not say it.")
+                    yield EntryError((*where, key), f"is missing: matrices do not say it. Give it, such as {such}.")
             for key in INTERFACE_OF_MESH:
                 if getattr(each, key) is not None:
                     yield EntryError((*where, key), "belongs to faces of a mesh. Take it out.")

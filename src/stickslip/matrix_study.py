@@ -14,6 +14,7 @@ from stickslip.errors import ImportFileError, InputError
 from stickslip.interface.face_pairs import FacePairs
 from stickslip.interface.local_axes import local_tangents, map_position
 from stickslip.joint import case_material
+from stickslip.joint_overlap import require_single_pairs
 from stickslip.own_structure import (
     description,
     face_settings,
@@ -29,11 +30,13 @@ from stickslip.own_structure import (
 from stickslip.setup import Layout, Port
 from stickslip.structure.elasticity import Material
 from stickslip.structure.finite_element_mesh import AnyMesh
+from stickslip.structure.floating_parts import require_contact_bodies
 from stickslip.structure.matrix_files.exchange import boundary_unknowns, read_superelement
 from stickslip.structure.matrix_files.model import MatrixModel
 from stickslip.structure.matrix_files.read import read_matrices
 from stickslip.structure.matrix_files.reduce import reduce_matrices
 from stickslip.structure.mesh import IntArray
+from stickslip.structure.model_facts import matrix_warnings
 from stickslip.structure.superelement import Superelement
 from stickslip.validation import FloatArray
 
@@ -85,24 +88,27 @@ class MatrixSetup:
     n_modes: int
 
     def assemble(self) -> Superelement:
-        """A superelement as it is; sparse matrices reduced to the nodes of the layout and some modes."""
+        """A superelement as it is; sparse matrices reduced to the nodes of the layout and some modes.
+
+        Raises InputError where the stiffness is singular and rigid bodies with contact do not explain it.
+        """
+        contact = self.layout.face_pairs.nodes
         if isinstance(self.matrices, Superelement):
+            require_contact_bodies(self.matrices, contact)
             return self.matrices
         places = [port.nodes for port in self.layout.ports.values()]
-        nodes = np.unique(np.concatenate([self.layout.face_pairs.nodes, *places]))
-        return reduce_matrices(self.matrices, nodes, self.n_modes)
+        nodes = np.unique(np.concatenate([contact, *places]))
+        return reduce_matrices(self.matrices, nodes, self.n_modes, contact_nodes=contact)
 
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """Nodes with three displacements, other unknowns, mass, named sets."""
         found, book = self.matrices, _Book.of(self.matrices)
         nodes = book.labels.size
         sets = ", ".join(f"{name} ({members.size})" for name, members in book.node_sets.items())
-        along_x = np.zeros(found.size)
-        along_x[np.arange(0, 3 * nodes, 3) if isinstance(found, Superelement) else found.direction == 0] = 1.0
         return (
             ("nodes with x, y, z", f"{nodes}"),
             ("other unknowns", f"{found.size - 3 * nodes}"),
-            ("mass that moves along x with all nodes", f"{float(along_x @ (found.mass @ along_x)):.4g} kg"),
+            ("mass that moves along x with all nodes", f"{_mass_along_x(found):.4g} kg"),
             ("node sets", sets or "none"),
         )
 
@@ -123,18 +129,25 @@ def set_up(case: Case) -> MatrixSetup:
             "the matrix files. Set damping.rayleigh_alpha = 0 to take that of the files alone, or leave it out of them."
         )
     book, pairs, messages = _Book.of(matrices), [], []
+    if not book.labels.size:
+        raise InputError(
+            "structure.unknown_map: no node of the matrices has unknowns along x, y and z, so no place can be named. "
+            "Give a file with the node and direction of each row."
+        )
     for name, given in case.interfaces.items():
         found, words = _pairs(book, name, given)
         pairs.append(found)
         messages += words
     ports = {name: _port(book, name, given) for name, given in port_sections(case).items()}
     materials = _face_materials(case)
+    joined = FacePairs.concatenate(pairs)
+    require_single_pairs(tuple(case.interfaces), joined)
     layout = Layout(
-        FacePairs.concatenate(pairs),
+        joined,
         tuple(case.interfaces),
         materials,
         ports,
-        messages=(*getattr(matrices, "messages", ()), *messages),
+        messages=(*getattr(matrices, "messages", ()), *_unit_warnings(matrices, book), *messages),
     )
     return MatrixSetup(matrices, layout, case.reduction.modes)
 
@@ -161,6 +174,28 @@ def _read(case: Case) -> Superelement | MatrixModel:
         length_unit=given.length_unit,
         unit_system=given.unit_system,
     )
+
+
+def _displacements(matrices: Superelement | MatrixModel, axis: int | None = None) -> IntArray:
+    """Positions of the unknowns along an axis (0, 1, 2) at a node, or along any."""
+    if isinstance(matrices, Superelement):
+        rows = np.arange(3 * matrices.boundary_nodes.size)
+        return rows if axis is None else rows[axis::3]
+    return np.flatnonzero(matrices.direction < 3 if axis is None else matrices.direction == axis)
+
+
+def _mass_along_x(matrices: Superelement | MatrixModel) -> float:
+    """kg that move when all nodes move along x."""
+    along_x = np.zeros(matrices.size)
+    along_x[_displacements(matrices, 0)] = 1.0
+    return float(along_x @ (matrices.mass @ along_x))
+
+
+def _unit_warnings(matrices: Superelement | MatrixModel, book: _Book) -> tuple[str, ...]:
+    """Sentences on what only wrong units can explain."""
+    rows = _displacements(matrices)
+    stiffness, mass = (np.asarray(each.diagonal())[rows] for each in (matrices.stiffness, matrices.mass))
+    return tuple(matrix_warnings(stiffness, mass, _mass_along_x(matrices), book.positions))
 
 
 def _face_materials(case: Case) -> tuple[tuple[Material, Material], ...]:
@@ -245,6 +280,12 @@ def _listed_pairs(book: _Book, entry: str, path: Path) -> tuple[IntArray, IntArr
     if not rows:
         raise ImportFileError(f"{entry}.pairs: {path} holds no pair. Write two node numbers a line.")
     table = np.array(rows, dtype=np.int64)
+    different, count = np.unique(table, axis=0, return_counts=True)
+    if count.max() > 1:
+        twice = ", ".join(map(str, different[count.argmax()]))
+        raise ImportFileError(
+            f"{entry}.pairs: {path} has the pair {twice} in {count.max()} lines. Name each pair once."
+        )
     return table[:, 0], table[:, 1] if table.shape[1] == 2 else None
 
 

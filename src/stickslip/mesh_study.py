@@ -16,6 +16,7 @@ from stickslip.errors import InputError
 from stickslip.interface.face_pairs import FacePairs
 from stickslip.interface.pairing import pair_surfaces, pair_with_ground
 from stickslip.interface.pairing_result import Pairing, write_pairs
+from stickslip.joint_overlap import require_single_joints
 from stickslip.own_structure import (
     description,
     face_settings,
@@ -119,9 +120,12 @@ def set_up(case: Case) -> MeshSetup:
     """
     source = _source(case)
     mesh, materials = source.mesh, body_materials(case, source)
-    fixed = _fixed_unknowns(case, source)
-    pairings = tuple(_pairing(mesh, name, each) for name, each in case.interfaces.items())
-    layout = _layout(case, source, materials, pairings, fixed)
+    odd_units = tuple(plausibility_warnings(mesh, dict(zip(mesh.body_names, materials, strict=True))))
+    with _suspecting(odd_units):
+        fixed = _fixed_unknowns(case, source)
+        pairings = tuple(_pairing(mesh, name, each) for name, each in case.interfaces.items())
+        require_single_joints(mesh, case.interfaces)
+        layout = _layout(case, source, materials, pairings, fixed, odd_units)
     element = case.structure.element or "incompatible"
     return MeshSetup(mesh, materials, fixed, element, layout, pairings)
 
@@ -158,27 +162,44 @@ def _entry(name: str) -> Iterator[None]:
         raise type(error)(f"{name}: {error}") from error
 
 
+@contextmanager
+def _suspecting(odd_units: Sequence[str]) -> Iterator[None]:
+    """Add the first warning of units to an InputError: wrong units are what most likely caused it."""
+    try:
+        yield
+    except InputError as error:
+        if odd_units:
+            raise type(error)(f"{error} Besides, {odd_units[0]}") from error
+        raise
+
+
 def body_materials(case: Case, source: ImportedModel) -> tuple[Material, ...]:
     """Material of each body: of [bodies.NAME], else of the file, else of [material]. Raises InputError."""
     names = source.mesh.body_names
     unknown = [name for name in case.bodies if name not in names]
     if unknown:
         raise InputError(f"[bodies.{unknown[0]}] names no body of {source.source}; its bodies are: {', '.join(names)}.")
-    return tuple(_material(case, name, source.materials.get(name)) for name in names)
+    return tuple(_material(case, name, source) for name in names)
 
 
-def _material(case: Case, name: str, of_file: Material | None) -> Material:
-    own = case.bodies.get(name)
-    values = {}
-    for key in ("young_modulus", "poisson_ratio", "density"):
-        found = [getattr(each, key) for each in (own, of_file, case.material) if each is not None]
-        value = next((each for each in found if each is not None), None)
-        if value is None:
-            raise InputError(
-                f"body '{name}' has no {key}: neither [bodies.{name}], nor the mesh file, nor [material] gives it. "
-                f"Give a section [bodies.{name}] for this body, or [material] for all bodies without one."
-            )
-        values[key] = value
+def _material(case: Case, name: str, source: ImportedModel) -> Material:
+    sections = (case.bodies.get(name), source.materials.get(name), case.material)
+    keys = ("young_modulus", "poisson_ratio", "density")
+    values: dict[str, float] = {}
+    for key in keys:
+        found = [getattr(each, key) for each in sections if each is not None]
+        given = [value for value in found if value is not None]
+        if given:
+            values[key] = given[0]
+    missing = [key for key in keys if key not in values]
+    if missing:
+        # an incomplete material of the file is not taken in part
+        said = [words for words in source.messages if words.startswith("material ") and f"body '{name}'" in words]
+        raise InputError(
+            f"body '{name}' has no {', no '.join(missing)}: neither [bodies.{name}], nor the mesh file, nor [material] "
+            f"gives it.{' In the file, ' + said[0] if said else ''} Give a section [bodies.{name}] for this body, or "
+            "[material] for all bodies without one."
+        )
     return Material(**values)
 
 
@@ -222,6 +243,7 @@ def _layout(
     materials: Sequence[Material],
     pairings: Sequence[Pairing],
     fixed: IntArray,
+    odd_units: tuple[str, ...],
 ) -> Layout:
     mesh, names = source.mesh, tuple(case.interfaces)
     ports = {name: _port(source, name, given) for name, given in port_sections(case).items()}
@@ -234,7 +256,7 @@ def _layout(
     _require_free(dict(zip(names, pairings, strict=True)), ports, fixed, source)
     messages = (
         *source.messages,
-        *plausibility_warnings(mesh, dict(zip(mesh.body_names, materials, strict=True))),
+        *odd_units,
         *_unused_forces(source),
         *(f"interfaces.{name}: {words}" for name, each in zip(names, pairings, strict=True) for words in each.warnings),
     )

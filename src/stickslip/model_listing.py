@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from stickslip.errors import InputError
+from stickslip.structure.faces import face_geometry
+from stickslip.structure.finite_element_mesh import FiniteElementMesh
 from stickslip.structure.importers.build import build_model
 from stickslip.structure.importers.imported_model import ImportedModel
 from stickslip.structure.importers.raw_model import RawModel
@@ -65,11 +67,8 @@ def _tables(model: ImportedModel, known: bool) -> Iterator[tuple[str, tuple[str,
         yield "Masses", ("name", "volume, mm3", "mass, kg", "E, GPa", "density, kg/m3"), _masses(model)
     yield (
         "Face sets",
-        ("name", "sides", "nodes"),
-        [
-            (name, f"{sum(len(side) for side in sides)}", f"{mesh.node_sets[name].size}")
-            for name, sides in mesh.face_sets.items()
-        ],
+        ("name", "sides", "nodes", *(("area, mm2",) if known else ()), "body"),
+        [_face(mesh, name, known) for name in mesh.face_sets],
     )
     others = [name for name in mesh.node_sets if name not in mesh.face_sets and name not in mesh.element_sets]
     yield "Node sets", ("name", "nodes"), [(name, f"{mesh.node_sets[name].size}") for name in others]
@@ -85,6 +84,15 @@ def _bodies(model: ImportedModel) -> Rows:
         nodes = mesh.nodes_of_body(number).size
         rows.append((name, f"{(mesh.body == number).sum()}", f"{nodes}", f"{free}", ", ".join(kinds)))
     return rows
+
+
+def _face(mesh: FiniteElementMesh, name: str, known: bool) -> tuple[str, ...]:
+    """Row of a face set: sides, nodes, area and the bodies that its nodes belong to."""
+    nodes, area, _ = face_geometry(mesh, name)
+    sides = sum(len(side) for side in mesh.sides(name))
+    bodies = [each for number, each in enumerate(mesh.body_names) if np.isin(nodes, mesh.nodes_of_body(number)).any()]
+    size = (f"{1e6 * area.sum():.6g}",) if known else ()
+    return name, f"{sides}", f"{nodes.size}", *size, ", ".join(bodies)
 
 
 def _masses(model: ImportedModel) -> Rows:

@@ -109,13 +109,16 @@ class Quantity:
             raise InputError(f"does not start with a number. {self._example()}")
         unit = match[2]
         if not unit and self.si_unit:
-            raise InputError(f"has no unit, but a {self.kind} in quotes needs one. {self._example()}")
+            raise InputError(f"has no unit, but {self._kind_with_article()} in quotes needs one. {self._example()}")
         return float(match[1]), unit
+
+    def _kind_with_article(self) -> str:
+        return f"{'an' if self.kind[0] in 'aeiou' else 'a'} {self.kind}"
 
     def _in_si(self, number: float, unit: str) -> float:
         """``number unit`` in the SI unit. Raises InputError for an unknown unit or one of another kind."""
         example = self.example or KINDS[self.kind][1]
-        needed = f"a {self.kind} is needed, such as {example}."
+        needed = f"{self._kind_with_article()} is needed, such as {example}."
         found = _root_unit(unit)
         if found is None:
             raise InputError(

@@ -13,13 +13,14 @@ from stickslip.structure.calculix_deck import write_calculix_deck
 from stickslip.structure.cell_kinds import CELL_KINDS
 from stickslip.structure.elasticity import Material
 from stickslip.structure.matrix_files.read import read_matrices
-from stickslip.structure.shapes import jacobians, shape_functions
+from stickslip.structure.shapes import jacobians, shape_functions, stiffness_rule, strain_matrix
 
 # Largest relative difference of ten frequencies on the coarse blades, printed by CalculiX with seven digits. C3D8I is
-# another formulation; CalculiX integrates the mass of C3D4 and C3D10 with fewer points, see the last test.
-FREQUENCY = {"C3D8I": 2e-2, "C3D8": 1e-6, "C3D20": 1e-6, "C3D10": 1e-4, "C3D4": 3e-2}
-STIFFNESS = {"C3D8I": 0.15, "C3D8": 1e-12, "C3D20": 1e-12, "C3D10": 1e-12, "C3D4": 1e-12}
-MASS = {"C3D8I": 1e-12, "C3D8": 1e-12, "C3D20": 1e-12, "C3D10": 0.4, "C3D4": 0.4}
+# another formulation; CalculiX integrates the mass of tetrahedra and wedges, and the stiffness of C3D6, with fewer
+# points: see the test on their quadrature.
+FREQUENCY = {"C3D8I": 2e-2, "C3D8": 1e-6, "C3D20": 1e-6, "C3D10": 1e-4, "C3D4": 3e-2, "C3D15": 2e-4, "C3D6": 0.1}
+STIFFNESS = {"C3D8I": 0.15, "C3D8": 1e-12, "C3D20": 1e-12, "C3D10": 1e-12, "C3D4": 1e-12, "C3D15": 1e-12, "C3D6": 0.3}
+MASS = {"C3D8I": 1e-12, "C3D8": 1e-12, "C3D20": 1e-12, "C3D10": 0.4, "C3D4": 0.4, "C3D15": 0.4, "C3D6": 0.4}
 
 
 @pytest.fixture(scope="module", params=ELEMENTS)
@@ -66,28 +67,61 @@ def test_stored_matrices_entry_by_entry(compared):
         assert abs(own - found).max() <= limit * abs(own).max()
 
 
-def test_the_mass_of_tetrahedra_differs_by_the_points_of_its_quadrature(compared):
-    rules = {"C3D4": (np.full((1, 3), 0.25), np.array([1 / 6])), "C3D10": four_points()}
+def test_tetrahedra_and_wedges_differ_by_the_points_of_their_quadrature(compared):
+    rules = {
+        "C3D4": (np.full((1, 3), 0.25), np.array([1 / 6])),
+        "C3D10": four_points(),
+        "C3D15": stiffness_rule(15),
+        "C3D6": two_points(),
+    }
     if compared.element not in rules:
-        pytest.skip("the mass of this element is the same entry by entry")
+        pytest.skip("stiffness and mass of this element are the same entry by entry")
     points, weights = rules[compared.element]
     cells = compared.mesh.cell_arrays()[0][1]
     values, gradients = shape_functions(cells.shape[1], points)
     local = np.zeros((len(cells), cells.shape[1], cells.shape[1]))
+    stiff = np.zeros((len(cells), 3 * cells.shape[1], 3 * cells.shape[1]))
     for value, gradient, weight in zip(values, gradients, weights, strict=True):
-        _, determinant = jacobians(compared.mesh.points[cells], gradient)
+        jacobian, determinant = jacobians(compared.mesh.points[cells], gradient)
         local += (Material().density * weight * determinant)[:, None, None] * np.outer(value, value)
-    n = compared.mesh.n_nodes
-    rows, columns = np.repeat(cells, cells.shape[1], axis=1).ravel(), np.tile(cells, (1, cells.shape[1])).ravel()
-    nodal = scipy.sparse.csr_matrix((local.ravel(), (rows, columns)), shape=(n, n))
+        strain = strain_matrix(gradient @ np.linalg.inv(jacobian).swapaxes(1, 2))
+        stiff += (weight * determinant)[:, None, None] * (strain.transpose(0, 2, 1) @ elastic_matrix() @ strain)
     structure = our_structure(compared.mesh, "")
     free = structure.free_unknowns
+    nodal = scattered(cells, local, compared.mesh.n_nodes)
     whole = scipy.sparse.kron(nodal, scipy.sparse.identity(3), format="csr")[free][:, free]
-    structure = SimpleNamespace(full_size=3 * n, free_unknowns=free, stiffness=structure.stiffness, mass=whole)
+    unknowns = (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), -1)
+    own = scattered(unknowns, stiff, 3 * compared.mesh.n_nodes)[free][:, free]
+    if compared.element != "C3D6":
+        assert abs(own - structure.stiffness).max() <= 1e-12 * abs(own).max()
+    structure = SimpleNamespace(full_size=3 * compared.mesh.n_nodes, free_unknowns=free, stiffness=own, mass=whole)
     stiffness, mass, _ = tied(structure, compared.pairs)
     order = np.argsort(3 * (compared.model.node - 1) + compared.model.direction)
+    assert abs(stiffness - compared.model.stiffness[order][:, order]).max() <= 1e-12 * abs(stiffness).max()
     assert abs(mass - compared.model.mass[order][:, order]).max() <= 1e-12 * abs(mass).max()
     np.testing.assert_allclose(frequencies(stiffness, mass, 10), compared.printed, rtol=1e-6)
+
+
+def scattered(members, local, size):
+    """Sum of the matrices of cells at their members."""
+    width = members.shape[1]
+    rows, columns = np.repeat(members, width, axis=1).ravel(), np.tile(members, (1, width)).ravel()
+    return scipy.sparse.csr_matrix((local.ravel(), (rows, columns)), shape=(size, size))
+
+
+def elastic_matrix():
+    """Stress from the strains xx, yy, zz and the three shear angles."""
+    material = Material()
+    shear = material.young_modulus / (2.0 * (1.0 + material.poisson_ratio))
+    first = 2.0 * shear * material.poisson_ratio / (1.0 - 2.0 * material.poisson_ratio)
+    return np.diag([2.0 * shear] * 3 + [shear] * 3) + first * np.outer([1, 1, 1, 0, 0, 0], [1, 1, 1, 0, 0, 0])
+
+
+def two_points():
+    """The rule of a 6-node wedge with the centre of the triangle alone, two along its axis."""
+    points, weights = stiffness_rule(6)
+    along = np.unique(points[:, 2].round(12))
+    return np.column_stack([np.full((2, 2), 1 / 3), along]), np.full(2, weights.sum() / 2)
 
 
 def four_points():

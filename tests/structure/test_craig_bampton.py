@@ -1,9 +1,13 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from calculix import cut_bricks
 from stickslip.errors import InputError
+from stickslip.structure import cache
 from stickslip.structure.craig_bampton import craig_bampton, paper_table, reduction_table
-from stickslip.structure.elasticity import natural_frequencies
+from stickslip.structure.elasticity import Material, assemble_bodies, natural_frequencies
 from stickslip.structure.superelement import Superelement
 
 
@@ -96,3 +100,29 @@ def test_a_boundary_that_leaves_the_damper_free_is_refused(blade_mesh, blade_str
 def test_table_needs_a_recovery(blade_mesh, blade_structure, pairs_of):
     with pytest.raises(InputError, match="recovery"):
         reduction_table(blade_structure, Superelement(np.eye(3), np.eye(3)), pairs_of(blade_mesh))
+
+
+@pytest.mark.parametrize("kind", ["tetra10", "wedge15"])
+def test_tetrahedra_and_wedges_are_reduced_and_kept(make_block, kind, tmp_path, monkeypatch):
+    """A mesh of any cells: a reduction with all modes has the frequencies of the whole, from the folder too."""
+    monkeypatch.setenv(cache.VARIABLE, str(tmp_path))
+    mesh = cut_bricks(make_block((3, 1, 1), (3.0, 1.0, 1.0)), kind)
+    ends = [np.flatnonzero(mesh.points[:, 0] == place) for place in (0.0, 3.0)]
+    structure = assemble_bodies(mesh, [Material()], fixed_nodes=ends[0])
+    whole_hz, _ = natural_frequencies(structure.stiffness, structure.mass, 4)
+    found = craig_bampton(structure, ends[1], 30)
+    reduced_hz, shapes = natural_frequencies(found.stiffness, found.mass, 4)
+    np.testing.assert_allclose(reduced_hz, whole_hz, rtol=1e-3)
+    assert (found.recovery @ shapes).shape == (3 * mesh.n_nodes, 4)
+    calls = []
+
+    def reduce():
+        calls.append(1)
+        return craig_bampton(structure, ends[1], 30)
+
+    kept = [cache.cached_superelement(structure, ends[1], 30, reduce) for _ in range(2)]
+    assert len(calls) == 1
+    np.testing.assert_array_equal(kept[0].stiffness, kept[1].stiffness)
+    moved = assemble_bodies(replace(mesh, points=1.01 * mesh.points), [Material()], fixed_nodes=ends[0])
+    cache.cached_superelement(moved, ends[1], 30, reduce)
+    assert len(calls) == 2, "another mesh is reduced anew"

@@ -1,9 +1,12 @@
 import xml.etree.ElementTree as ElementTree
+from unittest.mock import patch
 
 import meshio
 import numpy as np
 import pytest
+from meshio._mesh import topological_dimension
 
+from calculix import cut_bricks
 from stickslip.errors import InputError
 from stickslip.structure import export
 from stickslip.structure.export import write_deflected_period, write_mode_shapes
@@ -91,3 +94,16 @@ def test_what_cannot_be_written_gets_a_sentence(tmp_path, block, modes):
     with pytest.raises(InputError, match="n_frames is 2"):
         write_deflected_period(tmp_path / "peak.pvd", block, np.hstack([modes, modes[:, :1]]), 2)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("kind", ["tetra10", "wedge", "wedge15"])
+def test_mode_shapes_of_tetrahedra_and_wedges_read_back(tmp_path, block, kind):
+    mesh = cut_bricks(block, kind)
+    modes = np.random.default_rng(0).standard_normal((3 * mesh.n_nodes, 1))
+    with patch.dict(topological_dimension):
+        topological_dimension.pop("wedge15", None)  # as meshio has it in a new process
+        found = meshio.read(write_mode_shapes(tmp_path / "modes.vtu", mesh, modes, [507.0]))
+    assert found.cells[0].type == kind
+    np.testing.assert_array_equal(found.cells[0].data, mesh.blocks[0].cells)
+    shape = found.point_data["mode 01, 507.0 Hz"]
+    np.testing.assert_allclose(shape / shape[0, 0], modes[:, 0].reshape(-1, 3) / modes[0, 0])

@@ -48,3 +48,29 @@ def test_motions_are_the_zero_eigenvalues_of_the_stiffness(shifts, parts, region
 def test_a_clamped_part_has_no_motion():
     (part,) = part_motions(cubes((0, 0, 0), (1, 0, 0)), np.arange(12))
     assert (part.rigid, part.strainless, part.is_hinged) == (0, 0, False)
+
+
+def slab_with_tetrahedra(columns):
+    """A slab of bricks, each with a tetrahedron on three of its upper nodes: each of these is a region of its own."""
+    bricks = cubes(*((i, j, 0) for i in range(columns) for j in range(columns)))
+    cells = bricks.blocks[0].cells
+    apex = len(bricks.points) + np.arange(len(cells))
+    tops = bricks.points[cells[:, 4:]].mean(axis=1) + np.array([0.0, 0.0, 1.0])
+    tetra = np.column_stack([cells[:, 4:7], apex])
+    numbers = [np.zeros(len(cells), dtype=int)] * 2
+    return FiniteElementMesh(
+        np.vstack([bricks.points, tops]),
+        (CellBlock("hexahedron", cells, numbers[0]), CellBlock("tetra", tetra, numbers[1])),
+    )
+
+
+def test_many_regions_are_no_hinges_by_themselves():
+    (part,) = part_motions(slab_with_tetrahedra(15), NOTHING)
+    assert (part.n_regions, part.rigid, part.strainless, part.is_hinged) == (226, 6, 6, False)
+
+
+def test_many_hinges_are_found():
+    chain = cubes(*((i, i, 0) for i in range(250)))
+    (part,) = part_motions(chain, NOTHING)
+    assert (part.n_regions, part.rigid, part.strainless) == (250, 6, 6 + 249)
+    assert part.is_hinged

@@ -14,6 +14,7 @@ import numpy as np
 from stickslip.errors import InputError
 from stickslip.fourier import synthesis_matrix
 from stickslip.structure.finite_element_mesh import AnyMesh
+from stickslip.structure.meshio_cells import complete_meshio
 from stickslip.validation import FloatArray, finite_array
 
 
@@ -153,8 +154,7 @@ def _work_folder(target: Path) -> Iterator[Path]:
 
 
 def _write_vtu(path: Path, mesh: AnyMesh, fields: dict[str, FloatArray]) -> None:
-    import meshio
-
+    meshio = complete_meshio()
     blocks = mesh.cell_arrays()
     body = np.split(mesh.body, np.cumsum([len(cells) for _, cells in blocks])[:-1])
     meshio.Mesh(mesh.points, blocks, point_data=fields, cell_data={"body": body}).write(path)

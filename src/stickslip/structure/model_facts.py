@@ -21,6 +21,7 @@ MODULUS_RANGE = (1e6, 2e12)  # Pa
 SIZE_RANGE = (1e-4, 1e2)  # m, diagonal of the bounding box
 MASS_RANGE = (1e-6, 1e6)  # kg, of a body
 FREQUENCY_RANGE = (1.0, 1e7)  # Hz, half a wave of compression along the diagonal of the bounding box
+NODE_FREQUENCY_RANGE = (1.0, 1e9)  # Hz, a node of matrices against its neighbours: compression along one element
 
 
 def connected_parts(cells: Sequence[IntArray]) -> IntArray:
@@ -71,6 +72,25 @@ def plausibility_warnings(mesh: FiniteElementMesh, materials: Mapping[str, Mater
         wave = float(np.sqrt(material.young_modulus / material.density)) / (2.0 * size)
         words = f"{about} lets expect frequencies of compression of about"
         yield from _outside(words, wave, "Hz", FREQUENCY_RANGE, "the units")
+
+
+def matrix_warnings(
+    stiffness_diagonal: FloatArray, mass_diagonal: FloatArray, moving_mass: float, places: FloatArray | None
+) -> Iterator[str]:
+    """Sentences on size, mass and frequencies of matrices that only wrong units can explain.
+
+    Diagonals (n,) in N/m and kg of displacements, the mass that moves along an axis in kg, places (k, 3) m if known.
+    """
+    units = "structure.length_unit and structure.unit_system"
+    if places is not None and len(places) > 1:
+        diagonal = float(np.linalg.norm(np.ptp(places, axis=0)))
+        yield from _outside("the nodes of the matrices span", diagonal, "m", SIZE_RANGE, units)
+    yield from _outside("the matrices hold the mass", moving_mass, "kg", MASS_RANGE, units)
+    heavy = mass_diagonal > 0.0
+    if heavy.any():
+        typical = float(np.sqrt(np.median(stiffness_diagonal[heavy] / mass_diagonal[heavy]))) / (2.0 * np.pi)
+        words = "a typical node of the matrices, its neighbours held, vibrates at about"
+        yield from _outside(words, typical, "Hz", NODE_FREQUENCY_RANGE, units)
 
 
 def _outside(words: str, value: float, unit: str, allowed: tuple[float, float], cause: str) -> Iterator[str]:

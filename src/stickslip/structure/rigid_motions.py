@@ -8,10 +8,12 @@ algebra with six unknowns a region, so the zero eigenvalues of the stiffness are
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse
 import scipy.sparse.csgraph
+import scipy.sparse.linalg
 
 from stickslip.structure.cell_kinds import CORNERS_OF_SIDE, all_sides
 from stickslip.structure.finite_element_mesh import FiniteElementMesh
@@ -19,8 +21,10 @@ from stickslip.structure.mesh import IntArray
 from stickslip.structure.model_facts import connected_parts
 from stickslip.validation import FloatArray
 
-_MOST_REGIONS = 200
-_RANK_TOLERANCE = 1e-8
+_MOST_REGIONS = 200  # whose motions are counted with a dense matrix
+# Of the Gram matrix of the conditions; long chains of regions have eigenvalues of 1e-10 that are none.
+_RANK_TOLERANCE = 1e-12
+_FLAT = 1e-8  # share of the length of places in one line below which they have no width
 
 
 @dataclass(frozen=True)
@@ -36,19 +40,18 @@ class PartMotions:
     rigid:
         motions that the held displacements leave to it as one rigid body, 0 to 6.
     strainless:
-        all motions without strain, rigid ones included: zero eigenvalues of its stiffness. None where the part has too
-        many regions to count them.
+        all motions without strain, rigid ones included: zero eigenvalues of its stiffness.
     """
 
     cells: IntArray
     n_regions: int
     rigid: int
-    strainless: int | None
+    strainless: int
 
     @property
     def is_hinged(self) -> bool:
         """Whether regions of it can move against each other without strain, which no contact of bodies explains."""
-        return self.strainless is None or self.strainless > self.rigid
+        return self.strainless > self.rigid
 
 
 def part_motions(mesh: FiniteElementMesh, fixed_unknowns: IntArray) -> tuple[PartMotions, ...]:
@@ -61,12 +64,8 @@ def part_motions(mesh: FiniteElementMesh, fixed_unknowns: IntArray) -> tuple[Par
         regions = np.unique(region[mine])
         nodes = [mesh.nodes_of_cells(mine[region[mine] == each]) for each in regions]
         rigid = _free_motions(mesh.points, [np.unique(np.concatenate(nodes))], fixed_unknowns)
-        if len(regions) == 1:
-            strainless: int | None = rigid
-        elif len(regions) > _MOST_REGIONS:
-            strainless = None
-        else:
-            strainless = _free_motions(mesh.points, nodes, fixed_unknowns)
+        stiff = _joined_regions(mesh.points, nodes)
+        strainless = rigid if len(stiff) == 1 else _free_motions(mesh.points, stiff, fixed_unknowns)
         answer.append(PartMotions(mine, len(regions), rigid, strainless))
     return tuple(answer)
 
@@ -88,34 +87,72 @@ def _regions(mesh: FiniteElementMesh) -> IntArray:
     return np.asarray(scipy.sparse.csgraph.connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
+def _joined_regions(points: FloatArray, regions: list[IntArray]) -> list[IntArray]:
+    """Regions (arrays of nodes) after joining all that share three nodes or more which are not in one line."""
+    while len(regions) > 1:
+        node = np.concatenate(regions)
+        owner = np.repeat(np.arange(len(regions)), [len(region) for region in regions])
+        has = scipy.sparse.csr_matrix((np.ones(len(node)), (owner, node)), shape=(len(regions), len(points)))
+        shared = scipy.sparse.triu(has @ has.T, k=1).tocoo()
+        pairs = np.column_stack([shared.row, shared.col])[shared.data > 2]
+        stiff = [pair for pair in pairs.tolist() if _spans_a_plane(points, regions[pair[0]], regions[pair[1]])]
+        if not stiff:
+            break
+        row, column = np.array(stiff).T
+        graph = scipy.sparse.coo_matrix((np.ones(len(row)), (row, column)), shape=(len(regions),) * 2)
+        count, group = scipy.sparse.csgraph.connected_components(graph, directed=False)
+        order, sizes = np.argsort(group[owner], kind="stable"), np.bincount(group[owner], minlength=count)
+        regions = [np.unique(part) for part in np.split(node[order], np.cumsum(sizes)[:-1])]
+    return regions
+
+
+def _spans_a_plane(points: FloatArray, first: IntArray, second: IntArray) -> bool:
+    """Whether the nodes that two regions share are not in one line, so that the regions cannot turn about it."""
+    places = points[np.intersect1d(first, second)]
+    return int(np.linalg.matrix_rank(places - places[0], tol=_FLAT * float(np.ptp(places, axis=0).max()))) > 1
+
+
 def _free_motions(points: FloatArray, regions: list[IntArray], fixed_unknowns: IntArray) -> int:
     """Motions of rigid regions (arrays of nodes) that agree at shared nodes and keep the held displacements at zero."""
-    everything = np.concatenate(regions)
-    own = points[everything]
-    centre, size = own.mean(axis=0), float(np.ptp(own, axis=0).max())
-    nodes, count = np.unique(everything, return_counts=True)
-    rows: list[FloatArray] = []
+    node = np.concatenate(regions)
+    owner = np.repeat(np.arange(len(regions)), [len(region) for region in regions])
+    order = np.argsort(node, kind="stable")
+    node, owner = node[order], owner[order]
+    # about the centre of each region in parts of its size, so that small regions far out count like others
+    centre = np.array([points[region].mean(axis=0) for region in regions])
+    size = np.array([float(np.ptp(points[region], axis=0).max()) for region in regions])
+    again = np.flatnonzero(node[1:] == node[:-1])
+    # each region agrees with the one before it that has the node
+    agree = _motions(points[node[again]], owner[again], centre, size)
+    agree = agree - _motions(points[node[again]], owner[again + 1], centre, size)
+    held = fixed_unknowns[np.isin(fixed_unknowns // 3, node)]
+    holder = owner[np.searchsorted(node, held // 3)]
+    kept = _motions(points[held // 3], holder, centre, size)[3 * np.arange(held.size) + held % 3]
+    rows = scipy.sparse.vstack([agree, kept]).tocsr()
+    if not rows.shape[0]:
+        return 6 * len(regions)
+    gram = (rows.T @ rows).tocsr()
+    gram /= gram.diagonal().max()
+    if len(regions) > _MOST_REGIONS:
+        return _zero_eigenvalues(gram)
+    return 6 * len(regions) - int(np.linalg.matrix_rank(gram.toarray(), tol=_RANK_TOLERANCE))
 
-    def motion(node: int, region: int) -> FloatArray:
-        """(3, 6 * n_regions): displacement of a node from the translations and rotations of its region."""
-        x, y, z = (points[node] - centre) / size
-        block = np.zeros((3, 6 * len(regions)))
-        block[:, 6 * region : 6 * region + 6] = [[1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x], [0, 0, 1, y, -x, 0]]
-        return block
 
-    members = [set(region.tolist()) for region in regions]
-    for node in nodes[count > 1].tolist():
-        sharing = [at for at, member in enumerate(members) if node in member]
-        rows += [motion(node, sharing[0]) - motion(node, other) for other in sharing[1:]]
-    held = fixed_unknowns[np.isin(fixed_unknowns // 3, nodes)]
-    for unknown in held.tolist():
-        region = next(at for at, member in enumerate(members) if unknown // 3 in member)
-        rows.append(motion(unknown // 3, region)[unknown % 3][None])
-    rank = np.linalg.matrix_rank(_compact(rows), tol=_RANK_TOLERANCE) if rows else 0
-    return 6 * len(regions) - int(rank)
+def _zero_eigenvalues(gram: Any) -> int:
+    """Eigenvalues of a large sparse Gram matrix below the tolerance: negative pivots of the shifted one (Sylvester)."""
+    shifted = (gram - _RANK_TOLERANCE * scipy.sparse.identity(gram.shape[0])).tocsc()
+    # pivots from the diagonal alone keep rows and columns in one order, which the law of inertia needs
+    options = {"SymmetricMode": True}
+    factor = scipy.sparse.linalg.splu(shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    return int((factor.U.diagonal() < 0.0).sum())
 
 
-def _compact(rows: list[FloatArray]) -> FloatArray:
-    """Gram matrix of the rows, divided by their number: the same rank in a small square matrix."""
-    matrix = np.concatenate(rows)
-    return np.asarray(matrix.T @ matrix / len(matrix))
+def _motions(places: FloatArray, region: IntArray, centre: FloatArray, size: FloatArray) -> Any:
+    """(3 k, 6 n_regions) sparse: displacements of k places from translations and rotations of the region of each."""
+    x, y, z = ((places - centre[region]) / size[region, None]).T
+    zero, one = np.zeros(len(places)), np.ones(len(places))
+    blocks = np.array([[one, zero, zero, zero, z, -y], [zero, one, zero, -z, zero, x], [zero, zero, one, y, -x, zero]])
+    row = 3 * np.arange(len(places))[None, None] + np.arange(3)[:, None, None] + np.zeros((1, 6, 1), dtype=np.int64)
+    column = 6 * region[None, None] + np.arange(6)[None, :, None] + np.zeros((3, 1, 1), dtype=np.int64)
+    shape = (3 * len(places), 6 * len(centre))
+    return scipy.sparse.coo_matrix((blocks.ravel(), (row.ravel(), column.ravel())), shape=shape).tocsr()

@@ -46,6 +46,11 @@ ABAQUS = [
     ("base, 1, 3", "base, 1, 3, 0.5", r"\*BOUNDARY: a displacement other than 0"),
     ("base, 1, 3", "bottom, 1, 3", r"\*BOUNDARY: there is no node set 'bottom' above"),
     ("*HEADING", "*PART, NAME=a\n*HEADING", r"line 1: \*PART: parts, assemblies and instances are not read"),
+    ("*BOUNDARY", "*EQUATION\n2\n1,1,1.,2,1,-1.\n*BOUNDARY", r"line \d+: \*EQUATION: it ties nodes .* interface of"),
+    ("*BOUNDARY", "*TIE, NAME=t\nopposite, contact\n*BOUNDARY", r"\*TIE: it ties nodes"),
+    ("*BOUNDARY", "*RIGID BODY, NSET=base, REF NODE=1\n*BOUNDARY", r"\*RIGID BODY: it ties nodes"),
+    ("*BOUNDARY", "*Coupling, ref node=1, surface=contact\n*Kinematic\n*BOUNDARY", r"\*COUPLING: it ties nodes"),
+    ("*BOUNDARY", "*MPC\nBEAM, 1, 2\n*BOUNDARY", r"\*MPC: it ties nodes"),
     ("*HEADING", "1, 2, 3\n*HEADING", "line 1: .* stands before the first keyword"),
     ("*HEADING", "*INCLUDE, INPUT=nowhere.inp\n*HEADING", "nowhere.inp: the file cannot be read"),
     ("*HEADING", "*INCLUDE, INPUT=cubes.inp\n*HEADING", "include each other more than 5 deep"),
@@ -62,7 +67,7 @@ def test_abaqus_decks(tmp_path, old, new, words):
 NASTRAN = [
     ("PSOLID,2,7", "PSOLID,3,7", "element 2 has the property 2, but there is no such PSOLID"),
     ("PSOLID,2,7", "PSOLID,2,8", "body 'upper' has the material '8', which the file does not define"),
-    ("GRID,1,,0,0,0", "GRID,1,5,0,0,0", "GRID: CP = 5: coordinate systems other than the basic"),
+    ("GRID,1,,0,0,0", "GRID,1,5,0,0,0", r"line 5: GRID: it is given in coordinate system 5, but only CORD2R"),
     ("GRID,1,,0,0,0", "GRID,1,,0,x,0", 'GRID: field 5 is "x", not a number'),
     ("GRID,2,", "GRID,1,", r"node 1 is defined twice \(first in line 5\)"),
     ("MAT1,7,210000.0,,0.3", "MAT1,7,210000.0,,0.6", "material '7': poisson_ratio is 0.6"),
@@ -91,10 +96,10 @@ def test_a_pressed_side_is_a_face_set(tmp_path):
 
 
 def test_other_cards_are_told(tmp_path):
-    model = read_model(changed(tmp_path, "cubes.bdf", "PSOLID,1,7", "RBE2,50,1,123,2\nPSOLID,1,7"), "mm")
-    assert any("RBE2" in message and "without effect" in message for message in model.messages)
-    model = read_model(changed(tmp_path, "cubes.inp", "*BOUNDARY", "*EQUATION\n2\n1,1,1.,2,1,-1.\n*BOUNDARY"), "mm")
-    assert any("*EQUATION" in message for message in model.messages)
+    model = read_model(changed(tmp_path, "cubes.bdf", "PSOLID,1,7", "CONM2,50,1,,1.\nPSOLID,1,7"), "mm")
+    assert any("CONM2" in message and "without effect" in message for message in model.messages)
+    model = read_model(changed(tmp_path, "cubes.inp", "*BOUNDARY", "*CONTACT PAIR\nopposite, contact\n*BOUNDARY"), "mm")
+    assert any("*CONTACT PAIR" in message for message in model.messages)
 
 
 def test_generated_sets_free_sides_and_forces(tmp_path):
@@ -144,3 +149,19 @@ def test_units_that_do_not_exist_or_fit():
         read_model("part.stp", "mm")
     with pytest.raises(ImportFileError, match="there is no such file"):
         read_model("part.inp", "mm")
+
+
+def test_one_name_for_two_sets_is_told(tmp_path):
+    cards = "*NSET, NSET=upper\n9, 10\n*BOUNDARY"
+    model = read_model(changed(tmp_path, "cubes.inp", "*BOUNDARY", cards), "mm")
+    assert model.mesh.node_set("upper").tolist() == [8, 9]
+    assert any("'upper' is that of an element set and of a node set with other" in words for words in model.messages)
+    assert read_model(MODELS / "cubes.inp", "mm").messages == ()
+
+
+def test_nodes_that_are_not_merged_are_counted(tmp_path):
+    """Both cubes as one body: the four nodes of each meet the four of the other, unjoined."""
+    path = changed(tmp_path, "cubes.bdf", "CHEXA          2       2", "CHEXA          2       1")
+    messages = read_model(path, "mm").messages
+    assert any("body 'lower' has 8 nodes that lie at the place of another" in words for words in messages)
+    assert any("body 'lower' consists of 2 separate parts" in words for words in messages)

@@ -276,3 +276,14 @@ def test_both_triangles_of_calculix_coordinates_are_the_same_model(tmp_path, sma
     models = [read_matrices(tmp_path / f"k{upper}.sti", tmp_path / "m.mas") for upper in (True, False)]
     assert abs(models[0].stiffness - models[1].stiffness).max() == 0.0
     assert scipy.sparse.issparse(models[0].stiffness)
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_a_map_may_lack_its_last_line_end_but_nothing_else(tmp_path, small, name):
+    whole = MAPS[name]().rstrip("\n")
+    path, files = tmp_path / name, written(tmp_path, small, "npy")
+    path.write_text(whole)
+    np.testing.assert_array_equal(read_matrices(*files, unknown_map=path).node, np.repeat(NODES, 3))
+    path.write_text(whole[:-1])
+    with pytest.raises(ImportFileError, match=name):
+        read_matrices(*files, unknown_map=path)

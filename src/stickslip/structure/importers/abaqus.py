@@ -50,8 +50,20 @@ _NOT_SOLID = {
     **dict.fromkeys(("MASS", "ROTARYI", "SPRING1"), 1),
     "R3D3": 3,
 }
+_TIES = (
+    "it ties nodes to each other, and the model would be another one without it. Take it out: hold or load the set of "
+    "its nodes, merge meshes in the preprocessor, or make the faces an interface of the study"
+)
 # These change what the numbers of a deck mean, so the model would be another one without them.
 _REFUSED = {
+    **dict.fromkeys(
+        (
+            *("EQUATION", "MPC", "TIE", "RIGID BODY", "COUPLING", "KINEMATIC COUPLING", "DISTRIBUTING COUPLING"),
+            *("EMBEDDED ELEMENT", "CYCLIC SYMMETRY MODEL", "SHELL TO SOLID COUPLING", "FASTENER", "NETWORK MPC"),
+        ),
+        _TIES,
+    ),
+    "NONSTRUCTURAL MASS": "its mass would be missing. Take it out, or give its share to the density of the solids",
     "PART": "parts, assemblies and instances are not read. Export a flat deck (Abaqus/CAE: Model > Edit attributes > "
     "Do not use parts and assemblies in input files)",
     "INSTANCE": "parts, assemblies and instances are not read. Export a flat deck",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy.spatial
 
 from stickslip.errors import InputError
 from stickslip.structure.cell_kinds import IntArray
@@ -17,6 +18,7 @@ from stickslip.structure.model_facts import connected_parts, plausibility_warnin
 from stickslip.validation import FloatArray
 
 LARGEST_COORDINATE = 1e6  # m
+_ONE_PLACE = 1e-6  # share of a body's size below which two of its nodes are at one place
 
 
 def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
@@ -49,12 +51,8 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
     faces, face_nodes = build_face_sets(raw, labels, element_labels, cell_blocks, messages)
     elements = _members(raw, "element", raw.element_sets, element_labels, messages)
     nodes = _members(raw, "node", raw.node_sets, labels, messages)
-    messages += [
-        f"the name '{name}' is that of a surface and of another node set; the nodes of the surface are taken."
-        for name in sorted(faces.keys() & nodes.keys())
-        if not np.array_equal(nodes[name], face_nodes[name])
-    ]
     mesh = FiniteElementMesh(points, cell_blocks, names, nodes | face_nodes, faces, elements)
+    messages += _clashes(mesh, nodes, face_nodes)
     materials = _materials(raw, units, names, messages)
     messages += _parts(mesh)
     return ImportedModel(
@@ -173,13 +171,40 @@ def _materials(raw: RawModel, units: UnitSystem, names: tuple[str, ...], message
     return answer
 
 
+def _clashes(mesh: FiniteElementMesh, nodes: dict[str, IntArray], of_faces: dict[str, IntArray]) -> list[str]:
+    """Sentences on names of several kinds of sets with different nodes, where a study means one of them."""
+    sentences = [
+        f"the name '{name}' is that of a surface and of another node set; the nodes of the surface are taken."
+        for name in sorted(of_faces.keys() & nodes.keys())
+        if not np.array_equal(nodes[name], of_faces[name])
+    ]
+    for name, cells in sorted(mesh.element_sets.items()):
+        if not np.array_equal(mesh.nodes_of_cells(cells), mesh.node_sets[name]):
+            kind = "surface" if name in of_faces else "node set"
+            sentences.append(
+                f"the name '{name}' is that of an element set and of a {kind} with other nodes; a study that names it "
+                f"means the {kind}."
+            )
+    return sentences
+
+
 def _parts(mesh: FiniteElementMesh) -> list[str]:
-    """Sentences on named bodies that consist of several parts."""
+    """Sentences on named bodies that consist of several parts, or have nodes at one place that are not joined."""
     sentences = []
     for number, name in enumerate(mesh.body_names):
         count = connected_parts([block.cells[block.body == number] for block in mesh.blocks]).max() + 1
         if count > 1:
             sentences.append(f"body '{name}' consists of {count} separate parts that share no node.")
+        places = mesh.points[mesh.nodes_of_body(number)]
+        reach = _ONE_PLACE * float(np.linalg.norm(np.ptp(places, axis=0)))
+        distance, _ = scipy.spatial.KDTree(places).query(places, k=2, distance_upper_bound=reach)
+        together = int(np.isfinite(distance[:, 1]).sum())
+        if together:
+            sentences.append(
+                f"body '{name}' has {together} nodes that lie at the place of another of its nodes and are not joined "
+                "to it. If it is in one piece, merge coincident nodes in the preprocessor; if these are two faces in "
+                "contact, give each side a body of its own."
+            )
     return sentences
 
 

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from stickslip.structure.cell_kinds import CELL_KINDS, IntArray
 from stickslip.structure.importers.gmsh_content import readable_content
 from stickslip.structure.importers.raw_model import RawBlock, RawBody, RawModel, RawSides, fail
+from stickslip.structure.meshio_cells import complete_meshio
 from stickslip.validation import FloatArray
 
 _SURFACES = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 4}
@@ -98,9 +99,7 @@ def _parsed(source: Path, kind: str, readable: Path | None = None) -> Any:
 
     Raises ImportFileError.
     """
-    import meshio
-
-    reader: Callable[[str], Any] = getattr(meshio, kind).read
+    reader: Callable[[str], Any] = getattr(complete_meshio(), kind).read
     said = io.StringIO()
     try:
         with contextlib.redirect_stderr(said), contextlib.redirect_stdout(said):

@@ -11,12 +11,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
 from stickslip.structure.cell_kinds import CELL_KINDS
 from stickslip.structure.importers.bulk_data import BulkCard, read_bulk
+from stickslip.structure.importers.nastran_case import CaseControl, acting_entries
+from stickslip.structure.importers.nastran_frames import Frames
 from stickslip.structure.importers.raw_model import (
     RawBlock,
     RawBody,
@@ -25,34 +26,42 @@ from stickslip.structure.importers.raw_model import (
     RawMaterial,
     RawModel,
     RawSides,
+    fail,
     read_text,
 )
-
-Entry = TypeVar("Entry", RawHeld, RawLoad)
+from stickslip.validation import FloatArray
 
 _SOLIDS = {"CTETRA": ("tetra", "tetra10"), "CPENTA": ("wedge", "wedge15"), "CHEXA": ("hexahedron", "hexahedron20")}
 _SHELLS = {"CTRIA3": 3, "CTRIAR": 3, "CTRIA6": 3, "CQUAD4": 4, "CQUADR": 4, "CQUAD8": 4}
 # Nastran numbers the edges along the third direction before those of the upper face.
 _TO_VTK = {"wedge15": [*range(9), 12, 13, 14, 9, 10, 11], "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]}
-_SILENT = ("PSHELL", "PARAM", "EIGRL", "EIGR", "MDLPRM", "PCOMP")
+# Coordinate systems other than CORD2R are refused where a grid or a force is in one.
+_SILENT = ("PSHELL", "PARAM", "EIGRL", "EIGR", "MDLPRM", "PCOMP", "CORD1R", "CORD1C", "CORD1S", "CORD2C", "CORD2S")
+_TIES = (
+    "it ties nodes of solids to each other, and without it the model would be another one. Take it out; hold, load or "
+    "pair the set of its nodes instead"
+)
 _REFUSED = {
     "GRDSET": "default coordinate systems of grids are not read. Write CP and CD at each GRID",
     "CPYRAM": "pyramids are not read; tetrahedra, wedges (CPENTA) and hexahedra are",
-    "INCLUDE": "INCLUDE is not read. Put all bulk data into one file",
+    **dict.fromkeys(("RBE1", "RBE2", "RBE3", "RBAR", "RBAR1", "RROD", "RTRPLT", "RSPLINE", "RSSCON", "RJOINT"), _TIES),
 }
+_INCLUDE = re.compile(r"\s*INCLUDE\b", re.IGNORECASE)
 _NAMES = (
     re.compile(r"\$HMNAME\s+PROP\s+(?P<number>\d+)\s*\"(?P<name>[^\"]+)\""),
     re.compile(r"\$\s*Femap\s+(?:with\s+NX\s+Nastran\s+)?Property\s+(?P<number>\d+)\s*:\s*(?P<name>.+)", re.IGNORECASE),
 )
 _PATRAN = re.compile(r"\$\s*Elements and Element Properties for region\s*:\s*(?P<name>.+)", re.IGNORECASE)
 _PROPERTY = re.compile(r"\s*P(?:SOLID|SHELL)\*?[\s,]+(?P<number>\d+)")
-_CASE = re.compile(r"\s*(?P<what>SPC|LOAD)\s*=\s*(?P<number>\d+)\s*", re.IGNORECASE)
 
 
 def read_nastran(source: Path) -> RawModel:
     """The entries of bulk data in their own units. Raises ImportFileError that names file and line."""
     lines = read_text(source)
-    reader = _Reader(source, _property_names(lines), _selected(lines))
+    for number, line in enumerate(lines, start=1):
+        if _INCLUDE.match(line):
+            fail(source, "INCLUDE is not read. Put the executive, case control and bulk data into one file.", number)
+    reader = _Reader(source, _property_names(lines), CaseControl.of(lines))
     for card in read_bulk(source, lines):
         reader.take(card)
     return reader.finished()
@@ -78,24 +87,14 @@ def _property_names(lines: list[str]) -> dict[int, str]:
     return names
 
 
-def _selected(lines: list[str]) -> dict[str, int]:
-    """The sets SPC and LOAD that the case control names, before BEGIN BULK."""
-    answer: dict[str, int] = {}
-    end = next((at for at, text in enumerate(lines) if text.upper().split()[:2] == ["BEGIN", "BULK"]), 0)
-    for line in lines[:end]:
-        match = _CASE.fullmatch(line)
-        if match:
-            answer.setdefault(match["what"].upper(), int(match["number"]))
-    return answer
-
-
 class _Reader:
     """Takes the cards one after the other; what refers to other cards is put together at the end."""
 
-    def __init__(self, source: Path, names: dict[int, str], selected: dict[str, int]) -> None:
+    def __init__(self, source: Path, names: dict[int, str], case: CaseControl) -> None:
         self.raw = RawModel(source, "Nastran")
-        self._names, self._selected = names, selected
-        self._nodes: list[tuple[int, float, float, float, int]] = []
+        self._names, self._case = names, case
+        self._grids: list[BulkCard] = []
+        self._frames = Frames()
         self._elements: dict[str, list[tuple[int, int, list[int], int]]] = {}  # kind -> label, property, nodes, line
         self._solids: dict[int, tuple[str, list[int]]] = {}
         self._shells: dict[tuple[int, int], list[tuple[list[int], int]]] = {}  # property, corners -> nodes, line
@@ -104,9 +103,13 @@ class _Reader:
         self._sets: dict[str, list[int]] = {}
         self._held: dict[int, list[RawHeld]] = {}
         self._loads: dict[int, list[RawLoad]] = {}
+        self._combined: dict[str, dict[int, BulkCard]] = {"SPCADD": {}, "LOAD": {}}
         self._left_out: dict[str, int] = {}
         self._cards: dict[str, Callable[[BulkCard], None]] = {
-            "GRID": self._grid,
+            "GRID": self._grids.append,
+            "CORD2R": self._frames.add,
+            "SPCADD": self._combination,
+            "LOAD": self._combination,
             "PSOLID": self._solid_property,
             "MAT1": self._material,
             "SPC": self._spc,
@@ -123,6 +126,8 @@ class _Reader:
         """Read one card."""
         if card.name in _REFUSED:
             card.fail(f"{_REFUSED[card.name]}.")
+        if card.name in ("MPC", "MPCADD") and self._case.ties_nodes():
+            card.fail(f"{_TIES}, or select no MPC in the case control.")
         if card.name in self._cards:
             self._cards[card.name](card)
         elif card.name not in _SILENT:
@@ -131,17 +136,18 @@ class _Reader:
     def finished(self) -> RawModel:
         """The raw model after the last card."""
         raw = self.raw
-        raw.node_labels = np.array([node[0] for node in self._nodes], dtype=np.int64)
-        raw.coordinates = np.array([node[1:4] for node in self._nodes], dtype=float).reshape(-1, 3)
-        raw.node_lines = np.array([node[4] for node in self._nodes], dtype=np.int64)
+        raw.node_labels = np.array([card.integer(0) for card in self._grids], dtype=np.int64)
+        raw.coordinates = np.array([self._place(card) for card in self._grids], dtype=float).reshape(-1, 3)
+        raw.node_lines = np.array([card.line for card in self._grids], dtype=np.int64)
         for kind, rows in self._elements.items():
             labels, _, cells, lines = zip(*rows, strict=True)
             cell_array = np.array(cells, dtype=np.int64)[:, _TO_VTK.get(kind, slice(None))]
             raw.blocks.append(RawBlock(kind, np.array(labels, dtype=np.int64), cell_array, np.array(lines)))
         self._bodies()
         self._faces()
-        raw.held = self._chosen("SPC", self._held)
-        raw.loads = self._chosen("LOAD", self._loads)
+        raw.held = acting_entries(raw, self._case, "SPC", self._held, self._combined["SPCADD"])
+        raw.held += [held for card in self._grids for held in self._permanent(card)]
+        raw.loads = acting_entries(raw, self._case, "LOAD", self._loads, self._combined["LOAD"])
         for name, members in self._sets.items():
             raw.node_sets[name] = np.unique(np.array(members, dtype=np.int64))
         for what, found in (("SPC", self._held), ("FORCE", self._loads)):
@@ -203,23 +209,24 @@ class _Reader:
             card.fail(f"the grids G1 = {first} and G3/G4 = {other} name no side of element {label}.")
         return RawSides(card.line, elements=np.array([label], dtype=np.int64), side=found[0])
 
-    def _chosen(self, what: str, found: dict[int, list[Entry]]) -> list[Entry]:
-        """Entries of the set that the case control selects, else of all sets."""
-        if what in self._selected:
-            return found.get(self._selected[what], [])
-        if len(found) > 1:
-            self.raw.messages.append(
-                f"there are {len(found)} sets of {what} entries ({', '.join(map(str, found))}) and the case control "
-                "selects none; all are taken together."
+    def _place(self, card: BulkCard) -> FloatArray:
+        """Basic coordinates of a grid."""
+        if card.integer(5, 0):
+            card.fail(
+                f"CD = {card.word(5)}: directions of displacements in a coordinate system of their own are not read. "
+                "Leave CD blank, and give constraints in the basic directions."
             )
-        return [entry for entries in found.values() for entry in entries]
+        place = np.array([card.real(position, 0.0) for position in (2, 3, 4)])
+        number = card.integer(1, 0)
+        return self._frames.basic(number, place, card) if number else place
 
-    def _grid(self, card: BulkCard) -> None:
-        for position, name in ((1, "CP"), (5, "CD")):
-            if card.integer(position, 0):
-                card.fail(f"{name} = {card.word(position)}: coordinate systems other than the basic one are not read.")
-        x, y, z = (card.real(position, 0.0) for position in (2, 3, 4))
-        self._nodes.append((card.integer(0), x, y, z, card.line))
+    def _permanent(self, card: BulkCard) -> list[RawHeld]:
+        """What the field PS of a grid holds, whatever the case control selects."""
+        return [self._holding(card, card.word(6), [card.integer(0)])] if card.word(6) else []
+
+    def _combination(self, card: BulkCard) -> None:
+        if self._combined[card.name].setdefault(card.integer(0), card) is not card:
+            card.fail(f"set {card.integer(0)} is defined twice.")
 
     def _solid(self, card: BulkCard) -> None:
         words = card.fields[2:]
@@ -258,12 +265,15 @@ class _Reader:
             card.fail(f"material {name} is defined twice.")
         self.raw.materials[name] = RawMaterial(young, poisson, density, card.line)
 
-    def _hold(self, card: BulkCard, directions: str, nodes: list[int]) -> None:
+    @staticmethod
+    def _holding(card: BulkCard, directions: str, nodes: list[int]) -> RawHeld:
         if not nodes or not directions or set(directions) - set("123456"):
             card.fail(f'it needs components out of 1 to 6 and grids; found "{directions[:12]}" and {len(nodes)} grids.')
         solid = tuple(sorted({int(each) - 1 for each in directions if each in "123"}))
-        held = RawHeld(np.array(nodes, dtype=np.int64), solid, card.line)
-        self._held.setdefault(card.integer(0), []).append(held)
+        return RawHeld(np.array(nodes, dtype=np.int64), solid, card.line)
+
+    def _hold(self, card: BulkCard, directions: str, nodes: list[int]) -> None:
+        self._held.setdefault(card.integer(0), []).append(self._holding(card, directions, nodes))
 
     def _spc(self, card: BulkCard) -> None:
         for at in (1, 4):
@@ -277,7 +287,7 @@ class _Reader:
 
     def _force(self, card: BulkCard) -> None:
         if card.integer(2, 0):
-            card.fail("CID other than 0: forces in other coordinate systems are not read.")
+            card.fail("CID other than 0: forces in other coordinate systems are not read. Give basic components.")
         size = card.real(3)
         node = np.array([card.integer(1)], dtype=np.int64)
         loads = self._loads.setdefault(card.integer(0), [])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NoReturn
 
@@ -65,6 +65,10 @@ class RawLoad:
     value: float
     line: int
 
+    def scaled(self, factor: float) -> RawLoad:
+        """The force times a factor."""
+        return replace(self, value=factor * self.value)
+
 
 @dataclass(frozen=True)
 class RawHeld:
@@ -73,6 +77,10 @@ class RawHeld:
     nodes: IntArray
     directions: tuple[int, ...]
     line: int
+
+    def scaled(self, factor: float) -> RawHeld:
+        """A displacement of zero stays one."""
+        return self
 
 
 @dataclass

@@ -24,6 +24,24 @@ _READERS: dict[str, Callable[[Path], RawModel]] = {
     ".vtu": read_vtu,
     ".med": read_med,
 }
+# What to do with a file of another kind.
+_ADVICE = {
+    **dict.fromkeys(
+        (".stl", ".step", ".stp", ".iges", ".igs", ".brep", ".x_t", ".obj", ".ply"),
+        "It holds a shape without solid elements: mesh it first, for example with Gmsh, and give the .msh file",
+    ),
+    **dict.fromkeys(
+        (".odb", ".cae", ".op2", ".rst", ".db", ".cdb", ".frd", ".mph", ".hm", ".k", ".xdmf", ".vtk"),
+        "Export the model as .inp, .bdf or .vtu from the program that wrote it",
+    ),
+    **dict.fromkeys(
+        (".mtx", ".npz", ".npy", ".mat", ".op4", ".sti", ".mas", ".full", ".hb"),
+        'It holds matrices: name it in a study with structure.kind = "matrices" (docs/matrices.md)',
+    ),
+    **dict.fromkeys(
+        (".toml", ".yaml", ".yml"), "It is a study file: give the mesh file that it names, or use stickslip check"
+    ),
+}
 
 
 def read_model(path: str | PathLike[str], length_unit: str, unit_system: str | None = None) -> ImportedModel:
@@ -51,9 +69,16 @@ def read_model(path: str | PathLike[str], length_unit: str, unit_system: str | N
 def read_raw(path: str | PathLike[str]) -> RawModel:
     """The entries of a model file in its own units. Raises ImportFileError."""
     source = Path(path)
-    reader = _READERS.get(source.suffix.lower())
+    if source.is_dir():
+        fail(source, "this is a folder. Give the path of a model file.")
+    ending = source.suffix.lower()
+    reader = _READERS.get(ending)
     if reader is None:
-        fail(source, f"'{source.suffix}' is no model format that can be read; there are: {', '.join(_READERS)}.")
+        advice = _ADVICE.get(ending, "Export the model in one of these, or give the file its usual ending")
+        fail(
+            source,
+            f"'{source.suffix}' is no model format that can be read; there are: {', '.join(_READERS)}. {advice}.",
+        )
     if not source.is_file():
         fail(source, "there is no such file.")
     return reader(source)

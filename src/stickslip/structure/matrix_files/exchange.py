@@ -59,6 +59,12 @@ def read_superelement(path: str | PathLike[str]) -> Superelement:
     source = Path(path)
     if source.is_dir():
         source = source / FILE_NAME
+    if source.is_file() and source.suffix.lower() != ".npz":
+        raise ImportFileError(
+            f'"{source}" is no superelement: those are .npz files in the format of docs/matrices.md. Stiffness and '
+            "mass in other files are read by read_matrices (structure.stiffness and structure.mass in a study), a "
+            'mesh by read_model (structure.kind = "mesh").'
+        )
     arrays = numpy_arrays(source)
     if arrays.get("format") is None or str(arrays["format"]) != FORMAT:
         raise ImportFileError(

@@ -23,6 +23,7 @@ def reduce_matrices(
     backend: Backend = "superlu",
     threads: int = 1,
     progress: ProgressCallback | None = None,
+    contact_nodes: ArrayLike | None = None,
 ) -> Superelement:
     """Reduce a model to its boundary nodes and ``n_modes`` fixed-interface modes (:func:`craig_bampton`).
 
@@ -34,18 +35,21 @@ def reduce_matrices(
     boundary_nodes:
         node numbers, as the source counts them, each with unknowns along x, y and z: contact nodes, and nodes with
         forces or outputs.
+    contact_nodes:
+        those of the boundary nodes that a contact can hold; all of them unless given.
 
     Raises
     ------
     InputError
-        as :func:`craig_bampton`; for a part that can move without strain and has no boundary node; and for one that
-        has boundary nodes, but moves without strain in other ways than the six of a rigid body.
+        as :func:`craig_bampton`; for a part that can move without strain and has no contact node; and for one that
+        has contact nodes, but moves without strain in other ways than the six of a rigid body.
     """
     nodes = np.asarray(boundary_nodes).ravel()
+    contact = nodes if contact_nodes is None else np.asarray(contact_nodes).ravel()
     if model.size <= 3 * nodes.size + n_modes:
         model.unknowns_of(nodes)
         superelement = as_superelement(model)
-        require_contact_bodies(superelement, nodes)
+        require_contact_bodies(superelement, contact)
         return superelement
     superelement = craig_bampton(model, nodes, n_modes, backend, threads, progress)
     nodes, count = superelement.boundary_nodes, 3 * nodes.size
@@ -55,7 +59,7 @@ def reduce_matrices(
         superelement.stiffness[:count, :count],
         parts_of(model.stiffness)[model.unknowns_of(nodes).ravel()],
         np.repeat(nodes, 3),
-        np.ones(count, dtype=bool),
+        np.repeat(np.isin(nodes, contact), 3),
         positions,
     )
     sets = {name: np.intersect1d(members, nodes) for name, members in model.node_sets.items()}

@@ -60,8 +60,11 @@ def file_bytes(path: Path) -> bytes:
     return content
 
 
-def text_lines(path: Path) -> list[str]:
-    """The lines of a text file; raises ImportFileError for one that is missing, empty, binary or cut in a line."""
+def text_lines(path: Path, cut_is_seen: bool = False) -> list[str]:
+    """The lines of a text file; raises ImportFileError for one that is missing, empty, binary or cut in a line.
+
+    ``cut_is_seen``: a last line without line end is taken, because the caller would refuse it if it were cut off.
+    """
     content = file_bytes(path)
     try:
         text = content.decode("utf-8")
@@ -70,7 +73,7 @@ def text_lines(path: Path) -> list[str]:
     if "\0" in text:
         raise ImportFileError(f'"{path}" is no text file: byte {text.index(chr(0))} is 0.')
     lines = text.splitlines()
-    if not text.endswith(("\n", "\r")):
+    if not text.endswith(("\n", "\r")) and not cut_is_seen:
         raise ImportFileError(
             f'"{path}" ends in the middle of line {len(lines)}, without a line end, so its last number may be cut off. '
             "Write the file again; if it is complete, add a line end."

@@ -36,7 +36,8 @@ def read_unknown_map(path: Path) -> tuple[IntArray, IntArray]:
 
     Raises ImportFileError, which names the line.
     """
-    lines = text_lines(path)
+    # No beginning of a direction is one, and the caller compares the number of lines with that of the rows.
+    lines = text_lines(path, cut_is_seen=True)
     kind = path.suffix.lower()
     nodes: list[int] = []
     directions: list[int] = []
