@@ -118,6 +118,14 @@ WRONG = {
         "normal_load = 3\n",
         ["interfaces.a.normal is missing"],
     ),
+    "two sources of the load": (
+        MESH + "\n[preload]\nvalues = [1.0, 2.0]\n",
+        ["interfaces.sole.normal_load and preload.values are both given"],
+    ),
+    "friction of the wedge": (
+        MESH + "\n[preload]\nfriction_coefficient_at_assembly = 0.2\n",
+        ["friction_coefficient_at_assembly is the wedge damper's"],
+    ),
 }
 
 

@@ -126,6 +126,10 @@ def _joint_errors(case: Case) -> Iterator[EntryError]:
             ("preload", "centrifugal_force"),
             'is the wedge damper\'s, of kind "two-blade". Give interfaces.NAME.normal_load instead.',
         )
+    if case.preload.friction_coefficient_at_assembly:
+        yield EntryError(
+            ("preload", "friction_coefficient_at_assembly"), 'is the wedge damper\'s, of kind "two-blade". Take it out.'
+        )
     if not case.interfaces:
         yield EntryError(("interfaces",), "has no entry. Give at least one section [interfaces.NAME].")
     for name, each in case.interfaces.items():
@@ -136,11 +140,17 @@ def _joint_errors(case: Case) -> Iterator[EntryError]:
         solved = case.preload.method == "solved"
         if each.normal_load is None and case.preload.values is None and not solved:
             yield EntryError((*where, "normal_load"), "is missing. Give the normal force on this face at rest.")
+        if each.normal_load is not None and case.preload.values is not None:
+            yield EntryError((*where, "normal_load"), "and preload.values are both given. Take one of the two out.")
         if each.normal_load is not None and solved:
             yield EntryError((*where, "normal_load"), 'is what preload.method = "solved" finds. Take it out.')
         if case.structure.kind == "matrices":
             if each.pairs is None:
                 yield from _missing_sides(name, each)
+            else:
+                for key in ("first", "second", "search_distance"):
+                    if getattr(each, key) is not None:
+                        yield EntryError((*where, key), "is not used where pairs names the nodes. Take it out.")
             for key, such in (
                 ("normal", "[0, 0, 1], out of the first side"),
                 ("area", '"180 mm^2", of the whole face'),
@@ -180,7 +190,8 @@ def _preload_errors(case: Case) -> Iterator[EntryError]:
             'is "solved", but there is no static load. Give [rotation] or [static_loads.NAME], or for two blades '
             "preload.centrifugal_force.",
         )
-    if given.normal_law == "pressure-gap" and case.roughness is None:
+    measured = [each.normal_stiffness is not None for each in case.interfaces.values()]
+    if given.normal_law == "pressure-gap" and (case.roughness is None or (measured and all(measured))):
         yield EntryError(
             ("preload", "normal_law"), 'is "pressure-gap", which follows from a roughness. Give [roughness].'
         )

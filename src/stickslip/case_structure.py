@@ -7,15 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from stickslip.case_sections import Direction, Force, Section, Stiffness
 from stickslip.units import Quantity
-
-if TYPE_CHECKING:
-    pass
 
 Kind = Literal["two-blade", "mesh", "matrices"]
 KINDS: tuple[Kind, ...] = ("two-blade", "mesh", "matrices")

@@ -59,6 +59,7 @@ __all__ = [
 ]
 
 _COINCIDENT = 1e-6  # m between the nodes of a pair, unless search_distance says more
+_POINT_SHARE = 0.05  # of the size of the structure: how far a point may be from a node
 _MAP_STEP = 1e-3  # m between pairs on a map, where the matrices have no positions
 
 
@@ -236,6 +237,8 @@ def _pairs(book: _Book, name: str, given: InterfaceSection) -> tuple[FacePairs, 
         messages.append(
             f"{entry}: the matrices do not say where their nodes are, so maps show the pairs in a row in their order."
         )
+        if given.pairs is None and given.second != GROUND:
+            messages.append(f"{entry}: its nodes are paired in the order of the two sets, as positions are not known.")
     else:
         position = map_position(points, tangent1, tangent2, area)
     pairs = FacePairs(
@@ -310,7 +313,7 @@ def _partners(book: _Book, entry: str, given: InterfaceSection, first: IntArray,
         )
     places, opposite = _places(book, first), _places(book, others)
     if places is None or opposite is None:
-        return others
+        return others  # _pairs tells that they are paired by their order
     distance = np.linalg.norm(places[:, None] - opposite[None], axis=2)
     nearest = distance.argmin(axis=1)
     reach = given.search_distance or _COINCIDENT
@@ -341,6 +344,10 @@ def _port(book: _Book, name: str, given: PortSection) -> Port:
         raise InputError(f"{name}.point: the matrices do not say where their nodes are. Give node or set.")
     distance = np.linalg.norm(places - np.array(given.point), axis=1)
     size = float(np.linalg.norm(np.ptp(places, axis=0)))
-    if distance.min() > 0.05 * size:
+    if distance.min() > _POINT_SHARE * size:
         raise InputError(f"{name}.point: the nearest node is {1e3 * distance.min():.4g} mm away. Check the point.")
+    if np.sum(distance <= distance.min() + _COINCIDENT * size) > 1:
+        raise InputError(
+            f"{name}.point: several nodes lie at the place nearest to it, as on both sides of a joint. Give node."
+        )
     return Port.single(int(book.labels[distance.argmin()]))

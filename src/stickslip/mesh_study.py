@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -133,24 +132,17 @@ def set_up(case: Case) -> MeshSetup:
 def find_layout(case: Case, mesh: AnyMesh) -> Layout:
     """The layout on the mesh of the file; ``mesh`` must be that of :func:`set_up`."""
     setup = set_up(case)
-    if setup.mesh.n_nodes != mesh.n_nodes:
+    if not np.array_equal(setup.mesh.points, mesh.points):
         raise InputError("the structure belongs to another mesh file than the case.")
     return setup.layout
 
 
 def _source(case: Case) -> ImportedModel:
-    """The mesh file, which is read again only if it changed."""
+    """The mesh file."""
     given = case.structure
     assert given.file is not None
     assert given.length_unit is not None
-    path = Path(given.file)
-    changed = path.stat().st_mtime_ns if path.is_file() else 0
-    return _read(given.file, given.length_unit, given.unit_system, changed)
-
-
-@lru_cache(maxsize=1)
-def _read(file: str, length_unit: str, unit_system: str | None, changed: int) -> ImportedModel:
-    return read_model(file, length_unit, unit_system)
+    return read_model(given.file, given.length_unit, given.unit_system)
 
 
 @contextmanager
@@ -218,7 +210,8 @@ def _pairing(mesh: FiniteElementMesh, name: str, given: InterfaceSection) -> Pai
     assert given.second is not None
     with _entry(f"interfaces.{name}"):
         if given.second == GROUND:
-            wrong = [key for key in ("search_distance", "edge_tolerance", "gap_tolerance") if getattr(given, key)]
+            serve_two = ("search_distance", "edge_tolerance", "gap_tolerance", "adjust")
+            wrong = [key for key in serve_two if getattr(given, key) is not None]
             if wrong:
                 raise InputError(f"{wrong[0]} serves two faces; the ground follows the first face. Take it out.")
             return pair_with_ground(mesh, given.first, points=points, gap=given.gap or 0.0, tangent=given.tangent)

@@ -69,7 +69,8 @@ def resting_joint(case: Case, joint: Joint, settings: Sequence[FaceSettings], st
     """The joint with the forces, gaps and stiffness of a state at rest."""
     faces = describe_faces(case, joint.layout, state.normal_force, settings)
     layout = joint.layout
-    if case.roughness is not None and case.roughness.allocation == "pressure" and case.preload.normal_law == "spring":
+    given, rough = case.roughness, any(own.stiffness is None for own in settings)
+    if given is not None and rough and given.allocation == "pressure" and case.preload.normal_law == "spring":
         layout = replace(layout, messages=(*layout.messages, SECANT_WARNING))
     return replace(
         joint,

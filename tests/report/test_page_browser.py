@@ -10,7 +10,7 @@ from helpers import opened_browser
 from stickslip.report.page import write_page
 from synthetic import synthetic_response, synthetic_study
 
-PLOTS = 2 + 2 + 4 + 2
+PLOTS = 2 + 2 + 4 + 2 + 2
 
 
 @pytest.fixture(scope="module")

@@ -182,6 +182,17 @@ def test_a_load_on_a_pressure_gap_law_finds_its_closure() -> None:
     assert state.displacement[2] == pytest.approx(2.0 * np.sqrt(3e6) / 1e6, rel=1e-2)
 
 
+def test_a_bent_path_takes_more_steps_and_says_so(blade: Blade) -> None:
+    """The pressure-gap law is not proportional to the load, so the first few steps are not enough with friction."""
+    superelement, pairs, load = pressed(blade)
+    law = PressureGapLaw.from_stiffness(np.full(pairs.n_pairs, 1e-6), lambda p: 1e9 * np.sqrt(p), 1e3, 1e9)
+    state = static_preload(superelement, pairs, load, normal_law=law, steps=1)
+    assert state.steps >= 4
+    assert "of the largest friction limit" in state.message
+    with pytest.raises(InputError, match=r"steps is 2\.5"):
+        static_preload(superelement, pairs, load, steps=2.5)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("kept", [False, True])
 def test_vibration_about_the_state_equals_a_balance_with_the_static_load_in_its_mean(blade: Blade, kept: bool) -> None:
     """Mode B: an independent dense balance carries the static load in the mean and counts from the unloaded state."""

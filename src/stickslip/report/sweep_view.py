@@ -16,7 +16,6 @@ from stickslip.validation import FloatArray
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, INK)
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash")
 LOAD_KEY = "preload.centrifugal_force"
-FORCE_KEY = "excitation.amplitude"
 
 
 @dataclass(frozen=True)

@@ -54,7 +54,7 @@ def static_preload(
         the joint before the load: ``preload`` is 0 for pairs that just touch, ``-k_n gap`` for a gap, above 0 for an
         interference. Equal tangential stiffness in both directions.
     load:
-        (n,) N.
+        (n,) N; it may be zero where an interference presses.
     friction:
         False gives the state without traction, the rest state of released sliders.
     local_stiffness:
@@ -63,9 +63,10 @@ def static_preload(
         a law instead of springs, such as :class:`PressureGapLaw`; ``local_stiffness`` then sets the tangential springs
         alone. The gaps are those of ``pairs``.
     steps:
-        load steps to begin with; a step that does not converge is cut. Pairs with a gap or an interference slip along
-        bent lines, so with friction the steps are multiplied by four until no traction changes by more than 1 % of the
-        largest friction limit, at most to 64; the message says how much they still changed.
+        load steps to begin with; a step that does not converge is cut. Pairs with a gap, an interference or a
+        pressure-gap law slip along bent lines, so with friction the steps are multiplied by four until no traction
+        changes by more than 1 % of the largest friction limit, at most to 64; the message says how much they still
+        changed.
 
     Raises
     ------
@@ -75,18 +76,18 @@ def static_preload(
         where no equilibrium was found; the message says how much of the load the joint carried.
     """
     force = _checked_load(load, superelement, pairs)
-    if isinstance(steps, bool) or steps < 1:
+    if not isinstance(steps, int) or isinstance(steps, bool) or steps < 1:
         raise InputError(f"steps is {steps!r}, but it must be a whole number of at least 1.")
     told = progress or (lambda fraction, detail: None)
     gap = -pairs.preload / pairs.normal_stiffness
     law = normal_law or SpringLaw(pairs.normal_stiffness)
     ramp = LoadRamp(superelement, pairs, force, law, gap, friction)
     state = ramp.run(steps)
-    path = ""
-    if friction and gap.any():
+    bent = friction and (gap.any() or normal_law is not None)
+    if bent:
         state, steps, path = _settled(ramp, pairs, state, steps)
     if local_stiffness is None:
-        return replace(state, message=state.message + path)
+        return replace(state, message=state.message + (path if bent else ""))
     for iteration in range(STIFFNESS_ITERATIONS):
         told(iteration / STIFFNESS_ITERATIONS, f"local stiffness, iteration {iteration + 1}")
         normal, tangential = local_stiffness(state.normal_force)
@@ -96,7 +97,8 @@ def static_preload(
         local = ContactPairs(pairs.operator, normal, tangential, pairs.friction_coefficient, -normal * gap)
         previous = state
         law = normal_law or SpringLaw(normal)
-        state = LoadRamp(superelement, local, force, law, gap, friction).run(steps)
+        ramp = LoadRamp(superelement, local, force, law, gap, friction)
+        state = ramp.run(steps)
         # The stiffness too: forces that equilibrium alone determines do not tell whether it has reached its law.
         change = max(
             _change(state.normal_force, previous.normal_force),
@@ -104,7 +106,11 @@ def static_preload(
             _change(state.tangential_stiffness, previous.tangential_stiffness),
         )
         if change <= STIFFNESS_TOLERANCE:
-            return replace(state, message=f"{state.message}{path} Local stiffness after {iteration + 1} iterations.")
+            words = f" Local stiffness after {iteration + 1} iterations."
+            if bent:
+                state, _, path = _settled(ramp, pairs, state, steps)
+                words = path + words
+            return replace(state, message=state.message + words)
     raise ConvergenceError(
         f"the stiffness of the pairs under their own pressure did not settle in {STIFFNESS_ITERATIONS} iterations; the "
         f"normal forces or stiffness still change by {change:.1e} of the largest. Use a pressure-gap law, or one "

@@ -153,7 +153,11 @@ def _materials(raw: RawModel, units: UnitSystem, names: tuple[str, ...], message
         found = raw.materials[body.material]
         missing = [
             word
-            for word, value in (("elastic constants", found.young_modulus), ("density", found.density))
+            for word, value in (
+                ("Young's modulus", found.young_modulus),
+                ("Poisson's ratio", found.poisson_ratio),
+                ("density", found.density),
+            )
             if value is None
         ]
         if found.young_modulus is None or found.poisson_ratio is None or found.density is None:

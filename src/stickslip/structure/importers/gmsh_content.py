@@ -27,7 +27,8 @@ _PARAMETRIC = (
 def readable_content(source: Path) -> bytes:
     """The content of a Gmsh file as meshio reads it right.
 
-    Raises ImportFileError where the nodes of a 4.1 file are not those that it announces, or have huge numbers.
+    Raises ImportFileError for an unreadable file, a foreign header or version, parametric nodes, damaged sections, huge
+    node numbers, and, in version 4.0, entities in several groups.
     """
     try:
         content = source.read_bytes()

@@ -1,8 +1,8 @@
 """Gmsh .msh (2.2, 4.0, 4.1, text and binary), VTU and MED through meshio, with their groups as bodies and sets.
 
-Groups of solid cells are bodies if they divide the solids among them, else element sets. Groups of surface cells are
-face sets, groups of lines and points node sets. In a .vtu a group is an array of 0 and 1, of cells or of points, and
-the integer cell array ``body`` numbers the bodies.
+Groups of solid cells are bodies if none overlap (a solid in no group is then refused), else element sets. Groups of
+surface cells are face sets, groups of lines and points node sets. In a .vtu a group is an array of 0 and 1, of cells or
+of points, and the integer cell array ``body`` numbers the bodies.
 """
 
 from __future__ import annotations

@@ -270,6 +270,11 @@ class _BinaryFile:
             if count < 1:
                 raise ImportFileError(f'"{self._path}", {self.place}: column {column} has {count} words.')
             if row > 0:
+                if count % header.words:
+                    raise ImportFileError(
+                        f'"{self._path}", {self.place}: column {column} has {count} words, which is no whole number of '
+                        f"values of {header.words} words. The file is damaged; write it again."
+                    )
                 yield column, row, self.values(count // header.words, header)
             else:
                 yield from _strings(self._path, self, header, column, count)
