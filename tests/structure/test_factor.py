@@ -1,9 +1,11 @@
 import sys
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
 import scipy.sparse
 
+from helpers import absent_tool
 from stickslip.errors import ConvergenceError, InputError, MissingPackageError
 from stickslip.structure import factor as factor_module
 from stickslip.structure.elasticity import Material, assemble
@@ -64,7 +66,8 @@ def test_missing_pardiso_names_the_extra(stiffness, monkeypatch):
 
 
 def test_pardiso_where_it_is_installed(stiffness):
-    pytest.importorskip("pypardiso")
+    if find_spec("pypardiso") is None:
+        absent_tool("pypardiso", 'pip install "stickslip[pardiso]".')
     solution = np.random.default_rng(0).standard_normal((stiffness.shape[0], 5))
     factor = factorize(stiffness, backend="pardiso")
     np.testing.assert_allclose(factor.solve(stiffness @ solution, block=2), solution, atol=1e-11)

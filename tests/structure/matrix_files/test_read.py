@@ -8,6 +8,7 @@ import pytest
 import scipy.io
 import scipy.sparse
 
+from helpers import absent_tool
 from matrix_writers import MAPS, NODES, WRITERS, coordinates, write_calculix, write_harwell_boeing, write_op4_text
 from stickslip.errors import ImportFileError, InputError, MissingPackageError
 from stickslip.structure.matrix_files.read import read_matrices
@@ -244,9 +245,8 @@ def test_sparse_npz_with_an_index_out_of_range_is_refused(tmp_path):
     refused(["SciPy sparse"], path, path, path)
 
 
-def test_full_file_without_the_extra_names_it(tmp_path):
-    if importlib.util.find_spec("ansys") is not None:
-        pytest.skip("the extra [ansys] is installed")
+def test_full_file_without_the_extra_names_it(tmp_path, monkeypatch):
+    monkeypatch.setattr("stickslip.structure.matrix_files.ansys_full.find_spec", lambda name: None)
     path = tmp_path / "file.full"
     path.write_bytes(b"\0" * 100)
     with pytest.raises(MissingPackageError, match=r"file\.full.*stickslip\[ansys\].*HBMAT"):
@@ -255,7 +255,10 @@ def test_full_file_without_the_extra_names_it(tmp_path):
 
 def test_full_file_of_ansys(tmp_path):
     """The example of ansys-mapdl-reader, a clamped square beam: 300 free nodes, bending modes in equal pairs."""
-    examples = pytest.importorskip("ansys.mapdl.reader.examples", reason="needs the extra [ansys]")
+    if importlib.util.find_spec("ansys") is None:
+        absent_tool("ansys-mapdl-reader", 'pip install "stickslip[ansys]".')
+    from ansys.mapdl.reader import examples
+
     from stickslip.structure.elasticity import natural_frequencies
 
     model = read_matrices(examples.fullfile, examples.fullfile)
