@@ -31,8 +31,10 @@ lint: $(INSTALLED)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
+# One process of tests for each core, at most four; more threads in each would only wait for each other. Tests of a file
+# share what they prepared, so a file stays in one process.
 test: lint
-	$(BIN)/python -m pytest
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
 
 bench: $(INSTALLED)
 	$(PIP) install --constraint constraints.txt --editable .[bench]

@@ -5,12 +5,10 @@
 
 from __future__ import annotations
 
-import json
 import resource
-import subprocess
-import sys
 import time
-from typing import cast
+
+from both_factors import with_each_factor
 
 from stickslip.case import Case
 from stickslip.model import build_joint, build_structure
@@ -59,18 +57,5 @@ def measure(backend: Backend, threads: int = 2) -> dict[str, float | str]:
     }
 
 
-def main() -> None:
-    """One line for each factor."""
-    if sys.argv[1:2] == ["--one"]:
-        print(json.dumps(measure(cast(Backend, sys.argv[2]))))
-        return
-    for backend in sys.argv[1:] or ["pardiso", "superlu"]:
-        command = [sys.executable, __file__, "--one", backend]
-        answer = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-        row = json.loads(answer.splitlines()[-1])
-        cells = (f"{name} {value if isinstance(value, str) else format(value, '.4g')}" for name, value in row.items())
-        print(", ".join(cells), flush=True)
-
-
 if __name__ == "__main__":
-    main()
+    with_each_factor(__file__, measure)

@@ -7,19 +7,16 @@ machine. The mesh is made of bricks that are cut into six tetrahedra each, so no
 
 from __future__ import annotations
 
-import itertools
-import json
 import resource
-import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar
 
 import meshio
 import numpy as np
+from both_factors import with_each_factor
 
 from stickslip.case import Case
 from stickslip.mesh_study import set_up
@@ -45,38 +42,15 @@ ELEMENTS = BladePairElements(
 # Quadratic sides have midside nodes, so 2 x 5 of them have the 110 pairs of the default case's 4 x 10.
 BODIES = ("left_blade", "right_blade", "damper")
 FACES = {"left_face": 0, "right_face": 1, "damper_left_face": 2, "damper_right_face": 2}
-# Corners of a brick on the six ways along its edges from corner 0 to corner 6: neighbours are cut along the same lines.
-_STEPS = {
-    0: (0, 0, 0),
-    1: (1, 0, 0),
-    2: (1, 1, 0),
-    3: (0, 1, 0),
-    4: (0, 0, 1),
-    5: (1, 0, 1),
-    6: (1, 1, 1),
-    7: (0, 1, 1),
-}
+# Corners of the six tetrahedra of a brick around its diagonal 0-6: neighbours are cut along the same lines.
+_TETRAHEDRA = np.array([[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]])
 _EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 _SIDES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
 
 
-def ways() -> np.ndarray:
-    """(6, 4) corners of the tetrahedra of a brick, each with a positive volume."""
-    corner = {step: number for number, step in _STEPS.items()}
-    found = []
-    for order in itertools.permutations(range(3)):
-        steps = np.zeros((4, 3), dtype=int)
-        for at, axis in enumerate(order, start=1):
-            steps[at] = steps[at - 1] + np.eye(3, dtype=int)[axis]
-        cell = [corner[tuple(int(value) for value in step)] for step in steps]
-        right_handed = np.linalg.det((steps[1:] - steps[0]).astype(float)) > 0.0
-        found.append(cell if right_handed else [cell[0], cell[2], cell[1], cell[3]])
-    return np.array(found)
-
-
 def quadratic_tetrahedra(mesh: Mesh) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points, cells (m, 10) and body (m,) of a mesh of bricks."""
-    corners = mesh.cells[:, ways()].reshape(-1, 4)
+    corners = mesh.cells[:, _TETRAHEDRA].reshape(-1, 4)
     edges = np.sort(corners[:, _EDGES].reshape(-1, 2), axis=1)
     ends, number = np.unique(edges, axis=0, return_inverse=True)
     middles = mesh.n_nodes + number.reshape(len(corners), 6)
@@ -173,18 +147,5 @@ def measure(backend: Backend, threads: int = 2) -> dict[str, float | str]:
     return row
 
 
-def main() -> None:
-    """One list for each factor."""
-    if sys.argv[1:2] == ["--one"]:
-        print(json.dumps(measure(cast(Backend, sys.argv[2]))))
-        return
-    for backend in sys.argv[1:] or ["pardiso", "superlu"]:
-        command = [sys.executable, __file__, "--one", backend]
-        answer = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-        for name, value in json.loads(answer.splitlines()[-1]).items():
-            print(f"{name:<40} {value if isinstance(value, str) else format(value, '.4g')}", flush=True)
-        print()
-
-
 if __name__ == "__main__":
-    main()
+    with_each_factor(__file__, measure)

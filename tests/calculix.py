@@ -7,7 +7,6 @@ import re
 import shutil
 import subprocess
 from dataclasses import dataclass
-from itertools import permutations
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ import scipy.sparse
 from scipy.spatial import cKDTree
 
 from helpers import absent_tool
+from solid_cells import PARTS
 from stickslip.structure.blade_pair import BladePairElements, blade_pair_mesh
 from stickslip.structure.calculix_deck import write_calculix_deck
 from stickslip.structure.cell_kinds import CELL_KINDS
@@ -67,7 +67,7 @@ def blades(kind: str, elements: BladePairElements | None = COARSE) -> tuple[Mesh
 def cut_bricks(mesh: Mesh, kind: str) -> FiniteElementMesh:
     """Each brick as six tetrahedra around its diagonal 0-6, or two wedges; neighbours fit where their bricks have the
     same axes. The bodies are left, right and damper as far as the mesh has them."""
-    local = _tetrahedra() if kind.startswith("tetra") else [[0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7]]
+    local = PARTS["tetra" if kind.startswith("tetra") else "wedge"]
     cells = mesh.cells[:, np.array(local)].reshape(-1, len(local[0]))
     points, sets = mesh.points, dict(mesh.node_sets)
     if CELL_KINDS[kind].is_quadratic:
@@ -81,29 +81,6 @@ def cut_bricks(mesh: Mesh, kind: str) -> FiniteElementMesh:
         points = np.vstack([points, points[edges].mean(axis=1)])
     block = CellBlock(kind, cells, np.repeat(mesh.body, len(local)))
     return FiniteElementMesh(points, (block,), ("left", "right", "damper")[: mesh.body.max() + 1], sets, {}, {})
-
-
-def _tetrahedra() -> list[list[int]]:
-    """Corners of a brick that make its six tetrahedra."""
-    corner = {
-        0: (0, 0, 0),
-        1: (1, 0, 0),
-        2: (1, 1, 0),
-        3: (0, 1, 0),
-        4: (0, 0, 1),
-        5: (1, 0, 1),
-        6: (1, 1, 1),
-        7: (0, 1, 1),
-    }
-    number = {place: node for node, place in corner.items()}
-    local = []
-    for order in permutations(range(3)):
-        path = np.vstack([np.zeros(3, dtype=int), np.cumsum(np.eye(3, dtype=int)[list(order)], axis=0)])
-        nodes = [number[tuple(place)] for place in path]
-        if np.linalg.det(np.eye(3)[list(order)]) < 0:
-            nodes[1], nodes[2] = nodes[2], nodes[1]
-        local.append(nodes)
-    return local
 
 
 def our_structure(mesh: Mesh | FiniteElementMesh, element: str) -> Structure:

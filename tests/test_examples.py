@@ -6,13 +6,16 @@ import glob
 import re
 import runpy
 import shlex
+import shutil
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
+import typer
 from typer.testing import CliRunner
 
 from stickslip.cli import app
+from stickslip.paper.plan import Scope, computations
 from sweep_cases import quick_file
 
 ROOT = Path(__file__).parents[1]
@@ -74,19 +77,48 @@ def test_readme_python_block(capsys: pytest.CaptureFixture[str], monkeypatch: py
     assert 190.0 < amplitude < 205.0
 
 
-def test_readme_commands_exist(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """`new` and `check` run as printed; the options of `run` and `report` are those of the program."""
+def test_readme_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The commands run as printed, after the first one on a coarse mesh; only the published study is too long."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("stickslip.sweeps.run.usable_cores", lambda: 1)
+    shutil.copy(ROOT / "examples" / "data" / "profile.csv", tmp_path)
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    block = next(part for part in re.findall(r"```sh\n(.*?)```", readme, flags=re.DOTALL) if "stickslip" in part)
-    commands = re.findall(r"^stickslip (\w+)((?: [^#\n]+)?)", block, flags=re.MULTILINE)
-    assert [name for name, _ in commands] == ["new", "check", "run", "report", "roughness"]
-    runner = CliRunner()
-    for name, arguments in commands[:2]:
-        assert runner.invoke(app, [name, *arguments.split()]).exit_code == 0
-    for name, arguments in commands[2:]:
-        shown = runner.invoke(app, [name, "--help"]).output
-        assert all(word in shown for word in arguments.split() if word.startswith("--"))
+    blocks = "".join(re.findall(r"```sh\n(.*?)```", readme, flags=re.DOTALL))
+    commands = re.findall(r"^stickslip ([^#\n]+)", blocks, flags=re.MULTILINE)
+    assert [line.split()[0] for line in commands] == ["new", "check", "run", "report", "roughness", "sweep", "paper"]
+    for line in commands[:-1]:
+        result = CliRunner().invoke(app, shlex.split(line))
+        assert result.exit_code == 0, result.output
+        if line.startswith("new"):
+            quick_file(tmp_path)
+    assert (tmp_path / "results" / "report.html").is_file()
+    assert len(list(tmp_path.glob("sweep/cases/*/results.nc"))) == 20
+
+
+def documented_commands() -> list[str]:
+    """Every command of the README and the guide, in a block or in a sentence, without its comment."""
+    found = []
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+        text = page.read_text(encoding="utf-8")
+        blocks = "".join(re.findall(r"```sh\n(.*?)```", text, flags=re.DOTALL))
+        found += re.findall(r"^stickslip ([^#\n]+)", blocks, flags=re.MULTILINE)
+        found += re.findall(r"`stickslip ([a-z]+ [^`]*)`", re.sub(r"```.*?```", "", text, flags=re.DOTALL))
+    return sorted({" ".join(line.split()) for line in found})
+
+
+@pytest.mark.parametrize("line", documented_commands())
+def test_documented_commands_are_understood(line: str) -> None:
+    """Name, options and kinds of values are those of the program. "[--workers 2]" marks what may be left out."""
+    name, *words = shlex.split(line.replace("[", "").replace("]", ""))
+    group = typer.main.get_command(app)
+    group.commands[name].make_context(name, words)
+
+
+def test_the_readme_counts_the_curves_of_the_published_study() -> None:
+    readme, guide = ((ROOT / page).read_text(encoding="utf-8") for page in ("README.md", "docs/paper_study.md"))
+    count = len(computations(Scope()))
+    assert f"# {count} curves" in readme
+    assert f" {count} curves of" in guide
 
 
 def test_guide_to_sweeps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -15,18 +15,7 @@ from stickslip.interface.face_pairs import FacePairs
 from stickslip.interface.local_axes import local_tangents, map_position
 from stickslip.joint import case_material
 from stickslip.joint_overlap import require_single_pairs
-from stickslip.own_structure import (
-    description,
-    face_settings,
-    force_amplitude,
-    forces,
-    is_fitted,
-    outputs,
-    port_sections,
-    preload,
-    rough_face_size,
-    static_forces,
-)
+from stickslip.own_structure import port_sections
 from stickslip.setup import Layout, Port
 from stickslip.structure.elasticity import Material
 from stickslip.structure.finite_element_mesh import AnyMesh
@@ -42,21 +31,6 @@ from stickslip.validation import FloatArray
 
 if TYPE_CHECKING:
     from stickslip.case import Case
-
-__all__ = [
-    "MatrixSetup",
-    "description",
-    "face_settings",
-    "find_layout",
-    "force_amplitude",
-    "forces",
-    "is_fitted",
-    "outputs",
-    "preload",
-    "rough_face_size",
-    "set_up",
-    "static_forces",
-]
 
 _COINCIDENT = 1e-6  # m between the nodes of a pair, unless search_distance says more
 _POINT_SHARE = 0.05  # of the size of the structure: how far a point may be from a node

@@ -16,18 +16,7 @@ from stickslip.interface.face_pairs import FacePairs
 from stickslip.interface.pairing import pair_surfaces, pair_with_ground
 from stickslip.interface.pairing_result import Pairing, write_pairs
 from stickslip.joint_overlap import require_single_joints
-from stickslip.own_structure import (
-    description,
-    face_settings,
-    force_amplitude,
-    forces,
-    is_fitted,
-    outputs,
-    port_sections,
-    preload,
-    rough_face_size,
-    static_forces,
-)
+from stickslip.own_structure import port_sections
 from stickslip.setup import Derived, Layout, Port
 from stickslip.structure.body_load import centrifugal_load
 from stickslip.structure.elasticity import Hexahedron, Material, Structure, assemble_bodies
@@ -42,21 +31,6 @@ from stickslip.validation import FloatArray
 
 if TYPE_CHECKING:
     from stickslip.case import Case
-
-__all__ = [
-    "MeshSetup",
-    "description",
-    "face_settings",
-    "find_layout",
-    "force_amplitude",
-    "forces",
-    "is_fitted",
-    "outputs",
-    "preload",
-    "rough_face_size",
-    "set_up",
-    "static_forces",
-]
 
 PAIRS_FILE = "contact_pairs.vtu"
 # A point of the study file may lie this share of the model's size from the nearest node.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from stickslip import matrix_study, mesh_study, two_blade
+from stickslip import matrix_study, mesh_study, own_structure, two_blade
 from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.joint import FaceSettings, Joint, make_joint
 from stickslip.progress import ProgressCallback
@@ -28,14 +28,18 @@ if TYPE_CHECKING:
     from stickslip.case import Case
 
 
-class Kind(Protocol):
-    """What a module of one kind of structure offers, beside what all kinds share in this module."""
+class Geometry(Protocol):
+    """What a module offers that finds the structure of a case and its joints."""
 
     def set_up(self, case: Case) -> Setup:
         """Mesh or matrices, and the layout on them. Raises InputError."""
 
     def find_layout(self, case: Case, mesh: AnyMesh) -> Layout:
         """The layout on a mesh that is there already. Raises InputError."""
+
+
+class Kind(Protocol):
+    """What a module offers that reads loads, responses and words of a case, beside what all kinds share here."""
 
     def preload(self, case: Case, layout: Layout) -> FloatArray:
         """(n_pairs,) N at rest. Raises InputError."""
@@ -65,12 +69,20 @@ class Kind(Protocol):
         """Whether the structure is the one that was fitted to the paper's Table 2."""
 
 
-_KINDS: dict[str, Kind] = {"two-blade": two_blade, "mesh": mesh_study, "matrices": matrix_study}
+_KINDS: dict[str, tuple[Geometry, Kind]] = {
+    "two-blade": (two_blade, two_blade),
+    "mesh": (mesh_study, own_structure),
+    "matrices": (matrix_study, own_structure),
+}
 
 
 def kind_of(case: Case) -> Kind:
-    """The module of the case's kind of structure."""
-    return _KINDS[case.structure.kind]
+    """The module that reads the loads and responses of the case's kind of structure."""
+    return _KINDS[case.structure.kind][1]
+
+
+def _geometry_of(case: Case) -> Geometry:
+    return _KINDS[case.structure.kind][0]
 
 
 @dataclass(frozen=True)
@@ -121,7 +133,7 @@ class Model(ReducedModel):
 
 def set_up(case: Case) -> Setup:
     """The structure of a case before its matrices, with its layout. Raises InputError for what does not fit."""
-    return kind_of(case).set_up(case)
+    return _geometry_of(case).set_up(case)
 
 
 def build_structure(case: Case) -> Structure | Superelement:
@@ -131,7 +143,7 @@ def build_structure(case: Case) -> Structure | Superelement:
 
 def build_joint(case: Case, structure: Structure) -> Joint:
     """Pairs, preload and stiffness. Raises RoughnessError where the roughness gives no usable contact."""
-    return load_joint(case, kind_of(case).find_layout(case, structure.mesh))
+    return load_joint(case, _geometry_of(case).find_layout(case, structure.mesh))
 
 
 def load_joint(case: Case, layout: Layout) -> Joint:

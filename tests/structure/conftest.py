@@ -4,11 +4,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from solid_cells import CORNERS
 from stickslip.interface.pairing import FacePairs, pair_faces
 from stickslip.structure.blade_pair import blade_pair_mesh
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.elasticity import Material, assemble
-from stickslip.structure.mesh import CORNERS, Mesh
+from stickslip.structure.mesh import Mesh
 
 DATA = Path(__file__).parents[1] / "data"
 

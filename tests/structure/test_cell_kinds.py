@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-import scipy.sparse.linalg
 
+from solid_cells import PARTS, require_constant_strain
 from stickslip.errors import InputError
 from stickslip.structure.cell_kinds import CELL_KINDS
 from stickslip.structure.elasticity import Material, assemble_bodies, natural_frequencies
@@ -13,12 +13,6 @@ from stickslip.structure.shapes import shape_functions, stiffness_rule
 
 SOFT = Material(young_modulus=3.0, poisson_ratio=0.3, density=2.0)
 KINDS = list(CELL_KINDS)
-# A brick in six tetrahedra, in two wedges, or as it is.
-PARTS = {
-    "tetra": [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]],
-    "wedge": [[0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7]],
-    "hexahedron": [list(range(8))],
-}
 
 
 def block_of(kind_name, make_block, counts, lengths=(1.0, 1.0, 1.0), distortion=0.0):
@@ -74,21 +68,9 @@ def test_sides_look_outwards_and_carry_their_midside_nodes(name):
 def test_patch_of_distorted_cells_reproduces_constant_stress(make_block, name):
     mesh = block_of(name, make_block, (3, 3, 3), distortion=0.12)
     structure = assemble_bodies(mesh, [SOFT])
-    gradient = np.array([[1.0, 0.4, -0.2], [0.3, -0.5, 0.7], [0.1, 0.6, 0.8]])
-    exact = (mesh.points @ gradient.T).ravel()
-    inner = np.ones(mesh.n_nodes, dtype=bool)
-    for sides in mesh.outer_sides():
-        inner[sides] = False
-    free = np.repeat(inner, 3)
-    assert free.sum() >= 24
-    held = structure.stiffness[free][:, ~free] @ exact[~free]
-    solved = scipy.sparse.linalg.spsolve(structure.stiffness[free][:, free].tocsc(), -held)
-    np.testing.assert_allclose(solved, exact[free], atol=1e-10)
-    strain = 0.5 * (gradient + gradient.T)
-    voigt = np.array([*np.diag(strain), *(2.0 * strain[[0, 1, 2], [1, 2, 0]])])
-    volume = structure.mass[::3, ::3].sum() / SOFT.density
-    energy = 0.5 * exact @ structure.stiffness @ exact
-    assert energy == pytest.approx(0.5 * volume * voigt @ SOFT.elastic_matrix() @ voigt, rel=1e-10)
+    require_constant_strain(
+        structure, mesh.points, np.concatenate([sides.ravel() for sides in mesh.outer_sides()]), SOFT
+    )
 
 
 @pytest.mark.parametrize("name", KINDS)

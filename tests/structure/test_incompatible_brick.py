@@ -1,8 +1,8 @@
 import numpy as np
 
+from solid_cells import CORNERS
 from stickslip.structure.elasticity import Material
 from stickslip.structure.incompatible_brick import incompatible_stiffness
-from stickslip.structure.mesh import CORNERS
 from stickslip.structure.shapes import compatible_stiffness
 
 ELASTIC = Material(young_modulus=3.0, poisson_ratio=0.0).elastic_matrix()

@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
+from solid_cells import CORNERS
 from stickslip.errors import InputError
-from stickslip.structure.mesh import CORNERS, Mesh
+from stickslip.structure.mesh import Mesh
 
 CUBE = (CORNERS + 1) / 2
 CELL = np.arange(8)[None]

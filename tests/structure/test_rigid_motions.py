@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
+from solid_cells import CORNERS
 from stickslip.structure.elasticity import Material, assemble_bodies
 from stickslip.structure.finite_element_mesh import CellBlock, FiniteElementMesh
-from stickslip.structure.mesh import CORNERS
 from stickslip.structure.rigid_motions import part_motions
 
 CUBE = (CORNERS + 1) / 2

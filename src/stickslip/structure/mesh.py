@@ -13,7 +13,6 @@ from stickslip.structure.cell_kinds import CELL_KINDS, KIND_OF_SIZE, CellKind, a
 from stickslip.structure.cell_kinds import IntArray as IntArray
 from stickslip.validation import FloatArray, finite_array
 
-CORNERS = CELL_KINDS["hexahedron"].nodes
 EDGES = CELL_KINDS["hexahedron"].edges
 
 
