@@ -4,10 +4,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from solid_cells import CORNERS
 from stickslip.errors import InputError
 from stickslip.interface.pairing import FacePairs, pair_faces
 from stickslip.structure.blade_pair import blade_pair_mesh
-from stickslip.structure.mesh import CORNERS, Mesh
+from stickslip.structure.mesh import Mesh
 from stickslip.structure.superelement import Superelement
 
 

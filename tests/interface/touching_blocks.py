@@ -6,9 +6,9 @@ import numpy as np
 import scipy.sparse
 import scipy.sparse.linalg
 
+from solid_cells import CORNERS
 from stickslip.structure.elasticity import Material, assemble_bodies
 from stickslip.structure.finite_element_mesh import CellBlock, FiniteElementMesh
-from stickslip.structure.mesh import CORNERS
 from stickslip.structure.shapes import side_rule, side_shape_functions
 
 PRESSURE = 1e8

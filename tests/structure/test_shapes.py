@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from solid_cells import CORNERS
 from stickslip.errors import InputError
-from stickslip.structure.mesh import CORNERS
 from stickslip.structure.shapes import NODES, consistent_mass, gauss_points, shape_functions
 
 

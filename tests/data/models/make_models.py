@@ -13,7 +13,8 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parents[1]))
 
 from model_writers import write_bdf, write_inp, write_meshio  # noqa: E402
-from stickslip.structure.mesh import CORNERS, Mesh  # noqa: E402
+from solid_cells import CORNERS  # noqa: E402
+from stickslip.structure.mesh import Mesh  # noqa: E402
 
 
 def two_cubes() -> Mesh:
