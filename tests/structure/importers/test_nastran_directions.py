@@ -62,6 +62,12 @@ def test_forces_in_a_system(tmp_path, system, label, force, wanted):
         (f"FORCE,3,13,5,2.,,1.\n{SPHERE}", "FORCE: grid 13 is on the axis of the system 5, .* components 2, 3"),
         (f"FORCE,3,1,5,2.,1.\n{SPHERE}", "FORCE: grid 1 is on the axis of the system 5, .* components 1, 2, 3"),
         (f"FORCE,3,16,5,1+200,1+200\n{CYLINDER}", "line 39: the force on node 16 is too large for a number"),
+        # no warning of numpy on the way to a sentence
+        (
+            f"FORCE,3,99,5,1.,1.\nGRID,99,,1+200,1.,0.\n{SPHERE}",
+            r"line 40: node 99 has the coordinates 1e\+200, .*finite",
+        ),
+        (f"FORCE,3,99,5,1.,1.\nGRID,99,5,1+308,45.,0.\n{SPHERE}", r"line 40: node 99 has the coordinates .*finite"),
     ],
 )
 def test_forces_that_have_no_direction(tmp_path, cards, words):

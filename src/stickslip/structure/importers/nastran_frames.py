@@ -66,8 +66,9 @@ class Frame:
             return self.axes, frozenset()
         with np.errstate(over="ignore", invalid="ignore"):  # places that are not finite are refused with their node
             local = self.axes @ (place - self.origin)
-            small = _ON_AXIS * max(float(np.linalg.norm(each)) for each in (place, self.origin, local))
-        ring, radius = float(np.hypot(local[0], local[1])), float(np.linalg.norm(local))
+            ring = float(np.hypot(local[0], local[1]))  # without the squares, which may be too large
+            radius = float(np.hypot(ring, local[2]))
+        small = _ON_AXIS * max(float(np.abs(each).max()) for each in (place, self.origin))
         if self.kind == "spherical" and radius <= small:
             return self.axes, frozenset((0, 1, 2))
         if ring <= small:
