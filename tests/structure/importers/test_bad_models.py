@@ -67,7 +67,7 @@ def test_abaqus_decks(tmp_path, old, new, words):
 NASTRAN = [
     ("PSOLID,2,7", "PSOLID,3,7", "element 2 has the property 2, but there is no such PSOLID"),
     ("PSOLID,2,7", "PSOLID,2,8", "body 'upper' has the material '8', which the file does not define"),
-    ("GRID,1,,0,0,0", "GRID,1,5,0,0,0", r"line 5: GRID: it is given in coordinate system 5, but only CORD2R"),
+    ("GRID,1,,0,0,0", "GRID,1,5,0,0,0", r"line 5: GRID: there is no coordinate system 5. Read are CORD1R"),
     ("GRID,1,,0,0,0", "GRID,1,,0,x,0", 'GRID: field 5 is "x", not a number'),
     ("GRID,2,", "GRID,1,", r"node 1 is defined twice \(first in line 5\)"),
     ("MAT1,7,210000.0,,0.3", "MAT1,7,210000.0,,0.6", "material '7': poisson_ratio is 0.6"),

@@ -39,14 +39,19 @@ def time_limit() -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
-def require_sentence_or_model(path: Path, content: bytes) -> None:
+def require_sentence_or_model(path: Path, content: bytes, **included: bytes) -> None:
+    """Write a file, and ``included`` ones by their stem, and read it; an error must name one of them."""
     path.write_bytes(content)
+    files = [path]
+    for stem, text in included.items():
+        files.append(path.with_name(f"{stem}{path.suffix}"))
+        files[-1].write_bytes(text)
     try:
         with time_limit(), warnings.catch_warnings():
             warnings.simplefilter("error")
             model = read_model(path, "mm")
     except ImportFileError as error:
-        if str(path) not in str(error):
+        if not any(str(file) in str(error) for file in files):
             raise
         return
     # A wrong model would be one whose parts do not fit together.
@@ -103,6 +108,72 @@ def test_the_sound_file_is_read(name):
 def test_damaged_files(folder, name, seed):
     content = (MODELS / name).read_bytes()
     require_sentence_or_model(folder / name, damaged(content, seed))
+
+
+def deck_in_files() -> dict[str, bytes]:
+    """The two cubes in a deck that includes its case control, grids in a cylinder by grids, and all else."""
+    lines = (MODELS / "cubes.bdf").read_text(encoding="utf-8").splitlines()
+    grids = [line for line in lines if line.startswith("GRID")]
+    rest = [line for line in lines[lines.index("BEGIN BULK") + 1 :] if line not in grids]
+    return {
+        "deck": b"SOL 103\nINCLUDE 'control.bdf'\nBEGIN BULK\nINCLUDE bulk.bdf\nENDDATA\n",
+        "control": b"CEND\nSPC = 1\n",
+        "bulk": "\n".join(["INCLUDE 'gr\n ids.bdf'", "FORCE,3,16,5,2.,1.,3.,4.", *rest[:-1], ""]).encode(),
+        "grids": "\n".join(
+            [
+                *grids[:2],
+                "GRID,3,5,14.142135623730951,45.,0.",
+                *grids[3:7],
+                "GRID,8,6,14.142135623730951,45.,90.,7",
+                *grids[8:],
+                "CORD1C,5,1,5,2",
+                "CORD2S,6,5,0.,0.,0.,0.,0.,1.,+",
+                "+,1.,0.,0.",
+                "CORD2R,7,6,0.,0.,0.,1.,90.,0.,+",
+                "+,1.,90.,90.",
+                "GRDSET,,,,,,7",
+                "",
+            ]
+        ).encode(),
+    }
+
+
+def write_deck(folder: Path, files: dict[str, bytes]) -> Path:
+    for stem, content in files.items():
+        (folder / f"{stem}.bdf").write_bytes(content)
+    return folder / "deck.bdf"
+
+
+def test_the_sound_deck_in_files_is_read(folder):
+    model = read_model(write_deck(folder, deck_in_files()), "mm")
+    np.testing.assert_allclose(1e9 * body_volumes(model.mesh), [1000.0, 1000.0], rtol=1e-9)
+    np.testing.assert_allclose(model.node_forces[15], [-6.0, 2.0, 8.0], atol=1e-14)
+    assert model.fixed_unknowns.tolist() == [*range(12)]
+
+
+@pytest.mark.parametrize("stem", deck_in_files())
+@settings(max_examples=100, derandomize=True, deadline=None, database=None)
+@given(seed=st.integers(0, 2**32))
+def test_damaged_decks_in_files(folder, stem, seed):
+    files = deck_in_files()
+    files[stem] = damaged(files[stem], seed)
+    require_sentence_or_model(folder / "deck.bdf", files.pop("deck"), **files)
+
+
+@pytest.mark.parametrize("stem", [name for name in deck_in_files() if name != "deck"])
+def test_included_rubbish_is_told_or_harmless(folder, stem):
+    sound = deck_in_files()
+    whole = sound[stem]
+    cuts = [whole[:length] for length in range(0, len(whole), 7)]
+    rubbish = [b"\n\n", b"\0", b"hello\n", bytes(range(256)) * 20, random.Random(1).randbytes(3000)]
+    for content in [*cuts, *rubbish]:
+        files = {name: content if name == stem else text for name, text in sound.items()}
+        top = files.pop("deck")
+        require_sentence_or_model(folder / "deck.bdf", top, **files)
+    for content, words in ((b"", "the file is empty"), (whole + b"\0", "this is a binary file")):
+        path = write_deck(folder, sound | {stem: content})
+        with pytest.raises(ImportFileError, match=rf"{stem}\.bdf: {words}"):
+            read_model(path, "mm")
 
 
 @pytest.mark.parametrize("suffix", sorted({Path(name).suffix for name in FILES}))

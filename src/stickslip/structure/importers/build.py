@@ -65,7 +65,7 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
         unit_system=units.name,
         materials=materials,
         fixed_unknowns=_fixed(raw, labels),
-        node_forces=units.force * _forces(raw, labels),
+        node_forces=_forces(raw, units, labels),
         messages=tuple(messages),
         warnings=tuple(plausibility_warnings(mesh, materials)),
     )
@@ -78,7 +78,7 @@ def _used_nodes(raw: RawModel) -> tuple[IntArray, list[IntArray]]:
     twice = np.flatnonzero(sorted_labels[1:] == sorted_labels[:-1])
     if twice.size:
         first, second = order[twice[0]], order[twice[0] + 1]
-        where = f" (first in line {raw.node_lines[first]})" if raw.node_lines[first] else ""
+        where = f" (first in {raw.where(int(raw.node_lines[first]))})" if raw.node_lines[first] else ""
         raw.fail(f"node {raw.node_labels[first]} is defined twice{where}.", int(raw.node_lines[second]))
     positions = []
     for block in raw.blocks:
@@ -228,11 +228,15 @@ def _fixed(raw: RawModel, labels: IntArray) -> IntArray:
     return np.unique(np.concatenate(found))
 
 
-def _forces(raw: RawModel, labels: IntArray) -> FloatArray:
+def _forces(raw: RawModel, units: UnitSystem, labels: IntArray) -> FloatArray:
+    """Forces (n_nodes, 3) N."""
     forces = np.zeros((len(labels), 3))
     for load in raw.loads:
         numbers = _numbers(raw, labels, load.nodes, load.line)
         if not numbers.size:
             raw.fail(f"a force acts on node {load.nodes[0]}, which belongs to no solid element.", load.line)
-        forces[numbers, load.direction] += load.value
+        with np.errstate(over="ignore"):
+            forces[numbers, load.direction] += units.force * load.value
+        if not np.isfinite(forces[numbers, load.direction]).all():
+            raw.fail(f"the force on node {load.nodes[0]} is too large for a number.", load.line)
     return forces

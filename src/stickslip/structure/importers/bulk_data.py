@@ -6,10 +6,9 @@ import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import NoReturn
 
-from stickslip.structure.importers.raw_model import fail
+from stickslip.structure.importers.raw_model import LinePlaces
 
 _EXPONENT = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))([-+]\d+)")  # 1.5-3 is 1.5e-3
 _LARGEST_LABEL = 2**31
@@ -17,16 +16,23 @@ _LARGEST_LABEL = 2**31
 
 @dataclass
 class BulkCard:
-    """One entry: its name in capitals and its fields from the second on, blank ones as ""."""
+    """One entry: its name in capitals, its fields from the second on, blank ones as "", and its line.
 
-    source: Path
+    ``places`` says to which file and line of it ``line`` belongs.
+    """
+
+    places: LinePlaces
     name: str
     fields: list[str]
     line: int
 
     def fail(self, sentence: str) -> NoReturn:
         """Raise ImportFileError that names the file, the line and the card."""
-        fail(self.source, f"{self.name}: {sentence}", self.line)
+        self.places.fail(f"{self.name}: {sentence}", self.line)
+
+    def where(self) -> str:
+        """Its line for a sentence; its file is named where it is not that of the deck."""
+        return self.places.words(self.line)
 
     def word(self, position: int) -> str:
         """A field, counted from 0 after the name; "" beyond the last one."""
@@ -75,25 +81,44 @@ class BulkCard:
         return answer
 
 
-def read_bulk(source: Path, lines: list[str]) -> Iterator[BulkCard]:
-    """Cards of bulk data, from BEGIN BULK (or the first line) to ENDDATA, each with its continuation lines joined."""
-    start = next((at + 1 for at, text in enumerate(lines) if text.upper().split()[:2] == ["BEGIN", "BULK"]), 0)
+def start_of_bulk(lines: list[str]) -> int:
+    """Number of lines up to BEGIN BULK, which is counted; 0 where there is none."""
+    return next((at for at, text in enumerate(lines, start=1) if text.upper().split()[:2] == ["BEGIN", "BULK"]), 0)
+
+
+def ends_bulk(line: str) -> bool:
+    """Whether a line is ENDDATA."""
+    return line.strip().upper().startswith("ENDDATA")
+
+
+def read_bulk(lines: list[str], places: LinePlaces) -> Iterator[BulkCard]:
+    """Cards of bulk data, from BEGIN BULK (or the first line) to ENDDATA, each with its continuation lines joined.
+
+    Raises ImportFileError for a continuation without an entry, and where a second part of bulk data begins.
+    """
+    start = start_of_bulk(lines)
     card: BulkCard | None = None
     for number, text in enumerate(lines[start:], start=start + 1):
         line = text.split("$")[0].rstrip()
         if not line.strip():
             continue
-        if line.strip().upper().startswith("ENDDATA"):
+        if ends_bulk(line):
             break
         name, fields = _split(line)
         if name in ("", "+", "*") or name[:1] in "+*":
             if card is None:
-                fail(source, "a continuation line stands before the first entry.", number)
+                places.fail("a continuation line stands before the first entry.", number)
             card.fields += fields
             continue
+        if line.split()[0].upper() == "BEGIN":
+            places.fail(
+                f'"{line.strip()[:40]}" begins a second part of bulk data (a superelement or another deck), which is '
+                "not read. Put all entries behind one BEGIN BULK.",
+                number,
+            )
         if card is not None:
             yield card
-        card = BulkCard(source, name.rstrip("*").upper(), fields, number)
+        card = BulkCard(places, name.rstrip("*").upper(), fields, number)
     if card is not None:
         yield card
 

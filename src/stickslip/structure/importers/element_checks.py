@@ -33,7 +33,7 @@ def _require_distinct_labels(raw: RawModel) -> None:
     twice = np.flatnonzero(np.diff(labels[order]) == 0)
     if twice.size:
         first, second = order[twice[0]], order[twice[0] + 1]
-        where = f" (first in line {lines[first]})" if lines[first] else ""
+        where = f" (first in {raw.where(int(lines[first]))})" if lines[first] else ""
         raw.fail(f"element {labels[first]} is defined twice{where}.", int(lines[second]))
 
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NoReturn
 
-from stickslip.structure.importers.raw_model import fail, read_text
+from stickslip.structure.importers.raw_model import DEEPEST_INCLUDE, fail, read_text
 
-_DEEPEST_INCLUDE = 5
 _LARGEST_LABEL = 2**31
 
 
@@ -73,8 +72,8 @@ def read_cards(source: Path, depth: int = 0) -> list[Card]:
                 line = f"{line}{text.strip()}" if text.strip() else line.rstrip(",")
             card = _keyword(source, start, line)
             if card.keyword == "INCLUDE":
-                if depth >= _DEEPEST_INCLUDE:
-                    card.fail(f"files include each other more than {_DEEPEST_INCLUDE} deep.")
+                if depth >= DEEPEST_INCLUDE:
+                    card.fail(f"files include each other more than {DEEPEST_INCLUDE} deep.")
                 cards += read_cards(source.parent / card.parameter("INPUT"), depth + 1)
             else:
                 cards.append(card)

@@ -3,6 +3,7 @@
 - A body is a PSOLID; its name is that of a HyperMesh, Patran or Femap comment, else "property 3".
 - A face set is a property of shell elements (CTRIA3, CTRIA6, CQUAD4, CQUAD8) that lie on sides of solids, the skin that
   preprocessors put on a face; and a set of PLOAD4, "PLOAD4 2".
+- Grids and forces may be in coordinate systems (CP, CID), and INCLUDE brings further files.
 - A node set is a SET1, a SET3 of grids ("set 5"), the nodes of a constraint ("SPC 1") and of forces ("FORCE 2").
 """
 
@@ -17,8 +18,11 @@ import numpy as np
 from stickslip.structure.cell_kinds import CELL_KINDS
 from stickslip.structure.importers.bulk_data import BulkCard, read_bulk
 from stickslip.structure.importers.nastran_case import CaseControl, acting_entries
-from stickslip.structure.importers.nastran_frames import Frames
+from stickslip.structure.importers.nastran_grids import Grids, held_nodes
+from stickslip.structure.importers.nastran_include import join_files
+from stickslip.structure.importers.nastran_systems import SYSTEM_CARDS, Systems
 from stickslip.structure.importers.raw_model import (
+    LinePlaces,
     RawBlock,
     RawBody,
     RawHeld,
@@ -26,27 +30,21 @@ from stickslip.structure.importers.raw_model import (
     RawMaterial,
     RawModel,
     RawSides,
-    fail,
-    read_text,
 )
-from stickslip.validation import FloatArray
 
 _SOLIDS = {"CTETRA": ("tetra", "tetra10"), "CPENTA": ("wedge", "wedge15"), "CHEXA": ("hexahedron", "hexahedron20")}
 _SHELLS = {"CTRIA3": 3, "CTRIAR": 3, "CTRIA6": 3, "CQUAD4": 4, "CQUADR": 4, "CQUAD8": 4}
 # Nastran numbers the edges along the third direction before those of the upper face.
 _TO_VTK = {"wedge15": [*range(9), 12, 13, 14, 9, 10, 11], "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]}
-# Coordinate systems other than CORD2R are refused where a grid or a force is in one.
-_SILENT = ("PSHELL", "PARAM", "EIGRL", "EIGR", "MDLPRM", "PCOMP", "CORD1R", "CORD1C", "CORD1S", "CORD2C", "CORD2S")
+_SILENT = ("PSHELL", "PARAM", "EIGRL", "EIGR", "MDLPRM", "PCOMP")
 _TIES = (
     "it ties nodes of solids to each other, and without it the model would be another one. Take it out; hold, load or "
     "pair the set of its nodes instead"
 )
 _REFUSED = {
-    "GRDSET": "default coordinate systems of grids are not read. Write CP and CD at each GRID",
     "CPYRAM": "pyramids are not read; tetrahedra, wedges (CPENTA) and hexahedra are",
     **dict.fromkeys(("RBE1", "RBE2", "RBE3", "RBAR", "RBAR1", "RROD", "RTRPLT", "RSPLINE", "RSSCON", "RJOINT"), _TIES),
 }
-_INCLUDE = re.compile(r"\s*INCLUDE\b", re.IGNORECASE)
 _NAMES = (
     re.compile(r"\$HMNAME\s+PROP\s+(?P<number>\d+)\s*\"(?P<name>[^\"]+)\""),
     re.compile(r"\$\s*Femap\s+(?:with\s+NX\s+Nastran\s+)?Property\s+(?P<number>\d+)\s*:\s*(?P<name>.+)", re.IGNORECASE),
@@ -56,13 +54,13 @@ _PROPERTY = re.compile(r"\s*P(?:SOLID|SHELL)\*?[\s,]+(?P<number>\d+)")
 
 
 def read_nastran(source: Path) -> RawModel:
-    """The entries of bulk data in their own units. Raises ImportFileError that names file and line."""
-    lines = read_text(source)
-    for number, line in enumerate(lines, start=1):
-        if _INCLUDE.match(line):
-            fail(source, "INCLUDE is not read. Put the executive, case control and bulk data into one file.", number)
-    reader = _Reader(source, _property_names(lines), CaseControl.of(lines))
-    for card in read_bulk(source, lines):
+    """The entries of a deck and of the files that it includes, in their own units, in basic x, y, z.
+
+    Raises ImportFileError that names the file, also an included one, and its line.
+    """
+    lines, places = join_files(source)
+    reader = _Reader(source, places, _property_names(lines), CaseControl.of(lines))
+    for card in read_bulk(lines, places):
         reader.take(card)
     return reader.finished()
 
@@ -90,31 +88,32 @@ def _property_names(lines: list[str]) -> dict[int, str]:
 class _Reader:
     """Takes the cards one after the other; what refers to other cards is put together at the end."""
 
-    def __init__(self, source: Path, names: dict[int, str], case: CaseControl) -> None:
-        self.raw = RawModel(source, "Nastran")
+    def __init__(self, source: Path, places: LinePlaces, names: dict[int, str], case: CaseControl) -> None:
+        self.raw = RawModel(source, "Nastran", places=places)
         self._names, self._case = names, case
-        self._grids: list[BulkCard] = []
-        self._frames = Frames()
+        self._grids = Grids()
+        self._systems = Systems(self._grids.place)
         self._elements: dict[str, list[tuple[int, int, list[int], int]]] = {}  # kind -> label, property, nodes, line
         self._solids: dict[int, tuple[str, list[int]]] = {}
         self._shells: dict[tuple[int, int], list[tuple[list[int], int]]] = {}  # property, corners -> nodes, line
         self._properties: dict[int, BulkCard] = {}
         self._pressures: list[BulkCard] = []
+        self._forces: list[BulkCard] = []
         self._sets: dict[str, list[int]] = {}
         self._held: dict[int, list[RawHeld]] = {}
-        self._loads: dict[int, list[RawLoad]] = {}
         self._combined: dict[str, dict[int, BulkCard]] = {"SPCADD": {}, "LOAD": {}}
         self._left_out: dict[str, int] = {}
         self._cards: dict[str, Callable[[BulkCard], None]] = {
-            "GRID": self._grids.append,
-            "CORD2R": self._frames.add,
+            "GRID": self._grids.add,
+            "GRDSET": self._grids.set_defaults,
+            **dict.fromkeys(SYSTEM_CARDS, self._systems.add),
             "SPCADD": self._combination,
             "LOAD": self._combination,
             "PSOLID": self._solid_property,
             "MAT1": self._material,
             "SPC": self._spc,
             "SPC1": self._spc1,
-            "FORCE": self._force,
+            "FORCE": self._forces.append,
             "PLOAD4": self._pressures.append,
             "SET1": lambda card: self._set(card, card.numbers(1)),
             "SET3": self._set3,
@@ -136,25 +135,30 @@ class _Reader:
     def finished(self) -> RawModel:
         """The raw model after the last card."""
         raw = self.raw
-        raw.node_labels = np.array([card.integer(0) for card in self._grids], dtype=np.int64)
-        raw.coordinates = np.array([self._place(card) for card in self._grids], dtype=float).reshape(-1, 3)
-        raw.node_lines = np.array([card.line for card in self._grids], dtype=np.int64)
+        self._grids.put_into(raw, self._systems)
         for kind, rows in self._elements.items():
             labels, _, cells, lines = zip(*rows, strict=True)
             cell_array = np.array(cells, dtype=np.int64)[:, _TO_VTK.get(kind, slice(None))]
             raw.blocks.append(RawBlock(kind, np.array(labels, dtype=np.int64), cell_array, np.array(lines)))
         self._bodies()
         self._faces()
-        raw.held = acting_entries(raw, self._case, "SPC", self._held, self._combined["SPCADD"])
-        raw.held += [held for card in self._grids for held in self._permanent(card)]
-        raw.loads = acting_entries(raw, self._case, "LOAD", self._loads, self._combined["LOAD"])
+        held = [
+            *acting_entries(raw, self._case, "SPC", self._held, self._combined["SPCADD"]),
+            *self._grids.permanent_constraints(),
+        ]
+        solid_nodes = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *(b.cells.ravel() for b in raw.blocks)]))
+        raw.held = self._grids.in_basic_directions(raw, held, self._systems, solid_nodes)
+        loads: dict[int, list[RawLoad]] = {}
+        for card in self._forces:
+            loads.setdefault(card.integer(0), []).extend(self._nodal_force(card))
+        raw.loads = acting_entries(raw, self._case, "LOAD", loads, self._combined["LOAD"])
         for name, members in self._sets.items():
             raw.node_sets[name] = np.unique(np.array(members, dtype=np.int64))
-        for what, found in (("SPC", self._held), ("FORCE", self._loads)):
+        for what, found in (("SPC", self._held), ("FORCE", loads)):
             for number, entries in found.items():
                 raw.node_sets[f"{what} {number}"] = np.unique(np.concatenate([entry.nodes for entry in entries]))
         if self._left_out:
-            words = ", ".join(f"{name} (line {line})" for name, line in self._left_out.items())
+            words = ", ".join(f"{name} ({raw.where(line)})" for name, line in self._left_out.items())
             raw.messages.append(f"not read, so without effect here: {words}.")
         return raw
 
@@ -209,21 +213,6 @@ class _Reader:
             card.fail(f"the grids G1 = {first} and G3/G4 = {other} name no side of element {label}.")
         return RawSides(card.line, elements=np.array([label], dtype=np.int64), side=found[0])
 
-    def _place(self, card: BulkCard) -> FloatArray:
-        """Basic coordinates of a grid."""
-        if card.integer(5, 0):
-            card.fail(
-                f"CD = {card.word(5)}: directions of displacements in a coordinate system of their own are not read. "
-                "Leave CD blank, and give constraints in the basic directions."
-            )
-        place = np.array([card.real(position, 0.0) for position in (2, 3, 4)])
-        number = card.integer(1, 0)
-        return self._frames.basic(number, place, card) if number else place
-
-    def _permanent(self, card: BulkCard) -> list[RawHeld]:
-        """What the field PS of a grid holds, whatever the case control selects."""
-        return [self._holding(card, card.word(6), [card.integer(0)])] if card.word(6) else []
-
     def _combination(self, card: BulkCard) -> None:
         if self._combined[card.name].setdefault(card.integer(0), card) is not card:
             card.fail(f"set {card.integer(0)} is defined twice.")
@@ -265,15 +254,8 @@ class _Reader:
             card.fail(f"material {name} is defined twice.")
         self.raw.materials[name] = RawMaterial(young, poisson, density, card.line)
 
-    @staticmethod
-    def _holding(card: BulkCard, directions: str, nodes: list[int]) -> RawHeld:
-        if not nodes or not directions or set(directions) - set("123456"):
-            card.fail(f'it needs components out of 1 to 6 and grids; found "{directions[:12]}" and {len(nodes)} grids.')
-        solid = tuple(sorted({int(each) - 1 for each in directions if each in "123"}))
-        return RawHeld(np.array(nodes, dtype=np.int64), solid, card.line)
-
     def _hold(self, card: BulkCard, directions: str, nodes: list[int]) -> None:
-        self._held.setdefault(card.integer(0), []).append(self._holding(card, directions, nodes))
+        self._held.setdefault(card.integer(0), []).append(held_nodes(card, directions, nodes))
 
     def _spc(self, card: BulkCard) -> None:
         for at in (1, 4):
@@ -285,13 +267,25 @@ class _Reader:
     def _spc1(self, card: BulkCard) -> None:
         self._hold(card, card.word(1), card.numbers(2))
 
-    def _force(self, card: BulkCard) -> None:
-        if card.integer(2, 0):
-            card.fail("CID other than 0: forces in other coordinate systems are not read. Give basic components.")
-        size = card.real(3)
-        node = np.array([card.integer(1)], dtype=np.int64)
-        loads = self._loads.setdefault(card.integer(0), [])
-        loads += [RawLoad(node, axis, size * card.real(4 + axis, 0.0), card.line) for axis in range(3)]
+    def _nodal_force(self, card: BulkCard) -> list[RawLoad]:
+        """Components along x, y, z of a FORCE, whose directions are those of its system at the place of its grid."""
+        label, size = card.integer(1), card.real(3)
+        frame = self._systems.frame(card.integer(2, 0), card)
+        place = self._grids.basic_place(label, self.raw)
+        if place is None:
+            card.fail(f"grid {label}, on which it acts, is not defined.")
+        components = np.array([card.real(4 + axis, 0.0) for axis in range(3)])
+        directions, lacking = frame.directions(place)
+        if any(components[axis] for axis in lacking):
+            card.fail(
+                f"grid {label} is on the axis of the system {card.word(2)}, so that the components "
+                f"{', '.join(str(axis + 1) for axis in sorted(lacking))} of its force have no direction there. Give "
+                "the force in a rectangular system."
+            )
+        with np.errstate(over="ignore", invalid="ignore"):
+            force = size * (components @ directions)
+        node = np.array([label], dtype=np.int64)
+        return [RawLoad(node, axis, float(force[axis]), card.line) for axis in range(3)]
 
     def _set(self, card: BulkCard, members: list[int]) -> None:
         self._sets.setdefault(f"set {card.integer(0)}", []).extend(members)

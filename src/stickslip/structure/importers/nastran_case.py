@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
-from stickslip.structure.importers.bulk_data import BulkCard
+from stickslip.structure.importers.bulk_data import BulkCard, start_of_bulk
 from stickslip.structure.importers.raw_model import RawHeld, RawLoad, RawModel
 
 Entry = TypeVar("Entry", RawHeld, RawLoad)
@@ -27,7 +27,7 @@ class CaseControl:
     @classmethod
     def of(cls, lines: list[str]) -> CaseControl:
         """The case control of a file with these lines; comments ($) are left out."""
-        end = next((at for at, text in enumerate(lines) if text.upper().split()[:2] == ["BEGIN", "BULK"]), 0)
+        end = start_of_bulk(lines)
         selected: dict[str, tuple[int, ...]] = {}
         for line in lines[:end]:
             match = _SELECTION.fullmatch(line.partition("$")[0])

@@ -1,51 +1,88 @@
-"""Rectangular coordinate systems of Nastran (CORD2R) in which grids may be given."""
+"""Coordinate systems as geometry: rectangular, cylindrical and spherical ones by origin and axes."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Literal
+
 import numpy as np
 
-from stickslip.structure.importers.bulk_data import BulkCard
 from stickslip.validation import FloatArray
 
+Kind = Literal["rectangular", "cylindrical", "spherical"]
+
 _SHORTEST = 1e-9  # share of the distances between the three points below which they give no axes
+_ON_AXIS = 1e-9  # share of the coordinates below which a place is on the axis of a system
 
 
-class Frames:
-    """CORD2R by number; each may be given in another one."""
+@dataclass(frozen=True)
+class Frame:
+    """A coordinate system: ``origin`` (3,) and ``axes`` (3, 3), one a row, in basic x, y, z."""
 
-    def __init__(self) -> None:
-        self._cards: dict[int, BulkCard] = {}
-        self._known: dict[int, tuple[FloatArray, FloatArray]] = {0: (np.zeros(3), np.eye(3))}
+    kind: Kind
+    origin: FloatArray
+    axes: FloatArray
 
-    def add(self, card: BulkCard) -> None:
-        """Take a CORD2R; raises ImportFileError for a number that is 0 or comes twice."""
-        number = card.integer(0)
-        if not number or number in self._cards:
-            card.fail(f"system {number} is defined twice." if number else "0 is the basic system; number it from 1.")
-        self._cards[number] = card
+    @classmethod
+    def through(cls, kind: Kind, points: FloatArray) -> Frame | None:
+        """The system of three points (3, 3), basic x, y, z: the origin, a place on axis 3, one in the half plane of
+        axes 1 and 3. None where they lie in one line, or one is not finite."""
+        a, b, c = points
+        with np.errstate(over="ignore", invalid="ignore"):
+            z, y = b - a, np.cross(b - a, c - a)
+            length, area = float(np.linalg.norm(z)), float(np.linalg.norm(y))
+            # the comparison is false for what is not finite, too
+            if not _SHORTEST * length * float(np.linalg.norm(c - a)) < area < np.inf:
+                return None
+        z, y = z / length, y / area
+        return cls(kind, a, np.vstack([np.cross(y, z), y, z]))
 
-    def basic(self, number: int, place: FloatArray, user: BulkCard) -> FloatArray:
-        """Basic coordinates (3,) of a place in system ``number``, which ``user`` names. Raises ImportFileError."""
-        origin, axes = self._frame(number, user, ())
-        return np.asarray(origin + place @ axes)
+    def basic(self, places: FloatArray) -> FloatArray:
+        """Basic x, y, z (k, 3) of places (k, 3): x, y, z; r, theta, z; or r, theta from axis 3, phi. Angles in degrees.
 
-    def _frame(self, number: int, user: BulkCard, path: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
-        """Origin (3,) and axes (3, 3), one a row, of a system: A is the origin, B on z, C in the half plane of x, z."""
-        if number in self._known:
-            return self._known[number]
-        if number in path:
-            user.fail(f"the system {number} is given in itself.")
-        if number not in self._cards:
-            user.fail(
-                f"it is given in coordinate system {number}, but only CORD2R (rectangular) is read, and there is none "
-                "of this number. Write it in the basic system (0)."
-            )
-        card = self._cards[number]
-        origin, axes = self._frame(card.integer(1, 0), card, (*path, number))
-        a, b, c = (origin + np.array([card.real(at + axis, 0.0) for axis in range(3)]) @ axes for at in (2, 5, 8))
-        z, y = b - a, np.cross(b - a, c - a)
-        if np.linalg.norm(y) <= _SHORTEST * np.linalg.norm(z) * np.linalg.norm(c - a):
-            card.fail("its three points lie in one line, so that they give no axes.")
-        z, y = z / np.linalg.norm(z), y / np.linalg.norm(y)
-        self._known[number] = a, np.vstack([np.cross(y, z), y, z])
-        return self._known[number]
+        Cylindrical: (r cos theta, r sin theta, z); spherical: r (sin theta cos phi, sin theta sin phi, cos theta), in
+        the system's axes. What is too large for a number is not finite in the answer.
+        """
+        first, second, third = places.T
+        with np.errstate(over="ignore", invalid="ignore"):
+            if self.kind == "cylindrical":
+                angle = np.radians(second)
+                local = np.column_stack([first * np.cos(angle), first * np.sin(angle), third])
+            elif self.kind == "spherical":
+                polar, angle = np.radians(second), np.radians(third)
+                ring = first * np.sin(polar)
+                local = np.column_stack([ring * np.cos(angle), ring * np.sin(angle), first * np.cos(polar)])
+            else:
+                local = places
+            return np.asarray(self.origin + local @ self.axes)
+
+    def directions(self, place: FloatArray) -> tuple[FloatArray, frozenset[int]]:
+        """Directions 1, 2, 3 of the system at a place (3,), both in basic x, y, z: rows (3, 3), and which rows have no
+        direction of their own, as the place is on axis 3 of a cylindrical or spherical system.
+
+        Rows are the axes; those of r, theta, z; or those of r, theta, phi.
+        """
+        if self.kind == "rectangular":
+            return self.axes, frozenset()
+        with np.errstate(over="ignore", invalid="ignore"):  # places that are not finite are refused with their node
+            local = self.axes @ (place - self.origin)
+            ring = float(np.hypot(local[0], local[1]))  # without the squares, which may be too large
+            radius = float(np.hypot(ring, local[2]))
+        small = _ON_AXIS * max(float(np.abs(each).max()) for each in (place, self.origin))
+        if self.kind == "spherical" and radius <= small:
+            return self.axes, frozenset((0, 1, 2))
+        if ring <= small:
+            if self.kind == "cylindrical":
+                return self.axes, frozenset((0, 1))
+            return self.axes[[2, 0, 1]] * np.sign([[local[2]], [1.0], [1.0]]), frozenset((1, 2))
+        cosine, sine = local[0] / ring, local[1] / ring
+        around = [-sine, cosine, 0.0]
+        if self.kind == "cylindrical":
+            rows = [[cosine, sine, 0.0], around, [0.0, 0.0, 1.0]]
+        else:
+            up, out = local[2] / radius, ring / radius  # cosine and sine of the angle from axis 3
+            rows = [[out * cosine, out * sine, up], [up * cosine, up * sine, -out], around]
+        return np.array(rows) @ self.axes, frozenset()
+
+
+BASIC = Frame("rectangular", np.zeros(3), np.eye(3))

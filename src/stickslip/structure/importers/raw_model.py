@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NoReturn
@@ -83,9 +84,46 @@ class RawHeld:
         return self
 
 
+@dataclass(frozen=True)
+class LinePlaces:
+    """File and line of each line of a text that was joined from several files.
+
+    ``starts`` are the numbers (from 1, rising) of the joined text's lines at which the lines of another file begin, or
+    those of the same file go on; ``files`` and ``lines`` say of which file, and at which of its lines.
+    """
+
+    starts: list[int] = field(default_factory=list)
+    files: list[Path] = field(default_factory=list)
+    lines: list[int] = field(default_factory=list)
+
+    def begin(self, start: int, file: Path, line: int) -> None:
+        """From line ``start`` of the joined text on stand the lines of ``file`` from ``line`` on."""
+        self.starts.append(start)
+        self.files.append(file)
+        self.lines.append(line)
+
+    def of(self, line: int) -> tuple[Path, int]:
+        """File, and line in it, of a line of the joined text."""
+        at = bisect_right(self.starts, line) - 1
+        return self.files[at], self.lines[at] + line - self.starts[at]
+
+    def words(self, line: int) -> str:
+        """The line for a sentence: "line 5", or "line 5 of blade.bdf" in another file than the first."""
+        file, own = self.of(line)
+        return f"line {own}" if file == self.files[0] else f"line {own} of {file}"
+
+    def fail(self, sentence: str, line: int) -> NoReturn:
+        """Raise ImportFileError with the file and its line, and the sentence."""
+        file, own = self.of(line)
+        fail(file, sentence, own)
+
+
 @dataclass
 class RawModel:
-    """All that a reader found. Node and element labels are those of the file."""
+    """All that a reader found. Node and element labels are those of the file.
+
+    Lines are those of ``source``; where ``places`` is given, those of a text that was joined from several files.
+    """
 
     source: Path
     format: str
@@ -102,10 +140,20 @@ class RawModel:
     held: list[RawHeld] = field(default_factory=list)
     loads: list[RawLoad] = field(default_factory=list)
     messages: list[str] = field(default_factory=list)
+    places: LinePlaces | None = None
 
     def fail(self, sentence: str, line: int = 0) -> NoReturn:
         """Raise ImportFileError with the file, the line where one is known, and the sentence."""
+        if self.places is not None and line:
+            self.places.fail(sentence, line)
         fail(self.source, sentence, line)
+
+    def where(self, line: int) -> str:
+        """A line for a sentence; its file is named where it is not ``source``."""
+        return self.places.words(line) if self.places is not None else f"line {line}"
+
+
+DEEPEST_INCLUDE = 5  # files that include each other
 
 
 def fail(source: Path, sentence: str, line: int = 0) -> NoReturn:
