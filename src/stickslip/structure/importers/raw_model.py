@@ -83,9 +83,27 @@ class RawHeld:
         return self
 
 
+@dataclass(frozen=True)
+class LabelRange:
+    """Labels ``first`` to ``last`` that the file writes without ``offset``, after the name of an instance."""
+
+    first: int
+    last: int
+    offset: int
+    instance: str
+
+
+def shown_label(label: int, ranges: tuple[LabelRange, ...]) -> str:
+    """A node or element as the file writes it: 12, or Part-1.12 in an instance."""
+    for each in ranges:
+        if each.first <= label <= each.last:
+            return f"{each.instance}.{label - each.offset}" if each.instance else f"{label - each.offset}"
+    return f"{label}"
+
+
 @dataclass
 class RawModel:
-    """All that a reader found. Node and element labels are those of the file."""
+    """All that a reader found. Node and element labels are those of the file, or of the flat file that it means."""
 
     source: Path
     format: str
@@ -102,6 +120,11 @@ class RawModel:
     held: list[RawHeld] = field(default_factory=list)
     loads: list[RawLoad] = field(default_factory=list)
     messages: list[str] = field(default_factory=list)
+    label_ranges: tuple[LabelRange, ...] = ()
+
+    def shown(self, label: int) -> str:
+        """A node or element as the file writes it."""
+        return shown_label(label, self.label_ranges)
 
     def fail(self, sentence: str, line: int = 0) -> NoReturn:
         """Raise ImportFileError with the file, the line where one is known, and the sentence."""
