@@ -33,6 +33,7 @@ from stickslip.structure.importers.raw_model import (
     RawSides,
 )
 
+
 def read_abaqus(source: Path) -> RawModel:
     """The entries of a deck in its own units. Raises ImportFileError that names file and line."""
     deck = flatten(read_cards(source))

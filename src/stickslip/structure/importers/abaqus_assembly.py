@@ -118,7 +118,7 @@ class _Writer:
             data = [(line, [self._reference(inner, card, word, line) for word in words]) for line, words in data]
         elif kind in _FIRST_WORD:
             data = [(line, [self._reference(scope, card, words[0], line), *words[1:]]) for line, words in data]
-        return replace(card, parameters=parameters, data=data, instance=scope.name)
+        return replace(card, parameters=parameters, data=data)
 
     def _named_instance(self, scope: Scope, card: Card) -> Scope:
         """The scope of what a set names: that of INSTANCE=, else that of the card."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NoReturn
 
 import numpy as np
@@ -129,6 +129,7 @@ class _Nest:
         return Assembly(names - {""}, instances, self._itself, self._cards, unused)
 
     def _add(self, scope: Scope, card: Card) -> None:
+        card = replace(card, instance=scope.name)
         scope.cards.append(card)
         self._cards.append((scope, card))
 

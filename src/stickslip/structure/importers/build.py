@@ -111,7 +111,9 @@ def _bodies(raw: RawModel, cells: list[IntArray], element_labels: IntArray) -> t
         twice = members & (body >= 0)
         if twice.any():
             label = element_labels[twice][0]
-            raw.fail(f"element {raw.shown(label)} belongs to '{names[body[twice][0]]}' and to '{each.name}'.", each.line)
+            raw.fail(
+                f"element {raw.shown(label)} belongs to '{names[body[twice][0]]}' and to '{each.name}'.", each.line
+            )
         body[members] = len(names)
         names.append(each.name)
     lone = np.flatnonzero(body < 0)

@@ -94,7 +94,10 @@ def _positions(
     assert entry.elements is not None
     missing = np.setdiff1d(entry.elements, element_labels)
     if missing.size:
-        raw.fail(f"surface '{name}' names element {raw.shown(missing[0])}, which is no solid element of the file.", entry.line)
+        raw.fail(
+            f"surface '{name}' names element {raw.shown(missing[0])}, which is no solid element of the file.",
+            entry.line,
+        )
     cells = np.flatnonzero(np.isin(element_labels, entry.elements))
     if entry.side is None:
         return table.of_cells(cells)
