@@ -170,7 +170,7 @@ def test_rotation_comes_after_translation_about_an_axis_through_space(tmp_path):
     )
     mesh = read_model(changed(tmp_path, (old, motion)), "mm").mesh
     x, y, z = (1e3 * mesh.points[:8] + np.array([5.0, 6.0, 7.0]) - np.array([1.0, 2.0, 3.0])).T
-    np.testing.assert_allclose(1e3 * mesh.points[8:], np.stack([z, x, y], axis=1) + [1.0, 2.0, 3.0], atol=1e-12)
+    np.testing.assert_allclose(1e3 * mesh.points[8:], np.stack([z + 1.0, x + 2.0, y + 3.0], axis=1), atol=1e-12)
 
 
 def test_a_mesh_in_the_instance_itself_moves_with_it(tmp_path):
@@ -217,6 +217,33 @@ def test_two_sections_of_an_instance_are_two_bodies(tmp_path):
     assert model.materials["Cube-2.Set-1"].density == pytest.approx(7850.0)
 
 
+def test_sets_and_surfaces_of_the_assembly_name_those_of_instances(tmp_path):
+    cards = """\
+*Nset, nset=Both
+Assembly.Cube-1.Set-1, Cube-2.8, Ends
+*Nset, nset=Odd, instance=Cube-2, generate
+1, 7, 2
+*Nset, nset=Of elements, elset=_Skin_S1
+*Elset, elset=Pair, instance=CUBE-2
+Set-1
+*Elset, elset=Pair
+Cube-1.1
+*Surface, type=ELEMENT, name=Caps
+Pair, S2
+Cube-1.Set-1, S1
+*Surface, type=NODE, name=Corners
+Cube-2.1,
+Cube-1.Set-1,
+*End Assembly"""
+    mesh = read_model(changed(tmp_path, ("*End Assembly", cards)), "mm").mesh
+    assert mesh.node_set("Both").tolist() == [*range(8), 14, 15]
+    assert mesh.node_set("Odd").tolist() == [8, 10, 12, 14]
+    assert mesh.node_set("Of elements").tolist() == list(range(8, 16))
+    assert mesh.element_sets["Pair"].tolist() == [0, 1]
+    assert mesh.node_set("Caps").tolist() == [*range(8), 12, 13, 14, 15]
+    assert mesh.node_set("Corners").tolist() == [*range(9)]
+
+
 def test_springs_between_instances_are_left_out(tmp_path):
     spring = "*Element, type=SPRINGA, elset=Springs\n1, Cube-1.7, Assembly.Cube-2.1\n*End Assembly"
     model = read_model(changed(tmp_path, ("*End Assembly", spring)), "mm")
@@ -259,7 +286,11 @@ WRONG = {
     "open assembly": ("*End Assembly\n", "", r"line 72: \*MATERIAL: it stands inside of the assembly 'Assembly'"),
     "no end": ("*End Part\n", "*End Part\n*End Part\n", r"line 31: \*END PART: there is no \*PART above"),
     "wrong end": ("*End Part\n", "*End Instance\n", r"line 30: \*END INSTANCE: there is no \*INSTANCE above"),
-    "part twice": ('name="Empty part"\n', "name=CUBE\n", r"line 32: .* the name 'CUBE' is used twice \(first in line 7"),
+    "part twice": (
+        'name="Empty part"\n',
+        "name=CUBE\n",
+        r"line 32: .* the name 'CUBE' is used twice \(first in line 7",
+    ),
     "instance twice": ("name=Cube-2,", "name=cube-1,", r"line 42: .* 'cube-1' is used twice \(first in line 39\)"),
     "two assemblies": ("*Material", "*Assembly, name=b\n*Material", r"\*ASSEMBLY: there is an assembly already"),
     "instance outside": (
@@ -270,29 +301,61 @@ WRONG = {
     "system": ("*Node\n", "*System\n1.,2.,3.\n*Node\n", r"line 8: \*SYSTEM of instance 'Cube-1': node coordinates in"),
     "tie": ("*End Assembly", "*Tie, name=t\nSkin, Cube-1.Top\n*End Assembly", r"\*TIE: it ties nodes to each other"),
     "no set": ("_PickedSet4, ENC", "Cube-1.Set-7, ENC", r"line 83: \*BOUNDARY: there is no node set 'Cube-1\.Set-7'"),
-    "no instance": ("instance=Cube-1\n", "instance=Cube-3\n", r"\*NSET: there is no instance 'Cube-3'; there are: Cube-"),
+    "no instance": (
+        "instance=Cube-1\n",
+        "instance=Cube-3\n",
+        r"\*NSET: there is no instance 'Cube-3'; there are: Cube-",
+    ),
     "instance of a part": (
         "*Nset, nset=Set-1, generate",
         "*Nset, nset=Set-1, generate, instance=Cube-1",
         r"line 19: \*NSET of instance 'Cube-1': INSTANCE= is for sets of the assembly",
     ),
     "node of the assembly": ("Cube-2.3, 1", "3, 1", r"line 92: .* the assembly itself has no node or element 3\. That"),
-    "node beyond": ("Cube-2.3, 1", "Cube-2.9, 1", r"line 92: \*BOUNDARY: the instance 'Cube-2' has no node or element 9"),
-    "node between": ("      6,      ", "      9,      ", r"line 18: element Cube-1\.1 has node Cube-1\.6, which the file"),
+    "node beyond": (
+        "Cube-2.3, 1",
+        "Cube-2.9, 1",
+        r"line 92: \*BOUNDARY: the instance 'Cube-2' has no node or element 9",
+    ),
+    "node between": (
+        "      6,      ",
+        "      9,      ",
+        r"line 18: element Cube-1\.1 has node Cube-1\.6, which the file",
+    ),
     "inverted": (
         "1, 1, 2, 3, 4, 5, 6, 7, 8",
         "1, 5, 6, 7, 8, 1, 2, 3, 4",
         r"line 18: element Cube-1\.1 \(hexahedron\) is inverted",
     ),
     "force on a point": ("Cube-1.7, 3", "RP-1, 3", r"line 95: a force acts on node 1, which belongs to no solid"),
-    "axis": ("           0.,          11.,", "0., 10.,", r"line 44: \*INSTANCE: the points a and b of the axis are the"),
+    "axis": (
+        "           0.,          11.,",
+        "0., 10.,",
+        r"line 44: \*INSTANCE: the points a and b of the axis are the",
+    ),
     "rotation": ("          11.,          90.", "11., 90., 3.", r"line 44: .* 7 numbers are expected .* found 8"),
-    "translation": ("Cube\n          0.,           0.,          10.\n", "Cube\n0., 0., up\n", r'line 43: \*INSTANCE: "up" is no num'),
-    "third line": ("*End Instance\n**\n*Instance, name=\"E", "1,2,3\n*End Instance\n*Instance, name=\"E", "line 45: .* at most"),
-    "empty": ("*Nset, nset=Set-1, generate\n 1,  8,", "*Nset, nset=Set-1, generate\n 9,  18,", r"line 19: .* 'Cube-1\.Set-1' is empty"),
-    "huge numbers": ("*Node\n", "*Node\n2147483000, 0, 0, 0\n", r"with the offset .* instance 'Cube-2' go up to 5147483000"),
+    "translation": (
+        "Cube\n          0.,           0.,          10.\n",
+        "Cube\n0., 0., up\n",
+        r'line 43: \*INSTANCE: "up" is no num',
+    ),
+    "third line": (
+        '*End Instance\n**\n*Instance, name="E',
+        '1,2,3\n*End Instance\n*Instance, name="E',
+        "line 45: .* at most",
+    ),
+    "empty": (
+        "*Nset, nset=Set-1, generate\n 1,  8,",
+        "*Nset, nset=Set-1, generate\n 9,  18,",
+        r"line 19: .* 'Cube-1\.Set-1' is empty",
+    ),
+    "huge numbers": (
+        "*Node\n",
+        "*Node\n2147483000, 0, 0, 0\n",
+        r"with the offset .* instance 'Cube-2' go up to 5147483000",
+    ),
     "section by number": ("*Solid Section, elset=Set-1", "*Solid Section, elset=1", r"ELSET=1 is a number; a section"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize(("old", "new", "words"), WRONG.values(), ids=WRONG.keys())

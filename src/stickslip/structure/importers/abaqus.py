@@ -130,7 +130,8 @@ class _Reader:
                 missing = np.setdiff1d(members, known)
                 if missing.size:
                     self.raw.fail(
-                        f"{what} set '{name}' names {what} {self.raw.shown(missing[0])}, which the file does not define.",
+                        f"{what} set '{name}' names {what} {self.raw.shown(missing[0])}, which the file does not "
+                        "define.",
                         self.raw.set_lines[name],
                     )
 

@@ -31,8 +31,8 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
     lost = np.flatnonzero(~(np.abs(units.length * raw.coordinates) < LARGEST_COORDINATE).all(axis=1))
     if lost.size:
         raw.fail(
-            f"node {raw.shown(raw.node_labels[lost[0]])} has the coordinates {', '.join(map(str, raw.coordinates[lost[0]]))}; "
-            f"they must be finite and below {LARGEST_COORDINATE:g} m.",
+            f"node {raw.shown(raw.node_labels[lost[0]])} has the coordinates "
+            f"{', '.join(map(str, raw.coordinates[lost[0]]))}; they must be finite and below {LARGEST_COORDINATE:g} m.",
             int(raw.node_lines[lost[0]]),
         )
     used, cells = _used_nodes(raw)
@@ -119,8 +119,9 @@ def _bodies(raw: RawModel, cells: list[IntArray], element_labels: IntArray) -> t
     lone = np.flatnonzero(body < 0)
     if lone.size:
         raw.fail(
-            f"element {raw.shown(element_labels[lone[0]])} belongs to no section or group that makes a body ({lone.size} of "
-            f"{len(body)} solid elements do not), so its material is missing. Give every solid element one.",
+            f"element {raw.shown(element_labels[lone[0]])} belongs to no section or group that makes a body "
+            f"({lone.size} of {len(body)} solid elements do not), so its material is missing. Give every solid element "
+            "one.",
             int(np.concatenate([block.lines for block in raw.blocks])[lone[0]]),
         )
     return tuple(names), body

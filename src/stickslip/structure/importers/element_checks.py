@@ -42,8 +42,8 @@ def _require_distinct_nodes(raw: RawModel, block: RawBlock, cells: IntArray) -> 
     bad = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
     if bad.size:
         raw.fail(
-            f"element {raw.shown(block.labels[bad[0]])} ({block.kind}) has a node more than once ({bad.size} elements do). "
-            "Collapsed elements are not read: use tetrahedra or wedges in their place.",
+            f"element {raw.shown(block.labels[bad[0]])} ({block.kind}) has a node more than once "
+            f"({bad.size} elements do). Collapsed elements are not read: use tetrahedra or wedges in their place.",
             int(block.lines[bad[0]]),
         )
 

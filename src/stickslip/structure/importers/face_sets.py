@@ -110,7 +110,8 @@ def _positions(
             if entry.side >= len(kind.sides):
                 raw.fail(
                     f"surface '{name}' names side S{entry.side + 1} of element "
-                    f"{raw.shown(element_labels[first + mine[0]])}, but a {block.kind} has sides S1 to S{len(kind.sides)}.",
+                    f"{raw.shown(element_labels[first + mine[0]])}, but a {block.kind} has sides S1 to "
+                    f"S{len(kind.sides)}.",
                     entry.line,
                 )
             side = kind.sides[entry.side]
@@ -138,8 +139,8 @@ def _by_corners(
     if lone.any():
         at = int(np.flatnonzero(lone)[0])
         raw.fail(
-            f"surface '{name}' has a side with nodes {', '.join(raw.shown(node) for node in corners[at])}, which is no side "
-            f"of a solid element ({int(lone.sum())} of {len(corners)} sides are not).",
+            f"surface '{name}' has a side with nodes {', '.join(raw.shown(node) for node in corners[at])}, which is no "
+            f"side of a solid element ({int(lone.sum())} of {len(corners)} sides are not).",
             entry.line,
         )
     return found
