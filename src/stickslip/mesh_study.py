@@ -339,8 +339,8 @@ def _require_free(
         if wrong.size:
             raise InputError(
                 f"interfaces.{name}: node {source.shown(source.node_labels[wrong[0]])} of the file is held by a "
-                f"constraint and is part of a contact pair ({wrong.size} nodes are). Take these nodes out of the faces, "
-                "or out of the constraint."
+                f"constraint and is part of a contact pair ({wrong.size} nodes are). Take these nodes out of the "
+                "faces, or out of the constraint."
             )
     for name, port in ports.items():
         if np.isin(port.nodes, held).all() or (port.is_single and np.isin(port.nodes, held).any()):
