@@ -68,6 +68,57 @@ def write_inp(path: Path, mesh: Mesh | OneKind, body_names: list[str], faces: li
     path.write_text("\n".join(text) + "\n", encoding="utf-8")
 
 
+def rotation_matrix(start: np.ndarray, stop: np.ndarray, angle_degrees: float) -> np.ndarray:
+    """R = I + sin(w) K + (1 - cos(w)) K K of a right-handed turn about the axis from start to stop."""
+    x, y, z = (stop - start) / np.linalg.norm(stop - start)
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    angle = np.radians(angle_degrees)
+    return np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
+
+
+def write_parts(path: Path, mesh: Mesh | OneKind, body_names: list[str], faces: list[str], fixed: str) -> None:
+    """The deck of :func:`write_inp` with a part for each body, numbered from 1 and drawn elsewhere, and its instance.
+
+    Sets and surfaces stand in the assembly; no node may belong to two bodies.
+    """
+    young, poisson, density = STEEL_MM
+    parts, instances, nodes_of = [], [], []
+    sets: list[str] = []
+    for number, name in enumerate(body_names):
+        cells = np.flatnonzero(mesh.body == number)
+        nodes = np.unique(mesh.cells[cells])
+        nodes_of.append((nodes, cells))
+        move, start, stop = np.array([1.5, -2.0 - number, 4.0]), np.array([3.0, 1.0, -2.0]), np.array([1.0, 2.0, 5.0])
+        angle = 37.0 + 60.0 * number
+        drawn = (1e3 * mesh.points[nodes] - start) @ rotation_matrix(start, stop, angle) + start - move
+        parts += [f"*Part, name=part-{name}", "*Node"]
+        parts += [f"{n + 1}, " + ", ".join(map(repr, place)) for n, place in enumerate(drawn.tolist())]
+        parts.append(f"*Element, type={ABAQUS_TYPES[mesh.kind.name]}")
+        parts += [rows([n + 1, *(np.searchsorted(nodes, mesh.cells[cell]) + 1)]) for n, cell in enumerate(cells)]
+        parts += ["*Elset, elset=all, generate", f"1, {len(cells)}, 1"]
+        parts += ["*Solid Section, elset=ALL, material=Steel", ",", "*End Part"]
+        instances += [f"*Instance, name={name}, part=PART-{name}", ", ".join(map(str, move))]
+        instances += [", ".join(map(str, [*start, *stop, angle])), "*End Instance"]
+    for name in mesh.node_sets:
+        for body, (nodes, _) in zip(body_names, nodes_of, strict=True):
+            mine = np.flatnonzero(np.isin(nodes, mesh.node_sets[name]))
+            if name not in faces and mine.size:
+                sets += [f"*Nset, nset={name}, instance={body.upper()}", rows(list(mine + 1))]
+    for name in faces:
+        found = sides_of(mesh, name)
+        for side in sorted({side for _, side in found}):
+            for body, (_, cells) in zip(body_names, nodes_of, strict=True):
+                mine = np.flatnonzero(np.isin(cells, [cell for cell, each in found if each == side]))
+                if mine.size:
+                    sets += [f"*Elset, elset=_{name}_S{side + 1}, internal, instance={body}", rows(list(mine + 1))]
+        sets.append(f"*Surface, type=ELEMENT, name={name}")
+        sets += [f"_{name}_S{side + 1}, S{side + 1}" for side in sorted({side for _, side in found})]
+    text = ["*Heading", "written by a test", *parts, "*Assembly, name=Assembly", *instances, *sets, "*End Assembly"]
+    text += ["*Material, name=STEEL", "*Density", f"{density},", "*Elastic", f"{young}, {poisson}"]
+    text += ["*Boundary", f"{fixed}, 1, 3"]
+    path.write_text("\n".join(text) + "\n", encoding="utf-8")
+
+
 def sides_of(mesh: Mesh | OneKind, name: str) -> list[tuple[int, int]]:
     """(cell, position of the side) of a face given by its node set."""
     wanted = {tuple(sorted(side)) for side in mesh.sides_within(name).tolist()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,31 @@ def mesh_case(**changes: Any) -> Case:
     return load_case(EXAMPLE / "study.toml").replace(
         QUICK | {key.replace("__", "."): value for key, value in changes.items()}
     )
+
+
+def parts_deck(folder: Path) -> Path:
+    """The deck of the example as Abaqus writes it with parts: body, sets and faces have names with a dot."""
+    lines = (EXAMPLE / "beam_and_block.inp").read_text(encoding="utf-8").splitlines()
+    starts = [at for at, line in enumerate(lines) if line.startswith("*")] + [len(lines)]
+    cards = [lines[start:stop] for start, stop in pairwise(starts)]
+
+    def of(words: str) -> list[str]:
+        return [line for card in cards if card[0].startswith(words) for line in card]
+
+    sets = [*of("*NSET, NSET=root"), *of("*SURFACE, NAME=beam_top"), *of("*SURFACE, NAME=tip")]
+    loose = [*of("*SURFACE, NAME=damper_bottom"), *of("*SURFACE, NAME=damper_top")]
+    nodes = of("*NODE")
+    used = {int(word) for line in of("*ELEMENT, TYPE=C3D8I, ELSET=damper")[1:] for word in line.split(",") if word}
+    split = next(at for at, line in enumerate(nodes[1:], start=1) if int(line.split(",")[0]) in used - set(range(118)))
+    beam = [*nodes[:split], *of("*ELEMENT, TYPE=C3D8I, ELSET=beam"), *sets]
+    block = ["*NODE", *nodes[split:], *of("*ELEMENT, TYPE=C3D8I, ELSET=damper"), *loose]
+    text = ["*PART, NAME=Beam", *beam, *of("*SOLID SECTION, ELSET=BEAM"), "*END PART"]
+    text += ["*PART, NAME=Block", *block, *of("*SOLID SECTION, ELSET=DAMPER"), "*END PART", "*ASSEMBLY, NAME=Assembly"]
+    text += ["*INSTANCE, NAME=Beam-1, PART=Beam", "*END INSTANCE", "*INSTANCE, NAME=Block.1, PART=Block"]
+    text += ["*END INSTANCE", "*END ASSEMBLY", *of("*MATERIAL"), *of("*ELASTIC"), *of("*DENSITY")]
+    target = folder / "parts.inp"
+    target.write_text("\n".join([*text, "*BOUNDARY", "Beam-1.root, 1, 3", ""]), encoding="utf-8")
+    return target
 
 
 def write_matrices(folder: Path, case: Case) -> Path:

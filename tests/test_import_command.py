@@ -26,6 +26,34 @@ def test_what_is_in_a_model():
     assert "Warning" not in result.output
 
 
+def test_a_deck_as_abaqus_cae_writes_it():
+    result = run(MODELS / "cubes_of_parts.inp", "--length-unit", "mm")
+    assert result.exit_code == 0, result.output
+    table = [[word.strip() for word in line.split("│")[1:-1]] for line in result.output.splitlines()]
+    assert ["Cube-2", "1", "8", "6", "hexahedron"] in table
+    assert ["Cube-2", "1000", "0.00785", "210", "7850"] in table
+    assert ["Cube-2.Top", "1", "4", "100", "Cube-2"] in table
+    assert ["Skin", "3", "10", "300", "Cube-1, Cube-2"] in table
+    assert ["x", "-10", "10", "20"] in table
+    output = " ".join(result.output.split())
+    for words in (
+        "instance 'Cube-1' as in the deck, instance 'Cube-2' + 1000",
+        "(Cube-2) has 4 rigid-body motions",
+        "The file holds 14 displacements of 6 nodes at zero.",
+        "Forces act on 5 nodes; their sum is (2, 0, -2.5) N.",
+    ):
+        assert words in output
+    assert "Warning" not in output
+
+
+def test_a_bad_part_ends_with_2(tmp_path):
+    text = (MODELS / "cubes_of_parts.inp").read_text(encoding="utf-8")
+    (tmp_path / "bad.inp").write_text(text.replace("*End Part", "", 1), encoding="utf-8")
+    result = run(tmp_path / "bad.inp", "--length-unit", "mm")
+    assert result.exit_code == 2
+    assert "bad.inp, line 32: *PART: it stands inside of the part 'Cube' (line 7)" in " ".join(result.output.split())
+
+
 def test_without_a_unit_one_is_asked_for():
     result = run(MODELS / "gmsh_4.1_text.msh")
     assert result.exit_code == 0, result.output

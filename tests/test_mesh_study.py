@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from own_cases import EXAMPLE, mesh_case
+from own_cases import EXAMPLE, QUICK, mesh_case, parts_deck
 from stickslip import study
-from stickslip.case import Case
+from stickslip.case import Case, load_case
 from stickslip.cli import app
 from stickslip.errors import InputError
 from stickslip.model import build_model, load_joint, set_up
@@ -195,3 +195,81 @@ def test_a_sweep_varies_the_entry_of_one_interface(tmp_path: Path) -> None:
     peaks = result.table.column("peak_amplitude_m")
     assert peaks[0] != peaks[1]
     assert {row.name.rsplit("_", 1)[0] for row in result.table.rows} == {"sole.normal_load-20N", "sole.normal_load-40N"}
+
+
+DOTTED = {
+    '"damper_bottom"': '"Block.1.damper_bottom"',
+    '"damper_top"': '"Block.1.damper_top"',
+    '"beam_top"': '"Beam-1.beam_top"',
+    'set = "tip"': 'set = "Beam-1.tip"',
+    "[bodies.damper]": '[bodies."Block.1"]',
+    "beam_and_block.inp": "parts.inp",
+    "[interfaces.sole]": '[interfaces."Beam-1.sole"]',
+}
+
+
+def dotted_study(folder: Path, *changes: tuple[str, str]) -> Path:
+    """The example with a deck of parts, whose names have dots."""
+    parts_deck(folder)
+    text = (EXAMPLE / "study.toml").read_text(encoding="utf-8")
+    for old, new in (*DOTTED.items(), *changes):
+        assert old in text
+        text = text.replace(old, new)
+    (folder / "study.toml").write_text(text, encoding="utf-8")
+    return folder / "study.toml"
+
+
+def test_a_deck_with_parts_gives_the_same_study(tmp_path: Path) -> None:
+    flat = mesh_case()
+    case = load_case(dotted_study(tmp_path)).replace(QUICK)
+    assert Case.from_text(case.to_text()) == case
+    models = []
+    for each in (case, flat):
+        setup = set_up(each)
+        models.append(build_model(each, setup.assemble(), load_joint(each, setup.layout)))
+    for name in ("stiffness", "mass"):
+        found, wanted = (getattr(model.superelement, name) for model in models)
+        np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9 * np.abs(wanted).max())
+    np.testing.assert_array_equal(models[0].force_cos, models[1].force_cos)
+    np.testing.assert_allclose(models[0].joint.preload, models[1].joint.preload, rtol=1e-12)
+    assert set_up(case).mesh.body_names == ("Beam-1", "Block.1")
+
+
+def test_a_sweep_varies_a_body_whose_name_has_a_dot(tmp_path: Path) -> None:
+    from stickslip.sweeps.run import sweep
+
+    case = load_case(dotted_study(tmp_path)).replace(QUICK)
+    varied = {"bodies.Block.1.density": [8000, 9000], "interfaces.Beam-1.sole.normal_load": [30]}
+    result = sweep(case, varied, out=tmp_path / "out", workers=1)
+    assert result.table.failed == ()
+    peaks = result.table.column("peak_amplitude_m")
+    assert peaks[0] != peaks[1]
+    assert result.table.rows[0].name.startswith("Block.1.density-8000kgm3_Beam-1.sole.normal_load-30N_")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('[bodies."Block.1"]', "[bodies.Block.1]", r'line \d+: \[bodies\.Block\.1\] is not .*\[bodies\."Block\.1"\]'),
+        ('[bodies."Block.1"]', '[bodies."Block.2"]', r'\[bodies\."Block\.2"\] names no body of .*: Beam-1, Block\.1\.'),
+        ('"Beam-1.beam_top"', '"Beam-1.top"', r"interfaces\.Beam-1\.sole: .*Beam-1\.top.*Beam-1\.beam_top"),
+        ('"Block.1.damper_top"', '"Beam-1.root"', r"node Beam-1\.\d+ of the file is held by a constraint"),
+    ],
+)
+def test_names_with_dots_in_messages(tmp_path: Path, old: str, new: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        set_up(load_case(dotted_study(tmp_path, (old, new))))
+
+
+def test_a_material_that_is_missing_asks_for_a_name_in_quotes(tmp_path: Path) -> None:
+    study_file = dotted_study(tmp_path)
+    deck = (tmp_path / "parts.inp").read_text(encoding="utf-8")
+    assert "*DENSITY\n7.85e-09\n" in deck
+    (tmp_path / "parts.inp").write_text(deck.replace("*DENSITY\n7.85e-09\n", ""), encoding="utf-8")
+    case = load_case(study_file).replace({"bodies.Block.1.density": "8200 kg/m^3"})
+    with pytest.raises(InputError, match=r"body 'Beam-1' has no young_modulus.* Give a section \[bodies\.Beam-1\]"):
+        set_up(case)
+    complete = {"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": "7850 kg/m^3"}
+    only_beam = case.to_dict() | {"bodies": {"Beam-1": complete}}
+    with pytest.raises(InputError, match=r'body \'Block\.1\' .* Give a section \[bodies\."Block\.1"\] for'):
+        set_up(Case.from_mapping(only_beam))

@@ -171,6 +171,12 @@ def _unknown(entry: _Entry, value: object, known: Mapping[str, Sequence[str]]) -
         )
         return f"{kind} of a study file. {advice}"
     section, key = path[0], path[entry.depth - 1]
+    if entry.is_named and isinstance(value, Mapping):
+        name = ".".join(path[1 : entry.depth])
+        return (
+            f"[{entry}] is not a section of a study file: a name has no dot unless it stands in quotes. Write "
+            f'[{section}."{name}"] if that is the name.'
+        )
     nearest = difflib.get_close_matches(key.lower(), known[section], n=1)
     homes = [other for other, keys in known.items() if key in keys]
     if homes:

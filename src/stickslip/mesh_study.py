@@ -27,6 +27,7 @@ from stickslip.structure.importers.read import read_model
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.model_facts import body_volumes, bounding_box, plausibility_warnings
 from stickslip.structure.rigid_motions import part_motions
+from stickslip.template import bare_name
 from stickslip.validation import FloatArray
 
 if TYPE_CHECKING:
@@ -144,7 +145,9 @@ def body_materials(case: Case, source: ImportedModel) -> tuple[Material, ...]:
     names = source.mesh.body_names
     unknown = [name for name in case.bodies if name not in names]
     if unknown:
-        raise InputError(f"[bodies.{unknown[0]}] names no body of {source.source}; its bodies are: {', '.join(names)}.")
+        raise InputError(
+            f"[bodies.{bare_name(unknown[0])}] names no body of {source.source}; its bodies are: {', '.join(names)}."
+        )
     return tuple(_material(case, name, source) for name in names)
 
 
@@ -161,9 +164,10 @@ def _material(case: Case, name: str, source: ImportedModel) -> Material:
     if missing:
         # an incomplete material of the file is not taken in part
         said = [words for words in source.messages if words.startswith("material ") and f"body '{name}'" in words]
+        section = f"[bodies.{bare_name(name)}]"
         raise InputError(
-            f"body '{name}' has no {', no '.join(missing)}: neither [bodies.{name}], nor the mesh file, nor [material] "
-            f"gives it.{' In the file, ' + said[0] if said else ''} Give a section [bodies.{name}] for this body, or "
+            f"body '{name}' has no {', no '.join(missing)}: neither {section}, nor the mesh file, nor [material] "
+            f"gives it.{' In the file, ' + said[0] if said else ''} Give a section {section} for this body, or "
             "[material] for all bodies without one."
         )
     return Material(**values)
@@ -308,9 +312,9 @@ def _require_free(
         wrong = np.intersect1d(pairing.pairs.nodes, held)
         if wrong.size:
             raise InputError(
-                f"interfaces.{name}: node {source.node_labels[wrong[0]]} of the file is held by a constraint and is "
-                f"part of a contact pair ({wrong.size} nodes are). Take these nodes out of the faces, or out of the "
-                "constraint."
+                f"interfaces.{name}: node {source.shown(source.node_labels[wrong[0]])} of the file is held by a "
+                f"constraint and is part of a contact pair ({wrong.size} nodes are). Take these nodes out of the "
+                "faces, or out of the constraint."
             )
     for name, port in ports.items():
         if np.isin(port.nodes, held).all() or (port.is_single and np.isin(port.nodes, held).any()):
@@ -320,7 +324,7 @@ def _require_free(
 def _require_held(mesh: FiniteElementMesh, pairs: FacePairs, fixed: IntArray, source: ImportedModel) -> None:
     """Raise InputError for a part that neither a constraint nor contact holds, and for a part with a hinge."""
     for part in part_motions(mesh, fixed):
-        element = f"the part of the mesh with element {source.element_labels[part.cells[0]]}"
+        element = f"the part of the mesh with element {source.shown(source.element_labels[part.cells[0]])}"
         bodies = ", ".join(mesh.body_names[body] for body in np.unique(mesh.body[part.cells]))
         if part.is_hinged:
             raise InputError(

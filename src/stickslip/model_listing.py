@@ -114,7 +114,7 @@ def _sentences(model: ImportedModel, known: bool) -> Iterator[str]:
     for number, part in enumerate(part_motions(mesh, model.fixed_unknowns), start=1):
         bodies = ", ".join(mesh.body_names[body] for body in np.unique(mesh.body[part.cells]))
         if part.is_hinged:
-            element = model.element_labels[part.cells[0]]
+            element = model.shown(model.element_labels[part.cells[0]])
             yield (
                 f"Warning: connected part {number} ({bodies}; element {element} is one of it) consists of "
                 f"{part.n_regions} regions that hang together at nodes or edges only, like hinges: its stiffness "

@@ -34,7 +34,7 @@ def study_text(study: BaseModel, shown: Collection[str], hidden: Collection[str]
         if name not in shown:
             continue
         if isinstance(value, dict):
-            entries = [(f"{name}.{_bare(entry)}", values) for entry, values in value.items()]
+            entries = [(f"{name}.{bare_name(entry)}", values) for entry, values in value.items()]
         else:
             entries = [(name, value)]
         keys = [key for key in kind.model_fields if f"{name}.{key}" not in hidden]
@@ -47,7 +47,7 @@ def is_named(field: FieldInfo) -> bool:
     return get_origin(field.annotation) is dict
 
 
-def _bare(name: str) -> str:
+def bare_name(name: str) -> str:
     """A name as TOML, in quotes where it needs them."""
     return name if re.fullmatch(r"[\w-]+", name, flags=re.ASCII) else json.dumps(name, ensure_ascii=False)
 

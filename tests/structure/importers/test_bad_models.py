@@ -45,7 +45,7 @@ ABAQUS = [
     ("210000.0, 0.3", "210000.0, zero", r'\*ELASTIC: "zero" is no number'),
     ("base, 1, 3", "base, 1, 3, 0.5", r"\*BOUNDARY: a displacement other than 0"),
     ("base, 1, 3", "bottom, 1, 3", r"\*BOUNDARY: there is no node set 'bottom' above"),
-    ("*HEADING", "*PART, NAME=a\n*HEADING", r"line 1: \*PART: parts, assemblies and instances are not read"),
+    ("*HEADING", "*PART, NAME=a\n*HEADING", r"line 35: \*MATERIAL: it stands inside of the part 'a' \(line 1\)"),
     ("*BOUNDARY", "*EQUATION\n2\n1,1,1.,2,1,-1.\n*BOUNDARY", r"line \d+: \*EQUATION: it ties nodes .* interface of"),
     ("*BOUNDARY", "*TIE, NAME=t\nopposite, contact\n*BOUNDARY", r"\*TIE: it ties nodes"),
     ("*BOUNDARY", "*RIGID BODY, NSET=base, REF NODE=1\n*BOUNDARY", r"\*RIGID BODY: it ties nodes"),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from calculix import COARSE, cut_bricks
-from model_writers import STEEL_MM, OneKind, write_bdf, write_inp, write_meshio
+from model_writers import STEEL_MM, OneKind, write_bdf, write_inp, write_meshio, write_parts
 from stickslip.errors import ImportFileError
 from stickslip.structure.blade_pair import blade_pair_mesh
 from stickslip.structure.cell_kinds import CELL_KINDS
@@ -21,6 +21,7 @@ from stickslip.structure.model_facts import body_volumes
 STEEL = Material(1e6 * STEEL_MM[0], STEEL_MM[1], 1e12 * STEEL_MM[2])
 WRITERS = {
     "inp": ("model.inp", write_inp, True),
+    "inp with parts": ("model.inp", write_parts, True),
     "bdf": ("model.bdf", partial(write_bdf, large=True), True),
     **{
         form: (f"model.{ending}", partial(write_meshio, form=form), False)
@@ -105,8 +106,8 @@ def two_bricks(make_block, fault):
 
 
 FAULTS = {
-    "duplicated": "element 3 has the same nodes as element 1",
-    "inverted": r"element 2 \(hexahedron\) is inverted",
+    "duplicated": r"element (lower\.)?3 has the same nodes as element (lower\.)?1",
+    "inverted": r"element (lower\.)?2 \(hexahedron\) is inverted",
     "apart": "body 'lower' consists of 2 separate parts",
     "unmerged": "body 'lower' has 8 nodes that lie at the place of another",
 }

@@ -1,9 +1,11 @@
 """A block in two bodies, written to each format and read back: the same volumes, masses, sets and frequencies."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from model_writers import STEEL_MM, write_bdf, write_inp, write_meshio
+from model_writers import STEEL_MM, write_bdf, write_inp, write_meshio, write_parts
 from stickslip.structure.elasticity import Material, assemble, assemble_bodies, natural_frequencies
 from stickslip.structure.faces import face_geometry
 from stickslip.structure.importers.read import read_model
@@ -14,6 +16,7 @@ STEEL = Material(1e6 * STEEL_MM[0], STEEL_MM[1], 1e12 * STEEL_MM[2])
 BODIES = ["lower", "upper"]
 WRITERS = {
     "inp": ("model.inp", write_inp, ()),
+    "inp with parts": ("model.inp", write_parts, ()),
     "small fields": ("model.bdf", write_bdf, (False,)),
     "large fields": ("model.nas", write_bdf, (True,)),
     "gmsh text": ("model.msh", write_meshio, ("gmsh22",)),
@@ -36,7 +39,15 @@ def two_bodies(make_block, quadratic):
         "tip": np.array([2 * lower.n_nodes - 1]),
     }
     mesh = Mesh(points, cells, np.repeat([0, 1], len(lower.cells)), sets)
-    return mesh.quadratic() if quadratic else mesh
+    return in_order_of_bodies(mesh.quadratic()) if quadratic else mesh
+
+
+def in_order_of_bodies(mesh):
+    """The mesh with the nodes of the first body before those of the second, as a deck with parts has them."""
+    order = np.concatenate([np.unique(mesh.cells[mesh.body == body]) for body in (0, 1)])
+    number = np.argsort(order)
+    sets = {name: number[nodes] for name, nodes in mesh.node_sets.items()}
+    return replace(mesh, points=mesh.points[order], cells=number[mesh.cells], node_sets=sets)
 
 
 @pytest.mark.parametrize("quadratic", [False, True], ids=["linear", "quadratic"])

@@ -5,12 +5,23 @@ Numbers and names keep those of the deck; names are found whatever their capital
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from stickslip.structure.cell_kinds import CELL_KINDS, IntArray
+from stickslip.structure.importers.abaqus_assembly import flatten
+from stickslip.structure.importers.abaqus_keywords import (
+    ELEMENT_TYPES,
+    HELD_DIRECTIONS,
+    NOT_SOLID,
+    OTHER_FORMULATIONS,
+    REFUSED,
+    SILENT,
+)
 from stickslip.structure.importers.keyword_deck import Card, read_cards
 from stickslip.structure.importers.raw_model import (
     RawBlock,
@@ -22,86 +33,14 @@ from stickslip.structure.importers.raw_model import (
     RawSides,
 )
 
-# Node orders are those of VTK.
-ELEMENT_TYPES = {
-    "C3D4": "tetra",
-    "C3D4H": "tetra",
-    "C3D10": "tetra10",
-    "C3D10M": "tetra10",
-    "C3D10H": "tetra10",
-    "C3D10HS": "tetra10",
-    "C3D6": "wedge",
-    "C3D15": "wedge15",
-    "C3D8": "hexahedron",
-    "C3D8I": "hexahedron",
-    "C3D8R": "hexahedron",
-    "C3D20": "hexahedron20",
-    "C3D20R": "hexahedron20",
-}
-_OTHER_FORMULATIONS = {"C3D4H", "C3D10M", "C3D10H", "C3D10HS", "C3D8", "C3D8R", "C3D20R"}
-# Nodes of elements without volume, which only give sets and are left out.
-_NOT_SOLID = {
-    **dict.fromkeys(("S3", "S3R", "M3D3", "SFM3D3", "STRI3", "CPS3", "CPE3", "CAX3"), 3),
-    **dict.fromkeys(("S4", "S4R", "M3D4", "SFM3D4", "CPS4", "CPE4", "CPS4R", "CPE4R", "CAX4", "M3D4R", "R3D4"), 4),
-    **dict.fromkeys(("S6", "M3D6", "SFM3D6", "STRI65", "CPS6", "CPE6", "CAX6"), 6),
-    **dict.fromkeys(("S8", "S8R", "M3D8", "SFM3D8", "CPS8", "CPE8", "CAX8", "CPS8R", "CPE8R"), 8),
-    **dict.fromkeys(("B31", "B31R", "T3D2", "SPRINGA", "DASHPOTA", "B21", "T2D2", "SPRING2", "GAPUNI", "CONN3D2"), 2),
-    **dict.fromkeys(("B32", "B32R", "T3D3"), 3),
-    **dict.fromkeys(("MASS", "ROTARYI", "SPRING1"), 1),
-    "R3D3": 3,
-}
-_TIES = (
-    "it ties nodes to each other, and the model would be another one without it. Take it out: hold or load the set of "
-    "its nodes, merge meshes in the preprocessor, or make the faces an interface of the study"
-)
-# These change what the numbers of a deck mean, so the model would be another one without them.
-_REFUSED = {
-    **dict.fromkeys(
-        (
-            *("EQUATION", "MPC", "TIE", "RIGID BODY", "COUPLING", "KINEMATIC COUPLING", "DISTRIBUTING COUPLING"),
-            *("EMBEDDED ELEMENT", "CYCLIC SYMMETRY MODEL", "SHELL TO SOLID COUPLING", "FASTENER", "NETWORK MPC"),
-        ),
-        _TIES,
-    ),
-    "NONSTRUCTURAL MASS": "its mass would be missing. Take it out, or give its share to the density of the solids",
-    "PART": "parts, assemblies and instances are not read. Export a flat deck (Abaqus/CAE: Model > Edit attributes > "
-    "Do not use parts and assemblies in input files)",
-    "INSTANCE": "parts, assemblies and instances are not read. Export a flat deck",
-    "SYSTEM": "node coordinates in another coordinate system are not read. Write all nodes in the global one",
-    "TRANSFORM": "directions of nodes other than x, y, z are not read. Write constraints and loads in the global ones",
-    "PARAMETER": "parameters are not read. Write the numbers themselves",
-    **dict.fromkeys(
-        ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY"),
-        "generated nodes and elements are not read. Write them out",
-    ),
-}
-# Understood here, or without effect on mesh, mass and stiffness.
-_SILENT = {
-    *(
-        "HEADING",
-        "PREPRINT",
-        "ASSEMBLY",
-        "END ASSEMBLY",
-        "STEP",
-        "END STEP",
-        "STATIC",
-        "FREQUENCY",
-        "OUTPUT",
-        "RESTART",
-    ),
-    *("NODE FILE", "EL FILE", "NODE PRINT", "EL PRINT", "NODE OUTPUT", "ELEMENT OUTPUT", "CONTACT FILE", "MONITOR"),
-    *("ELASTIC", "DENSITY", "STEADY STATE DYNAMICS", "DYNAMIC", "MODAL DYNAMIC", "FILE FORMAT", "CONTACT PRINT"),
-}
-_TIED_DOFS = {
-    **dict.fromkeys(("ENCASTRE", "PINNED"), (0, 1, 2)),
-    **{"XSYMM": (0,), "YSYMM": (1,), "ZSYMM": (2,), "XASYMM": (1, 2), "YASYMM": (0, 2), "ZASYMM": (0, 1)},
-}
-
 
 def read_abaqus(source: Path) -> RawModel:
     """The entries of a deck in its own units. Raises ImportFileError that names file and line."""
+    deck = flatten(read_cards(source))
     reader = _Reader(source)
-    for card in read_cards(source):
+    reader.raw.label_ranges = deck.ranges
+    reader.raw.messages += deck.messages
+    for card in deck.cards:
         reader.take(card)
     return reader.finished()
 
@@ -118,7 +57,8 @@ class _Reader:
         self._pieces: dict[tuple[str, str], list[IntArray]] = {}
         self._material = ""
         self._other_labels: list[int] = []
-        self._blocks_named: list[tuple[str, IntArray, int]] = []
+        self._blocks_named: list[tuple[str, str, IntArray, int]] = []  # instance, set, elements, line
+        self._sections: list[tuple[str, RawBody]] = []  # with their instance
         self._left_out: dict[str, int] = {}
         self._step = 0
         self._cards: dict[str, Callable[[Card], None]] = {
@@ -137,15 +77,15 @@ class _Reader:
 
     def take(self, card: Card) -> None:
         """Read one card."""
-        if card.keyword in _REFUSED:
-            card.fail(f"{_REFUSED[card.keyword]}.")
+        if card.keyword in REFUSED:
+            card.fail(f"{REFUSED[card.keyword]}.")
         if "INPUT" in card.parameters:
             card.fail("data in another file (INPUT=) are not read. Put them into this file, or use *INCLUDE.")
         if card.keyword == "STEP":
             self._step += 1
         if card.keyword in self._cards:
             self._cards[card.keyword](card)
-        elif card.keyword not in _SILENT:
+        elif card.keyword not in SILENT:
             self._left_out.setdefault(card.keyword, card.line)
 
     def finished(self) -> RawModel:
@@ -159,18 +99,25 @@ class _Reader:
             members = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *pieces]))
             (raw.node_sets if what == "node" else raw.element_sets)[name] = members
         self._require_members()
-        solid = {name for name, _, _ in self._blocks_named}
-        if not raw.bodies and "" not in solid:
-            for name in dict.fromkeys(name for name, _, _ in self._blocks_named):
-                parts = [labels for each, labels, _ in self._blocks_named if each == name]
-                line = next(line for each, _, line in self._blocks_named if each == name)
-                raw.bodies.append(RawBody(name, np.concatenate(parts), None, line))
+        raw.bodies = _named_bodies(self._sections or self._bodies_of_blocks())
         if self._step > 1:
             raw.messages.append(f"of {self._step} steps, constraints and forces of the first one are taken.")
         if self._left_out:
             words = ", ".join(f"*{keyword} (line {line})" for keyword, line in self._left_out.items())
             raw.messages.append(f"not read, so without effect here: {words}.")
         return raw
+
+    def _bodies_of_blocks(self) -> list[tuple[str, RawBody]]:
+        """Bodies of a deck without sections: element sets or instances; none where an element is in neither."""
+        names = dict.fromkeys((instance, name) for instance, name, _, _ in self._blocks_named)
+        if any(not name for _, name in names):
+            return []
+        bodies = []
+        for key in names:
+            found = [(labels, line) for *each, labels, line in self._blocks_named if tuple(each) == key]
+            elements = np.concatenate([labels for labels, _ in found])
+            bodies.append((key[0], RawBody(key[1], elements, None, found[0][1])))
+        return bodies
 
     def _require_members(self) -> None:
         """Raise ImportFileError for a set that names a node or an element which the file does not define."""
@@ -183,7 +130,8 @@ class _Reader:
                 missing = np.setdiff1d(members, known)
                 if missing.size:
                     self.raw.fail(
-                        f"{what} set '{name}' names {what} {missing[0]}, which the file does not define.",
+                        f"{what} set '{name}' names {what} {self.raw.shown(missing[0])}, which the file does not "
+                        "define.",
                         self.raw.set_lines[name],
                     )
 
@@ -205,12 +153,12 @@ class _Reader:
     def _elements(self, card: Card) -> None:
         name = card.parameter("TYPE").upper()
         solid = ELEMENT_TYPES.get(name)
-        if solid is None and name not in _NOT_SOLID:
+        if solid is None and name not in NOT_SOLID:
             card.fail(
                 f"the element type {name} is not known. Solid types that are read: {', '.join(ELEMENT_TYPES)}; shells, "
                 "membranes, beams and springs are left out."
             )
-        width = CELL_KINDS[solid].n_nodes if solid else _NOT_SOLID[name]
+        width = CELL_KINDS[solid].n_nodes if solid else NOT_SOLID[name]
         rows, lines = self._rows(card, width + 1)
         labels = np.array([row[0] for row in rows], dtype=np.int64)
         elset = card.parameters.get("ELSET", "")
@@ -224,8 +172,8 @@ class _Reader:
             card.fail("there are no elements below.")
         cells = np.array([row[1:] for row in rows], dtype=np.int64)
         self.raw.blocks.append(RawBlock(solid, labels, cells, np.array(lines, dtype=np.int64)))
-        self._blocks_named.append((elset, labels, card.line))
-        if name in _OTHER_FORMULATIONS:
+        self._blocks_named.append((card.instance, elset or card.instance, labels, card.line))
+        if name in OTHER_FORMULATIONS:
             message = f"elements {name} are taken with the formulation of this program for a {solid}."
             if message not in self.raw.messages:
                 self.raw.messages.append(message)
@@ -322,7 +270,10 @@ class _Reader:
         name = card.parameter("ELSET")
         elements = self._find(card, "element", name, card.line)
         material = card.parameter("MATERIAL").upper()
-        self.raw.bodies.append(RawBody(self._names["element", name.upper()], elements, material, card.line))
+        if ("element", name.upper()) not in self._names:
+            card.fail(f"ELSET={name} is a number; a section is that of an element set. Give the name of one.")
+        body = RawBody(self._names["element", name.upper()], elements, material, card.line)
+        self._sections.append((card.instance, body))
 
     def _new_material(self, card: Card) -> None:
         self._material = card.parameter("NAME").upper()
@@ -367,8 +318,8 @@ class _Reader:
         for line, words in card.data:
             nodes = self._find(card, "node", words[0], line)
             first = words[1].upper() if len(words) > 1 else ""
-            if first in _TIED_DOFS:
-                self.raw.held.append(RawHeld(nodes, _TIED_DOFS[first], line))
+            if first in HELD_DIRECTIONS:
+                self.raw.held.append(RawHeld(nodes, HELD_DIRECTIONS[first], line))
                 continue
             start = card.label(first, line)
             stop = card.label(words[2], line) if len(words) > 2 and words[2] else start
@@ -391,3 +342,13 @@ class _Reader:
                 card.fail(f"direction {direction} is not one of 1, 2, 3; solid elements take no moments.", line)
             nodes = self._find(card, "node", words[0], line)
             self.raw.loads.append(RawLoad(nodes, direction - 1, card.number(words[2], line), line))
+
+
+def _named_bodies(bodies: list[tuple[str, RawBody]]) -> list[RawBody]:
+    """Bodies with the name of their instance where it has one body, else with that of their set, INSTANCE.SET."""
+    sets = {body.name.upper() for _, body in bodies}
+    count = Counter(instance for instance, _ in bodies)
+    return [
+        replace(body, name=instance) if instance and count[instance] == 1 and instance.upper() not in sets else body
+        for instance, body in bodies
+    ]

@@ -31,8 +31,8 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
     lost = np.flatnonzero(~(np.abs(units.length * raw.coordinates) < LARGEST_COORDINATE).all(axis=1))
     if lost.size:
         raw.fail(
-            f"node {raw.node_labels[lost[0]]} has the coordinates {', '.join(map(str, raw.coordinates[lost[0]]))}; "
-            f"they must be finite and below {LARGEST_COORDINATE:g} m.",
+            f"node {raw.shown(raw.node_labels[lost[0]])} has the coordinates "
+            f"{', '.join(map(str, raw.coordinates[lost[0]]))}; they must be finite and below {LARGEST_COORDINATE:g} m.",
             int(raw.node_lines[lost[0]]),
         )
     used, cells = _used_nodes(raw)
@@ -61,6 +61,7 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
         format=raw.format,
         node_labels=labels,
         element_labels=element_labels,
+        label_ranges=raw.label_ranges,
         length_unit=units.length_unit,
         unit_system=units.name,
         materials=materials,
@@ -79,7 +80,7 @@ def _used_nodes(raw: RawModel) -> tuple[IntArray, list[IntArray]]:
     if twice.size:
         first, second = order[twice[0]], order[twice[0] + 1]
         where = f" (first in {raw.where(int(raw.node_lines[first]))})" if raw.node_lines[first] else ""
-        raw.fail(f"node {raw.node_labels[first]} is defined twice{where}.", int(raw.node_lines[second]))
+        raw.fail(f"node {raw.shown(raw.node_labels[first])} is defined twice{where}.", int(raw.node_lines[second]))
     positions = []
     for block in raw.blocks:
         place = np.searchsorted(sorted_labels, block.cells).clip(max=max(len(order) - 1, 0))
@@ -87,7 +88,8 @@ def _used_nodes(raw: RawModel) -> tuple[IntArray, list[IntArray]]:
         if missing.size:
             at, column = missing[0]
             raw.fail(
-                f"element {block.labels[at]} has node {block.cells[at, column]}, which the file does not define.",
+                f"element {raw.shown(block.labels[at])} has node {raw.shown(block.cells[at, column])}, which the file "
+                "does not define.",
                 int(block.lines[at]),
             )
         positions.append(order[place])
@@ -109,14 +111,17 @@ def _bodies(raw: RawModel, cells: list[IntArray], element_labels: IntArray) -> t
         twice = members & (body >= 0)
         if twice.any():
             label = element_labels[twice][0]
-            raw.fail(f"element {label} belongs to '{names[body[twice][0]]}' and to '{each.name}'.", each.line)
+            raw.fail(
+                f"element {raw.shown(label)} belongs to '{names[body[twice][0]]}' and to '{each.name}'.", each.line
+            )
         body[members] = len(names)
         names.append(each.name)
     lone = np.flatnonzero(body < 0)
     if lone.size:
         raw.fail(
-            f"element {element_labels[lone[0]]} belongs to no section or group that makes a body ({lone.size} of "
-            f"{len(body)} solid elements do not), so its material is missing. Give every solid element one.",
+            f"element {raw.shown(element_labels[lone[0]])} belongs to no section or group that makes a body "
+            f"({lone.size} of {len(body)} solid elements do not), so its material is missing. Give every solid element "
+            "one.",
             int(np.concatenate([block.lines for block in raw.blocks])[lone[0]]),
         )
     return tuple(names), body
@@ -216,7 +221,7 @@ def _numbers(raw: RawModel, labels: IntArray, wanted: IntArray, line: int) -> In
     """Numbers of nodes given by label; those of no solid element are left out."""
     unknown = np.setdiff1d(wanted, raw.node_labels)
     if unknown.size:
-        raw.fail(f"node {unknown[0]} does not exist.", line)
+        raw.fail(f"node {raw.shown(unknown[0])} does not exist.", line)
     return np.flatnonzero(np.isin(labels, wanted))
 
 
@@ -234,9 +239,9 @@ def _forces(raw: RawModel, units: UnitSystem, labels: IntArray) -> FloatArray:
     for load in raw.loads:
         numbers = _numbers(raw, labels, load.nodes, load.line)
         if not numbers.size:
-            raw.fail(f"a force acts on node {load.nodes[0]}, which belongs to no solid element.", load.line)
+            raw.fail(f"a force acts on node {raw.shown(load.nodes[0])}, which belongs to no solid element.", load.line)
         with np.errstate(over="ignore"):
             forces[numbers, load.direction] += units.force * load.value
         if not np.isfinite(forces[numbers, load.direction]).all():
-            raw.fail(f"the force on node {load.nodes[0]} is too large for a number.", load.line)
+            raw.fail(f"the force on node {raw.shown(load.nodes[0])} is too large for a number.", load.line)
     return forces

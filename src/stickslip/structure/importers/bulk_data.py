@@ -8,10 +8,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NoReturn
 
-from stickslip.structure.importers.raw_model import LinePlaces
+from stickslip.structure.importers.raw_model import LARGEST_LABEL, LinePlaces
 
 _EXPONENT = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))([-+]\d+)")  # 1.5-3 is 1.5e-3
-_LARGEST_LABEL = 2**31
 
 
 @dataclass
@@ -43,8 +42,8 @@ class BulkCard:
         word = self.word(position)
         if not word and default is not None:
             return default
-        if not word.isdecimal() or int(word) >= _LARGEST_LABEL:
-            self.fail(f'field {position + 2} is "{word[:24]}", not a whole number from 0 to {_LARGEST_LABEL - 1}.')
+        if not word.isdecimal() or int(word) >= LARGEST_LABEL:
+            self.fail(f'field {position + 2} is "{word[:24]}", not a whole number from 0 to {LARGEST_LABEL - 1}.')
         return int(word)
 
     def real(self, position: int, default: float | None = None) -> float:

@@ -34,7 +34,7 @@ def _require_distinct_labels(raw: RawModel) -> None:
     if twice.size:
         first, second = order[twice[0]], order[twice[0] + 1]
         where = f" (first in {raw.where(int(lines[first]))})" if lines[first] else ""
-        raw.fail(f"element {labels[first]} is defined twice{where}.", int(lines[second]))
+        raw.fail(f"element {raw.shown(labels[first])} is defined twice{where}.", int(lines[second]))
 
 
 def _require_distinct_nodes(raw: RawModel, block: RawBlock, cells: IntArray) -> None:
@@ -42,8 +42,8 @@ def _require_distinct_nodes(raw: RawModel, block: RawBlock, cells: IntArray) -> 
     bad = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
     if bad.size:
         raw.fail(
-            f"element {block.labels[bad[0]]} ({block.kind}) has a node more than once ({bad.size} elements do). "
-            "Collapsed elements are not read: use tetrahedra or wedges in their place.",
+            f"element {raw.shown(block.labels[bad[0]])} ({block.kind}) has a node more than once "
+            f"({bad.size} elements do). Collapsed elements are not read: use tetrahedra or wedges in their place.",
             int(block.lines[bad[0]]),
         )
 
@@ -56,7 +56,8 @@ def _require_distinct_elements(raw: RawModel, blocks: list[tuple[RawBlock, IntAr
     again = np.flatnonzero(first[position.ravel()] != np.arange(len(cells)))
     if again.size:
         raw.fail(
-            f"element {labels[again[0]]} has the same nodes as element {labels[first[position.ravel()[again[0]]]]} "
+            f"element {raw.shown(labels[again[0]])} has the same nodes as element "
+            f"{raw.shown(labels[first[position.ravel()[again[0]]]])} "
             f"({again.size} elements are such duplicates). Remove one of the two.",
             int(lines[again[0]]),
         )
@@ -85,9 +86,9 @@ def _fail_for(raw: RawModel, block: RawBlock, start: int, wrong: np.ndarray, lar
     labels = block.labels[start + bad]
     how = "inverted" if largest[bad[0]] < 0.0 else "flat or folded"
     raw.fail(
-        f"element {labels[0]} ({block.kind}) is {how}: its Jacobian is not above 0{where}. "
+        f"element {raw.shown(labels[0])} ({block.kind}) is {how}: its Jacobian is not above 0{where}. "
         f"{bad.size} elements of the first {start + len(wrong)} of this block are like this: "
-        f"{', '.join(str(label) for label in labels[:_SHOWN])}{' ...' if bad.size > _SHOWN else ''}. "
+        f"{', '.join(raw.shown(label) for label in labels[:_SHOWN])}{' ...' if bad.size > _SHOWN else ''}. "
         "Check the order of their nodes.",
         int(block.lines[start + bad[0]]),
     )

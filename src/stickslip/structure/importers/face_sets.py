@@ -94,7 +94,10 @@ def _positions(
     assert entry.elements is not None
     missing = np.setdiff1d(entry.elements, element_labels)
     if missing.size:
-        raw.fail(f"surface '{name}' names element {missing[0]}, which is no solid element of the file.", entry.line)
+        raw.fail(
+            f"surface '{name}' names element {raw.shown(missing[0])}, which is no solid element of the file.",
+            entry.line,
+        )
     cells = np.flatnonzero(np.isin(element_labels, entry.elements))
     if entry.side is None:
         return table.of_cells(cells)
@@ -106,8 +109,9 @@ def _positions(
         if mine.size:
             if entry.side >= len(kind.sides):
                 raw.fail(
-                    f"surface '{name}' names side S{entry.side + 1} of element {element_labels[first + mine[0]]}, but "
-                    f"a {block.kind} has sides S1 to S{len(kind.sides)}.",
+                    f"surface '{name}' names side S{entry.side + 1} of element "
+                    f"{raw.shown(element_labels[first + mine[0]])}, but a {block.kind} has sides S1 to "
+                    f"S{len(kind.sides)}.",
                     entry.line,
                 )
             side = kind.sides[entry.side]
@@ -135,8 +139,8 @@ def _by_corners(
     if lone.any():
         at = int(np.flatnonzero(lone)[0])
         raw.fail(
-            f"surface '{name}' has a side with nodes {', '.join(str(node) for node in corners[at])}, which is no side "
-            f"of a solid element ({int(lone.sum())} of {len(corners)} sides are not).",
+            f"surface '{name}' has a side with nodes {', '.join(raw.shown(node) for node in corners[at])}, which is no "
+            f"side of a solid element ({int(lone.sum())} of {len(corners)} sides are not).",
             entry.line,
         )
     return found

@@ -10,6 +10,7 @@ import numpy as np
 from stickslip.errors import ImportFileError
 from stickslip.structure.elasticity import Material
 from stickslip.structure.finite_element_mesh import FiniteElementMesh
+from stickslip.structure.importers.raw_model import LabelRange, shown_label
 from stickslip.structure.mesh import IntArray
 from stickslip.validation import FloatArray
 
@@ -25,7 +26,10 @@ class ImportedModel:
     source, format:
         the file, and the name of its format.
     node_labels, element_labels:
-        (n_nodes,) and (n_cells,) numbers of the nodes and cells in the file.
+        (n_nodes,) and (n_cells,) numbers of the nodes and cells in the file; a message tells where those of an instance
+        have grown.
+    label_ranges:
+        which of these numbers belong to which instance.
     materials:
         body name -> material, for the bodies that have one in the file.
     fixed_unknowns:
@@ -50,8 +54,13 @@ class ImportedModel:
     materials: Mapping[str, Material] = field(default_factory=dict)
     fixed_unknowns: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     node_forces: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
+    label_ranges: tuple[LabelRange, ...] = ()
     messages: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+
+    def shown(self, label: int) -> str:
+        """A node or element as the file writes it."""
+        return shown_label(label, self.label_ranges)
 
     def node_numbers(self, labels: IntArray) -> IntArray:
         """Node numbers of the mesh from those of the file; raises ImportFileError for one that the model lacks."""

@@ -7,24 +7,27 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NoReturn
 
-from stickslip.structure.importers.raw_model import DEEPEST_INCLUDE, fail, read_text
-
-_LARGEST_LABEL = 2**31
+from stickslip.structure.importers.raw_model import DEEPEST_INCLUDE, LARGEST_LABEL, fail, read_text
 
 
 @dataclass
 class Card:
-    """One keyword with its parameters (names in capitals, values as written) and its data lines split at commas."""
+    """One keyword with its parameters (names in capitals, values as written) and its data lines split at commas.
+
+    ``instance`` is the part instance that it belongs to, if any.
+    """
 
     source: Path
     keyword: str
     parameters: dict[str, str]
     line: int
     data: list[tuple[int, list[str]]] = field(default_factory=list)
+    instance: str = ""
 
     def fail(self, sentence: str, line: int = 0) -> NoReturn:
         """Raise ImportFileError that names the file and the line, by default that of the keyword."""
-        fail(self.source, f"*{self.keyword}: {sentence}", line or self.line)
+        where = f" of instance '{self.instance}'" if self.instance else ""
+        fail(self.source, f"*{self.keyword}{where}: {sentence}", line or self.line)
 
     def parameter(self, name: str) -> str:
         """A parameter that must be there; raises ImportFileError."""
@@ -39,8 +42,8 @@ class Card:
             value = int(word)
         except ValueError:
             self.fail(f'"{word[:40]}" is no node or element number.', line)
-        if not 0 < value < _LARGEST_LABEL:
-            self.fail(f"{word[:40]} is no node or element number; they run from 1 to {_LARGEST_LABEL - 1}.", line)
+        if not 0 < value < LARGEST_LABEL:
+            self.fail(f"{word[:40]} is no node or element number; they run from 1 to {LARGEST_LABEL - 1}.", line)
         return value
 
     def number(self, word: str, line: int) -> float:

@@ -13,6 +13,9 @@ from stickslip.errors import ImportFileError
 from stickslip.structure.mesh import IntArray
 from stickslip.validation import FloatArray
 
+DEEPEST_INCLUDE = 5  # files that include each other
+LARGEST_LABEL = 2**31  # numbers of nodes and elements stay below
+
 
 @dataclass(frozen=True)
 class RawBlock:
@@ -118,9 +121,27 @@ class LinePlaces:
         fail(file, sentence, own)
 
 
+@dataclass(frozen=True)
+class LabelRange:
+    """Labels ``first`` to ``last`` that the file writes without ``offset``, after the name of an instance."""
+
+    first: int
+    last: int
+    offset: int
+    instance: str
+
+
+def shown_label(label: int, ranges: tuple[LabelRange, ...]) -> str:
+    """A node or element as the file writes it: 12, or Part-1.12 in an instance."""
+    for each in ranges:
+        if each.first <= label <= each.last:
+            return f"{each.instance}.{label - each.offset}" if each.instance else f"{label - each.offset}"
+    return f"{label}"
+
+
 @dataclass
 class RawModel:
-    """All that a reader found. Node and element labels are those of the file.
+    """All that a reader found. Node and element labels are those of the file, or of the flat file that it means.
 
     Lines are those of ``source``; where ``places`` is given, those of a text that was joined from several files.
     """
@@ -141,6 +162,11 @@ class RawModel:
     loads: list[RawLoad] = field(default_factory=list)
     messages: list[str] = field(default_factory=list)
     places: LinePlaces | None = None
+    label_ranges: tuple[LabelRange, ...] = ()
+
+    def shown(self, label: int) -> str:
+        """A node or element as the file writes it."""
+        return shown_label(label, self.label_ranges)
 
     def fail(self, sentence: str, line: int = 0) -> NoReturn:
         """Raise ImportFileError with the file, the line where one is known, and the sentence."""
@@ -151,9 +177,6 @@ class RawModel:
     def where(self, line: int) -> str:
         """A line for a sentence; its file is named where it is not ``source``."""
         return self.places.words(line) if self.places is not None else f"line {line}"
-
-
-DEEPEST_INCLUDE = 5  # files that include each other
 
 
 def fail(source: Path, sentence: str, line: int = 0) -> NoReturn:
