@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from stickslip.report.sweep_view import SweepView
@@ -23,8 +25,14 @@ def sweep_view(
     at_end: tuple[int, ...] = (),
     force_n: list[float] | None = None,
     points: int = 41,
+    limits: Mapping[str, list[float]] | None = None,
+    viscous_energy_j: float = 1e-3,
 ) -> SweepView:
-    """A view whose row ``i`` has the peak ``peaks[i]`` in m (None: a case that failed) at 460 + i Hz."""
+    """A view whose row ``i`` has the peak ``peaks[i]`` in m (None: a case that failed) at 460 + i Hz.
+
+    ``limits``: linear peaks of each row in m as "stuck", "free"; by default all stuck ones are 0.2 mm, none is free.
+    """
+    linear = limits or {"stuck": [2e-4] * len(peaks)}
     sizes = [len(key.values) for key in keys]
     rows, curves = [], []
     for place, peak in enumerate(peaks):
@@ -39,9 +47,10 @@ def sweep_view(
             "peak_amplitude_m": peak,
             "peak_frequency_hz": 460.0 + place,
             "peak_bracketed": 0.0 if place in at_end else 1.0,
-            "stuck_peak_amplitude_m": 2e-4,
+            "viscous_energy_j": viscous_energy_j,
             "pairs_stuck": 3.0,
         }
+        measures |= {f"{limit}_peak_amplitude_m": heights[place] for limit, heights in linear.items()}
         rows.append(SweepRow(f"case-{place}", values, True, "Done.", measures, ("Too few samples.",), f"{place}.nc"))
         curves.append(SweepCurve(frequency, peak / np.hypot(1.0, frequency - 460.0 - place)))
     force = np.full(len(peaks), 50.0) if force_n is None else np.array(force_n)

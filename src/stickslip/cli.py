@@ -318,6 +318,8 @@ def _close_sweep(result: Sweep, quiet: bool) -> None:
         for file in result.files:
             typer.echo(f"Wrote {file}")
         typer.echo(f"{count} cases, {result.found} of them finished before; {len(failed)} failed.")
+        for remark in result.remarks:
+            typer.echo(remark)
     for row in failed[:SHOWN_FAILURES]:
         typer.echo(f"Failed: {row.name}: {row.message}", err=True)
     if failed:

@@ -12,6 +12,7 @@ from stickslip.errors import InputError
 from stickslip.files import whole_file
 from stickslip.report import sweep_plots as plots
 from stickslip.report.html_parts import notice, scrolled, when, whole_page
+from stickslip.report.linear_limits import differing_limits
 from stickslip.report.look import Figure
 from stickslip.report.style import MICRO, number
 from stickslip.report.sweep_view import LOAD_KEY, SweepView, short_name
@@ -51,7 +52,7 @@ def sweep_page(view: SweepView, title: str, inputs: str, provenance: Mapping[str
         "title": escape(title),
         "description": escape("; ".join(f"{key.name}: {_values(key.labels)}" for key in view.table.keys) + "."),
         "byline": escape(f"{when(provenance)} · {len(view.table.rows)} cases · {len(view.table.failed)} failed"),
-        "notices": _failures(view),
+        "notices": _failures(view) + _limits(view),
         "tiles": _tiles(view),
         "curves": _curves(view, figures),
         "keys": _keys(view, figures),
@@ -82,6 +83,11 @@ def _failures(view: SweepView) -> str:
         return ""
     heading = "1 case failed" if len(rows) == 1 else f"{len(rows)} cases failed"
     return notice("bad", heading, [f"{view.label(place)}: {row.message}" for place, row in rows])
+
+
+def _limits(view: SweepView) -> str:
+    sentences = differing_limits(view)
+    return notice("warn", "The linear limits differ between the cases", sentences) if sentences else ""
 
 
 def _tiles(view: SweepView) -> str:

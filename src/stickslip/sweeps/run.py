@@ -15,6 +15,7 @@ from stickslip.case import Case
 from stickslip.errors import InputError, StickslipError
 from stickslip.model import kind_of, load_joint, set_up
 from stickslip.progress import Progress, SilentProgress
+from stickslip.report.linear_limits import differing_limits
 from stickslip.report.sweep_page import write_sweep_page
 from stickslip.report.sweep_view import SweepView
 from stickslip.results.record import run_provenance
@@ -50,6 +51,8 @@ class Sweep:
         number of cases that an earlier sweep had finished.
     notices:
         sentences about files that could not be used.
+    remarks:
+        sentences about the cases taken together, such as linear limits that are not the same for all of them.
     """
 
     table: SweepTable
@@ -58,6 +61,7 @@ class Sweep:
     files: tuple[Path, ...]
     found: int
     notices: tuple[str, ...]
+    remarks: tuple[str, ...]
 
 
 def sweep(
@@ -119,9 +123,10 @@ def sweep(
     table = SweepTable(keys, tuple(run.row(each) for each in planned))
     curves = tuple(run.outcomes[each.key].curve for each in planned)
     forces = np.array([kind_of(each.case).force_amplitude(each.case) for each in planned])
-    files = () if run.folder is None else _written(run.folder, case, SweepView(table, curves, forces))
+    view = SweepView(table, curves, forces)
+    files = () if run.folder is None else _written(run.folder, case, view)
     case_files = tuple(run.folder.path / row.file if run.folder and row.file else None for row in table.rows)
-    return Sweep(table, curves, case_files, files, run.found, tuple(run.notices))
+    return Sweep(table, curves, case_files, files, run.found, tuple(run.notices), differing_limits(view))
 
 
 @contextmanager
