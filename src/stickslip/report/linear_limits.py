@@ -41,8 +41,8 @@ def differing_limits(view: SweepView) -> tuple[str, ...]:
         found = [part for part in parts if part]
         if found:
             sentences.append(
-                f"The linear limits are not the same for all values of {key.name}: the peak {'; the peak '.join(found)}. "
-                "Shifts and reductions of a case count from its own limits."
+                f"The linear limits are not the same for all values of {key.name}: the peak "
+                f"{'; the peak '.join(found)}. Shifts and reductions of a case count from its own limits."
             )
     return tuple(sentences)
 

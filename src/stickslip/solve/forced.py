@@ -236,13 +236,7 @@ def _warnings(
             f"The slider of some pair did not come to a periodic state (closure error {closure:.1e} of the friction "
             "limit); the force of that pair is uncertain by about this share."
         )
-    residual = float(measures.residual.max())
-    if residual > LARGEST_RESIDUAL:
-        sentences.append(
-            f"The equation of motion is met only to {residual:.1e} of its forces (wanted: {LARGEST_RESIDUAL:.0e}). "
-            "Contact many orders stiffer than the structure loses digits; a lower contact stiffness that is still "
-            "rigid in effect gives the same motion more exactly."
-        )
+    sentences.extend(_residual(balance, trials, measures.residual))
     if not damped:
         sentences.append(
             "There is no viscous damping: the linear curves have no finite peaks (their heights in the figures mean "
@@ -267,6 +261,37 @@ def _folds(trials: list[Trial]) -> tuple[str, ...]:
     return (
         f"The curve folds ({places} Hz): between folds several periodic motions exist at one frequency. Stability is "
         "not computed; a slow sweep follows the curve to a fold and jumps there.",
+    )
+
+
+def _residual(balance: Balance, trials: list[Trial], residuals: FloatArray) -> tuple[str, ...]:
+    """A warning where the equation of motion is not met, with the cause.
+
+    The tolerance of the balance is relative to the norm of all relative displacements. Where a drift that only the
+    artificial restraint of the mean bounds makes up this norm, the motion itself has fewer digits by the share of the
+    motion in the norm; that the drift is the cause shows where the residual times this share is small enough.
+    """
+    worst = int(residuals.argmax())
+    residual, relative = float(residuals[worst]), trials[worst].relative
+    if residual <= LARGEST_RESIDUAL:
+        return ()
+    restrained = float(np.abs(balance.compliance.restraint_force(relative[0])).sum())
+    means = relative[0].reshape(-1, 3)[:, :2]
+    motion = relative.copy()
+    motion[0].reshape(-1, 3)[:, :2] = 0.0
+    share = float(np.linalg.norm(motion) / np.linalg.norm(relative))
+    cause = (
+        "Contact many orders stiffer than the structure loses digits; a lower contact stiffness that is still rigid in "
+        "effect gives the same motion more exactly."
+    )
+    if restrained > 0.0 and residual * share <= LARGEST_RESIDUAL:
+        cause = (
+            f"The cause is a body that drifts: where the residual is largest an artificial restraint carries "
+            f"{restrained:.2e} N and lets the mean slip by {float(np.linalg.norm(means, axis=1).max()):.2e} m, and the "
+            "accuracy of the solution is relative to this displacement. Hold the body along its free direction."
+        )
+    return (
+        f"The equation of motion is met only to {residual:.1e} of its forces (wanted: {LARGEST_RESIDUAL:.0e}). {cause}",
     )
 
 
