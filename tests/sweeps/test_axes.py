@@ -47,6 +47,7 @@ def test_labels_and_shown_numbers_are_in_the_unit_of_engineers() -> None:
     assert key.shown == pytest.approx((20.0, 30.0, 40.0))
     assert (key.unit, key.shown_unit) == ("rad", "deg")
     assert study_value(key, 1) == f"{key.values[1]!r} rad"
+    assert swept_keys({"interfaces.sole.points": "nodes,quadrature"})[0].labels == ("nodes", "quadrature")
     choice = swept_keys({"excitation.mode": "same"})[0]
     assert choice.is_choice
     assert (choice.labels, choice.shown, study_value(choice, 0)) == (("same",), (), "same")
@@ -61,6 +62,9 @@ def test_labels_and_shown_numbers_are_in_the_unit_of_engineers() -> None:
         ("output.mode_shapes", "1,2", r"output.mode_shapes does not change the answer"),
         ("excitation.direction", "1,2", r"excitation.direction holds a list"),
         ("preload.values", "1,2", r"preload.values holds a list"),
+        ("rotation.point", "1,2", r"rotation.point holds a list"),
+        ("structure.length_unit", "mm,m", r"structure.length_unit holds a text; a sweep varies keys that hold a quan"),
+        ("forces.push.node", "1,2", r"forces.push.node holds the number of a node; "),
         ("excitation.mode", "sinlge", r"one of single, same, opposite. Did you mean \"single\"\?"),
         ("excitation.mode", "1:3:2", r"excitation.mode has the range \"1:3:2\", but it holds a choice"),
         ("preload.centrifugal_force", "-5", r"preload.centrifugal_force = -5 is not allowed: a value above 0 N"),

@@ -9,7 +9,8 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Mapping, Sequence
-from typing import Literal, get_args, get_origin
+from types import UnionType
+from typing import Literal, Union, get_args, get_origin
 
 import numpy as np
 
@@ -87,13 +88,19 @@ def _kind(name: str) -> Quantity | Count | tuple[str, ...]:
     quantity = quantity_of(model, key)
     annotation, metadata = model.model_fields[key].annotation, model.model_fields[key].metadata
     count = next((entry for entry in metadata if isinstance(entry, Count)), None)
-    if get_origin(annotation) is Literal:
-        return get_args(annotation)
-    if quantity is not None:
+    held = next(kind for kind in (annotation, *get_args(annotation)) if kind is not None and not _is_union(kind))
+    if get_origin(held) is Literal:
+        return get_args(held)
+    if quantity is not None and get_origin(held) is not tuple:
         return quantity
     if count is not None:
         return count
-    raise InputError(f"{name} holds a list; a sweep varies keys that hold one number or one choice.")
+    words = "a text" if held is str else "the number of a node" if held is int else "a list of values"
+    raise InputError(f"{name} holds {words}; a sweep varies keys that hold a quantity, a count or one of some choices.")
+
+
+def _is_union(kind: object) -> bool:
+    return get_origin(kind) in (Union, UnionType)
 
 
 def _item(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> list[Value]:
