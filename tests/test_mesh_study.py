@@ -18,6 +18,7 @@ from stickslip.model import build_model, load_joint, set_up
 from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
 
+CUBES = Path(__file__).parent / "data" / "models" / "cubes.bdf"
 DENSITY = "8200 kg/m^3"
 HEAVY = "body 'damper' has the density 3.1e+04 kg/m3, outside 100 to 30000 kg/m3"
 
@@ -154,6 +155,35 @@ WRONG = {
 def test_what_does_not_fit_is_named(changes: dict[str, object], message: str) -> None:
     with pytest.raises(InputError, match=message):
         set_up(mesh_case().replace(changes))
+
+
+@pytest.mark.parametrize("entry", ["forces.push.set", "responses.top.set", "structure.fixed", "interfaces.joint.first"])
+def test_the_name_of_a_body_is_refused_as_such(entry: str) -> None:
+    """Bodies of a Nastran deck are properties, whose names ``stickslip import`` shows, but they are no sets."""
+    case = Case.from_mapping(
+        {
+            "structure": {"kind": "mesh", "file": str(CUBES), "length_unit": "mm"},
+            "interfaces": {
+                "joint": {
+                    "first": "opposite",
+                    "second": "contact",
+                    "normal_load": "10 N",
+                    "normal_stiffness": "1e7 N/m",
+                    "tangential_stiffness": "1e7 N/m",
+                }
+            },
+            "forces": {"push": {"set": "set 3", "direction": [0, 0, 1], "amplitude": "1 N"}},
+            "responses": {"top": {"node": 16, "direction": [0, 0, 1]}},
+        }
+    )
+    assert set_up(case).layout.face_names == ("joint",)
+    changes: dict[str, object] = {entry: ["upper"] if entry == "structure.fixed" else "upper"}
+    changes |= {"responses.top.node": None} if entry.startswith("responses") else {}
+    with pytest.raises(
+        InputError, match=r"'upper' is the name of a body, no .* the mesh has: SPC 1, contact, opp"
+    ) as told:
+        set_up(case.replace(changes))
+    assert str(told.value).startswith(entry.removesuffix(".set").removesuffix(".first"))
 
 
 def test_missing_material_is_named(tmp_path: Path) -> None:
