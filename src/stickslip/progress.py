@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Protocol
@@ -11,6 +13,9 @@ if TYPE_CHECKING:
     from rich.progress import Progress as RichBars
     from rich.progress import TaskID
 
+
+REMINDER_SECONDS = 30.0
+REMINDER_SHARE = 0.02
 
 # What a part of a computation calls with the share of it that is done, and a sentence.
 ProgressCallback = Callable[[float, str], None]
@@ -45,24 +50,68 @@ class BarProgress:
 
 
 class LineProgress:
-    """One line for the start of each stage and one for its end, for files and pipes."""
+    """Lines for files and pipes: at the start and the end of each stage, and reminders of what is done meanwhile.
 
-    def __init__(self, console: Console) -> None:
-        self._console = console
+    A reminder comes ``REMINDER_SECONDS`` after the last line of a stage, and in a stage that takes long after
+    ``REMINDER_SHARE`` of its time so far, so that a log of days stays short.
+    """
+
+    def __init__(self, console: Console, clock: Callable[[], float] = time.monotonic) -> None:
+        self._console, self._clock = console, clock
         self._started: set[str] = set()
         self._finished: set[str] = set()
+        self._current: tuple[str, float, str] | None = None  # stage, fraction and detail of what is under way
+        self._began = self._last_line = clock()
+        # news may come from several threads, and reminders do
+        self._lock = threading.RLock()
 
     def update(self, stage: str, fraction: float, detail: str = "") -> None:
-        """Print a line where the stage begins or ends."""
-        if stage not in self._started:
-            self._started.add(stage)
-            self._print(f"{stage}: {detail} ..." if detail and fraction == 0.0 else f"{stage} ...")
-        if fraction >= 1.0 and stage not in self._finished:
-            self._finished.add(stage)
-            self._print(f"{stage}: {detail or 'done'}")
+        """Print a line where the stage begins or ends, or where a reminder is due."""
+        with self._lock:
+            if self._current is None or self._current[0] != stage:
+                self._began = self._last_line = self._clock()
+            self._current = (stage, fraction, detail) if fraction < 1.0 else None
+            if stage not in self._started:
+                self._started.add(stage)
+                self._print(f"{stage}: {detail} ..." if detail and fraction == 0.0 else f"{stage} ...")
+            if fraction >= 1.0 and stage not in self._finished:
+                self._finished.add(stage)
+                self._print(f"{stage}: {detail or 'done'}")
+            self.remind()
+
+    def remind(self) -> None:
+        """Print what is under way and how long, if a reminder is due."""
+        with self._lock:
+            if self._current is None:
+                return
+            now = self._clock()
+            elapsed = now - self._began
+            if now - self._last_line < max(REMINDER_SECONDS, REMINDER_SHARE * elapsed):
+                return
+            stage, fraction, detail = self._current
+            took = f"{elapsed:.0f} s" if elapsed < 600.0 else f"{elapsed / 60.0:.0f} min"
+            self._print(f"{stage}: {f'{detail} ' if detail else ''}({100.0 * fraction:.0f} % done, {took})")
+
+    @contextmanager
+    def reminding(self, every_seconds: float = 1.0) -> Iterator[None]:
+        """Look from a second thread whether a reminder is due, also while a long step brings no news."""
+        stop = threading.Event()
+
+        def look() -> None:
+            while not stop.wait(every_seconds):
+                self.remind()
+
+        thread = threading.Thread(target=look, name="reminders of progress", daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            stop.set()
+            thread.join()
 
     def _print(self, text: str) -> None:
         self._console.print(text, markup=False, highlight=False, soft_wrap=True)
+        self._last_line = self._clock()
 
 
 @contextmanager
@@ -75,7 +124,9 @@ def terminal_progress(quiet: bool = False) -> Iterator[Progress]:
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield LineProgress(console)
+        lines = LineProgress(console)
+        with lines.reminding():
+            yield lines
         return
     from rich.progress import BarColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
     from rich.progress import Progress as RichBars

@@ -131,7 +131,6 @@ def solve(
         threads=threads,
         progress=lambda fraction, detail: told.update("Response", fraction, detail),
     )
-    told.update("Response", 1.0, f"{response.n_points} points")
     return replace(response, provenance={**response.provenance, **run_provenance()})
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -246,16 +248,38 @@ def test_no_first_point_raises_with_every_attempt(blade: Blade) -> None:
 
 def test_progress_is_told(blade: Blade) -> None:
     heard: list[float] = []
+    words: list[str] = []
+
+    def listen(fraction: float, detail: str) -> None:
+        heard.append(fraction)
+        words.append(detail)
+
     forced_response(
         blade.superelement,
         blade.pairs,
         1e-3 * blade.force_cos,
         frequency_hz=(600.0, 610.0),
         harmonics=1,
-        progress=lambda fraction, detail: heard.append(fraction),
+        progress=listen,
     )
     assert heard == sorted(heard)
     assert heard[-1] == 1.0
+    assert heard.count(1.0) == 1, "the curve is not the end: checks and linear limits follow"
+    assert words[:3] == [
+        f"modes of the stuck structure, {blade.superelement.size} unknowns",
+        f"compliance of {blade.n_pairs} pairs",
+        "first point",
+    ]
+    assert words[-3:-1] == ["energies and checks of the curve", "linear limits"]
+
+
+def test_iterations_of_newton_are_told_at_the_start_and_along_the_curve(blade: Blade) -> None:
+    words: list[str] = []
+    blade.response(
+        frequency_hz=(684.0, 686.0), harmonics=1, samples=64, progress=lambda fraction, detail: words.append(detail)
+    )
+    assert any(re.fullmatch(r"first point; iteration 1, relative residual \d\.\de[-+]\d\d", each) for each in words)
+    assert any(re.match(r"[\d.]+ Hz, point \d+, \d+ pairs moving; iteration 1, ", each) for each in words)
 
 
 BAD = {

@@ -28,6 +28,9 @@ from stickslip.validation import FloatArray, finite_array
 # Residual of the equation of motion, relative to its forces, above which a curve gets a warning.
 LARGEST_RESIDUAL = 1e-6
 
+# Share of the work that is told at the end of the window: energies, checks and linear limits follow.
+LARGEST_SHARE = 0.99
+
 
 def forced_response(
     superelement: Superelement,
@@ -96,12 +99,14 @@ def forced_response(
         raise InputError(f"modal_damping_ratio is {modal_damping_ratio}, but it must be 0 or more, for example 0.001.")
     force = _force_coefficients(force_cos, force_sin, superelement.size, harmonics)
     newton = newton or NewtonSettings()
-    report = progress or (lambda fraction, detail: None)
+    told = _Told(progress)
     omega_start, omega_stop = (2.0 * np.pi * f for f in window)
     with threadpool_limits(limits=blas_threads(3 * pairs.n_pairs, threads)):
+        told.now(f"modes of the stuck structure, {superelement.size} unknowns")
         stuck = stuck_structure(superelement, pairs, max(omega_start, omega_stop), modal_damping_ratio)
+        told.now(f"compliance of {pairs.n_pairs} pairs")
         balance = Balance(stuck.compliance(harmonics), pairs, force, samples, update)
-        solver = Newton(balance, newton)
+        solver = Newton(balance, newton, told.iteration)
         settings = continuation or ContinuationSettings()
 
         def simpler(count: int) -> Balance:
@@ -110,18 +115,22 @@ def forced_response(
         def walk(trial: Trial) -> Branch:
             return Branch(solver, trial, omega_start, settings)
 
+        told.now("first point")
         start, how = first_point(solver, omega_start, simpler, walk)
         branch = Branch(solver, start, omega_stop, settings)
-        points = _follow(branch, window, report)
+        points = _follow(branch, window, told)
+        told.now("energies and checks of the curve")
         trials = [point.trial for point in points]
         measures = measure_curve(trials, balance, superelement, stuck)
         cut_off = max(harmonics, 4)
         more = np.vstack([force, np.zeros((2 * cut_off, superelement.size))])
         fine = Balance(stuck.compliance(harmonics + cut_off), pairs, more, 2 * samples, update)
         check = check_resolution(fine, trials)
+        told.now("linear limits")
         closed = LinearLimit(stuck.circular_frequency, stuck.modes, stuck.modal_damping)
         free = LinearLimit.of_matrices(superelement.mass, superelement.stiffness, stuck.damping)
         linear = linear_curves(closed, free, force, window)
+        told.now(f"{len(points)} points", 1.0)
     return ForcedResponse(
         frequency_hz=np.array([trial.omega for trial in trials]) / (2.0 * np.pi),
         displacement=np.ascontiguousarray(measures.displacement.transpose(0, 2, 1)),
@@ -207,7 +216,24 @@ def _force_coefficients(force_cos: ArrayLike, force_sin: ArrayLike | None, size:
     return coefficients
 
 
-def _follow(branch: Branch, window: tuple[float, float], report: ProgressCallback) -> list[BranchPoint]:
+class _Told:
+    """Tells the progress: the share of the window that is done, what is done now, and the iterations of Newton."""
+
+    def __init__(self, progress: ProgressCallback | None) -> None:
+        self._progress: ProgressCallback = progress or (lambda fraction, detail: None)
+        self._share, self._words = 0.0, ""
+
+    def now(self, words: str, share: float | None = None) -> None:
+        """``words`` say what begins; ``share`` (0 to 1) is done where it changed."""
+        self._words, self._share = words, self._share if share is None else share
+        self._progress(self._share, words)
+
+    def iteration(self, number: int, error: float) -> None:
+        """Iteration ``number`` of Newton begins with the relative residual ``error``."""
+        self._progress(self._share, f"{self._words}; iteration {number}, relative residual {error:.1e}")
+
+
+def _follow(branch: Branch, window: tuple[float, float], told: _Told) -> list[BranchPoint]:
     """Walk the branch and tell the progress."""
     points = []
     for point in branch:
@@ -215,7 +241,8 @@ def _follow(branch: Branch, window: tuple[float, float], report: ProgressCallbac
         frequency = point.trial.omega / (2.0 * np.pi)
         done = (frequency - window[0]) / (window[1] - window[0])
         moving = int((point.trial.contact.state > 0).sum())
-        report(min(1.0, max(0.0, done)), f"{frequency:.2f} Hz, point {len(points)}, {moving} pairs moving")
+        share = min(LARGEST_SHARE, max(0.0, done))
+        told.now(f"{frequency:.2f} Hz, point {len(points)}, {moving} pairs moving", share)
     return points
 
 

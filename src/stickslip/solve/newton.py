@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,11 +69,14 @@ class Correction:
 
 
 class Newton:
-    """Newton's method for one balance."""
+    """Newton's method for one balance; ``told`` hears the number and the residual of each iteration that begins."""
 
-    def __init__(self, balance: Balance, settings: NewtonSettings) -> None:
+    def __init__(
+        self, balance: Balance, settings: NewtonSettings, told: Callable[[int, float], None] | None = None
+    ) -> None:
         self.balance = balance
         self.settings = settings
+        self.told = told or (lambda iteration, error: None)
 
     def border(self, trial: Trial, constraint: Constraint) -> BorderedSystem:
         """The Newton system of ``trial``, bordered by ``constraint``."""
@@ -101,6 +105,7 @@ class Newton:
                 return Correction(trial, True, iteration, system)
             if iteration == self.settings.max_iterations or not np.isfinite(trial.error):
                 break
+            self.told(iteration + 1, trial.error)
             system = self.border(trial, constraint)
             defect = constraint.defect(trial.relative, trial.omega)
             step = system.solve(trial.residual, -defect, self._step_tolerance(trial.error, sharper))

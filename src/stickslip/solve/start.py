@@ -91,7 +91,7 @@ def _amplitude_ramp(newton: Newton, omega: float) -> tuple[Trial | None, float]:
 def _few_harmonics(newton: Newton, simple: Balance, omega: float) -> Correction:
     """Solve with fewer harmonics, then correct with all of them from there."""
     balance = newton.balance
-    coarse = _at(Newton(simple, newton.settings), simple.linear(omega), omega, 1.0)
+    coarse = _at(Newton(simple, newton.settings, newton.told), simple.linear(omega), omega, 1.0)
     guess = np.zeros((2 * balance.harmonics + 1, balance.rows))
     guess[: coarse.trial.relative.shape[0]] = coarse.trial.relative
     return _at(newton, guess, omega, 1.0)

@@ -111,10 +111,11 @@ class FiniteElementMesh:
     def node_set(self, name: str) -> IntArray:
         """The nodes of a named set; raises InputError when it does not exist or is empty."""
         if name not in self.node_sets and name in self.body_names:
+            known = ", ".join(sorted(self.node_sets)) or "none"
             raise InputError(
                 f"'{name}' is the name of a body, no node or face set: its material can be given, but forces, "
-                "responses, constraints and joints need a place on it. Give a set of its nodes or sides, or for a force or a "
-                f"response also a point or a node; the mesh has: {', '.join(sorted(self.node_sets)) or 'none'}."
+                "responses, constraints and joints need a place on it. Give a set of its nodes or sides, or for a "
+                f"force or a response also a point or a node; the mesh has: {known}."
             )
         return named_nodes(self.node_sets, name)
 
