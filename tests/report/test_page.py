@@ -9,6 +9,8 @@ import numpy as np
 import plotly.graph_objects
 import pytest
 
+from browser_pages import LARGEST_PAGE
+from large_results import large_result
 from stickslip.errors import InputError
 from stickslip.report import page_data as page_data_module
 from stickslip.report import plots
@@ -126,14 +128,54 @@ def test_force_of_a_stuck_pair_is_its_spring_as_the_page_assumes(case):
     np.testing.assert_allclose(response.pair_cycle(0).force[:, pair, :2], expected, atol=1e-9 * np.abs(expected).max())
 
 
-def test_loops_are_thinned_to_the_budget_and_keep_the_peak(case, monkeypatch):
+def held_numbers(view: View) -> int:
+    """Characters of states, energies and loops on the page."""
+    data = page_data(view)
+    return sum(len(data[name]) for name in ("states", "energy")) + sum(
+        len(data["loops"][name]) for name in ("relative", "slots", "scales", "forces")
+    )
+
+
+def test_maps_and_loops_are_thinned_to_the_room_and_keep_the_peak(case, monkeypatch):
     view = View.of(*case)
-    monkeypatch.setattr(page_data_module, "LOOP_BYTES", 300_000)
-    points = page_data(view)["loops"]["points"]
-    assert view.point in points
-    assert 1 < len(points) < case[0].n_points
-    monkeypatch.setattr(page_data_module, "LOOP_BYTES", 10)
-    assert page_data(view)["loops"]["points"] == [view.point]
+    whole = page_data(view)
+    assert whole["mapPoints"] == whole["loops"]["points"] == list(range(case[0].n_points))
+    fixed = page_data_module.PAIR_CHARACTERS * 110 + page_data_module.POINT_CHARACTERS * 40
+    fixed += sum(len(text) for text in whole["signals"].values())
+    for room, most_maps in ((400_000, 40), (30_000, 39)):
+        monkeypatch.setattr(page_data_module, "DATA_CHARACTERS", fixed + room)
+        data = page_data(view)
+        assert view.point in data["mapPoints"]
+        assert 1 < len(data["mapPoints"]) <= most_maps
+        assert set(data["loops"]["points"]) <= set(data["mapPoints"])
+        assert len(data["loops"]["points"]) < 40
+        assert held_numbers(view) <= room + 20  # base64 fills up to four characters
+        shape = len(data["mapPoints"]), case[0].pairs.n_pairs
+        np.testing.assert_array_equal(
+            unpacked(data["states"], "i1").reshape(shape), case[0].contact_state[data["mapPoints"]]
+        )
+    monkeypatch.setattr(page_data_module, "DATA_CHARACTERS", 0)
+    data = page_data(view)
+    assert (data["mapPoints"], data["loops"]["points"]) == ([view.point], [])
+
+
+@pytest.mark.parametrize(("n_pairs", "n_points"), [(1000, 600), (5000, 600), (110, 10_000)])
+def test_no_page_grows_beyond_its_limit(n_pairs: int, n_points: int) -> None:
+    response, study = large_result(n_pairs, n_points)
+    assert response.pairs.n_pairs >= n_pairs
+    text = page(response, study)
+    assert len(text.encode()) < LARGEST_PAGE
+    data = json.loads(re.search(r'id="page-data">(.*?)</script>', text, flags=re.S).group(1))
+    assert data["loops"]["points"]
+    assert 1 < len(data["mapPoints"]) <= n_points
+
+
+def test_no_page_grows_beyond_its_limit_where_all_pairs_need_their_forces() -> None:
+    """Tractions that are kept at rest: the page needs the friction force of stuck pairs too."""
+    response, study = large_result(3000, 200)
+    kept = dataclasses.replace(response.pairs, residual_traction=np.zeros((response.pairs.n_pairs, 2)))
+    text = page(dataclasses.replace(response, pairs=kept), study)
+    assert 11e6 < len(text.encode()) < LARGEST_PAGE
 
 
 def test_page_from_a_saved_file_is_the_same(case, text, tmp_path):

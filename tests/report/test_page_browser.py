@@ -1,5 +1,6 @@
 """The page in a real browser: no error, no request, every plot drawn, and it answers to the reader."""
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import pytest
 
 from browser_pages import LARGEST_PAGE, WIDTHS, opened_page, require_readable, tab_stops
 from helpers import opened_browser
+from large_results import large_result
 from stickslip.report.page import write_page
 from synthetic import synthetic_response, synthetic_study
 
@@ -167,3 +169,33 @@ def test_size_and_points_of_a_long_curve(browser, tmp_path):
         assert drawn == 300
         assert page.get_attribute("#point", "max") == "299"
         assert page.locator(".js-plotly-plot").count() == PLOTS
+
+
+@pytest.mark.parametrize(("n_pairs", "characters", "has_loops"), [(2000, 9_000_000, True), (110, 160_000, False)])
+def test_what_a_page_of_very_many_pairs_leaves_out_is_said(
+    browser, tmp_path, monkeypatch, n_pairs, characters, has_loops
+):
+    monkeypatch.setattr("stickslip.report.page_data.DATA_CHARACTERS", characters)
+    path = tmp_path / "many.html"
+    write_page(path, *large_result(n_pairs, 300))
+    assert path.stat().st_size < LARGEST_PAGE
+    with opened_page(browser, path) as page:
+        data = json.loads(page.text_content("#page-data"))
+        assert 1 < len(data["mapPoints"]) < 300
+        away = next(point for point in range(300) if point not in data["mapPoints"])
+        page.evaluate(
+            "point => { const slider = document.getElementById('point'); slider.value = point; "
+            "slider.dispatchEvent(new Event('input')); }",
+            away,
+        )
+        words = f"(maps are held for {len(data['mapPoints'])} of the points; this is the nearest)"
+        page.wait_for_function("words => document.querySelector('.now').textContent.includes(words)", arg=words)
+        told = page.text_content("#loop-now")
+        if has_loops:
+            assert f"(loops are held for {len(data['loops']['points'])} of the points; this is the nearest)" in told
+            assert page.evaluate("document.getElementById('loop').data[0].x.length") > 60
+        else:
+            assert "(loops of so many pairs would make this page too large; the results file holds them)" in told
+            assert page.evaluate("document.getElementById('loop').data[0].x.length") == 0
+        counts = page.eval_on_selector_all("#state-legend b", "all => all.map(each => Number(each.textContent))")
+        assert sum(counts) == data["nPairs"]

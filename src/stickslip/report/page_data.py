@@ -1,8 +1,9 @@
 """The numbers behind the page, packed small: typed arrays in base64 that page.js unpacks.
 
-States and energies go in for every point. For the loops the page holds the displacement coefficients of each pair, and
-the friction force only of pairs that slip or separate, as 16-bit numbers: a stuck pair's force is that of its spring.
-Where all of that would be too much, loops are held for fewer points, spread evenly along the curve and with the peak.
+For the maps the page holds state and energy of each pair. For the loops it holds the displacement coefficients of each
+pair, and the friction force only of pairs that slip or separate, as 16-bit numbers: a stuck pair's force is that of its
+spring. Where all of that would be too much, maps and loops are held for fewer points, spread evenly along the curve and
+with the peak, and no loops at all where even those of the peak are too many; the page says so.
 """
 
 from __future__ import annotations
@@ -17,7 +18,13 @@ from stickslip.report.plots import group_labels
 from stickslip.report.style import MICRO, STATES
 from stickslip.report.view import View
 
-LOOP_BYTES = 6_000_000
+# Characters of numbers on a page; with plotly.js (4.8 million) and its words it stays below 15 MB.
+DATA_CHARACTERS = 9_000_000
+# What a pair and a point need on any page: labels, places and marks of a pair; curves at a point.
+PAIR_CHARACTERS = 350
+POINT_CHARACTERS = 150
+LARGEST_MAP_SHARE = 0.5  # of the room for maps and loops
+MAP_BYTES = 5  # of a pair at a point: state and energy
 LOOP_SAMPLES = 128
 _FULL_SCALE = 32767
 
@@ -31,7 +38,10 @@ def page_data(view: View) -> dict[str, Any]:
     """Everything that page.js needs, ready for JSON. Lengths in µm, energies in ``view.energy_unit``."""
     response, study = view.response, view.study
     n_coefficients = 2 * response.harmonics + 1
-    signals = {name: MICRO * response.coefficients(study.outputs[name]) for name in _signal_names(view)}
+    signals = {name: packed(MICRO * response.coefficients(study.outputs[name]), "f4") for name in _signal_names(view)}
+    room = _room(view, sum(len(text) for text in signals.values()))
+    held = _points_with_maps(view, room)
+    room -= held.size * MAP_BYTES * response.pairs.n_pairs
     return {
         "points": response.n_points,
         "nPairs": response.pairs.n_pairs,
@@ -42,8 +52,9 @@ def page_data(view: View) -> dict[str, Any]:
         "amplitude": [float(f"{value:.7g}") for value in view.amplitude_um],
         "energyUnit": view.energy_unit,
         "energyTotal": [float(f"{value:.7g}") for value in view.energy_factor * response.dissipated_energy.sum(axis=1)],
-        "states": packed(response.contact_state, "i1"),
-        "energy": packed(view.energy_factor * response.dissipated_energy, "f4"),
+        "mapPoints": held.tolist(),
+        "states": packed(response.contact_state[held], "i1"),
+        "energy": packed(view.energy_factor * response.dissipated_energy[held], "f4"),
         "stateStyles": [{"name": s.name, "colour": s.colour, "symbol": s.plotly_symbol} for s in STATES],
         "faces": len(study.face_names),
         "pairFace": study.pair_face.tolist(),
@@ -54,8 +65,8 @@ def page_data(view: View) -> dict[str, Any]:
         "preload": packed(response.pairs.preload, "f4"),
         "groups": [list(names) for names in study.signal_groups.values()],
         "groupLabels": [list(group_labels(names)) for names in study.signal_groups.values()],
-        "signals": {name: packed(values, "f4") for name, values in signals.items()},
-        "loops": _loops(view),
+        "signals": signals,
+        "loops": _loops(view, held, room),
     }
 
 
@@ -63,15 +74,31 @@ def _signal_names(view: View) -> list[str]:
     return sorted({name for names in view.study.signal_groups.values() for name in names})
 
 
-def _loops(view: View) -> dict[str, Any]:
+def _room(view: View, taken: int) -> int:
+    """Bytes for maps and loops, which take four characters for three bytes; ``taken`` are characters of signals."""
+    response = view.response
+    taken += PAIR_CHARACTERS * response.pairs.n_pairs + POINT_CHARACTERS * response.n_points
+    return max(0, (DATA_CHARACTERS - taken) * 3 // 4)
+
+
+def _points_with_maps(view: View, room: int) -> NDArray[np.int64]:
+    """Points whose states and energies are held: all, or as many as fit into their share of the room."""
+    response = view.response
+    size = np.full(response.n_points, MAP_BYTES * response.pairs.n_pairs)
+    found = _points_within(size, np.arange(response.n_points), view.point, int(LARGEST_MAP_SHARE * room))
+    return found if found.size else np.array([view.point])
+
+
+def _loops(view: View, held: NDArray[np.int64], room: int) -> dict[str, Any]:
+    """Loops at points among those ``held`` with maps, in ``room`` bytes."""
     response = view.response
     stride = max(1, round(response.samples / LOOP_SAMPLES))
     times = np.arange(0, response.samples, stride)
     # The page draws stuck released pairs itself; where tractions at rest are kept it needs all forces.
     moving = (response.contact_state != 0) | (not response.pairs.released)
-    relative_size = response.pairs.n_pairs * 3 * (2 * response.harmonics + 1) * 4
-    size = relative_size + moving.sum(axis=1) * 2 * times.size * 2
-    points = _points_within(size, view.point)
+    relative_size = response.pairs.n_pairs * (3 * (2 * response.harmonics + 1) * 4 + 4)  # and the slots of forces
+    size = relative_size + moving.sum(axis=1) * (2 * times.size * 2 + 4)  # and their scales
+    points = _points_within(size, held, view.point, room)
     slots = np.full((points.size, response.pairs.n_pairs), -1)
     forces: list[NDArray[np.float64]] = []
     scales: list[NDArray[np.float64]] = []
@@ -96,10 +123,13 @@ def _loops(view: View) -> dict[str, Any]:
     }
 
 
-def _points_within(size: NDArray[np.int64], always: int) -> NDArray[np.int64]:
-    """Points along the curve, evenly thinned until their loops fit, with ``always`` among them."""
-    for step in range(1, size.size + 1):
-        points = np.union1d(np.arange(0, size.size, step), [always])
-        if size[points].sum() <= LOOP_BYTES:
+def _points_within(size: NDArray[np.int64], candidates: NDArray[np.int64], always: int, room: int) -> NDArray[np.int64]:
+    """Points among ``candidates``, evenly thinned until their sizes fit, with ``always``; none if it alone is too much.
+
+    ``size`` (n_points,) bytes of each point.
+    """
+    for step in range(1, candidates.size + 1):
+        points = np.union1d(candidates[::step], [always])
+        if size[points].sum() <= room:
             return points
-    return np.array([always])
+    return np.array([always] if size[always] <= room else [], dtype=np.int64)

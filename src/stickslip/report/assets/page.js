@@ -47,10 +47,11 @@
     });
   }
 
-  function nearestLoop(point) {
-    let best = 0;
-    loops.points.forEach(function (candidate, i) {
-      if (Math.abs(candidate - point) < Math.abs(loops.points[best] - point)) best = i;
+  // place of the nearest point among those that are held; -1 if none is
+  function nearest(points, point) {
+    let best = points.length - 1;
+    points.forEach(function (candidate, i) {
+      if (Math.abs(candidate - point) < Math.abs(points[best] - point)) best = i;
     });
     return best;
   }
@@ -102,16 +103,11 @@
     const text = hertz(data.frequency[chosen.point]) + " (" + (chosen.point + 1) + " of " + data.points + ")";
     element("point-label").textContent = text;
     element("point").setAttribute("aria-valuetext", text);
-    for (const now of document.querySelectorAll(".now")) {
-      now.textContent = hertz(data.frequency[chosen.point]) + ", " + digits(data.amplitude[chosen.point]) + " µm" +
-        (chosen.point === data.point ? " (the peak)" : "");
-    }
-    element("energy-now").textContent = digits(data.energyTotal[chosen.point]) + " " + data.energyUnit;
   }
 
-  function showLegend() {
+  function showLegend(row) {
     const counts = data.stateStyles.map(() => 0);
-    for (let pair = 0; pair < data.nPairs; pair++) counts[states[chosen.point * data.nPairs + pair]] += 1;
+    for (let pair = 0; pair < data.nPairs; pair++) counts[states[row + pair]] += 1;
     const shapes = {
       "circle": '<circle cx="8" cy="8" r="7"/>', "square": '<rect x="1.5" y="1.5" width="13" height="13"/>',
       "triangle-up": '<path d="M8 1 L15.5 14.5 L0.5 14.5 Z"/>',
@@ -122,7 +118,13 @@
   }
 
   function showMaps() {
-    const row = chosen.point * data.nPairs;
+    const held = nearest(data.mapPoints, chosen.point), point = data.mapPoints[held], row = held * data.nPairs;
+    for (const now of document.querySelectorAll(".now")) {
+      now.textContent = hertz(data.frequency[point]) + ", " + digits(data.amplitude[point]) + " µm" +
+        (point === data.point ? " (the peak)" : "") + (point === chosen.point ? "" :
+          " (maps are held for " + data.mapPoints.length + " of the points; this is the nearest)");
+    }
+    element("energy-now").textContent = digits(data.energyTotal[point]) + " " + data.energyUnit;
     let largest = 0;
     for (let pair = 0; pair < data.nPairs; pair++) largest = Math.max(largest, energy[row + pair]);
     facePairs.forEach(function (pairs, face) {
@@ -136,7 +138,7 @@
         "marker.color": [pairs.map((pair) => energy[row + pair])], "marker.cmax": Math.max(largest, 1e-30), text: [text],
       }, [0]);
     });
-    showLegend();
+    showLegend(row);
   }
 
   function showChoice() {
@@ -151,14 +153,17 @@
   }
 
   function showPair() {
-    const held = nearestLoop(chosen.point);
-    const point = loops.points[held];
-    const cycle = pairCycle(held, chosen.pair);
-    const style = data.stateStyles[states[point * data.nPairs + chosen.pair]];
+    const held = nearest(loops.points, chosen.point);
+    const point = held < 0 ? data.mapPoints[nearest(data.mapPoints, chosen.point)] : loops.points[held];
+    const entry = data.mapPoints.indexOf(point) * data.nPairs + chosen.pair;
     element("pair-now").textContent = data.pairLabel[chosen.pair];
-    element("loop-now").textContent = style.name + " at " + hertz(data.frequency[point]) + ", " +
-      digits(energy[point * data.nPairs + chosen.pair]) + " " + data.energyUnit + " per cycle" +
-      (point === chosen.point ? "" : " (loops are held for " + loops.points.length + " of the points; this is the nearest)");
+    let words = "";
+    if (held < 0) words = " (loops of so many pairs would make this page too large; the results file holds them)";
+    else if (point !== chosen.point) words = " (loops are held for " + loops.points.length + " of the points; this is the nearest)";
+    element("loop-now").textContent = data.stateStyles[states[entry]].name + " at " + hertz(data.frequency[point]) + ", " +
+      digits(energy[entry]) + " " + data.energyUnit + " per cycle" + words;
+    if (held < 0) return;
+    const cycle = pairCycle(held, chosen.pair);
     Plotly.restyle("loop", { x: [closed(cycle.axes[0]), closed(cycle.axes[1])], y: cycle.traction.map(closed) }, [0, 1]);
     const limit = cycle.normal.map((n) => friction[chosen.pair] * n);
     const both = closed(limit).concat([null], closed(limit.map((value) => -value)));
