@@ -49,7 +49,7 @@ class View:
             stuck_um=MICRO * response.linear_amplitude(row, "stuck"),
             free_um=MICRO * response.linear_amplitude(row, "free"),
             point=point,
-            pair=int(response.dissipated_energy[point].argmax()),
+            pair=int(response.friction_energy[point].argmax()),
             energy_factor=factor,
             energy_unit=unit,
         )
