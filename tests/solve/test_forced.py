@@ -90,7 +90,9 @@ def test_impact_of_a_few_samples_is_no_friction() -> None:
         work, friction = response.normal_work.sum(axis=1), response.friction_energy
         top = int(friction.sum(axis=1).argmax())
         assert friction.min() >= -1e-12 * friction.max()
-        assert response.pair_cycle(top).dissipated_energy.sum() == pytest.approx(friction[top].sum(), rel=16.0 / samples)
+        assert response.pair_cycle(top).dissipated_energy.sum() == pytest.approx(
+            friction[top].sum(), rel=16.0 / samples
+        )
         np.testing.assert_allclose(
             friction.sum(axis=1) + work + response.viscous_energy, response.input_energy, rtol=1e-6
         )

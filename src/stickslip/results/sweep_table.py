@@ -41,7 +41,11 @@ _MEASURES: dict[str, tuple[str, str, Callable[[Summary], float | bool | None]]] 
     "pairs_stick_slip": ("1", "pairs in stick-slip at the peak", lambda s: s.state_counts[1]),
     "pairs_separating": ("1", "pairs separating at the peak", lambda s: s.state_counts[2]),
     "friction_energy_j": ("J", "dissipated by friction per cycle at the peak", lambda s: s.friction_energy),
-    "normal_work_j": ("J", "of the normal forces per cycle at the peak, zero but for sampling", lambda s: s.normal_work),
+    "normal_work_j": (
+        "J",
+        "of the normal forces per cycle at the peak, zero but for sampling",
+        lambda s: s.normal_work,
+    ),
     "viscous_energy_j": ("J", "dissipated by viscous damping per cycle at the peak", lambda s: s.viscous_energy),
     "input_energy_j": ("J", "put in by the excitation per cycle at the peak", lambda s: s.input_energy),
     "largest_friction_energy_j": ("J", "largest friction energy per cycle on the curve", lambda s: s.peak_energy),
