@@ -34,11 +34,13 @@ def _faces(joint: Joint) -> Iterator[Derived]:
     open_pairs = joint.face_sum(np.where(joint.closed_at_rest, 0.0, 1.0))
     for face, name in enumerate(joint.face_names):
         pressure = load[face] / area[face]
-        opened = f", also the {int(open_pairs[face])} that are open" if open_pairs[face] else ""
+        held = "all pairs of the face, "
+        if open_pairs[face]:
+            held += f"as if the {int(open_pairs[face])} open ones were "
         yield f"Normal load, {name}", float(load[face]), "N", "sum of the preload of its pairs"
         yield f"Mean pressure, {name}", float(1e-6 * pressure), "MPa", "normal load over nominal area"
-        yield f"Normal stiffness, {name}", float(normal[face]), "N/m", f"all pairs of the face, closed{opened}"
-        yield f"Tangential stiffness, {name}", float(tangential[face]), "N/m", f"all pairs of the face, stuck{opened}"
+        yield f"Normal stiffness, {name}", float(normal[face]), "N/m", f"{held}closed"
+        yield f"Tangential stiffness, {name}", float(tangential[face]), "N/m", f"{held}stuck"
         yield (
             f"Normal stiffness per unit area, {name}",
             float(1e-9 * normal[face] / area[face]),
