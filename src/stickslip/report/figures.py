@@ -35,7 +35,7 @@ def amplitude_frequency(response: ForcedResponse, study: StudyRecord) -> Figure:
     view = View.of(response, study)
     figure, axes = _new(7.0, 4.2)
     linear, peak = response.linear, view.summary.peak
-    axes.plot(linear.frequency_hz, view.stuck_um, "--", color=BLUE, label="linear, all stuck")
+    axes.plot(linear.frequency_hz, view.stuck_um, "--", color=BLUE, label=view.stuck_words)
     axes.plot(linear.frequency_hz, view.free_um, ":", color=ORANGE, linewidth=2.0, label="linear, no contact")
     axes.plot(response.frequency_hz, view.amplitude_um, ".-", color=INK, markersize=4, label="with friction")
     words = f"peak {MICRO * peak.amplitude:.4g} µm at {peak.frequency_hz:.2f} Hz"

@@ -83,7 +83,7 @@ def amplitude_frequency(view: View) -> Figure:
     }
     return figure_of(
         [
-            line_trace("linear, all stuck", frequency, view.stuck_um[shown], BLUE, "dash", hovertemplate=hover),
+            line_trace(view.stuck_words, frequency, view.stuck_um[shown], BLUE, "dash", hovertemplate=hover),
             line_trace(
                 "linear, no contact", frequency, view.free_um[shown], ORANGE, "dot", width=2.5, hovertemplate=hover
             ),

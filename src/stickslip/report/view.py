@@ -63,6 +63,11 @@ class View:
         return min(shown) - margin, max(shown) + margin
 
     @property
+    def stuck_words(self) -> str:
+        """Name of the linear stuck curve, which leaves pairs open that are open at rest."""
+        return f"linear, {'all' if self.response.pairs.closed_at_rest.all() else 'pairs closed at rest'} stuck"
+
+    @property
     def rest_pressure_mpa(self) -> FloatArray:
         """(n_pairs,) MPa at rest; not a number for a pair that is open there."""
         pressure = 1e-6 * self.response.pairs.preload / self.study.pair_area

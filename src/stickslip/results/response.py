@@ -42,7 +42,7 @@ def same_content(first: Any, second: Any) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class LinearCurves:
-    """The two linear limits that stand beside the computed curve: all pairs stuck, and no contact at all.
+    """The two linear limits beside the computed curve: all pairs that are closed at rest stuck, and no contact at all.
 
     Parameters
     ----------

@@ -196,9 +196,13 @@ def _linear_dataset(response: ForcedResponse) -> xarray.Dataset:
     dims = ("linear_point", "unknown")
     data = {
         "frequency": _variable(("linear_point",), linear.frequency_hz, "Hz", "excitation frequency"),
-        **_split("stuck", _excited(linear.stuck), dims, "m", "displacement with every contact stuck", "stuck_harmonic"),
+        **_split(
+            "stuck", _excited(linear.stuck), dims, "m", "displacement, contacts closed at rest stuck", "stuck_harmonic"
+        ),
         **_split("free", _excited(linear.free), dims, "m", "displacement without contact", "free_harmonic"),
-        "stuck_frequency": _variable(("stuck_mode",), linear.stuck_frequency_hz, "Hz", "natural frequency, all stuck"),
+        "stuck_frequency": _variable(
+            ("stuck_mode",), linear.stuck_frequency_hz, "Hz", "natural frequency, contacts closed at rest stuck"
+        ),
         "free_frequency": _variable(("free_mode",), linear.free_frequency_hz, "Hz", "natural frequency, no contact"),
     }
     return xarray.Dataset(data)

@@ -32,7 +32,11 @@ _MEASURES: dict[str, tuple[str, str, Callable[[Summary], float | bool | None]]] 
     "shift_from_free_hz": ("Hz", "peak frequency less that of the linear free peak", lambda s: s.shift_from_free_hz),
     "reduction_from_stuck": ("1", "1 - peak / linear stuck peak", lambda s: s.reduction_from_stuck),
     "reduction_from_free": ("1", "1 - peak / linear free peak", lambda s: s.reduction_from_free),
-    "stuck_peak_amplitude_m": ("m", "highest linear peak, all stuck", lambda s: _inside(s, "stuck", "amplitude")),
+    "stuck_peak_amplitude_m": (
+        "m",
+        "highest linear peak, closed at rest stuck",
+        lambda s: _inside(s, "stuck", "amplitude"),
+    ),
     "stuck_peak_frequency_hz": ("Hz", "its frequency", lambda s: _inside(s, "stuck", "frequency_hz")),
     "free_peak_amplitude_m": ("m", "highest linear peak, no contact", lambda s: _inside(s, "free", "amplitude")),
     "free_peak_frequency_hz": ("Hz", "its frequency", lambda s: _inside(s, "free", "frequency_hz")),
