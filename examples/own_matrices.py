@@ -40,7 +40,7 @@ def main() -> dict[str, float]:
     peak = int(amplitude.argmax())
     frequency_hz = float(response.frequency_hz[peak])
     slipping, separating = (int((response.contact_state[peak] == state).sum()) for state in (1, 2))
-    energy = float(response.dissipated_energy[peak].sum())
+    energy = float(response.friction_energy[peak].sum())
     print(f"peak {amplitude[peak] * 1e6:.2f} um (0-peak, mean included) at {frequency_hz:.2f} Hz")
     print(f"{slipping} contacts slip, {separating} separate, {n_contacts - slipping - separating} stick")
     print(f"friction takes {energy * 1e6:.1f} uJ in each cycle")

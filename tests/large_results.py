@@ -40,7 +40,7 @@ def large_result(n_pairs: int, n_points: int) -> tuple[ForcedResponse, StudyReco
         name: again(getattr(response, name))
         for name in ("displacement", "residual", "iterations", "input_energy", "viscous_energy")
     }
-    for name in ("contact_state", "dissipated_energy", "closure"):
+    for name in ("contact_state", "dissipated_energy", "normal_work", "closure"):
         along_curve[name] = np.tile(again(getattr(response, name)), (1, copies))
     frequency = np.linspace(response.frequency_hz[0], response.frequency_hz[-1], n_points)
     length = np.ptp(study.pair_position[:, 0]) * 1.1

@@ -156,6 +156,7 @@ def synthetic_response(
         displacement=np.array(rows_out["x"]),
         contact_state=np.array(rows_out["state"]),
         dissipated_energy=np.array(rows_out["energy"]),
+        normal_work=np.zeros_like(rows_out["energy"]),
         closure=np.array(rows_out["closure"]),
         residual=np.array(rows_out["residual"]),
         iterations=np.array(rows_out["iterations"]),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stickslip.interface.friction_kernel import OPEN, SLIP
 from stickslip.joint import Joint
 from stickslip.results.measures import summary
 from stickslip.results.response import ForcedResponse
@@ -30,12 +31,16 @@ def _faces(joint: Joint) -> Iterator[Derived]:
     area = joint.face_sum(joint.face_pairs.area)
     load = joint.face_sum(np.maximum(joint.preload, 0.0))  # a gap carries nothing
     normal, tangential = joint.face_sum(joint.normal_stiffness), joint.face_sum(joint.tangential_stiffness)
+    open_pairs = joint.face_sum(np.where(joint.closed_at_rest, 0.0, 1.0))
     for face, name in enumerate(joint.face_names):
         pressure = load[face] / area[face]
+        held = "all pairs of the face, "
+        if open_pairs[face]:
+            held += f"as if the {int(open_pairs[face])} open ones were "
         yield f"Normal load, {name}", float(load[face]), "N", "sum of the preload of its pairs"
         yield f"Mean pressure, {name}", float(1e-6 * pressure), "MPa", "normal load over nominal area"
-        yield f"Normal stiffness, {name}", float(normal[face]), "N/m", "all pairs of the face, closed"
-        yield f"Tangential stiffness, {name}", float(tangential[face]), "N/m", "all pairs of the face, stuck"
+        yield f"Normal stiffness, {name}", float(normal[face]), "N/m", f"{held}closed"
+        yield f"Tangential stiffness, {name}", float(tangential[face]), "N/m", f"{held}stuck"
         yield (
             f"Normal stiffness per unit area, {name}",
             float(1e-9 * normal[face] / area[face]),
@@ -66,7 +71,10 @@ def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
 
 
 def resting_state(model: ReducedModel) -> tuple[Derived, ...]:
-    """What a solved preload says of each face at rest; empty where the preload was prescribed."""
+    """What a solved preload says of each face at rest; empty where the preload was prescribed.
+
+    Where tractions are released the state was found without friction, so no pair is on a friction limit there.
+    """
     if model.preload is None:
         return ()
     joint, state = model.joint, model.preload.state
@@ -74,14 +82,18 @@ def resting_state(model: ReducedModel) -> tuple[Derived, ...]:
     rows: list[Derived] = []
     for face, name in enumerate(joint.face_names):
         here = joint.face_pairs.face == face
-        opened, limit = int((state.state[here] == 2).sum()), int((state.state[here] == 1).sum())
+        opened = int((state.state[here] == OPEN).sum())
         traction = float(np.linalg.norm(state.traction[here].sum(axis=0)))
         largest = float(pressure[here].max())
+        words = "none: with released tractions the state at rest is that without friction"
+        rows.append((f"Pairs open at rest, {name}", opened, "-", f"of {int(here.sum())}; solved from the static load"))
+        if not model.pairs.released:
+            limit, words = int((state.state[here] == SLIP).sum()), "resultant of the tractions of its pairs"
+            meaning = "moved further the same way, they slip at once"
+            rows.append((f"Pairs on the friction limit at rest, {name}", limit, "-", meaning))
         rows += [
-            (f"Pairs open at rest, {name}", opened, "-", f"of {int(here.sum())}; solved from the static load"),
-            (f"Pairs on the friction limit at rest, {name}", limit, "-", "they slip as soon as they are moved"),
             (f"Largest pressure at rest, {name}", largest, "MPa", "normal force over area of a pair"),
-            (f"Friction force at rest, {name}", traction, "N", "resultant of the tractions of its pairs"),
+            (f"Friction force at rest, {name}", traction, "N", words),
         ]
     rows.append(("Balance of forces at rest", state.residual, "-", state.message))
     return tuple(rows)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.interface.pairing import FacePairs
@@ -76,9 +77,18 @@ class Joint:
         return self.layout.face_names
 
     @property
-    def springs(self) -> FloatArray:
-        """(3 * n_pairs,) N/m: t1, t2, n of each pair, closed and stuck."""
-        return np.column_stack([self.tangential_stiffness, self.tangential_stiffness, self.normal_stiffness]).ravel()
+    def closed_at_rest(self) -> NDArray[np.bool_]:
+        """(n_pairs,) True where the preload presses the pair together."""
+        return self.preload > 0.0
+
+    @property
+    def resting_springs(self) -> FloatArray:
+        """(3 * n_pairs,) N/m: t1, t2, n of each pair that is closed at rest, stuck; 0 for a pair that is open there.
+
+        What :meth:`ContactPairs.resting_stiffness` gives the balance, for a joint that has no operator yet.
+        """
+        springs = np.column_stack([self.tangential_stiffness, self.tangential_stiffness, self.normal_stiffness])
+        return (springs * self.closed_at_rest[:, None]).ravel()
 
     def face_sum(self, values: FloatArray) -> FloatArray:
         """Sum of a value of the pairs for each face (n_faces,)."""
@@ -94,8 +104,10 @@ def make_joint(case: Case, layout: Layout, preload: FloatArray, settings: Sequen
     friction = np.array([each.friction for each in settings])[pairs.face]
     rough_faces = describe_faces(case, layout, preload, settings)
     normal, tangential = pair_springs(case, layout, preload, settings)
-    # A pair that stands apart closes when it has moved by its gap; no load is on it before.
-    preload = np.where((pairs.gap > 0.0) & (preload == 0.0), -normal * pairs.gap, preload)
+    # A pair that stands apart closes when it has moved by its gap; no load is on it before. The pressure that a solved
+    # preload starts from is on all pairs, for the stiffness of rough faces alone.
+    unloaded = (preload == 0.0) | (case.preload.method == "solved")
+    preload = np.where((pairs.gap > 0.0) & unloaded, -normal * pairs.gap, preload)
     return Joint(layout, preload, friction, normal, tangential, rough_faces)
 
 

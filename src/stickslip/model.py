@@ -95,7 +95,7 @@ class ReducedStructure:
     body_load:
         (n,) N of the bodies at a rotation of 1 rad/s.
     mode_table:
-        frequencies of the full and the reduced model, where they were compared.
+        frequencies of the full and the reduced model with every pair closed, where they were compared.
     """
 
     superelement: Superelement

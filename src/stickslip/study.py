@@ -36,7 +36,7 @@ from stickslip.solved_preload import resting_pairs
 from stickslip.structure.craig_bampton import ReductionRow, reduction_table
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes
-from stickslip.structure.superelement import Superelement
+from stickslip.structure.superelement import RIGID_BODY_HZ, Superelement
 from stickslip.threads import thread_count
 from stickslip.validation import FloatArray
 
@@ -48,6 +48,7 @@ REPORT_FILE = "report.html"
 FIGURE_FOLDER = "figures"
 MODE_COUNT = 10
 SHOWN_FREQUENCIES = 4
+TIED, CLOSED_AT_REST = "tied", "(pairs closed at rest)"
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
         case, structure, joint, threads, lambda share, detail: progress.update("Structure", 0.1 + 0.7 * share, detail)
     )
     progress.update("Structure", 0.8, "full against reduced frequencies")
-    table = compare_modes(structure, model.superelement, joint.face_pairs, model.joint.springs)
+    table = compare_modes(structure, model.superelement, joint.face_pairs, model.pairs.resting_stiffness())
     progress.update("Structure", 1.0, f"{model.superelement.size} unknowns, {model.pairs.n_pairs} pairs")
     response = solve(case, model, progress, threads)
     record = study_record(case, model, table, response)
@@ -154,15 +155,26 @@ def _with_other_tractions(
 def compare_modes(
     structure: Structure | Superelement, superelement: Superelement, pairs: FacePairs, springs: FloatArray | None = None
 ) -> tuple[ReductionRow, ...]:
-    """Frequencies of the full and the reduced model: tied where nodes meet nodes, else stuck on their ``springs``.
+    """Frequencies of the full and the reduced model, with the pairs held as :func:`held_contact` says.
 
-    Empty for a structure that is given by matrices, and for faces that do not match where no springs are given.
+    ``springs`` (3 * n_pairs,) N/m are 0 where a pair is open at rest; None takes all pairs as closed. Empty for a
+    structure that is given by matrices, and for pairs that are not tied where no springs are given.
     """
-    if isinstance(structure, Superelement) or not (pairs.is_matching or springs is not None):
+    tied = held_contact(pairs, springs is None or bool(springs.all())) == TIED
+    if isinstance(structure, Superelement) or not (tied or springs is not None):
         return ()
-    return reduction_table(
-        structure, superelement, pairs, count=MODE_COUNT, springs=None if pairs.is_matching else springs
-    )
+    return reduction_table(structure, superelement, pairs, count=MODE_COUNT, springs=None if tied else springs)
+
+
+def held_contact(pairs: FacePairs, all_closed: bool) -> str:
+    """How the mode table holds the pairs: tied where all nodes meet nodes, else stuck on their springs.
+
+    A pair that is open at rest is left open, as the linear stuck curve leaves it; a joint with such a pair (not
+    ``all_closed``) is never tied, since ties would close it.
+    """
+    if not all_closed:
+        return f"stuck {CLOSED_AT_REST}"
+    return TIED if pairs.is_matching else "stuck"
 
 
 def study_record(
@@ -170,6 +182,7 @@ def study_record(
 ) -> StudyRecord:
     """What the report shows beside the response."""
     pairs = model.joint.face_pairs
+    held = held_contact(pairs, bool(model.pairs.closed_at_rest.all()))
     return StudyRecord(
         title=case.study.title,
         description=kind_of(case).description(case),
@@ -180,24 +193,23 @@ def study_record(
         pair_face=pairs.face,
         pair_position=pairs.face_position[:, ::-1],  # along the damper first, then up the slope
         pair_area=pairs.area,
-        mode_table=tuple(_mode_rows(case, table)),
-        mode_contact="tied" if pairs.is_matching else "stuck",
+        mode_table=tuple(_mode_rows(table, fitted=held == TIED and kind_of(case).is_fitted(case))),
+        mode_contact=held,
         derived=(*derived_quantities(case, model.joint), *resting_state(model), *natural_frequencies_found(response)),
         warnings=study_warnings(model.joint),
     )
 
 
-def _mode_rows(case: Case, table: tuple[ReductionRow, ...]) -> Iterator[dict[str, str | float | int]]:
-    """Rows of the mode table; the paper's column only beside the geometry that was fitted to it."""
-    fitted = kind_of(case).is_fitted(case)
+def _mode_rows(table: tuple[ReductionRow, ...], fitted: bool) -> Iterator[dict[str, str | float | int]]:
+    """Rows of the mode table; the paper's column only beside tied contact of the geometry that was fitted to it."""
     for row in table:
         cells: dict[str, str | float | int] = {
             "mode": row.mode,
             "full_hz": row.full_hz,
             "reduced_hz": row.reduced_hz,
-            "difference_percent": row.difference_percent,
-            "mac": row.mac,
         }
+        if not math.isnan(row.difference_percent):  # it is for a body that moves freely
+            cells |= {"difference_percent": row.difference_percent, "mac": row.mac}
         if fitted and row.paper_full_hz is not None:
             cells["table2_hz"] = row.paper_full_hz
         yield cells
@@ -212,7 +224,7 @@ def _page(out: Path, response: ForcedResponse, record: StudyRecord) -> Path:
 
 
 def _shapes(out: Path, case: Case, model: Model, response: ForcedResponse) -> Iterator[Path]:
-    """Mode shapes with stuck contact, and one period of the full mesh at the peak, for ParaView."""
+    """Mode shapes with the pairs closed at rest stuck, and one period of the mesh at the peak, for ParaView."""
     from stickslip.structure.export import write_deflected_period, write_mode_shapes
 
     if isinstance(model.structure, Superelement):
@@ -265,7 +277,9 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
         (name, f"{_short(value)} {unit}".rstrip("- ")) for name, value, unit, _ in derived_quantities(case, joint)
     ]
     solver = case.solver
-    stuck_hz, _ = joined_modes(structure, joint.face_pairs, SHOWN_FREQUENCIES, joint.springs)
+    stuck_hz, _ = joined_modes(structure, joint.face_pairs, SHOWN_FREQUENCIES, joint.resting_springs)
+    solved = case.preload.method == "solved"
+    held = "" if joint.closed_at_rest.all() else " (pairs without a gap)" if solved else f" {CLOSED_AT_REST}"
     sections = [
         ("Sizes", list(sizes(case, setup, structure, joint))),
         ("Derived quantities", numbers),
@@ -273,17 +287,24 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
             "Would run",
             [
                 ("sweep", f"{solver.frequency_start:g} to {solver.frequency_stop:g} Hz"),
-                ("first natural frequencies, contact stuck", ", ".join(f"{f:.1f}" for f in stuck_hz) + " Hz"),
+                (f"first natural frequencies, contact stuck{held}", ", ".join(f"{f:.1f}" for f in stuck_hz) + " Hz"),
                 ("excitation", kind_of(case).description(case)),
                 ("resolution", f"{solver.harmonics} harmonics, {solver.samples} samples"),
             ],
         ),
     ]
     warnings = list(study_warnings(joint))
-    if case.preload.method == "solved":
+    if solved:
         warnings.append(
             "The preload is solved by a run: normal loads, stiffness and frequencies shown here are those of the "
-            "pressure that the solution starts from."
+            "pressure that the solution starts from, with every pair closed that has no gap."
+        )
+    if (stuck_hz < RIGID_BODY_HZ).any():
+        warnings.append(
+            "A frequency of 0 Hz is a body that moves freely: "
+            + ("pairs without a gap" if solved else "the pairs closed at rest")
+            + " do not hold it"
+            + (", so the static load must close others." if solved else ", and a run refuses that.")
         )
     low, high = sorted((solver.frequency_start, solver.frequency_stop))
     if not ((stuck_hz >= low) & (stuck_hz <= high)).any():

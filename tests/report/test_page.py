@@ -73,7 +73,7 @@ def test_failure_and_warnings_are_prominent(case):
 def test_peak_at_the_end_of_the_range_is_a_warning(case):
     response, study = case
     half = 12
-    parts = ("frequency_hz", "displacement", "contact_state", "dissipated_energy", "closure", "residual")
+    parts = ("frequency_hz", "displacement", "contact_state", "dissipated_energy", "normal_work", "closure", "residual")
     parts += ("iterations", "input_energy", "viscous_energy")
     cut = dataclasses.replace(response, **{name: getattr(response, name)[:half] for name in parts})
     assert "widen the frequency range" in without_plotly(page(cut, study))
@@ -106,7 +106,7 @@ def test_packed_states_energies_and_forces(case):
     shape = (response.n_points, response.pairs.n_pairs)
     np.testing.assert_array_equal(unpacked(data["states"], "i1").reshape(shape), response.contact_state)
     energy = unpacked(data["energy"], "f4").reshape(shape)
-    np.testing.assert_allclose(energy, view.energy_factor * response.dissipated_energy, rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(energy, view.energy_factor * response.friction_energy, rtol=1e-6, atol=1e-12)
     loops = data["loops"]
     assert loops["points"] == list(range(response.n_points))
     slots = unpacked(loops["slots"], "i4").reshape(shape)

@@ -100,7 +100,7 @@ def test_summary_of_a_damped_case():
     assert result.friction_share == pytest.approx(result.friction_energy / result.input_energy, rel=1e-6)
     assert 0.001 < result.damping_ratio < 0.02
     names = [name for name, _, _ in summary_table(result)]
-    assert len(set(names)) == len(names) == 17
+    assert len(set(names)) == len(names) == 18
     assert abs(result.first_harmonic) + abs(result.mean) > 0.9 * result.peak.amplitude
 
 

@@ -76,7 +76,32 @@ def test_energy_balance_at_every_point(bench: ForcedResponse) -> None:
     assert (np.abs(bench.dissipated_energy[bench.contact_state == 0]) < 1e-12).all()
     top = int(bench.dissipated_energy.sum(axis=1).argmax())
     cycle = bench.pair_cycle(top)
-    assert cycle.dissipated_energy.sum() == pytest.approx(bench.dissipated_energy[top].sum(), rel=1e-3)
+    assert cycle.dissipated_energy.sum() == pytest.approx(bench.friction_energy[top].sum(), rel=1e-3)
+    assert np.abs(bench.normal_work.sum(axis=1) / bench.input_energy).max() < 1e-2
+
+
+def test_impact_of_a_few_samples_is_no_friction() -> None:
+    """A stiff stop behind a gap: what the coarsely sampled normal force gives or takes is told, and not as friction."""
+    superelement = Superelement(np.eye(3), np.diag([2e6, 2.5e6, 1e6]), np.diag([20.0, 20.0, 10.0]))
+    pairs = ContactPairs(np.eye(3), 2e8, 1e8, 0.3, -2e8 * 2e-5)
+    largest = []
+    for samples in (64, 128, 512):
+        response = forced_response(
+            superelement, pairs, [1.0, 0.0, 2.0], frequency_hz=(150.0, 200.0), harmonics=3, samples=samples
+        )
+        work, friction = response.normal_work.sum(axis=1), response.friction_energy
+        top = int(friction.sum(axis=1).argmax())
+        assert friction.min() >= -1e-12 * friction.max()
+        assert response.pair_cycle(top).dissipated_energy.sum() == pytest.approx(
+            friction[top].sum(), rel=16.0 / samples
+        )
+        np.testing.assert_allclose(
+            friction.sum(axis=1) + work + response.viscous_energy, response.input_energy, rtol=1e-6
+        )
+        largest.append(float(np.abs(work / response.input_energy).max()))
+        told = any("normal forces of the pairs" in sentence for sentence in response.warnings)
+        assert told == (largest[-1] > 1e-2)
+    assert largest[0] > 0.1 > largest[1] > 5.0 * largest[2]
 
 
 def test_linear_limits(bench: ForcedResponse, blade: Blade) -> None:

@@ -149,7 +149,7 @@ def record(
     peak = peaks(response.frequency_hz, amplitude)[0]
     stuck = peaks(response.linear.frequency_hz, response.linear_amplitude(tip, "stuck"))[0]
     face_pairs, point = model.joint.face_pairs, peak.point
-    energy, counts = response.dissipated_energy.sum(axis=1), state_counts(response.contact_state)
+    energy, counts = response.friction_energy.sum(axis=1), state_counts(response.contact_state)
     width = half_power_damping(response.frequency_hz, amplitude, peak)
     stuck_hz = response.linear.stuck_frequency_hz
     numbers = {
@@ -184,7 +184,7 @@ def record(
         energy_j=energy,
         counts=counts,
         pair_state=response.contact_state[point],
-        pair_energy_j=response.dissipated_energy[point],
+        pair_energy_j=response.friction_energy[point],
         pair_position=face_pairs.face_position[:, ::-1],
         pair_face=face_pairs.face,
         signals=signals,

@@ -35,7 +35,7 @@ def amplitude_frequency(response: ForcedResponse, study: StudyRecord) -> Figure:
     view = View.of(response, study)
     figure, axes = _new(7.0, 4.2)
     linear, peak = response.linear, view.summary.peak
-    axes.plot(linear.frequency_hz, view.stuck_um, "--", color=BLUE, label="linear, all stuck")
+    axes.plot(linear.frequency_hz, view.stuck_um, "--", color=BLUE, label=view.stuck_words)
     axes.plot(linear.frequency_hz, view.free_um, ":", color=ORANGE, linewidth=2.0, label="linear, no contact")
     axes.plot(response.frequency_hz, view.amplitude_um, ".-", color=INK, markersize=4, label="with friction")
     words = f"peak {MICRO * peak.amplitude:.4g} µm at {peak.frequency_hz:.2f} Hz"
@@ -84,7 +84,7 @@ def energy_map(response: ForcedResponse, study: StudyRecord, point: int | None =
     """Map of the energy that each pair dissipates per cycle at one computed point, the peak unless another is given."""
     view = View.of(response, study)
     at = view.point if point is None else point
-    energy = view.energy_factor * response.dissipated_energy[at]
+    energy = view.energy_factor * response.friction_energy[at]
     figure, panels = _face_panels(study, f"{response.frequency_hz[at]:.2f} Hz")
     top = max(float(energy.max()), 1e-30)
     for face, axes in enumerate(panels):
@@ -127,7 +127,7 @@ def energy_curve(response: ForcedResponse, study: StudyRecord) -> Figure:
     view = View.of(response, study)
     figure, axes = _new(7.0, 3.6)
     factor = view.energy_factor
-    axes.plot(response.frequency_hz, factor * response.dissipated_energy.sum(axis=1), color=INK, label="friction")
+    axes.plot(response.frequency_hz, factor * response.friction_energy.sum(axis=1), color=INK, label="friction")
     axes.plot(response.frequency_hz, factor * response.viscous_energy, "--", color=BLUE, label="viscous")
     axes.plot(response.frequency_hz, factor * response.input_energy, ":", color=ORANGE, linewidth=2.0, label="input")
     axes.set(xlabel="Excitation frequency, Hz", ylabel=f"Energy per cycle, {view.energy_unit}", ylim=(0.0, None))

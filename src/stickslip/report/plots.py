@@ -83,7 +83,7 @@ def amplitude_frequency(view: View) -> Figure:
     }
     return figure_of(
         [
-            line_trace("linear, all stuck", frequency, view.stuck_um[shown], BLUE, "dash", hovertemplate=hover),
+            line_trace(view.stuck_words, frequency, view.stuck_um[shown], BLUE, "dash", hovertemplate=hover),
             line_trace(
                 "linear, no contact", frequency, view.free_um[shown], ORANGE, "dot", width=2.5, hovertemplate=hover
             ),
@@ -123,7 +123,7 @@ def face_map(view: View, face: int, quantity: str) -> Figure:
             "symbol": [STATES[state].plotly_symbol for state in states],
         }
     else:
-        energy = view.energy_factor * response.dissipated_energy[view.point]
+        energy = view.energy_factor * response.friction_energy[view.point]
         dots["marker"] = _scale(size, energy[pairs], float(energy.max()), f"{view.energy_unit} per cycle")
     chosen = {
         "type": "scatter",
@@ -238,7 +238,7 @@ def pair_signals() -> Figure:
 def energy_curve(view: View) -> Figure:
     """Energy per cycle along the curve: input, friction, viscous; the last trace is the cursor."""
     response, factor = view.response, view.energy_factor
-    friction = factor * response.dissipated_energy.sum(axis=1)
+    friction = factor * response.friction_energy.sum(axis=1)
     hover = f"%{{x:.2f}} Hz<br>%{{y:.4g}} {view.energy_unit}"
     cursor = {
         "type": "scatter",

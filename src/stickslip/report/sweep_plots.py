@@ -265,7 +265,10 @@ def performance(view: SweepView, by_ratio: bool) -> Figure:
 
 
 def _limits(view: SweepView, rows: Any, x: FloatArray, scale: FloatArray, unit: str) -> Iterator[Any]:
-    for limit, words, colour, dash in (("stuck", "all stuck", BLUE, "dash"), ("free", "no contact", ORANGE, "dot")):
+    for limit, words, colour, dash in (
+        ("stuck", "closed at rest stuck", BLUE, "dash"),
+        ("free", "no contact", ORANGE, "dot"),
+    ):
         heights = (scale * view.number(f"{limit}_peak_amplitude_m"))[rows]
         known = ~np.isnan(heights)
         if known.any():

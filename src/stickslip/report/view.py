@@ -49,7 +49,7 @@ class View:
             stuck_um=MICRO * response.linear_amplitude(row, "stuck"),
             free_um=MICRO * response.linear_amplitude(row, "free"),
             point=point,
-            pair=int(response.dissipated_energy[point].argmax()),
+            pair=int(response.friction_energy[point].argmax()),
             energy_factor=factor,
             energy_unit=unit,
         )
@@ -61,6 +61,11 @@ class View:
         shown += [p.frequency_hz for p in (self.summary.stuck_peak, self.summary.free_peak) if p.bracketed]
         margin = 0.04 * (max(shown) - min(shown))
         return min(shown) - margin, max(shown) + margin
+
+    @property
+    def stuck_words(self) -> str:
+        """Name of the linear stuck curve, which leaves pairs open that are open at rest."""
+        return f"linear, {'all' if self.response.pairs.closed_at_rest.all() else 'pairs closed at rest'} stuck"
 
     @property
     def rest_pressure_mpa(self) -> FloatArray:

@@ -37,8 +37,8 @@ class Summary:
     Shifts are in Hz, negative when the peak lies below the linear one. Reductions are ``1 - amplitude / linear peak``.
     They are None where one of the two peaks is not inside the computed range. ``damping_ratio`` is None where the curve
     does not fall to half power on both sides. ``first_harmonic`` and ``mean`` are those of the output at the point
-    nearest to the peak, m. Energies in J per cycle, ``energy_imbalance`` relative to the input and the
-    largest on the whole curve.
+    nearest to the peak, m. Energies in J per cycle, ``normal_work`` an error of sampling; ``energy_imbalance`` relative
+    to the input and the largest on the whole curve.
     """
 
     peak: Peak
@@ -52,6 +52,7 @@ class Summary:
     friction_share: float
     state_counts: tuple[int, int, int]
     friction_energy: float
+    normal_work: float
     viscous_energy: float
     input_energy: float
     first_harmonic: float
@@ -150,7 +151,10 @@ def state_counts(contact_state: NDArray[np.int8]) -> NDArray[np.int64]:
 
 
 def energy_imbalance(response: ForcedResponse) -> FloatArray:
-    """(n_points,) ``(friction + viscous - input) / input`` per cycle; infinite where only the input is zero."""
+    """(n_points,) ``(contact + viscous - input) / input`` per cycle; infinite where only the input is zero.
+
+    The contact takes what friction takes, and what the sampled normal force does (``normal_work``).
+    """
     loss = response.dissipated_energy.sum(axis=1) + response.viscous_energy
     difference = loss - response.input_energy
     still = np.where(difference == 0.0, 0.0, np.inf)
@@ -166,9 +170,9 @@ def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
         peaks(response.linear.frequency_hz, response.linear_amplitude(output, limit))[0] for limit in ("stuck", "free")
     )
     point = peak.point
-    friction = float(response.dissipated_energy[point].sum())
+    friction = float(response.friction_energy[point].sum())
     viscous = float(response.viscous_energy[point])
-    energy = response.dissipated_energy.sum(axis=1)
+    energy = response.friction_energy.sum(axis=1)
     counts = state_counts(response.contact_state[point][None])[0]
     return Summary(
         peak=peak,
@@ -182,6 +186,7 @@ def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
         friction_share=friction / (friction + viscous) if friction + viscous > 0.0 else 0.0,
         state_counts=(int(counts[0]), int(counts[1]), int(counts[2])),
         friction_energy=friction,
+        normal_work=float(response.normal_work[point].sum()),
         viscous_energy=viscous,
         input_energy=float(response.input_energy[point]),
         first_harmonic=float(response.harmonic_amplitude(output, 1)[point]),
@@ -215,6 +220,7 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
         ("Pairs stick-slip", str(slip), "-"),
         ("Pairs separating", str(separating), "-"),
         ("Energy dissipated by friction", number(result.friction_energy, 1e6), "µJ per cycle"),
+        ("Work of the normal forces (zero but for sampling)", number(result.normal_work, 1e6, 2), "µJ per cycle"),
         ("Energy dissipated by viscous damping", number(result.viscous_energy, 1e6), "µJ per cycle"),
         ("Energy put in by the excitation", number(result.input_energy, 1e6), "µJ per cycle"),
         ("Largest energy imbalance on the curve", number(result.energy_imbalance, digits=2), "of input"),

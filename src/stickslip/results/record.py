@@ -42,10 +42,12 @@ class StudyRecord:
     pair_area:
         (n_pairs,) m2.
     mode_table:
-        rows with some of the keys mode, description, full_hz, reduced_hz, difference_percent, mac, table2_hz.
+        rows with some of the keys mode, description, full_hz, reduced_hz, difference_percent, mac, table2_hz; no
+        difference and mac where a body moves freely.
         ``table2_hz`` is the paper's frequency; a table that has it is shown beside the paper as inferred.
     mode_contact:
-        how the pairs were held for the mode table: "tied", or "stuck" on their springs.
+        how the pairs were held for the mode table: "tied", "stuck" on their springs, or "stuck (pairs closed at rest)",
+        where those that are open at rest have no spring.
     derived:
         (name, value, unit, explanation) of what follows from the inputs: face stiffness, Sq, preload, ...
     warnings:

@@ -42,7 +42,7 @@ def same_content(first: Any, second: Any) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class LinearCurves:
-    """The two linear limits that stand beside the computed curve: all pairs stuck, and no contact at all.
+    """The two linear limits beside the computed curve: all pairs that are closed at rest stuck, and no contact at all.
 
     Parameters
     ----------
@@ -85,7 +85,12 @@ class ForcedResponse:
     contact_state:
         (n_points, n_pairs) 0 stuck, 1 stick-slip, 2 separating.
     dissipated_energy:
-        (n_points, n_pairs) J per cycle, friction of each pair.
+        (n_points, n_pairs) J per cycle that the contact force of each pair takes: friction, and ``normal_work``. With
+        it the energies of the balance add up: dissipated + viscous = input.
+    normal_work:
+        (n_points, n_pairs) J per cycle, the part of the normal force. A force that only depends on the closing does
+        no work in a period, so this is the error of sampling it; where it is not small beside the input, samples are
+        too few.
     closure:
         (n_points, n_pairs) relative distance between the slider at the start and at the end of the period.
     residual, iterations:
@@ -117,6 +122,7 @@ class ForcedResponse:
     displacement: FloatArray
     contact_state: NDArray[np.int8]
     dissipated_energy: FloatArray
+    normal_work: FloatArray
     closure: FloatArray
     residual: FloatArray
     iterations: NDArray[np.int64]
@@ -144,6 +150,7 @@ class ForcedResponse:
             "displacement": points + coefficients,
             "contact_state": points + n_pairs,
             "dissipated_energy": points + n_pairs,
+            "normal_work": points + n_pairs,
             "closure": points + n_pairs,
             "residual": points,
             "iterations": points,
@@ -170,6 +177,11 @@ class ForcedResponse:
     def n_points(self) -> int:
         """Number of points on the curve."""
         return int(self.frequency_hz.size)
+
+    @property
+    def friction_energy(self) -> FloatArray:
+        """(n_points, n_pairs) J per cycle that friction takes, the work of the tangential forces."""
+        return self.dissipated_energy - self.normal_work
 
     @property
     def n_unknowns(self) -> int:

@@ -25,7 +25,7 @@ from stickslip.validation import FloatArray
 if TYPE_CHECKING:
     import xarray
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _STATES = "0 stuck, 1 stick-slip, 2 separating"
 
@@ -159,12 +159,14 @@ def _response_dataset(response: ForcedResponse) -> xarray.Dataset:
     curve, pairs = ("point",), ("point", "pair")
     of_unknowns = "m for boundary unknowns, own scaling for modal ones"
     closure = "relative distance between slider at start and end of the period"
-    dissipated = "energy dissipated by friction per cycle"
+    dissipated = "energy taken by the contact force per cycle: friction and normal_work"
+    normal = "work of the normal force per cycle, an error of sampling"
     data = {
         "frequency": _variable(curve, response.frequency_hz, "Hz", "excitation frequency along the curve, may fold"),
         **_split("displacement", response.displacement, ("point", "unknown"), "m", f"displacement ({of_unknowns})"),
         "contact_state": _variable(pairs, response.contact_state, "1", f"contact state: {_STATES}"),
         "dissipated_energy": _variable(pairs, response.dissipated_energy, "J", dissipated),
+        "normal_work": _variable(pairs, response.normal_work, "J", normal),
         "closure": _variable(pairs, response.closure, "1", closure),
         "residual": _variable(curve, response.residual, "1", "relative residual of the balance"),
         "iterations": _variable(curve, response.iterations, "1", "Newton iterations"),
@@ -194,9 +196,13 @@ def _linear_dataset(response: ForcedResponse) -> xarray.Dataset:
     dims = ("linear_point", "unknown")
     data = {
         "frequency": _variable(("linear_point",), linear.frequency_hz, "Hz", "excitation frequency"),
-        **_split("stuck", _excited(linear.stuck), dims, "m", "displacement with every contact stuck", "stuck_harmonic"),
+        **_split(
+            "stuck", _excited(linear.stuck), dims, "m", "displacement, contacts closed at rest stuck", "stuck_harmonic"
+        ),
         **_split("free", _excited(linear.free), dims, "m", "displacement without contact", "free_harmonic"),
-        "stuck_frequency": _variable(("stuck_mode",), linear.stuck_frequency_hz, "Hz", "natural frequency, all stuck"),
+        "stuck_frequency": _variable(
+            ("stuck_mode",), linear.stuck_frequency_hz, "Hz", "natural frequency, contacts closed at rest stuck"
+        ),
         "free_frequency": _variable(("free_mode",), linear.free_frequency_hz, "Hz", "natural frequency, no contact"),
     }
     return xarray.Dataset(data)
@@ -245,6 +251,7 @@ def _response_from(root: xarray.Dataset, linear: xarray.Dataset, pairs: xarray.D
             for name in (
                 "contact_state",
                 "dissipated_energy",
+                "normal_work",
                 "closure",
                 "residual",
                 "iterations",

@@ -13,6 +13,8 @@ from stickslip.validation import FloatArray
 
 LARGEST_SAMPLE_RESIDUAL = 2e-3
 LARGEST_NEGLECTED_MOTION = 2e-2
+# Work of the normal forces over the input of the same point, where the input is more than a share of the largest one.
+LARGEST_NORMAL_WORK, SMALLEST_INPUT = 1e-2, 1e-3
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,28 @@ class ResolutionCheck:
                 f"Run again with harmonics = {harmonics + max(2, more)}."
             )
         return tuple(sentences)
+
+
+def normal_work_warnings(
+    omega: FloatArray, normal_work: FloatArray, input_energy: FloatArray, samples: int
+) -> tuple[str, ...]:
+    """A sentence where the sampled normal forces do work; arrays (n_points,), rad/s and J per cycle.
+
+    A normal force that depends on the closing alone does none. A pair that closes for a few samples only seems to: its
+    force acts as a source or a sink of energy that the joint does not have, and the amplitude is wrong by about half
+    its share.
+    """
+    counted = input_energy > SMALLEST_INPUT * input_energy.max()
+    share = np.where(counted, np.abs(normal_work) / np.where(counted, input_energy, 1.0), 0.0)
+    worst = int(share.argmax())
+    if share[worst] <= LARGEST_NORMAL_WORK:
+        return ()
+    verb = "give" if normal_work[worst] < 0.0 else "take"
+    return (
+        f"Too few samples: the normal forces of the pairs {verb} {100 * share[worst]:.1f} % of the energy of the "
+        f"excitation at {omega[worst] / (2 * np.pi):.2f} Hz (wanted: below {100 * LARGEST_NORMAL_WORK:.0f} %), because "
+        f"some are closed for a few samples of the period only. Run again with samples = {2 * samples}.",
+    )
 
 
 def check_resolution(

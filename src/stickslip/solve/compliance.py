@@ -233,7 +233,7 @@ class Compliance:
 
 @dataclass(frozen=True)
 class StuckStructure:
-    """The structure with every contact closed and stuck, ready for balances with any number of harmonics."""
+    """The structure with every contact that is closed at rest stuck, ready for balances with any harmonics."""
 
     pairs: ContactPairs
     mean: StaticFactor

@@ -25,6 +25,7 @@ class CurveMeasures:
 
     displacement: FloatArray  # (n_points, 2H+1, n) m
     dissipated_energy: FloatArray  # (n_points, n_pairs) J per cycle
+    normal_work: FloatArray  # (n_points, n_pairs) of it by the normal forces, an error of sampling
     input_energy: FloatArray  # (n_points,)
     viscous_energy: FloatArray  # (n_points,)
     residual: FloatArray  # (n_points,)
@@ -40,6 +41,7 @@ def measure_curve(
     return CurveMeasures(
         np.concatenate([part.displacement for part in parts]),
         np.concatenate([part.dissipated_energy for part in parts]),
+        np.concatenate([part.normal_work for part in parts]),
         np.concatenate([part.input_energy for part in parts]),
         np.concatenate([part.viscous_energy for part in parts]),
         np.concatenate([part.residual for part in parts]),
@@ -54,15 +56,14 @@ def _measure(
     order = np.arange(1, balance.harmonics + 1)[:, None]
     contact = np.array([trial.contact.force.reshape(balance.rows, -1).T for trial in trials])
     # Work of a force on a motion in one period: pi * sum_h h (s_h . fc_h - c_h . fs_h).
-    per_pair = _work(order, np.array([trial.relative for trial in trials]), contact)
-    per_pair = per_pair.reshape(len(trials), -1, 3).sum(axis=2)
-    per_pair[np.array([trial.contact.state for trial in trials]) == 0] = 0.0
+    by_direction = _work(order, np.array([trial.relative for trial in trials]), contact).reshape(len(trials), -1, 3)
+    by_direction[np.array([trial.contact.state for trial in trials]) == 0] = 0.0
     quadratic = balance.compliance.gain.viscous_form(np.array([trial.amplitude for trial in trials]))
     viscous = np.pi * omega * ((quadratic[:, 0::2] + quadratic[:, 1::2]) * order[:, 0] ** 2).sum(axis=1)
     residual = _equation_residuals(trials, displacement, contact, balance, superelement, stuck)
     # The input is the work of the force; its sign convention makes it positive where energy goes in.
     given = _work(order, displacement, balance.force).sum(axis=1)
-    return CurveMeasures(displacement, per_pair, given, viscous, residual)
+    return CurveMeasures(displacement, by_direction.sum(axis=2), by_direction[:, :, 2], given, viscous, residual)
 
 
 def _work(order: Orders, motion: FloatArray, force: FloatArray) -> FloatArray:

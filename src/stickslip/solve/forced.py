@@ -14,7 +14,7 @@ from stickslip.interface.friction import Update
 from stickslip.progress import ProgressCallback
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.balance import Balance, Trial
-from stickslip.solve.checks import ResolutionCheck, check_resolution
+from stickslip.solve.checks import ResolutionCheck, check_resolution, normal_work_warnings
 from stickslip.solve.compliance import stuck_structure
 from stickslip.solve.continuation import Branch, BranchPoint, ContinuationSettings
 from stickslip.solve.energy import CurveMeasures, measure_curve
@@ -136,6 +136,7 @@ def forced_response(
         displacement=np.ascontiguousarray(measures.displacement.transpose(0, 2, 1)),
         contact_state=np.array([trial.contact.state for trial in trials], dtype=np.int8),
         dissipated_energy=measures.dissipated_energy,
+        normal_work=measures.normal_work,
         closure=np.array([trial.contact.closure for trial in trials]),
         residual=measures.residual,
         iterations=np.array([point.iterations for point in points]),
@@ -257,6 +258,9 @@ def _warnings(
 ) -> tuple[str, ...]:
     """What a reader must know before trusting the curve."""
     sentences = list(check.warnings(balance.harmonics, balance.samples))
+    omega = np.array([trial.omega for trial in trials])
+    work = measures.normal_work.sum(axis=1)
+    sentences += normal_work_warnings(omega, work, measures.input_energy, balance.samples)
     closure = max(float(trial.contact.closure.max()) for trial in trials)
     if closure > 1e-6:
         sentences.append(

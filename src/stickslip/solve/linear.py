@@ -1,4 +1,4 @@
-"""The two linear limits of a joint: every contact closed and stuck, and no contact at all."""
+"""The two linear limits of a joint: every contact that is closed at rest stuck, and no contact at all."""
 
 from __future__ import annotations
 
@@ -8,10 +8,8 @@ import scipy.linalg
 from stickslip.results.response import LinearCurves
 from stickslip.solve.damping import modal_basis
 from stickslip.solve.gain import ComplexArray, to_complex
+from stickslip.structure.superelement import RIGID_BODY_HZ
 from stickslip.validation import FloatArray
-
-# Below this a mode is a body that moves freely; its frequency is round-off.
-RIGID_BODY_HZ = 1.0
 
 
 class LinearLimit:

@@ -50,7 +50,8 @@ class StaticState:
     gap:
         (n_pairs,) m, 0 where closed.
     state:
-        (n_pairs,) 0 stuck, 1 slipping (on the friction limit), 2 open.
+        (n_pairs,) 0 stuck, 1 slipping (on the friction limit), 2 open; without friction all closed pairs are 1, as they
+        are free to slide.
     normal_stiffness, tangential_stiffness:
         (n_pairs,) N/m at rest, for small motions about it.
     residual:

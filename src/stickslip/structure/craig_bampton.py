@@ -20,7 +20,7 @@ from stickslip.structure.floating_parts import floating_sentence
 from stickslip.structure.joined import NodePairs, joined_modes
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.recovery import FullModel, Recovery, partition
-from stickslip.structure.superelement import Superelement
+from stickslip.structure.superelement import RIGID_BODY_HZ, Superelement
 from stickslip.validation import FloatArray
 
 # Columns that matrix products take at a time.
@@ -153,7 +153,11 @@ def _boundary(boundary_nodes: ArrayLike) -> IntArray:
 
 @dataclass(frozen=True)
 class ReductionRow:
-    """One mode before and after reduction; the ``paper_`` columns are Table 2 of the paper (None beyond its rows)."""
+    """One mode before and after reduction; the ``paper_`` columns are Table 2 of the paper (None beyond its rows).
+
+    Difference and modal assurance are not a number for a body that moves freely: its frequency is 0 Hz within
+    round-off, and its modes are any combination of its motions.
+    """
 
     mode: int
     full_hz: float
@@ -181,9 +185,9 @@ def reduction_table(
 ) -> tuple[ReductionRow, ...]:
     """Frequencies of the full and the reduced model with tied contact, or stuck contact when ``springs`` are given.
 
-    ``springs`` (3 * n_pairs,) N/m, t1, t2, n of each pair. The difference is ``100 (reduced / full - 1)`` and the modal
-    assurance criterion ``|a.b|^2 / (a.a b.b)`` compares the modes on the full mesh. Raises InputError for a
-    superelement without recovery.
+    ``springs`` (3 * n_pairs,) N/m, t1, t2, n of each pair; 0 for a pair that is open. The difference is
+    ``100 (reduced / full - 1)`` and the modal assurance criterion ``|a.b|^2 / (a.a b.b)`` compares the modes on the
+    full mesh; neither is a number for rigid-body modes. Raises InputError for a superelement without recovery.
     """
     if superelement.recovery is None:
         raise InputError("reduction_table needs a superelement with a recovery, as craig_bampton makes it.")
@@ -194,6 +198,10 @@ def reduction_table(
     reduced_hz, reduced = joined_modes(superelement, pairs, count, springs)
     product = np.einsum("ij,ij->j", full, reduced)
     mac = product**2 / (np.einsum("ij,ij->j", full, full) * np.einsum("ij,ij->j", reduced, reduced))
+    elastic = np.minimum(full_hz, reduced_hz) > RIGID_BODY_HZ
+    mac[~elastic] = np.nan
+    difference = np.full(count, np.nan)
+    difference[elastic] = 100.0 * (reduced_hz[elastic] / full_hz[elastic] - 1.0)
     paper = paper_table()
     rows = []
     for mode in range(count):
@@ -203,7 +211,7 @@ def reduction_table(
                 mode=mode + 1,
                 full_hz=float(full_hz[mode]),
                 reduced_hz=float(reduced_hz[mode]),
-                difference_percent=float(100.0 * (reduced_hz[mode] / full_hz[mode] - 1.0)),
+                difference_percent=float(difference[mode]),
                 mac=float(mac[mode]),
                 paper_full_hz=printed.get("full_hz"),
                 paper_reduced_hz=printed.get("reduced_hz"),

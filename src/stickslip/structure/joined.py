@@ -101,7 +101,8 @@ def joined_modes(
     """Natural frequencies (count,) in Hz with closed contact, and modes (n_full, count) on the full mesh.
 
     Without ``springs`` the pairs are tied: ``T^T K T v = (2 pi f)^2 T^T M T v``. With ``springs`` (3 * n_pairs,) in
-    N/m, in the order t1, t2, n of each pair, they are stuck: ``(K + B^T diag(springs) B) v = (2 pi f)^2 M v``.
+    N/m, in the order t1, t2, n of each pair, they are stuck: ``(K + B^T diag(springs) B) v = (2 pi f)^2 M v``. A pair
+    that is open has springs of 0; a body that then moves freely has modes at 0 Hz within round-off.
     Modes of a superelement without recovery stay in its own unknowns.
 
     Pairs of node and node are tied by letting the second nodes follow. Otherwise each first node follows the point of

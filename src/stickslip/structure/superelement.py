@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from stickslip.errors import InputError
 from stickslip.validation import FloatArray, finite_array, symmetric_matrix
 
+# Below this a mode is a body that moves freely; its frequency is round-off.
+RIGID_BODY_HZ = 1.0
+
 
 @dataclass(frozen=True)
 class Superelement:

@@ -88,7 +88,9 @@ def _solved(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
     model = connect(task.case, reduced, task.joint)
     response = solve(task.case, model, threads=task.threads)
     response = replace(response, provenance={**response.provenance, CASE_KEY: task.key})
-    record = study_record(task.case, model, reduced.mode_table, response)
+    # The table that the cases of a structure share has every pair closed.
+    table = reduced.mode_table if model.pairs.closed_at_rest.all() else ()
+    record = study_record(task.case, model, table, response)
     curve, measures = curve_and_measures(response, record)
     content = b""
     if task.wants_file:
