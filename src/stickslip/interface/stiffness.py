@@ -6,9 +6,10 @@ Equations, sources and errata: docs/theory_roughness.md. The population of conta
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from enum import StrEnum
-from math import exp, inf, log, pi, sqrt
+from math import exp, floor, inf, log, pi, sqrt
 from typing import Literal, get_args
 
 import numpy as np
@@ -43,9 +44,7 @@ Allocation = Literal["area", "pressure"]
 LARGEST_AREA_SHARE = 0.1  # real over nominal area above which spots touch each other
 LARGEST_ASPERITY_SLOPE = 0.1  # interference over radius above which Hertz's small strain fails
 NEAR_LIMIT = 0.05  # distance of D from 2 or 3 below which the exponents 2/(D-2) and 1/(3-D) explode
-
-
-SMOOTHER = "A smaller G or a larger D makes a smoother face."
+DIMENSION_STEPS = 1000  # a D that is proposed has as many steps from 2 to 3: three decimals
 
 
 class ContactStatus(StrEnum):
@@ -240,7 +239,8 @@ def _findings(spots: SpotPopulation, load: float, mode: StiffnessMode, nominal_a
         yield (
             ContactStatus.STEEP_ASPERITIES,
             f"Half of the load rests on spots whose interference is {slope:.2g} of their radius or more (Hertz: at "
-            f"most {LARGEST_ASPERITY_SLOPE:g}): small strain is only a rough guide there. {SMOOTHER}",
+            f"most {LARGEST_ASPERITY_SLOPE:g}): small strain is only a rough guide there. A smaller G makes the "
+            "ratio smaller; it is least for a D between 2.4 and 2.7.",
         )
     if min(dimension - 2.0, 3.0 - dimension) < NEAR_LIMIT:
         yield (
@@ -308,7 +308,7 @@ def _wave_findings(roughness: Roughness) -> Iterator[Finding]:
         yield (
             ContactStatus.STEEP_SURFACE,
             f"The root mean square slope of the surface is Sdq = {slope:.3g}; above 1 it is no machined face, and a "
-            f"contact law of small slopes does not hold. {SMOOTHER}",
+            "contact law of small slopes does not hold. A smaller G or a larger D makes a smoother face.",
         )
 
 
@@ -334,17 +334,37 @@ def _refusal(
         )
     needed, scale = fully_plastic_load(roughness), roughness.fractal_roughness
     pressure = " (the least pressure of these pairs times the reference area)" if allocation == "pressure" else ""
+    enough = _rounded(needed, 4, ROUND_CEILING)
     ways = [
-        f"raise the load above {needed:.4g} N",
-        f"take G below {scale * sqrt(load / needed):.3g} m",
-        "take a larger D (a smoother face)",
+        f"raise the load above {enough} N",
+        f"take G below {_rounded(scale * sqrt(load / needed), 3, ROUND_FLOOR)} m",
     ]
+    dimension = _least_dimension(roughness, load)
+    if dimension is not None:
+        ways.append(f"raise D to {dimension:g} (a smoother face)")
     if mode != "unloading":
         ways.append('use mode "unloading", where plastic spots respond to oscillation too (it needs shortest_length)')
     if allocation == "pressure":
         ways.append('use allocation "area", which spreads the stiffness of the whole face')
     return (
         f"{where}: with D = {roughness.fractal_dimension:g} and G = {scale:g} m every contact spot is plastic under a "
-        f"face load of {load:.4g} N{pressure}; elastic spots need more than {needed:.4g} N. What helps: "
-        f"{', or '.join(ways)}. If G came from a paper, check its unit: between m and mm lies a factor of 1000."
+        f"face load of {load:.4g} N{pressure}; elastic spots need more than {enough} N. What helps: "
+        f"{', or '.join(ways)}. Stiffness only begins at these limits. If G came from a paper, check its unit: between "
+        "m and mm lies a factor of 1000."
     )
+
+
+def _least_dimension(roughness: Roughness, load: float) -> float | None:
+    """The least D above that of ``roughness`` for which ``load`` (N) makes spots elastic; None if there is none.
+
+    The load that this needs falls with D to a minimum (at D = 2.88 for E*/H = 36) and then rises without bound, so that
+    a larger D does not always help. D within NEAR_LIMIT of 3 is not proposed.
+    """
+    first, last = floor(DIMENSION_STEPS * roughness.fractal_dimension) + 1, round(DIMENSION_STEPS * (3.0 - NEAR_LIMIT))
+    dimensions = (step / DIMENSION_STEPS for step in range(first, last + 1))
+    return next((D for D in dimensions if fully_plastic_load(replace(roughness, fractal_dimension=D)) < load), None)
+
+
+def _rounded(value: float, digits: int, direction: str) -> str:
+    """``value`` with so many significant digits, rounded in one direction, so that the text still keeps a bound."""
+    return f"{float(Context(prec=digits, rounding=direction).create_decimal(value)):g}"
