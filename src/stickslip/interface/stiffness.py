@@ -22,12 +22,12 @@ from stickslip.interface.asperities import (
     SpotPopulation,
     fully_plastic_load,
     log_critical_area,
-    real_number,
+    require_poisson_ratio,
     spots_under_load,
 )
 from stickslip.interface.preload import area_share, checked_area, face_index, face_sum
 from stickslip.interface.surface import surface_statistics
-from stickslip.validation import FloatArray, per_pair
+from stickslip.validation import FloatArray, per_pair, positive_number, real_number, require_choice
 
 __all__ = [
     "ContactStatus",
@@ -89,12 +89,9 @@ def reduced_modulus(
         ("first", first_young_modulus, first_poisson_ratio),
         ("second", second_young_modulus, second_poisson_ratio),
     ):
-        modulus = real_number(f"{number}_young_modulus", modulus)
+        modulus = positive_number(f"{number}_young_modulus", modulus, "Pa")
         ratio = real_number(f"{number}_poisson_ratio", ratio)
-        if not modulus > 0:
-            raise InputError(f"{number}_young_modulus is {modulus:g} Pa, but it must be above 0 Pa.")
-        if not -1 < ratio <= 0.5:
-            raise InputError(f"{number}_poisson_ratio is {ratio:g}, but it must be above -1 and at most 0.5.")
+        require_poisson_ratio(f"{number}_poisson_ratio", ratio)
         compliance += (1.0 - ratio**2) / modulus
     return 1.0 / compliance
 
@@ -114,10 +111,10 @@ def contact_stiffness(
     ``nominal_area`` in m2, if given, is compared with the real area. A stiffness of zero is returned, with its status
     and its sentence; ``pair_stiffness`` refuses it. Raises InputError for values that are not usable.
     """
-    _check_choice("mode", mode, get_args(StiffnessMode))
+    require_choice("mode", mode, get_args(StiffnessMode))
     load = real_number("load", load)
     if nominal_area is not None:
-        nominal_area = _positive_area("nominal_area", nominal_area)
+        nominal_area = positive_number("nominal_area", nominal_area, "m2")
     log_smallest = _log_smallest_area(roughness, mode)
     critical_area = exp(log_critical_area(roughness))
     if load <= 0:
@@ -161,8 +158,8 @@ def pair_stiffness(
     ``area`` (n_pairs,) m2; ``preload`` N, one number or (n_pairs,); ``face`` integers, which face a pair belongs to.
     Raises RoughnessError, with what would work, if a pair would have no stiffness; InputError for unusable arrays.
     """
-    _check_choice("mode", mode, get_args(StiffnessMode))
-    _check_choice("allocation", allocation, get_args(Allocation))
+    require_choice("mode", mode, get_args(StiffnessMode))
+    require_choice("allocation", allocation, get_args(Allocation))
     areas = checked_area(area)
     loads, faces = per_pair("preload", preload, areas.size), face_index(face, areas.size)
     share = area_share(areas, faces)
@@ -170,7 +167,7 @@ def pair_stiffness(
     if reference_area is not None:
         if allocation != "pressure":
             raise InputError(f'reference_area belongs to allocation "pressure", but allocation is {allocation!r}.')
-        weight = areas / _positive_area("reference_area", reference_area)
+        weight = areas / positive_number("reference_area", reference_area, "m2")
     closed_load = np.maximum(loads, 0.0)
     face_load = face_sum(closed_load, faces)[faces] * (share / weight)  # on the face, or on A_ref at equal pressure
     if allocation == "pressure":
@@ -185,18 +182,6 @@ def pair_stiffness(
     if dead.size:
         raise RoughnessError(_refusal(roughness, mode, allocation, dead, areas.size, float(face_load[dead].min())))
     return normal, tangential
-
-
-def _check_choice(name: str, value: str, allowed: tuple[str, ...]) -> None:
-    if value not in allowed:
-        raise InputError(f"{name} is {value!r}, but it must be one of {', '.join(map(repr, allowed))}.")
-
-
-def _positive_area(name: str, value: float) -> float:
-    area = real_number(name, value)
-    if not area > 0:
-        raise InputError(f"{name} is {area:g} m2, but it must be above 0 m2.")
-    return area
 
 
 def _log_smallest_area(roughness: Roughness, mode: StiffnessMode) -> float:
