@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stickslip.interface.face_pairs import FacePairs
 from stickslip.model import Model, kind_of
 from stickslip.results.sketch import Sketch
 from stickslip.setup import Layout, PortForce, Reading
@@ -46,13 +47,14 @@ def make_sketch(
     static_forces: tuple[PortForce, ...],
     readings: Mapping[str, Reading],
 ) -> Sketch:
-    """Outer sides of a mesh, at most ``MOST_SIDES``, and the places of a layout on it.
+    """Outer sides of a mesh, at most ``MOST_SIDES``, which of them carry as contact, and the places of a layout on it.
 
     A load of no force is left out; a place of several nodes is marked at their mean; responses that are read at one
     place share a mark. ``fixed_unknowns`` are positions among the 3 * n_nodes displacements. Raises InputError where a
     set of the layout is not of the mesh.
     """
-    whole = outer_surface(mesh, layout.contact_sets)
+    carrying = [_carrying_nodes(layout.face_pairs, face) for face in range(len(layout.face_names))]
+    whole = outer_surface(mesh, layout.contact_sets, carrying)
     shown = coarsened(whole, MOST_SIDES)
     held = np.isin(shown.node, fixed_unknowns // 3)
     acting = [(force, constant) for group, constant in ((forces, False), (static_forces, True)) for force in group]
@@ -75,6 +77,13 @@ def make_sketch(
         response_places=_places(mesh, layout, list(at_port)),
         mesh_sides=len(whole.sides),
     )
+
+
+def _carrying_nodes(pairs: FacePairs, face: int) -> IntArray:
+    """Nodes on both sides of the pairs of a face."""
+    here = pairs.face == face
+    both = ((pairs.first_nodes, pairs.first_weights), (pairs.second_nodes, pairs.second_weights))
+    return np.unique(np.concatenate([nodes[here][weights[here] != 0.0] for nodes, weights in both]))
 
 
 def _places(mesh: AnyMesh, layout: Layout, ports: list[str]) -> FloatArray:

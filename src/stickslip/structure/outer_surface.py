@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,8 +34,13 @@ class OuterSurface:
     node: IntArray
 
 
-def outer_surface(mesh: AnyMesh, contact_sets: tuple[tuple[str, ...], ...] = ()) -> OuterSurface:
-    """All sides that one cell alone has; ``contact_sets`` name, for each contact face, the sets of the mesh there.
+def outer_surface(
+    mesh: AnyMesh, contact_sets: Sequence[Sequence[str]] = (), contact_nodes: Sequence[IntArray] = ()
+) -> OuterSurface:
+    """All sides that one cell alone has.
+
+    For each contact face ``contact_sets`` name the sets of the mesh that meet there, and ``contact_nodes`` (k,) are the
+    nodes that carry: a side of these sets is part of the face if all of its corners carry.
 
     Raises InputError for a set that does not exist or spans no side.
     """
@@ -42,9 +48,10 @@ def outer_surface(mesh: AnyMesh, contact_sets: tuple[tuple[str, ...], ...] = ())
     corners = np.concatenate([sides for sides, _ in found])
     body = mesh.body[np.concatenate([owners for _, owners in found])]
     face = np.full(len(corners), -1, dtype=np.int64)
-    for number, names in enumerate(contact_sets):
+    for number, (names, nodes) in enumerate(zip(contact_sets, contact_nodes, strict=True)):
         for name in names:
             wanted = np.concatenate([_corners(sides) for sides in mesh.sides(name)])
+            wanted = wanted[np.isin(wanted, nodes).all(axis=1)]
             face[_among(corners, wanted, mesh.n_nodes)] = number
     node, position = np.unique(corners, return_inverse=True)
     return OuterSurface(mesh.points[node], position.reshape(corners.shape).astype(np.int64), body, face, node)
