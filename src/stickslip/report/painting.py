@@ -45,7 +45,7 @@ class _Samples:
 
 
 def signed_areas(places: FloatArray, sides: IntArray) -> FloatArray:
-    """(m,) px2 of sides (m, 4) at ``places`` (n, 2 or more), x to the right and y down: above 0 where one looks here."""
+    """(m,) px2 of sides (m, 4) at ``places`` (n, 2 or more), x right and y down: above 0 for sides that look here."""
     x, y = places[sides, 0], places[sides, 1]
     return np.asarray(-0.5 * ((x[:, 2] - x[:, 0]) * (y[:, 3] - y[:, 1]) - (x[:, 3] - x[:, 1]) * (y[:, 2] - y[:, 0])))
 
@@ -125,9 +125,7 @@ def _constraints(samples: _Samples, seen: Flags) -> IntArray:
     last = np.flatnonzero(np.append(np.diff(pixel) != 0, True))
     nearest = last[np.searchsorted(last, np.arange(len(pixel)))]
     following = np.minimum(np.arange(len(pixel)) + 1, nearest)
-    pairs = [
-        np.column_stack([side, side[over]])[depth[over] - depth > _SAME_DEPTH] for over in (nearest, following)
-    ]
+    pairs = [np.column_stack([side, side[over]])[depth[over] - depth > _SAME_DEPTH] for over in (nearest, following)]
     code = np.unique(np.concatenate(pairs) @ np.array([len(seen), 1]))
     return np.column_stack(np.divmod(code, len(seen)))
 
@@ -142,7 +140,8 @@ def _sorted(depth: FloatArray, seen: Flags, before: IntArray) -> IntArray:
     later, far_first, keys = before[:, 1].tolist(), np.argsort(depth, kind="stable"), depth.tolist()
     candidates = [side for side in far_first.tolist() if seen[side]]
     ready = [(keys[side], side) for side in candidates if not waiting[side]]
-    done, answer, farthest = [False] * len(keys), [], iter(candidates)
+    done, farthest = [False] * len(keys), iter(candidates)
+    answer: list[int] = []
     while len(answer) < len(candidates):
         side = heapq.heappop(ready)[1] if ready else next(each for each in farthest if not done[each])
         if done[side]:

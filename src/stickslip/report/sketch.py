@@ -56,15 +56,15 @@ def structure_section(study: StudyRecord) -> str:
 
 def _caption(sketch: Sketch, close: Window | None) -> str:
     words = [
-        "Parallel projection; the scale holds for lengths in the plane of the picture. Marks and the outlines of contact "
-        "faces are drawn over the bodies, also where these hide them."
+        "Parallel projection; the scale holds for lengths in the plane of the picture. Marks and the outlines of "
+        "contact faces are drawn over the bodies, also where these hide them; of held nodes some are marked."
     ]
     if close is not None and glass_bodies(sketch, close.camera).any():
         words.append("In the close-up, bodies that stand before the contact are glass.")
     if sketch.is_coarsened:
         words.append(
             f"The mesh has {sketch.mesh_sides} outer sides, too many for a page: they are drawn as "
-            f"{len(sketch.sides)} coarser ones. The mesh itself is in mode_shapes.vtu."
+            f"{len(sketch.sides)} coarser ones. mode_shapes.vtu of the run shows the mesh itself in ParaView."
         )
     return escape(" ".join(words))
 
@@ -72,9 +72,7 @@ def _caption(sketch: Sketch, close: Window | None) -> str:
 def _legend(sketch: Sketch) -> str:
     swatch = '<rect width="14" height="14" rx="2" fill="{}"/>'
     names = list(sketch.body_names)
-    entries = [
-        (swatch.format(_body_colour(body)), escape(name)) for body, name in enumerate(names[:_NAMED_BODIES])
-    ]
+    entries = [(swatch.format(_body_colour(body)), escape(name)) for body, name in enumerate(names[:_NAMED_BODIES])]
     if len(names) > _NAMED_BODIES:
         entries.append(("", f"and {len(names) - _NAMED_BODIES} more bodies; colours repeat"))
     if (sketch.face >= 0).any():
@@ -104,9 +102,7 @@ def _figure(
     axes, axes_box = triad(window.camera, window.height)
     scale, scale_box = scale_bar(window)
     marks, labels, boxes = _marks(study, sketch, window, inset, is_close)
-    setter = Labels(
-        painting.covered, PIXEL, window.width, window.height, [*held_boxes, *axes_box, *scale_box, *boxes]
-    )
+    setter = Labels(painting.covered, PIXEL, window.width, window.height, [*held_boxes, *axes_box, *scale_box, *boxes])
     words = "".join(setter.svg(label) for label in labels)
     name = "clip-close" if is_close else "clip-whole"
     frame = _frame(window, inset, is_close)
@@ -131,7 +127,7 @@ def _spoken(heading: str, study: StudyRecord, sketch: Sketch) -> str:
         f"Contact faces: {', '.join(faces)}." if faces else "",
         f"Loads: {'; '.join(loads)}." if loads else "",
         f"Responses: {'; '.join(sketch.response_names)}." if sketch.response_names else "",
-        f"{int(sketch.held.sum())} held nodes are marked." if sketch.held.any() else "",
+        "Held nodes are marked by triangles." if sketch.held.any() else "",
     ]
     return escape(" ".join(part for part in parts if part))
 
@@ -149,9 +145,7 @@ def _body_colour(body: int) -> str:
     return BODY_COLOURS[body % len(BODY_COLOURS)]
 
 
-def _bodies(
-    sketch: Sketch, window: Window, places: FloatArray, painting: Painting, glass: NDArray[np.bool_]
-) -> str:
+def _bodies(sketch: Sketch, window: Window, places: FloatArray, painting: Painting, glass: NDArray[np.bool_]) -> str:
     """The visible sides from far to near, each run of one colour as one path."""
     order = painting.order
     vectors = area_vectors(sketch)[order]
@@ -196,7 +190,7 @@ def _marks(
 ) -> tuple[str, list[Label], list[Box]]:
     """Loads and responses in the view, the words for them, and the room that they need.
 
-    What the close-up holds is named there alone.
+    Contact faces, and responses that the close-up holds, are named there alone.
     """
     parts: list[str] = []
     labels: list[Label] = []
@@ -222,7 +216,7 @@ def _marks(
 
 
 def _face_labels(study: StudyRecord, sketch: Sketch, window: Window) -> list[Label]:
-    """The name of each contact face, at a side of it that is near to its middle and not under the mark of a response."""
+    """The name of each contact face, at a side of it near to its middle that no mark of a response covers."""
     marks = window.places(sketch.response_places)[:, None, :2]
     labels = []
     for face in np.unique(sketch.face[sketch.face >= 0]):

@@ -1,4 +1,4 @@
-"""Where the words of a sketch stand: beside what they name, off each other, off marks, and off bodies if there is room."""
+"""Where the words of a sketch stand: beside what they name, off each other, off marks, off bodies if there is room."""
 
 from __future__ import annotations
 
@@ -65,9 +65,7 @@ class Labels:
     marks need; ``width`` and ``height`` of the view are in px.
     """
 
-    def __init__(
-        self, covered: NDArray[np.bool_], pixel: float, width: int, height: int, taken: list[Box]
-    ) -> None:
+    def __init__(self, covered: NDArray[np.bool_], pixel: float, width: int, height: int, taken: list[Box]) -> None:
         self._pixel, self._width, self._height = pixel, width, height
         self._sum = np.pad(covered.astype(np.int64).cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
         self._taken = list(taken)

@@ -47,7 +47,7 @@ def _border(sides: NDArray[np.int64]) -> NDArray[np.int64]:
     """(e, 2) edges that only one of the sides (k, 4) has."""
     edges = np.sort(np.stack([sides, np.roll(sides, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     edges, count = np.unique(edges[edges[:, 0] != edges[:, 1]], axis=0, return_counts=True)
-    return edges[count == 1]
+    return np.asarray(edges[count == 1])
 
 
 def polygons(places: FloatArray, sides: NDArray[np.int64]) -> list[str]:
@@ -73,10 +73,18 @@ def _steps(numbers: list[int]) -> str:
 
 
 def held_marks(sketch: Sketch, window: Window, places: FloatArray, seen: NDArray[np.int64]) -> tuple[str, list[Box]]:
-    """Triangles at held points, those of sides that are ``seen`` (k,) if any are; no two nearer than some px."""
-    held = np.flatnonzero(sketch.held & window.holds(places))
-    visible = np.intersect1d(held, sketch.sides[seen])
-    at = _apart(places[visible if visible.size else held, :2], _HELD_APART_PX)
+    """Triangles at some of the held points, and the room that they need.
+
+    Of a body with held points on sides that are ``seen`` (k,) these are marked, else all; no two nearer than some px.
+    """
+    in_view = sketch.held & window.holds(places)
+    chosen = []
+    for body in range(len(sketch.body_names)):
+        held = np.unique(sketch.sides[sketch.body == body])
+        held = held[in_view[held]]
+        visible = np.intersect1d(held, sketch.sides[seen])
+        chosen.append(visible if visible.size else held)
+    at = _apart(places[np.unique(np.concatenate(chosen)), :2], _HELD_APART_PX)
     path = "".join(f"M{x:.1f} {y:.1f}l4 8h-8z" for x, y in at.tolist())
     boxes: list[Box] = [(x - 4.0, y, x + 4.0, y + 8.0) for x, y in at.tolist()]
     return (f'<path class="held" d="{path}"/>' if path else ""), boxes
@@ -113,7 +121,9 @@ def arrows(sketch: Sketch, window: Window) -> list[Arrow]:
     places = window.places(sketch.points)[:, :2]
     centre = 0.5 * (places.min(axis=0) + places.max(axis=0))
     answer = []
-    for place, load, constant in zip(window.places(sketch.load_places)[:, :2], sketch.loads, sketch.constant, strict=True):
+    for place, load, constant in zip(
+        window.places(sketch.load_places)[:, :2], sketch.loads, sketch.constant, strict=True
+    ):
         right, up, towards = window.camera.axes @ load / np.linalg.norm(load)
         flat = np.array([right, -up])
         share = float(np.linalg.norm(flat))
@@ -164,7 +174,10 @@ def triad(camera: Camera, height: int) -> tuple[str, list[Box]]:
     parts = []
     for name, axis in zip("xyz", camera.axes.T, strict=True):
         flat = np.array([axis[0], -axis[1]])
-        tip, word = origin + _AXIS_PX * flat, origin + _AXIS_PX * flat + 9.0 * flat / max(float(np.linalg.norm(flat)), 0.3)
+        tip, word = (
+            origin + _AXIS_PX * flat,
+            origin + _AXIS_PX * flat + 9.0 * flat / max(float(np.linalg.norm(flat)), 0.3),
+        )
         parts.append(
             f'<path class="axis" d="M{origin[0]:.1f} {origin[1]:.1f}L{tip[0]:.1f} {tip[1]:.1f}"/>'
             f'<text class="axis" x="{word[0]:.1f}" y="{word[1]:.1f}" dy=".36em" text-anchor="middle">{name}</text>'

@@ -96,7 +96,7 @@ def _contact_shown(sketch: Sketch, camera: Camera) -> float:
 
 
 def whole_window(sketch: Sketch, camera: Camera, width: int, heights: tuple[int, int], margins: Margins) -> Window:
-    """A view of everything with ``margins`` px (left, top, right, bottom), as high as it needs to be within ``heights``."""
+    """A view of everything inside ``margins``, as high as it needs to be within ``heights`` px."""
     low, high = _extent(sketch.points, camera)
     size = np.maximum(high - low, 1e-6 * float(np.ptp(sketch.points, axis=0).max()))
     left, top, right, bottom = margins

@@ -59,7 +59,8 @@ class StudyRecord:
     Raises
     ------
     InputError
-        for arrays that do not fit together, a sketch of faces that do not exist, a signal group or a key of the mode table that does not exist.
+        for arrays that do not fit together, and for a signal group, a key of the mode table or a face of the sketch
+        that does not exist.
     """
 
     title: str
@@ -96,7 +97,7 @@ class StudyRecord:
             )
         if not np.isin(face, np.arange(len(self.face_names))).all():
             raise InputError(f"pair_face must number the faces 0 to {len(self.face_names) - 1} of face_names.")
-        if self.sketch is not None and not -1 <= self.sketch.face.min() <= self.sketch.face.max() < len(self.face_names):
+        if self.sketch is not None and not np.isin(self.sketch.face, np.arange(-1, len(self.face_names))).all():
             raise InputError(f"face of the sketch must be -1 or a face from 0 to {len(self.face_names) - 1}.")
         unknown = sorted({key for row in self.mode_table for key in row} - set(MODE_COLUMNS))
         if unknown:

@@ -1,4 +1,4 @@
-"""What a picture of the structure needs: its outer sides and the places of contact, constraints, loads and responses."""
+"""What a picture of the structure needs: its outer sides, and where contact, constraints, loads and responses are."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ class OuterSurface:
     """Sides (m, 4) between points (n, 3) m, seen from outside, with the body (m,) and the contact face (m,) of each.
 
     A triangle repeats its last corner; midside nodes are left out; ``face`` is -1 off the contact. ``node`` (n,) is the
-    number of each point in the mesh, or of one node near it where the surface is coarser than the mesh.
+    number of each point in the mesh.
     """
 
     points: FloatArray
@@ -81,21 +81,20 @@ def _among(corners: IntArray, wanted: IntArray, n_nodes: int) -> IntArray:
 def coarsened(surface: OuterSurface, most: int) -> OuterSurface:
     """A surface of at most ``most`` sides: points in one cell of a grid become one, and sides that vanish are left out.
 
-    Points of different bodies or contact faces stay apart. Sides around the contact have half of the number to
+    Of such points the one farthest from the middle of its body is kept, so that corners and outlines stay. Points of different bodies or contact faces stay apart. Sides around the contact have half of the number to
     themselves, so that they stay as fine as they can. A surface with no more sides is returned as it is.
     """
     if len(surface.sides) <= most:
         return surface
     near_points, near_sides = _around_contact(surface)
     leader, room = np.arange(len(surface.points)), most
-    for points, sides, share in ((near_points, near_sides, 0.5), (~near_points, ~near_sides, 1.0)):
-        leader, count = _merged(surface, leader, points, sides, int(share * room))
+    for points, there, share in ((near_points, near_sides, 0.5), (~near_points, ~near_sides, 1.0)):
+        leader, count = _merged(surface, leader, points, there, int(share * room))
         room -= count
     kept = _spans_an_area(leader[surface.sides])
-    first, position, size = np.unique(leader, return_inverse=True, return_counts=True)
-    middle = np.stack([np.bincount(position, surface.points[:, axis]) / size for axis in range(3)], axis=1)
-    sides = position[surface.sides[kept]]
-    return OuterSurface(middle, sides, surface.body[kept], surface.face[kept], surface.node[first])
+    used, position = np.unique(leader[surface.sides[kept]], return_inverse=True)
+    sides = position.reshape(-1, 4).astype(np.int64)
+    return OuterSurface(surface.points[used], sides, surface.body[kept], surface.face[kept], surface.node[used])
 
 
 def _around_contact(surface: OuterSurface) -> tuple[Flags, Flags]:
@@ -106,14 +105,12 @@ def _around_contact(surface: OuterSurface) -> tuple[Flags, Flags]:
         low, high = places.min(axis=0), places.max(axis=0)
         reach = _AROUND * float(np.linalg.norm(high - low))
         points = ((surface.points > low - reach) & (surface.points < high + reach)).all(axis=1)
-    sides = points[surface.sides].any(axis=1)
+    sides = np.asarray(points[surface.sides].any(axis=1))
     points[surface.sides[sides]] = True
     return points, sides
 
 
-def _merged(
-    surface: OuterSurface, leader: IntArray, points: Flags, sides: Flags, most: int
-) -> tuple[IntArray, int]:
+def _merged(surface: OuterSurface, leader: IntArray, points: Flags, sides: Flags, most: int) -> tuple[IntArray, int]:
     """``leader`` (n,), the point that stands for each, with ``points`` merged until at most ``most`` of ``sides`` span
     an area, and the number of these."""
     count = int(sides.sum())
@@ -123,16 +120,27 @@ def _merged(
     tag[surface.sides] = np.column_stack([surface.body, surface.face])[:, None, :]
     corners = surface.points[surface.sides[sides]]
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]), axis=1).sum()
-    cell, place = float(np.sqrt(area / max(most, 1))), surface.points[points] - surface.points.min(axis=0)
+    cell = float(np.sqrt(area / max(most, 1)))
     members = np.flatnonzero(points)
+    members = members[np.argsort(-_distance_from_middle(surface.points, tag[:, 0])[members], kind="stable")]
+    place = surface.points[members] - surface.points.min(axis=0)
     while count > most:
-        key = np.column_stack([np.floor(place / cell).astype(np.int64), tag[points]])
+        key = np.column_stack([np.floor(place / cell).astype(np.int64), tag[members]])
         _, first, position = np.unique(key, axis=0, return_index=True, return_inverse=True)
         leader = leader.copy()
         leader[members] = members[first[position.ravel()]]
         count = int(_spans_an_area(leader[surface.sides[sides]]).sum())
         cell *= _GROWTH
     return leader, count
+
+
+def _distance_from_middle(points: FloatArray, body: IntArray) -> FloatArray:
+    """(n,) m from the middle of the box around the body of each point."""
+    distance = np.zeros(len(points))
+    for number in np.unique(body):
+        here = points[body == number]
+        distance[body == number] = np.linalg.norm(here - 0.5 * (here.min(axis=0) + here.max(axis=0)), axis=1)
+    return distance
 
 
 def _spans_an_area(sides: IntArray) -> Flags:
