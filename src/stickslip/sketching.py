@@ -20,8 +20,8 @@ from stickslip.validation import FloatArray
 if TYPE_CHECKING:
     from stickslip.case import Case
 
-# Outer sides that a sketch keeps: with both views of it a page grows by less than 1.5 MB.
-MOST_SIDES = 30_000
+# Outer sides that a sketch keeps: with both views of it a page grows by less than 1.5 MB, even if all are seen.
+MOST_SIDES = 22_000
 
 
 def sketch_of(case: Case, model: Model) -> Sketch | None:

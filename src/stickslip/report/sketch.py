@@ -57,8 +57,10 @@ def structure_section(study: StudyRecord) -> str:
 def _caption(sketch: Sketch, close: Window | None) -> str:
     words = [
         "Parallel projection; the scale holds for lengths in the plane of the picture. Marks and the outlines of "
-        "contact faces are drawn over the bodies, also where these hide them; of held nodes some are marked."
+        "contact faces are drawn over the bodies, also where these hide them."
     ]
+    if sketch.held.any():
+        words.append("Of held nodes only some are marked.")
     if close is not None and glass_bodies(sketch, close.camera).any():
         words.append("In the close-up, bodies that stand before the contact are glass.")
     if sketch.is_coarsened:
@@ -70,7 +72,7 @@ def _caption(sketch: Sketch, close: Window | None) -> str:
 
 
 def _legend(sketch: Sketch) -> str:
-    swatch = '<rect width="14" height="14" rx="2" fill="{}"/>'
+    swatch = '<rect x=".5" y=".5" width="13" height="13" rx="2" fill="{}" stroke="#6b7787" stroke-width=".7"/>'
     names = list(sketch.body_names)
     entries = [(swatch.format(_body_colour(body)), escape(name)) for body, name in enumerate(names[:_NAMED_BODIES])]
     if len(names) > _NAMED_BODIES:

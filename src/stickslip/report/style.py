@@ -12,7 +12,7 @@ INK = "#1b2a41"
 GREY = "#6b7787"
 BLUE, GREEN, VERMILLION, ORANGE, PURPLE = "#0072B2", "#009E73", "#D55E00", "#E69F00", "#CC79A7"
 # Bodies of a sketch: pale, so that contact, marks and words stand out from them.
-BODY_COLOURS = ("#9dc3e0", "#d6d0c4", "#84c9ae", "#e3b9cf", "#ecd88f", "#8797ab")
+BODY_COLOURS = ("#b3d5e8", "#eae6e0", "#8d94a0", "#f2cf80", "#56b4e9", "#b8ad98")
 
 
 @dataclass(frozen=True)
