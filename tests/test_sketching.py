@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -38,9 +37,7 @@ def two_blades(element: str) -> Callable[[], Case]:
     return lambda: Case().replace(COARSE_MESH | {"geometry.excitation_height": "9 mm", "mesh.element": element})
 
 
-@pytest.mark.parametrize(
-    "case", [two_blades("incompatible"), two_blades("serendipity"), lambda: load_case(TETRAHEDRA)]
-)
+@pytest.mark.parametrize("case", [two_blades("incompatible"), two_blades("serendipity"), lambda: load_case(TETRAHEDRA)])
 def test_the_contact_faces_of_the_blades_are_where_the_drawing_says(case: Callable[[], Case]) -> None:
     """Bricks, bricks with midside nodes and quadratic tetrahedra whose faces do not match."""
     sketch = sketch_of(case())
@@ -111,15 +108,3 @@ def test_a_large_mesh_is_drawn_coarser(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(coarse.sides) <= 300 < coarse.mesh_sides == len(whole.sides)
     assert set(coarse.face) == {-1, 0, 1}
     assert coarse.held.any()
-
-
-def test_matrices_have_no_sketch(tmp_path: Path) -> None:
-    from own_cases import write_matrices
-    from stickslip.model import build_model, load_joint
-    from test_matrix_study import STUDY
-
-    write_matrices(tmp_path, mesh_case())
-    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
-    case = load_case(tmp_path / "study.toml")
-    setup = set_up(case)
-    assert sketching.sketch_of(case, build_model(case, setup.assemble(), load_joint(case, setup.layout))) is None

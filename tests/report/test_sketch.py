@@ -233,7 +233,7 @@ def test_labels_stay_in_the_view_and_off_each_other_and_off_bodies() -> None:
 
 
 def test_more_bodies_than_the_legend_holds() -> None:
-    cubes = [CUBE + [0.2 * i, 0.0, 0.0] for i in range(15)]
+    cubes = [CUBE + np.array([0.2 * i, 0.0, 0.0]) for i in range(15)]
     text = drawing(sketch_of_boxes(*cubes))
     assert "box 12</li>" in text
     assert "box 13</li>" not in text

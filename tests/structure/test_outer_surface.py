@@ -16,9 +16,9 @@ from stickslip.structure.outer_surface import OuterSurface, coarsened, outer_sur
 
 def row_of_bricks(count: int, part: str = "hexahedron") -> FiniteElementMesh:
     """Bricks of 2 x 2 x 2 m side by side along x, cut into cells; face sets "left" and "top", two bodies."""
-    points = np.unique(np.vstack([CORNERS + [2.0 * i, 0.0, 0.0] for i in range(count)]), axis=0)
+    points = np.unique(np.vstack([CORNERS + np.array([2.0 * i, 0.0, 0.0]) for i in range(count)]), axis=0)
     place = {tuple(point): number for number, point in enumerate(points)}
-    bricks = [[place[tuple(corner + [2.0 * i, 0.0, 0.0])] for corner in CORNERS] for i in range(count)]
+    bricks = [[place[tuple(corner + np.array([2.0 * i, 0.0, 0.0]))] for corner in CORNERS] for i in range(count)]
     cells = np.array([[brick[at] for at in cell] for brick in bricks for cell in PARTS[part]])
     body = np.repeat(np.arange(count) >= 1, len(PARTS[part])).astype(np.int64)
     blocks = (CellBlock(part, cells, body),)

@@ -81,8 +81,9 @@ def _among(corners: IntArray, wanted: IntArray, n_nodes: int) -> IntArray:
 def coarsened(surface: OuterSurface, most: int) -> OuterSurface:
     """A surface of at most ``most`` sides: points in one cell of a grid become one, and sides that vanish are left out.
 
-    Of such points the one farthest from the middle of its body is kept, so that corners and outlines stay. Points of different bodies or contact faces stay apart. Sides around the contact have half of the number to
-    themselves, so that they stay as fine as they can. A surface with no more sides is returned as it is.
+    Of such points the one farthest from the middle of its body is kept, so that corners and outlines stay. Points of
+    different bodies or contact faces stay apart. Sides around the contact have half of the number to themselves, so
+    that they stay as fine as they can. A surface with no more sides is returned as it is.
     """
     if len(surface.sides) <= most:
         return surface
