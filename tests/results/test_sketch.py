@@ -73,6 +73,7 @@ def test_no_group_where_there_is_no_sketch(study: StudyRecord, tmp_path: Path) -
         ({"loads": np.zeros((2, 3))}, r"loads of the sketch must have shape \(1, 3\)"),
         ({"constant": np.zeros(2, dtype=bool)}, "constant of the sketch"),
         ({"response_names": ()}, r"response_places of the sketch must have shape \(0, 3\)"),
+        ({"loads": np.zeros((1, 3))}, "a load of 0 N, which has no direction"),
         ({"mesh_sides": 11}, "it cannot have more"),
     ],
 )

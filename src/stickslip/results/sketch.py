@@ -43,7 +43,7 @@ class Sketch:
     Raises
     ------
     InputError
-        for arrays that do not fit together, and for a number of a point or a body that does not exist.
+        for arrays that do not fit together, a load of 0 N, and a number of a point or a body that does not exist.
     """
 
     points: FloatArray
@@ -80,6 +80,8 @@ class Sketch:
         for name, numbers, count in (("sides", sides, len(points)), ("body", body, len(self.body_names))):
             if numbers.min() < 0 or numbers.max() >= count:
                 raise InputError(f"{name} of the sketch must hold numbers from 0 to {count - 1}; found others.")
+        if not np.any(self.loads, axis=1).all():
+            raise InputError("loads of the sketch has a load of 0 N, which has no direction; leave it out.")
         if self.mesh_sides < m:
             raise InputError(f"mesh_sides is {self.mesh_sides}, but the sketch has {m} sides; it cannot have more.")
         changed: dict[str, Any] = {
