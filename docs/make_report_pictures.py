@@ -16,6 +16,7 @@ IMAGES = Path(__file__).parent / "images"
 # heading of the section -> name of the picture
 SECTIONS = {
     "Amplitude against frequency": "report_curve.png",
+    "Structure": "report_structure.png",
     "Contact states": "report_states.png",
     "Hysteresis and time signals of one pair": "report_loop.png",
 }

@@ -60,7 +60,7 @@ def require_readable(page: Any) -> None:
     small = page.evaluate(_SMALL, SMALLEST_TEXT_PX)
     assert small == [], small
     unnamed = page.evaluate(
-        "[...document.querySelectorAll('img, .js-plotly-plot')].filter(each => "
+        "[...document.querySelectorAll('img, .js-plotly-plot, svg[role=img]')].filter(each => "
         "!(each.getAttribute('alt') || each.getAttribute('aria-label'))).map(each => each.id || each.alt)"
     )
     assert unnamed == [], unnamed

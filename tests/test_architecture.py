@@ -50,6 +50,7 @@ LAYER_OF = {
     "cli_errors": "cli",
     "model": "study",
     "solved_preload": "study",
+    "sketching": "study",
 }
 BASE = ROWS[0]
 

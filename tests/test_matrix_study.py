@@ -76,6 +76,8 @@ def test_run_writes_report_and_results(folder: Path) -> None:
     page = (folder / "out" / "report.html").read_text(encoding="utf-8")
     assert "Contact states, lid" in page
     assert "Natural frequencies, contact" not in page
+    assert saved.study.sketch is None  # matrices have no shape
+    assert 'id="structure"' not in page
 
 
 def test_mesh_and_matrices_agree(folder: Path) -> None:

@@ -70,7 +70,10 @@ def test_results_load_back_equal_and_report_is_remade(solved: tuple[Path, study.
     assert saved.response == outcome.response
     assert saved.study is not None
     assert saved.study.pair_face.size == outcome.response.pairs.n_pairs
+    assert saved.study.sketch is not None
+    assert saved.study.sketch.body_names == ("left blade", "right blade", "damper")
     before = (folder / "report.html").read_text(encoding="utf-8")
+    assert '<section id="structure">' in before
     (folder / "report.html").unlink()
     study.report(folder)
     assert (folder / "report.html").read_text(encoding="utf-8") == before

@@ -239,6 +239,8 @@ def _layout(
         body_load,
         tuple(_facts(names, pairings)),
         messages,
+        mesh.body_names,
+        tuple((each.first,) if each.second == GROUND else (each.first, each.second) for each in pairings),
     )
 
 

@@ -68,6 +68,10 @@ class Layout:
         (name, value, unit, explanation) of how the layout was found.
     messages:
         sentences that a user must see: what was skipped, what looks wrong.
+    body_names:
+        names of the bodies of the mesh, empty where there is none.
+    contact_sets:
+        for each face the sets of the mesh that meet there: two, or one where it meets the ground; empty without a mesh.
     """
 
     face_pairs: FacePairs
@@ -77,6 +81,8 @@ class Layout:
     body_load: FloatArray | None = None
     facts: tuple[Derived, ...] = ()
     messages: tuple[str, ...] = ()
+    body_names: tuple[str, ...] = ()
+    contact_sets: tuple[tuple[str, ...], ...] = ()
 
     @cached_property
     def boundary_nodes(self) -> IntArray:

@@ -29,6 +29,7 @@ from stickslip.results.record import StudyRecord, run_provenance
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, save_results
 from stickslip.setup import Derived
+from stickslip.sketching import sketch_of
 from stickslip.solve.continuation import ContinuationSettings
 from stickslip.solve.forced import forced_response
 from stickslip.solve.newton import NewtonSettings
@@ -91,7 +92,9 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
     response = solve(case, model, progress, threads)
     record = study_record(case, model, table, response)
     record = replace(
-        record, derived=(*record.derived, *_with_other_tractions(case, model, response, progress, threads))
+        record,
+        derived=(*record.derived, *_with_other_tractions(case, model, response, progress, threads)),
+        sketch=sketch_of(case, model),
     )
     progress.update("Files", 0.0, RESULTS_FILE)
     artist.start(response, record)
@@ -180,7 +183,7 @@ def held_contact(pairs: FacePairs, all_closed: bool) -> str:
 def study_record(
     case: Case, model: ReducedModel, table: tuple[ReductionRow, ...], response: ForcedResponse
 ) -> StudyRecord:
-    """What the report shows beside the response."""
+    """What the report shows beside the response, but for the sketch, which the cases of a sweep have in common."""
     pairs = model.joint.face_pairs
     held = held_contact(pairs, bool(model.pairs.closed_at_rest.all()))
     return StudyRecord(

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 FACES = (("damper_left_face", "left_face"), ("damper_right_face", "right_face"))
 FACE_NAMES = ("left face", "right face")
+BODY_NAMES = ("left blade", "right blade", "damper")
 AXES: dict[str, Direction] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 # Node sets of one node where forces act (N1, N2) and displacements are read (A, the middles of the damper's faces).
 PORTS = ("excitation_left", "excitation_right", "response", "damper_left_mid", "damper_right_mid")
@@ -84,7 +85,15 @@ def find_layout(case: Case, mesh: AnyMesh) -> Layout:
     body_load = None
     if case.rotation is not None:
         body_load = centrifugal_load(mesh, [material] * 3, np.array(case.rotation.axis), np.array(case.rotation.point))
-    return Layout(pairs, FACE_NAMES, ((material, material),) * len(FACES), ports, body_load)
+    return Layout(
+        pairs,
+        FACE_NAMES,
+        ((material, material),) * len(FACES),
+        ports,
+        body_load,
+        body_names=BODY_NAMES,
+        contact_sets=FACES,
+    )
 
 
 def _static_force(case: Case) -> float:

@@ -13,6 +13,7 @@ from stickslip.report import plots
 from stickslip.report.html_parts import notice, scrolled, table_rows, when, whole_page, word_class
 from stickslip.report.look import Figure
 from stickslip.report.page_data import page_data
+from stickslip.report.sketch import structure_section
 from stickslip.report.style import number
 from stickslip.report.view import View
 from stickslip.results.measures import summary_table
@@ -51,6 +52,7 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
     """The report of one run as HTML. Raises InputError if the study does not belong to the response."""
     view = View.of(response, study)
     faces = range(len(study.face_names))
+    drawing = structure_section(study)
     ended = "converged" if response.converged else "NOT converged"
     parts = {
         "title": escape(study.title),
@@ -64,6 +66,7 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
         "point": str(view.point),
         "last_point": str(response.n_points - 1),
         "pair_options": _pair_options(view),
+        "structure": drawing,
         "rest": _rest(view),
         "state_maps": _maps(study, faces, "state", "Contact states"),
         "energy_maps": _maps(study, faces, "energy", "Dissipated energy"),
@@ -84,7 +87,7 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
         parts,
         response.provenance,
         script="page.js",
-        data={"page-data": page_data(view), "page-figures": _figures(view)},
+        data={"page-data": page_data(view, len(drawing)), "page-figures": _figures(view)},
     )
 
 

@@ -34,12 +34,15 @@ def packed(array: NDArray[Any], kind: str) -> str:
     return base64.b64encode(np.ascontiguousarray(array, dtype=f"<{kind}").tobytes()).decode("ascii")
 
 
-def page_data(view: View) -> dict[str, Any]:
-    """Everything that page.js needs, ready for JSON. Lengths in µm, energies in ``view.energy_unit``."""
+def page_data(view: View, drawing_characters: int = 0) -> dict[str, Any]:
+    """Everything that page.js needs, ready for JSON. Lengths in µm, energies in ``view.energy_unit``.
+
+    ``drawing_characters`` of the page are taken by the drawing of the structure and leave less room for numbers.
+    """
     response, study = view.response, view.study
     n_coefficients = 2 * response.harmonics + 1
     signals = {name: packed(MICRO * response.coefficients(study.outputs[name]), "f4") for name in _signal_names(view)}
-    room = _room(view, sum(len(text) for text in signals.values()))
+    room = _room(view, drawing_characters + sum(len(text) for text in signals.values()))
     held = _points_with_maps(view, room)
     room -= held.size * MAP_BYTES * response.pairs.n_pairs
     return {
@@ -75,7 +78,7 @@ def _signal_names(view: View) -> list[str]:
 
 
 def _room(view: View, taken: int) -> int:
-    """Bytes for maps and loops, which take four characters for three bytes; ``taken`` are characters of signals."""
+    """Bytes for maps and loops, which take four characters for three bytes; ``taken`` are characters of others."""
     response = view.response
     taken += PAIR_CHARACTERS * response.pairs.n_pairs + POINT_CHARACTERS * response.n_points
     return max(0, (DATA_CHARACTERS - taken) * 3 // 4)

@@ -11,6 +11,8 @@ from stickslip.results.response import STATE_NAMES
 INK = "#1b2a41"
 GREY = "#6b7787"
 BLUE, GREEN, VERMILLION, ORANGE, PURPLE = "#0072B2", "#009E73", "#D55E00", "#E69F00", "#CC79A7"
+# Bodies of a sketch: pale, so that contact, marks and words stand out from them.
+BODY_COLOURS = ("#b3d5e8", "#eae6e0", "#8d94a0", "#f2cf80", "#56b4e9", "#b8ad98")
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.results.response import ForcedResponse, same_content
+from stickslip.results.sketch import Sketch
 from stickslip.validation import FloatArray, finite_array
 
 MODE_COLUMNS = ("mode", "description", "full_hz", "reduced_hz", "difference_percent", "mac", "table2_hz")
@@ -52,11 +53,14 @@ class StudyRecord:
         (name, value, unit, explanation) of what follows from the inputs: face stiffness, Sq, preload, ...
     warnings:
         sentences of the study itself; those of the solver are in the response.
+    sketch:
+        what a picture of the structure shows; None for matrices without a mesh, and for the cases of a sweep.
 
     Raises
     ------
     InputError
-        for arrays that do not fit together, a signal group or a key of the mode table that does not exist.
+        for arrays that do not fit together, and for a signal group, a key of the mode table or a face of the sketch
+        that does not exist.
     """
 
     title: str
@@ -72,6 +76,7 @@ class StudyRecord:
     mode_contact: str = "tied"
     derived: tuple[tuple[str, str | float | int, str, str], ...] = ()
     warnings: tuple[str, ...] = ()
+    sketch: Sketch | None = None
 
     def __post_init__(self) -> None:
         if not self.outputs:
@@ -92,6 +97,8 @@ class StudyRecord:
             )
         if not np.isin(face, np.arange(len(self.face_names))).all():
             raise InputError(f"pair_face must number the faces 0 to {len(self.face_names) - 1} of face_names.")
+        if self.sketch is not None and not np.isin(self.sketch.face, np.arange(-1, len(self.face_names))).all():
+            raise InputError(f"face of the sketch must be -1 or a face from 0 to {len(self.face_names) - 1}.")
         unknown = sorted({key for row in self.mode_table for key in row} - set(MODE_COLUMNS))
         if unknown:
             raise InputError(f'mode_table has the key "{unknown[0]}"; the keys are {", ".join(MODE_COLUMNS)}.')

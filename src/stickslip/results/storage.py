@@ -1,7 +1,8 @@
 """One NetCDF-4 file for one run: the response, and the record of the study that the report needs.
 
 Layout (read it with xarray, MATLAB, Panoply, ncdump): the curve and the response in the root group, the linear limits
-in ``linear``, the joint in ``pairs``, the study in ``study``. Cosine and sine parts are separate real arrays.
+in ``linear``, the joint in ``pairs``, the study in ``study``, the picture of its structure, if there is one, in
+``sketch``. Cosine and sine parts are separate real arrays.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from stickslip.files import whole_file
 from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.results.record import StudyRecord, plain
 from stickslip.results.response import ForcedResponse, LinearCurves
+from stickslip.results.sketch import Sketch
 from stickslip.validation import FloatArray
 
 if TYPE_CHECKING:
@@ -49,6 +51,8 @@ def save_results(path: str | PathLike[str], response: ForcedResponse, study: Stu
     groups = {None: _response_dataset(response), "linear": _linear_dataset(response), "pairs": _pairs_dataset(response)}
     if study is not None:
         groups["study"] = _study_dataset(study)
+        if study.sketch is not None:
+            groups["sketch"] = _sketch_dataset(study.sketch)
     with whole_file(target, "results", ResultsFileError) as part:
         for group, dataset in groups.items():
             encoding = {
@@ -98,7 +102,7 @@ def _read(source: Path) -> SavedResults:
     import xarray
 
     with h5netcdf.File(source, "r") as file:
-        found, has_study = file.attrs.get("stickslip_format"), "study" in file.groups
+        found, groups = file.attrs.get("stickslip_format"), set(file.groups)
     if found is None:
         raise ResultsFileError(
             f'"{source}" is a NetCDF-4 file, but not one of stickslip: it has no attribute stickslip_format. Give the '
@@ -114,7 +118,10 @@ def _read(source: Path) -> SavedResults:
         return xarray.load_dataset(source, group=name, engine="h5netcdf")
 
     response = _response_from(group(None), group("linear"), group("pairs"))
-    return SavedResults(response, _study_from(group("study")) if has_study else None)
+    if "study" not in groups:
+        return SavedResults(response, None)
+    sketch = _sketch_from(group("sketch")) if "sketch" in groups else None  # younger than the format
+    return SavedResults(response, _study_from(group("study"), sketch))
 
 
 def _variable(dims: tuple[str, ...], values: Any, unit: str, long_name: str) -> tuple[Any, ...]:
@@ -296,7 +303,7 @@ def _study_dataset(study: StudyRecord) -> xarray.Dataset:
     return xarray.Dataset(data)
 
 
-def _study_from(data: xarray.Dataset) -> StudyRecord:
+def _study_from(data: xarray.Dataset, sketch: Sketch | None) -> StudyRecord:
     def parsed(name: str) -> Any:
         return json.loads(data[name].item())
 
@@ -314,4 +321,44 @@ def _study_from(data: xarray.Dataset) -> StudyRecord:
         mode_contact=str(data["mode_contact"].item()) if "mode_contact" in data else "tied",
         derived=tuple(parsed("derived")),
         warnings=tuple(parsed("warnings")),
+        sketch=sketch,
+    )
+
+
+def _sketch_dataset(sketch: Sketch) -> xarray.Dataset:
+    import xarray
+
+    of_point, of_side, of_load = ("point",), ("side",), ("load", "axis")
+    body, face = "body of each side", "contact face that the side is part of, -1 for none"
+    data = {
+        "points": _variable(("point", "axis"), sketch.points, "m", "corners of the outer sides of the mesh"),
+        "held": _variable(of_point, sketch.held.astype(np.int8), "1", "1 where the point is held"),
+        "sides": _variable(("side", "corner"), sketch.sides.astype(np.int32), "1", "corners, seen from outside"),
+        "body": _variable(of_side, sketch.body.astype(np.int32), "1", body),
+        "face": _variable(of_side, sketch.face.astype(np.int32), "1", face),
+        "body_names": _text(sketch.body_names, "names of the bodies, JSON list"),
+        "load_names": _text(sketch.load_names, "names of the loads, JSON list"),
+        "load_places": _variable(of_load, sketch.load_places, "m", "where the loads act"),
+        "loads": _variable(of_load, sketch.loads, "N", "vectors of the loads, harmonic ones 0-to-peak"),
+        "constant": _variable(("load",), sketch.constant.astype(np.int8), "1", "1 where the load is constant"),
+        "response_names": _text(sketch.response_names, "names of the responses, JSON list"),
+        "response_places": _variable(("response", "axis"), sketch.response_places, "m", "where responses are read"),
+        "mesh_sides": _variable((), sketch.mesh_sides, "1", "number of outer sides of the mesh"),
+    }
+    return xarray.Dataset(data)
+
+
+def _sketch_from(data: xarray.Dataset) -> Sketch:
+    def names(of: str) -> tuple[str, ...]:
+        return tuple(json.loads(data[f"{of}_names"].item()))
+
+    arrays = ("points", "sides", "body", "face", "load_places", "loads", "response_places")
+    return Sketch(
+        **{name: data[name].values for name in arrays},
+        held=data["held"].values != 0,
+        constant=data["constant"].values != 0,
+        body_names=names("body"),
+        load_names=names("load"),
+        response_names=names("response"),
+        mesh_sides=int(data["mesh_sides"]),
     )

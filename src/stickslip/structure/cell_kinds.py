@@ -147,3 +147,10 @@ def single_sides(groups: Sequence[IntArray]) -> tuple[NDArray[np.bool_], ...]:
         for at, flags in zip(members, single, strict=True):
             answer[at] = flags
     return tuple(answer)
+
+
+def outer_sides(cells: Sequence[tuple[str, IntArray]]) -> tuple[tuple[IntArray, IntArray], ...]:
+    """Sides (s, width) that one cell alone has, and numbers (s,) of their cells; one entry as :func:`all_sides`."""
+    found = all_sides(cells)
+    single = single_sides([sides for sides, _ in found])
+    return tuple((sides[keep], owners[keep]) for (sides, owners), keep in zip(found, single, strict=True))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.structure.cell_kinds import CELL_KINDS, CORNERS_OF_SIDE, IntArray, all_sides, single_sides
+from stickslip.structure.cell_kinds import CELL_KINDS, CORNERS_OF_SIDE, IntArray, outer_sides
 from stickslip.structure.mesh import Mesh, named_nodes, node_numbers, require_upright, sides_in_nodes
 from stickslip.validation import FloatArray, finite_array
 
@@ -146,12 +146,11 @@ class FiniteElementMesh:
 
     def outer_sides(self, body: int | None = None) -> tuple[IntArray, ...]:
         """Sides (k, 3 | 4 | 6 | 8) that one cell alone has: the free surface, of all bodies or of one."""
-        sides, owners = zip(*all_sides(self.cell_arrays()), strict=True)
-        answer = []
-        for group, owner, keep in zip(sides, owners, single_sides(sides), strict=True):
-            wanted = keep if body is None else keep & (self.body[owner] == body)
-            answer += [group[wanted]] if wanted.any() else []
-        return tuple(answer)
+        wanted = [
+            sides if body is None else sides[self.body[owners] == body]
+            for sides, owners in outer_sides(self.cell_arrays())
+        ]
+        return tuple(sides for sides in wanted if len(sides))
 
     def _checked_blocks(self, points: FloatArray) -> tuple[CellBlock, ...]:
         blocks: list[CellBlock] = []

@@ -1,0 +1,117 @@
+"""What a picture of the structure needs: its outer sides, and where contact, constraints, loads and responses are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.errors import InputError
+from stickslip.results.response import same_content
+from stickslip.validation import FloatArray, finite_array
+
+
+@dataclass(frozen=True, eq=False)
+class Sketch:
+    """The outer surface of a mesh and what is marked on it.
+
+    Parameters
+    ----------
+    points:
+        (n, 3) m, corners of the sides.
+    held:
+        (n,) whether the point is held along one axis or more.
+    sides:
+        (m, 4) corners of each side, counter-clockwise seen from outside; a triangle repeats its last corner.
+    body:
+        (m,) index into ``body_names`` of each side.
+    face:
+        (m,) number of the contact face (in ``StudyRecord.face_names``) that the side is part of, -1 for none.
+    body_names:
+        names of the bodies.
+    load_names, load_places, loads:
+        name of each load, its place (k, 3) m, and its vector (k, 3) N; a harmonic one is 0-to-peak.
+    constant:
+        (k,) whether the load is constant instead of harmonic.
+    response_names, response_places:
+        names, and places (r, 3) m where displacements are read.
+    mesh_sides:
+        number of outer sides of the mesh; above m where the sketch is coarser than the mesh.
+
+    Raises
+    ------
+    InputError
+        for arrays that do not fit together, a load of 0 N, and a number of a point or a body that does not exist.
+    """
+
+    points: FloatArray
+    held: NDArray[np.bool_]
+    sides: NDArray[np.int64]
+    body: NDArray[np.int64]
+    face: NDArray[np.int64]
+    body_names: tuple[str, ...]
+    load_names: tuple[str, ...]
+    load_places: FloatArray
+    loads: FloatArray
+    constant: NDArray[np.bool_]
+    response_names: tuple[str, ...]
+    response_places: FloatArray
+    mesh_sides: int
+
+    def __post_init__(self) -> None:
+        points = finite_array("sketch points", self.points)
+        sides = np.asarray(self.sides, dtype=np.int64)
+        if points.ndim != 2 or sides.ndim != 2 or points.shape[1:] != (3,) or sides.shape[1:] != (4,) or not len(sides):
+            raise InputError(
+                "a sketch needs points (n, 3) and at least one of its sides (m, 4), but the shapes are "
+                f"{points.shape} and {sides.shape}."
+            )
+        m, k, r = len(sides), len(self.load_names), len(self.response_names)
+        self._require_shape("held", (len(points),))
+        self._require_shape("body", (m,))
+        self._require_shape("face", (m,))
+        self._require_shape("load_places", (k, 3))
+        self._require_shape("loads", (k, 3))
+        self._require_shape("constant", (k,))
+        self._require_shape("response_places", (r, 3))
+        body = np.asarray(self.body, dtype=np.int64)
+        for name, numbers, count in (("sides", sides, len(points)), ("body", body, len(self.body_names))):
+            if numbers.min() < 0 or numbers.max() >= count:
+                raise InputError(f"{name} of the sketch must hold numbers from 0 to {count - 1}; found others.")
+        if not np.any(self.loads, axis=1).all():
+            raise InputError("loads of the sketch has a load of 0 N, which has no direction; leave it out.")
+        if self.mesh_sides < m:
+            raise InputError(f"mesh_sides is {self.mesh_sides}, but the sketch has {m} sides; it cannot have more.")
+        changed: dict[str, Any] = {
+            "points": points,
+            "held": np.asarray(self.held, dtype=bool),
+            "sides": sides,
+            "body": body,
+            "face": np.asarray(self.face, dtype=np.int64),
+            "body_names": tuple(self.body_names),
+            "load_names": tuple(self.load_names),
+            "load_places": finite_array("load_places", self.load_places),
+            "loads": finite_array("loads", self.loads),
+            "constant": np.asarray(self.constant, dtype=bool),
+            "response_names": tuple(self.response_names),
+            "response_places": finite_array("response_places", self.response_places),
+        }
+        for name, value in changed.items():
+            object.__setattr__(self, name, value)
+
+    def _require_shape(self, name: str, shape: tuple[int, ...]) -> None:
+        found = np.shape(getattr(self, name))
+        if found != shape:
+            raise InputError(f"{name} of the sketch must have shape {shape}; found {found}.")
+
+    def __eq__(self, other: object) -> bool:
+        return same_content(self, other) if isinstance(other, Sketch) else NotImplemented
+
+    __hash__ = None  # type: ignore[assignment]
+
+    @property
+    def is_coarsened(self) -> bool:
+        """Whether it has fewer sides than the mesh."""
+        return self.mesh_sides > len(self.sides)

@@ -1,0 +1,93 @@
+"""The sketch of a structure in the study record: its shapes are checked, and a results file gives it back equal."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import h5netcdf
+import h5py
+import numpy as np
+import pytest
+
+from sketches import sketch_of_boxes, stacked_boxes
+from stickslip.errors import InputError
+from stickslip.results.record import StudyRecord
+from stickslip.results.sketch import Sketch
+from stickslip.results.storage import load_results, save_results
+from synthetic import synthetic_response, synthetic_study
+
+
+@pytest.fixture
+def study() -> StudyRecord:
+    return dataclasses.replace(synthetic_study(4, 3), sketch=stacked_boxes())
+
+
+def stored(folder: Path, study: StudyRecord) -> Path:
+    path = folder / "results.nc"
+    save_results(path, synthetic_response(columns=4, rows=3, n_points=20), study)
+    return path
+
+
+def test_a_sketch_comes_back_equal(study: StudyRecord, tmp_path: Path) -> None:
+    again = load_results(stored(tmp_path, study)).study
+    assert again == study
+    assert again is not None
+    assert isinstance(again.sketch, Sketch)
+    assert again.sketch.held.dtype == bool
+    assert again != dataclasses.replace(study, sketch=stacked_boxes(load_names=("another",)))
+    assert again != dataclasses.replace(study, sketch=None)
+
+
+def test_a_sketch_without_loads_or_responses_comes_back_equal(study: StudyRecord, tmp_path: Path) -> None:
+    none = {"load_names": (), "load_places": np.empty((0, 3)), "loads": np.empty((0, 3)), "constant": np.empty(0, bool)}
+    bare = stacked_boxes(**none, response_names=(), response_places=np.empty((0, 3)))
+    record = dataclasses.replace(study, sketch=bare)
+    assert load_results(stored(tmp_path, record)).study == record
+
+
+def test_a_file_without_a_sketch_is_read_as_one(study: StudyRecord, tmp_path: Path) -> None:
+    path = stored(tmp_path, study)
+    with h5py.File(path, "r+") as file:
+        del file["sketch"]
+    found = load_results(path).study
+    assert found == dataclasses.replace(study, sketch=None)
+
+
+def test_no_group_where_there_is_no_sketch(study: StudyRecord, tmp_path: Path) -> None:
+    path = stored(tmp_path, dataclasses.replace(study, sketch=None))
+    with h5netcdf.File(path, "r") as file:
+        assert "sketch" not in file.groups
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"points": np.zeros((16, 2))}, r"points \(n, 3\) and at least one of its sides"),
+        ({"points": np.full((16, 3), np.nan)}, "sketch points.* is nan"),
+        ({"sides": np.empty((0, 4), dtype=int)}, "at least one of its sides"),
+        ({"sides": np.full((12, 4), 16)}, "sides of the sketch must hold numbers from 0 to 15"),
+        ({"body": np.full(12, 2)}, "body of the sketch must hold numbers from 0 to 1"),
+        ({"body": np.zeros(11, dtype=int)}, r"body of the sketch must have shape \(12,\); found \(11,\)"),
+        ({"held": np.zeros(3, dtype=bool)}, "held of the sketch"),
+        ({"loads": np.zeros((2, 3))}, r"loads of the sketch must have shape \(1, 3\)"),
+        ({"constant": np.zeros(2, dtype=bool)}, "constant of the sketch"),
+        ({"response_names": ()}, r"response_places of the sketch must have shape \(0, 3\)"),
+        ({"loads": np.zeros((1, 3))}, "a load of 0 N, which has no direction"),
+        ({"mesh_sides": 11}, "it cannot have more"),
+    ],
+)
+def test_what_does_not_fit_is_refused(change: dict, sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence):
+        stacked_boxes(**change)
+
+
+@pytest.mark.parametrize("face", [-2, 2])
+def test_a_face_that_the_record_does_not_have_is_refused(study: StudyRecord, face: int) -> None:
+    with pytest.raises(InputError, match="face of the sketch must be -1 or a face from 0 to 1"):
+        dataclasses.replace(study, sketch=stacked_boxes(face=np.full(12, face)))
+
+
+def test_a_sketch_of_fewer_sides_than_the_mesh_is_coarser() -> None:
+    assert not sketch_of_boxes(stacked_boxes().points[:8]).is_coarsened
+    assert stacked_boxes(mesh_sides=13).is_coarsened

@@ -1,0 +1,52 @@
+"""Sketches of simple bodies with known sides, for the tests of the record, its file and the page."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.results.sketch import Sketch
+
+_CORNERS = np.array(
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], dtype=float
+)
+# In the order -z, +z, -y, +x, +y, -x; counter-clockwise seen from outside.
+BOX_SIDES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
+BELOW, ABOVE, FRONT, RIGHT, BACK, LEFT = range(6)
+
+
+def box(low: tuple[float, float, float], high: tuple[float, float, float]) -> np.ndarray:
+    """(8, 3) m, the corners of a box; its sides are ``BOX_SIDES``."""
+    return np.array(low) + _CORNERS * (np.array(high) - np.array(low))
+
+
+def sketch_of_boxes(*boxes: np.ndarray, **changes: Any) -> Sketch:
+    """Boxes, each of them one body, without contact; a load of 5 N along x and a response at corners of the first."""
+    count = len(boxes)
+    values: dict[str, Any] = {
+        "points": np.vstack(boxes),
+        "held": np.zeros(8 * count, dtype=bool),
+        "sides": np.vstack([BOX_SIDES + 8 * number for number in range(count)]),
+        "body": np.repeat(np.arange(count), 6),
+        "face": np.full(6 * count, -1),
+        "body_names": tuple(f"box {number + 1}" for number in range(count)),
+        "load_names": ("shaker",),
+        "load_places": boxes[0][[5]],
+        "loads": np.array([[5.0, 0.0, 0.0]]),
+        "constant": np.array([False]),
+        "response_names": ("tip",),
+        "response_places": boxes[0][[6]],
+        "mesh_sides": 6 * count,
+    }
+    return Sketch(**values | changes)
+
+
+def stacked_boxes(**changes: Any) -> Sketch:
+    """A box of 0.1 m and a small one on its upper side; face 0 is where they touch. The bottom is held."""
+    held = np.zeros(16, dtype=bool)
+    held[:4] = True
+    face = np.full(12, -1)
+    face[6 + BELOW] = 0
+    lower, upper = box((0.0, 0.0, 0.0), (0.1, 0.1, 0.1)), box((0.04, 0.04, 0.1), (0.06, 0.06, 0.11))
+    return sketch_of_boxes(lower, upper, **{"held": held, "face": face} | changes)
