@@ -69,16 +69,21 @@ def find_unit_system(length_unit: str, unit_system: str | None = None) -> UnitSy
     Raises InputError for an unknown unit or system, and for a system with another length.
     """
     if length_unit not in LENGTH_UNITS:
-        raise InputError(f"length_unit is {length_unit!r}; it must be one of: {', '.join(LENGTH_UNITS)}.")
+        raise InputError(
+            f"length_unit is {length_unit!r}; it must be one of: {', '.join(LENGTH_UNITS)}.", ("length_unit",)
+        )
     if unit_system is None:
         return UNIT_SYSTEMS[USUAL_SYSTEM[length_unit]]
     if unit_system not in UNIT_SYSTEMS:
-        raise InputError(f"unit_system is {unit_system!r}; it must be one of: {', '.join(UNIT_SYSTEMS)}.")
+        raise InputError(
+            f"unit_system is {unit_system!r}; it must be one of: {', '.join(UNIT_SYSTEMS)}.", ("unit_system",)
+        )
     system = UNIT_SYSTEMS[unit_system]
     if system.length_unit != length_unit:
         fitting = ", ".join(name for name, each in UNIT_SYSTEMS.items() if each.length_unit == length_unit)
         raise InputError(
             f"unit_system {unit_system!r} has lengths in {system.length_unit}, but length_unit is {length_unit!r}. "
-            f"Systems with {length_unit}: {fitting}."
+            f"Systems with {length_unit}: {fitting}.",
+            ("unit_system", "length_unit"),
         )
     return system
