@@ -80,7 +80,7 @@ def test_one_state_in_report_shapes_and_curve(tmp_path: Path, preload: dict[str,
     assert record.mode_contact == HELD
     page = html.unescape((tmp_path / "report.html").read_text(encoding="utf-8"))
     assert f"Natural frequencies, contact {HELD}" in page
-    assert "linear, pairs closed at rest stuck" in page
+    assert "linear, stuck (pairs closed at rest)" in page
     assert "all stuck" not in page
     words = {name: meaning for name, _, _, meaning in record.derived}
     assert words["Normal stiffness, sole"] == "all pairs of the face, closed"

@@ -281,7 +281,7 @@ def paper(
         if not quiet:
             typer.echo(f"Wrote {outcome.files[0]} and {len(outcome.files) - 1} other files.")
             words = ", ".join(f"{verdict.value}: {count}" for verdict, count in outcome.verdicts.items())
-            typer.echo(f"{outcome.curves} curves, {outcome.found} of them found. Claims: {words}.")
+            typer.echo(f"{outcome.curves} curves, {outcome.found} of them taken from an earlier run. Claims: {words}.")
         for failure in outcome.failures[:SHOWN_FAILURES]:
             typer.echo(f"Failed: {failure.setting}: {failure.message}", err=True)
         if outcome.failures:

@@ -153,7 +153,7 @@ def _performance(view: SweepView, figures: dict[str, Figure]) -> str:
     return (
         "<section><h2>Damper performance</h2>"
         f'<p class="note">{_optimum_words(view)} The linear limits are drawn where their peaks lie inside the computed '
-        "range: contact stuck where it is closed at rest (its stiffness follows the load), and no contact.</p>"
+        "range: every pair that is closed at rest stuck (its stiffness follows the load), and no contact.</p>"
         '<div class="two">'
         + _figure("performance-load", "Against the load F<sub>N</sub>", "Peak against the load")
         + _figure("performance-ratio", "Against force / F<sub>N</sub>", "Peak against force / load")

@@ -266,7 +266,7 @@ def performance(view: SweepView, by_ratio: bool) -> Figure:
 
 def _limits(view: SweepView, rows: Any, x: FloatArray, scale: FloatArray, unit: str) -> Iterator[Any]:
     for limit, words, colour, dash in (
-        ("stuck", "closed at rest stuck", BLUE, "dash"),
+        ("stuck", "stuck (pairs closed at rest)", BLUE, "dash"),
         ("free", "no contact", ORANGE, "dot"),
     ):
         heights = (scale * view.number(f"{limit}_peak_amplitude_m"))[rows]
