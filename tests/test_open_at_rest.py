@@ -134,7 +134,7 @@ def test_a_body_that_open_pairs_leave_free_moves_at_0_hz() -> None:
     assert all(row.mac > 0.999 and row.difference_percent < 0.1 for row in table[6:8])
     sections = dict(study.check(case))
     frequencies = dict(sections["Would run"])["first natural frequencies, contact stuck (pairs closed at rest)"]
-    assert frequencies == "0.0, 0.0, 0.0, 0.0 Hz"
+    assert frequencies == "0.00, 0.00, 0.00, 0.00 Hz"
     assert "a body that moves freely: the pairs closed at rest do not hold it" in sections["Warnings"][0][1]
     with pytest.raises(InputError, match="at 48 of 48 pairs, and the others do not hold every body"):
         study.solve(case, found)

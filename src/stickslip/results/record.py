@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.results.response import ForcedResponse, same_content
+from stickslip.results.rough_patch import RoughPatch
 from stickslip.validation import FloatArray, finite_array
 
 MODE_COLUMNS = ("mode", "description", "full_hz", "reduced_hz", "difference_percent", "mac", "table2_hz")
@@ -52,6 +53,8 @@ class StudyRecord:
         (name, value, unit, explanation) of what follows from the inputs: face stiffness, Sq, preload, ...
     warnings:
         sentences of the study itself; those of the solver are in the response.
+    rough_patch:
+        a picture of a rough face, or None; the cases of a sweep share one roughness or vary it, and have none.
 
     Raises
     ------
@@ -72,6 +75,7 @@ class StudyRecord:
     mode_contact: str = "tied"
     derived: tuple[tuple[str, str | float | int, str, str], ...] = ()
     warnings: tuple[str, ...] = ()
+    rough_patch: RoughPatch | None = None
 
     def __post_init__(self) -> None:
         if not self.outputs:
