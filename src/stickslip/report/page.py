@@ -281,7 +281,7 @@ def _derived(study: StudyRecord) -> str:
         return ""
     rows = "".join(
         f'<tr><th scope="row">{escape(name)}</th><td>{shown_number(value, unit)}</td>'
-        f'<td class="word">{escape(unit)}</td><td class="word">{escape(explanation)}</td></tr>'
+        f'<td class="word unit">{escape(unit)}</td><td class="word">{escape(explanation)}</td></tr>'
         for name, value, unit, explanation in study.derived
     )
     head = '<th class="word">Quantity</th><th>Value</th><th class="word">Unit</th><th class="word">Meaning</th>'
