@@ -198,10 +198,10 @@ def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
 
 
 def hertz(value: float) -> str:
-    """A frequency or a shift as tables show it: to 0.01 Hz, and below 10 Hz with four digits at most."""
+    """A frequency or a shift as tables show it: to 0.01 Hz, and below 1 Hz with four digits."""
     if abs(value) < 0.005:
         return "0.00"
-    return f"{value:.2f}" if abs(value) >= 10.0 else f"{value:.4g}"
+    return f"{value:.2f}" if abs(value) >= 1.0 else f"{value:.4g}"
 
 
 def summary_table(result: Summary) -> list[tuple[str, str, str]]:
