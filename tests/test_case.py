@@ -140,6 +140,24 @@ def test_one_given_source_replaces_the_default_of_the_other() -> None:
     assert Case.from_text(case.to_text()) == case
 
 
+def test_reference_area_belongs_to_the_pressure() -> None:
+    text = '[roughness]\nreference_area = "25 mm^2"\n'
+    case = Case.from_text(text + 'allocation = "pressure"\n')
+    assert case.roughness is not None
+    assert case.roughness.reference_area == 25e-6
+    assert 'reference_area = "25 mm^2"' in case.to_text()
+    assert Case.from_text(case.to_text()) == case == Case.from_mapping(case.to_dict())
+    assert '\n# reference_area = "180 mm^2"' in Case().to_text()
+    with pytest.raises(
+        StudyFileError, match=r'line 2: roughness.reference_area .*allocation is "area".*take the key out'
+    ):
+        Case.from_text(text)
+    with pytest.raises(StudyFileError, match=r"reference_area.*an area is needed"):
+        Case.from_text(text.replace("mm^2", "mm") + 'allocation = "pressure"\n')
+    with pytest.raises(StudyFileError, match=r"reference_area.*a value above 0 m"):
+        case.replace({"roughness.reference_area": "0 mm^2"})
+
+
 def test_downward_sweep_is_allowed() -> None:
     case = Case.from_text("[solver]\nfrequency_start = 530\nfrequency_stop = 440\n")
     assert case.solver.frequency_start > case.solver.frequency_stop

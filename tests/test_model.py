@@ -7,6 +7,9 @@ import pytest
 
 from stickslip.case import Case
 from stickslip.errors import InputError, RoughnessError
+from stickslip.facts import derived_quantities
+from stickslip.interface.stiffness import contact_stiffness
+from stickslip.joint import case_roughness
 from stickslip.model import Model, build_joint, build_model, build_structure
 from stickslip.structure.elasticity import Structure
 
@@ -43,6 +46,31 @@ def test_both_allocations_agree_under_uniform_pressure(structure: Structure) -> 
     by_pressure = build_joint(Case().replace({"roughness.allocation": "pressure"}), structure)
     assert np.allclose(by_area.normal_stiffness, by_pressure.normal_stiffness, rtol=1e-9)
     assert np.allclose(by_area.tangential_stiffness, by_pressure.tangential_stiffness, rtol=1e-9)
+
+
+@pytest.mark.parametrize("reference", [50e-6, 364e-6])
+def test_pairs_follow_one_law_of_a_reference_area(structure: Structure, reference: float) -> None:
+    """k_i = A_i kappa(p_i), kappa(p) = K(p A_ref) / A_ref, under a pressure that differs from pair to pair."""
+    changes = {
+        "roughness.allocation": "pressure",
+        "roughness.reference_area": f"{1e6 * reference} mm^2",
+        "preload.values": [3.0 + 0.02 * number for number in range(110)],
+    }
+    joint = build_joint(
+        Case.from_mapping({"preload": {"values": changes.pop("preload.values")}}).replace(changes), structure
+    )
+    area, (face, _) = joint.face_pairs.area, joint.rough_faces
+    material = joint.layout.face_materials[0]
+    roughness = case_roughness(Case(), *material)
+    law = [contact_stiffness(roughness, load) for load in joint.preload / area * reference]
+    np.testing.assert_allclose(joint.normal_stiffness, [k.normal / reference for k in law] * area, rtol=1e-12)
+    np.testing.assert_allclose(joint.tangential_stiffness, [k.tangential / reference for k in law] * area, rtol=1e-12)
+    assert face is not None
+    load = joint.face_sum(joint.preload)[0] / joint.face_sum(area)[0] * reference
+    assert face.stiffness.real_area == pytest.approx(contact_stiffness(roughness, load).real_area)
+    rows = {name: value for name, value, _, _ in derived_quantities(Case().replace(changes), joint)}
+    assert rows["Reference area"] == pytest.approx(1e6 * reference)
+    assert rows["Real over nominal area"] == pytest.approx(face.stiffness.real_area / reference)
 
 
 def test_given_stiffness_is_spread_by_area(structure: Structure) -> None:

@@ -12,6 +12,9 @@ import pytest
 from stickslip import study
 from stickslip.case import Case
 from stickslip.errors import StudyFileError
+from stickslip.interface.asperities import fully_plastic_load
+from stickslip.interface.stiffness import contact_stiffness
+from stickslip.joint import case_roughness
 from stickslip.model import Model, build_model, load_joint, set_up
 from stickslip.results.storage import load_results
 from sweep_cases import COARSE_MESH
@@ -86,6 +89,33 @@ def test_local_stiffness_concentrates_the_load_that_the_pressure_gap_law_spreads
         True,
         False,
     ]
+
+
+@pytest.mark.parametrize("normal_law", ["spring", "pressure-gap"])
+@pytest.mark.parametrize("reference", [20e-6, 2000e-6])
+def test_solved_pressure_and_springs_share_the_reference_area(normal_law: str, reference: float) -> None:
+    """Both laws, and the tangential springs beside them, follow kappa(p) = K(p A_ref) / A_ref.
+
+    With the small area all spots are plastic up to a third of the mean pressure, so the least pressure knows it too.
+    """
+    joint = model(
+        roughness__allocation="pressure",
+        roughness__reference_area=f"{reference} m^2",
+        preload__normal_law=normal_law,
+    ).joint
+    pressure = joint.preload / joint.face_pairs.area
+    roughness = case_roughness(Case(), *joint.layout.face_materials[0])
+    followed = pressure > max(0.1 * pressure.max(), 2.0 * fully_plastic_load(roughness) / reference)
+    assert followed.sum() >= 4
+    law = [contact_stiffness(roughness, load) for load in pressure[followed] * reference]
+    per_area = [
+        values[followed] / joint.face_pairs.area[followed]
+        for values in (joint.normal_stiffness, joint.tangential_stiffness)
+    ]
+    np.testing.assert_allclose(per_area[0], [k.normal / reference for k in law], rtol=5e-3)
+    np.testing.assert_allclose(per_area[1], [k.tangential / reference for k in law], rtol=5e-3)
+    of_the_face = contact_stiffness(roughness, float(pressure.max()) * 182e-6)
+    assert abs(of_the_face.normal / 182e-6 / per_area[0].max() - 1.0) > 0.05
 
 
 def test_rotation_loads_the_damper_with_its_mass() -> None:

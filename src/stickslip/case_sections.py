@@ -151,6 +151,11 @@ class RoughnessSection(Section):
     allocation: Literal["area", "pressure"] = Field(
         default="area", description="stiffness of a pair by its share of area, or by its own pressure"
     )
+    reference_area: Annotated[float, Quantity("area", shown="mm^2", above=0.0)] | None = Field(
+        default=None,
+        description="pressure: face area for which the law is taken, one for all faces; that of each face unless given",
+        examples=["180 mm^2"],
+    )
     domain_extension: Annotated[float, Quantity("pure number", at_least=1.0)] = Field(
         default=1.0, description="psi of the size distribution; 1 as in the paper"
     )
@@ -161,6 +166,16 @@ class RoughnessSection(Section):
         longest = info.data.get("sample_length")
         if longest is not None and value >= longest:
             raise InputError(f"must be below sample_length = {longest:g} m: the surface has waves between the two.")
+        return value
+
+    @field_validator("reference_area")
+    @classmethod
+    def _of_the_pressure_alone(cls, value: float | None, info: ValidationInfo) -> float | None:
+        if value is not None and info.data.get("allocation") == "area":
+            raise InputError(
+                'belongs to allocation = "pressure", but allocation is "area", which spreads the stiffness of each '
+                "face under its own load. Set the allocation, or take the key out."
+            )
         return value
 
 

@@ -50,10 +50,10 @@ def _faces(joint: Joint) -> Iterator[Derived]:
 
 
 def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
-    rough = [(number, face) for number, face in enumerate(joint.rough_faces) if face is not None]
+    rough = [face for face in joint.rough_faces if face is not None]
     if not rough or case.roughness is None:
         return
-    given, (number, first) = case.roughness, rough[0]
+    given, first = case.roughness, rough[0]
     yield "Fractal dimension D", given.fractal_dimension, "-", "of the surface; share of fine-scale content"
     yield "Fractal roughness G", given.fractal_roughness, "m", "scale of the heights"
     yield "Sq", float(1e6 * first.statistics.sq), "µm", "root mean square height between the longest and shortest wave"
@@ -64,9 +64,12 @@ def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
         "mm²",
         "smaller spots are plastic, larger ones elastic",
     )
-    yield "Largest spot area", float(1e6 * first.stiffness.largest_area), "mm²", "of one face under its preload"
-    nominal = joint.face_sum(joint.face_pairs.area)[number]
-    yield "Real over nominal area", float(first.stiffness.real_area / nominal), "-", "of one face"
+    area, where = first.reference_area, "of one face under its preload"
+    if given.reference_area is not None:
+        where = "of the reference area under the mean pressure of one face"
+        yield "Reference area", float(1e6 * area), "mm²", "on which the contact law takes the pressure of a pair"
+    yield "Largest spot area", float(1e6 * first.stiffness.largest_area), "mm²", where
+    yield "Real over nominal area", float(first.stiffness.real_area / area), "-", "of one face"
     yield "Load on plastic spots", float(100.0 * first.stiffness.plastic_load_share), "%", "share of the preload"
 
 

@@ -36,8 +36,9 @@ STARTING_PRESSURE = 3e6
 class RoughFace:
     """What the roughness says of one contact face under its preload."""
 
-    stiffness: ContactStiffness
+    stiffness: ContactStiffness  # of ``reference_area`` under the mean pressure of the face
     statistics: SurfaceStatistics
+    reference_area: float  # m2, roughness.reference_area or the area of the face
 
 
 @dataclass(frozen=True)
@@ -123,12 +124,14 @@ def describe_faces(
             faces.append(None)
             continue
         area, load = float(pairs.area[members].sum()), float(np.maximum(preload[members], 0.0).sum())
+        reference = given.reference_area or area
         with concerning(*_roughness_keys(case, layout.face_names[face])):
             roughness = case_roughness(case, *layout.face_materials[face])
             faces.append(
                 RoughFace(
-                    contact_stiffness(roughness, load, mode=given.mode, nominal_area=area),
+                    contact_stiffness(roughness, load * (reference / area), mode=given.mode, nominal_area=reference),
                     surface_statistics(roughness, given.sample_length, given.shortest_length),
+                    reference,
                 )
             )
     return tuple(faces)
@@ -158,6 +161,7 @@ def pair_springs(
                 preload[members],
                 mode=given.mode,
                 allocation=given.allocation,
+                reference_area=given.reference_area,
             )
     return normal, tangential
 

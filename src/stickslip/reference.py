@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.errors import InputError
-from stickslip.validation import FloatArray, finite_array, require_positive
+from stickslip.validation import FloatArray, positive_number, require_allowed
 
 
 @dataclass(frozen=True)
@@ -202,13 +202,12 @@ def mindlin_stiffness(contact_radius: float, reduced_modulus: float, poisson_rat
     Raises InputError for a radius or modulus that is not above zero or a Poisson ratio outside (-1, 0.5].
     """
     _positive(contact_radius=contact_radius, reduced_modulus=reduced_modulus)
-    if not -1.0 < poisson_ratio <= 0.5:
-        raise InputError(
-            f"poisson_ratio is {poisson_ratio:g}, but it must lie above -1 and not above 0.5 (steel: 0.3)."
-        )
+    require_allowed(
+        "poisson_ratio", poisson_ratio, -1.0 < poisson_ratio <= 0.5, "above -1 and at most 0.5 (steel: 0.3)"
+    )
     return 4.0 * reduced_modulus * contact_radius * (1.0 - poisson_ratio) / (2.0 - poisson_ratio)
 
 
 def _positive(**values: float) -> None:
     for name, value in values.items():
-        require_positive(name, finite_array(name, value), "Give it in SI units.")
+        positive_number(name, value)

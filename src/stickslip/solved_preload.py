@@ -132,11 +132,12 @@ def _mean_pressure(joint: Joint, normal_force: FloatArray) -> FloatArray:
 
 def _lowest_pressure(case: Case, joint: Joint, normal_force: FloatArray) -> FloatArray:
     """(n_faces,) Pa, below which the stiffness law of a pair is not followed; never above the mean pressure."""
-    mean, area = _mean_pressure(joint, normal_force), joint.face_sum(joint.face_pairs.area)
+    mean = _mean_pressure(joint, normal_force)
     lowest = LOWEST_PRESSURE * mean
     for face, rough in enumerate(joint.rough_faces):
         if rough is not None and case.roughness is not None and case.roughness.mode != "unloading":
-            plastic = fully_plastic_load(case_roughness(case, *joint.layout.face_materials[face])) / area[face]
+            load = fully_plastic_load(case_roughness(case, *joint.layout.face_materials[face]))
+            plastic = load / rough.reference_area
             lowest[face] = min(max(lowest[face], LOWEST_ABOVE_PLASTIC * plastic), mean[face])
     return lowest
 
@@ -164,20 +165,21 @@ def _pressure_gap_law(case: Case, joint: Joint, settings: Sequence[FaceSettings]
         if own.stiffness is not None:
             laws.append(SpringLaw(own.stiffness[0] * area / area.sum()))
             continue
-        stiffness = _stiffness_over_pressure(case, joint, face, float(area.sum()))
+        stiffness = _stiffness_over_pressure(case, joint, face)
         highest = HIGHEST_PRESSURE * mean[face]
         laws.append(PressureGapLaw.from_stiffness(area, stiffness, lowest[face], highest))
     return FaceLaws(pairs.face, tuple(laws))
 
 
-def _stiffness_over_pressure(case: Case, joint: Joint, face: int, area: float) -> Callable[[FloatArray], FloatArray]:
-    """kappa (k,) in N/m3 at pressures (k,) in Pa of a rough face of ``area`` m2."""
-    given = case.roughness
+def _stiffness_over_pressure(case: Case, joint: Joint, face: int) -> Callable[[FloatArray], FloatArray]:
+    """kappa (k,) in N/m3 at pressures (k,) in Pa of a rough face, with the reference area of its pairs' springs."""
+    given, rough = case.roughness, joint.rough_faces[face]
     assert given is not None  # a face without a stiffness of its own has a roughness
+    assert rough is not None
     roughness, mode = case_roughness(case, *joint.layout.face_materials[face]), given.mode
 
     def kappa(pressure: FloatArray) -> FloatArray:
         unit_areas = np.ones(pressure.size)
-        return pair_stiffness(roughness, unit_areas, pressure, mode, "pressure", reference_area=area)[0]
+        return pair_stiffness(roughness, unit_areas, pressure, mode, "pressure", reference_area=rough.reference_area)[0]
 
     return kappa

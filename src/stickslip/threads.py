@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from threadpoolctl import threadpool_limits
 
 from stickslip.errors import InputError
+from stickslip.validation import whole_number
 
 VARIABLE = "STICKSLIP_THREADS"
 # More than this many bring nothing on the problems that the package is made for.
@@ -51,9 +52,7 @@ def thread_count(wanted: int | None = None) -> int:
                 f"the environment variable {VARIABLE} is {text!r}, but it must be a whole number from 1 on."
             )
         return int(text)
-    if isinstance(wanted, bool) or wanted != int(wanted) or wanted < 1:
-        raise InputError(f"threads is {wanted!r}, but it must be a whole number of at least 1.")
-    return int(wanted)
+    return whole_number("threads", wanted, 1)
 
 
 def usable_cores() -> int:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -11,6 +13,45 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.errors import InputError
 
 FloatArray = NDArray[np.float64]
+
+
+def real_number(name: str, value: Any) -> float:
+    """``value`` as a float. Raises InputError unless it is one finite number."""
+    try:
+        if isinstance(value, (str, bytes, bool)):
+            raise TypeError("text and truth values are no numbers here, even where float() would read them")
+        number = float(value)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{name} is {value!r}, but it must be one number, without a unit.") from error
+    if not isfinite(number):
+        raise InputError(f"{name} is {number:g}, but it must be a finite number.")
+    return number
+
+
+def positive_number(name: str, value: Any, unit: str = "") -> float:
+    """``value`` as a float. Raises InputError, with the ``unit``, unless it is one finite number above 0."""
+    number = real_number(name, value)
+    require_allowed(name, number, number > 0, f"above 0 {unit}".rstrip())
+    return number
+
+
+def whole_number(name: str, value: Any, at_least: int) -> int:
+    """``value`` as an int. Raises InputError unless it is a whole number, not below ``at_least``."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < at_least:
+        raise InputError(f"{name} is {value!r}, but it must be a whole number of at least {at_least}.")
+    return int(value)
+
+
+def require_allowed(name: str, value: float, is_allowed: bool, allowed: str) -> None:
+    """Raise InputError unless ``is_allowed``; the sentence says which values are ``allowed``, "between 0 and 1"."""
+    if not is_allowed:
+        raise InputError(f"{name} is {value:g}, but it must be {allowed}.")
+
+
+def require_choice(name: str, value: str, allowed: Iterable[str]) -> None:
+    """Raise InputError unless ``value`` is one of the ``allowed`` names."""
+    if value not in (names := tuple(allowed)):
+        raise InputError(f"{name} is {value!r}, but it must be one of: {', '.join(names)}.")
 
 
 def finite_array(name: str, value: ArrayLike) -> FloatArray:

@@ -248,8 +248,8 @@ def test_chosen_tangent_lies_in_the_face():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"points": "edges"}, r"points is 'edges'; it must be one of: nodes, quadrature"),
-        ({"adjust": "glued"}, r"adjust is 'glued'; it must be one of: measured, closed"),
+        ({"points": "edges"}, r"points is 'edges', but it must be one of: nodes, quadrature"),
+        ({"adjust": "glued"}, r"adjust is 'glued', but it must be one of: measured, closed"),
         ({"search_distance": 0.0}, "search_distance is 0, but it must be above 0"),
         ({"edge_tolerance": -1.0}, "edge_tolerance is -1"),
         ({"gap_tolerance": np.nan}, "gap_tolerance"),
@@ -307,7 +307,7 @@ def test_ground(kind, points):
 
 
 def test_wrong_ground_is_refused():
-    with pytest.raises(InputError, match="gap must be one number"):
+    with pytest.raises(InputError, match=r"gap is \[0.0, 1.0\], but it must be one number"):
         pair_with_ground(stacked(), "bottom", gap=[0.0, 1.0])
     with pytest.raises(InputError, match="points is 'all'"):
         pair_with_ground(stacked(), "bottom", points="all")

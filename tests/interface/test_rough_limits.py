@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import exp, log, pi, sqrt
 
 import numpy as np
 import pytest
 from rough_faces import NOMINAL_AREA, rough
 
 from stickslip.errors import InputError, RoughnessError
-from stickslip.interface.asperities import domain_extension_factor, fully_plastic_load, real_number
+from stickslip.interface.asperities import (
+    domain_extension_factor,
+    fully_plastic_load,
+    spots_under_load,
+)
 from stickslip.interface.preload import uniform_preload
 from stickslip.interface.stiffness import ContactStatus, contact_stiffness, pair_stiffness, reduced_modulus
 from stickslip.interface.surface import fractal_roughness_from_sq, frequency_count, structure_function_limit
@@ -54,6 +59,27 @@ def test_dimension_next_to_three_has_a_status() -> None:
     assert "within 0.05 of its limit 3" in found.messages[-1]
 
 
+@pytest.mark.parametrize("load", [50.0, 500.0, 5000.0])
+@pytest.mark.parametrize("hardness", [1e9, 3e9, 1e10])
+def test_interference_over_radius_falls_with_g_and_is_least_in_the_middle_of_d(load: float, hardness: float) -> None:
+    """What the warning of steep asperities advises: beyond there a larger D does harm."""
+    dimensions = np.arange(2.2, 2.95, 0.01)
+
+    def ratio(dimension: float, scale: float) -> float:
+        face = rough(dimension, scale, hardness=hardness)
+        area = exp(spots_under_load(face, load).log_median_area)
+        interference = 2 * sqrt(log(1.5)) * scale ** (dimension - 2) * (2 * sqrt(area / pi)) ** (3 - dimension)
+        return interference / sqrt(area / pi)
+
+    by_scale = np.array([[ratio(D, scale) for D in dimensions] for scale in (1e-10, 1e-9, 1e-8, 1e-7)])
+    assert (np.diff(by_scale, axis=0) > 0).all()
+    least = dimensions[by_scale.argmin(axis=1)]
+    assert ((least > 2.4) & (least < 2.7)).all(), least
+    message = contact_stiffness(rough(2.2, 1e-7, hardness=hardness), load).messages[-1]
+    assert f"interference is {ratio(2.2, 1e-7):.2g} of their radius" in message
+    assert "least for a D between 2.4 and 2.7" in message
+
+
 def test_a_load_below_one_smallest_spot_is_refused() -> None:
     face = rough(2.4, 1.0, hardness=1e13, shortest_length=1e-5)
     with pytest.raises(RoughnessError, match="one smallest spot"):
@@ -86,7 +112,7 @@ def test_an_open_pair_gets_the_reference_law_at_the_mean_pressure() -> None:
 def test_reference_area_out_of_range() -> None:
     with pytest.raises(InputError, match='reference_area belongs to allocation "pressure"'):
         pair_stiffness(rough(), np.ones(2), 1.0, reference_area=1.0)
-    with pytest.raises(InputError, match="reference_area is 0 m2"):
+    with pytest.raises(InputError, match="reference_area is 0, but it must be above 0 m2"):
         pair_stiffness(rough(), np.ones(2), 1.0, allocation="pressure", reference_area=0.0)
 
 
@@ -94,13 +120,6 @@ def test_an_unloaded_face_beside_a_plastic_one_is_named_alone() -> None:
     area = np.full(4, NOMINAL_AREA / 2)
     with pytest.raises(RoughnessError, match=r"2 of 4 .*first: pair 2.*preload of their face is 0 N"):
         pair_stiffness(rough(2.3), area, [50.0, 50.0, 0.0, 0.0], face=[0, 0, 1, 1])
-
-
-@pytest.mark.parametrize("value", ["2.4", "1e-8 m", None, True, 1j, [2.4], np.array([2.4, 2.5]), 10**400])
-def test_what_is_no_number_is_named(value: object) -> None:
-    with pytest.raises(InputError, match=r"some_name is .*must be one number"):
-        real_number("some_name", value)
-    assert real_number("some_name", np.float32(2.5)) == 2.5
 
 
 @pytest.mark.parametrize(

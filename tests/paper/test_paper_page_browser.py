@@ -12,10 +12,12 @@ from browser_pages import WIDTHS, opened_page, require_readable, tab_stops
 from helpers import opened_browser
 from paper_curves import curve
 from stickslip.paper import figures
+from stickslip.paper.choice_items import ChangedVerdict
 from stickslip.paper.compute import Failure
 from stickslip.paper.items import Item, Picture, peak_table
 from stickslip.paper.page import write_page
 from stickslip.paper.plan import Setting
+from stickslip.paper.verdict_items import conclusions_item
 from stickslip.paper.verdicts import Answer, Verdict, judge
 
 
@@ -66,3 +68,21 @@ def test_a_picture_says_what_it_shows_and_where_its_numbers_are(browser: Any, re
         assert page.get_attribute("section#one img", "alt") == "Two <nodes> over a period."
         links = page.eval_on_selector_all("section#one a", "all => all.map(link => link.getAttribute('href'))")
         assert links == ["figures/sides.svg", "tables/peaks.csv", "tables/peaks.csv"]
+
+
+def test_a_row_of_the_conclusions_is_seen_whole_on_a_common_screen(browser: Any, tmp_path: Path) -> None:
+    statement = "The energy first rises, then falls with D (at one frequency)."  # the claim with the longest remark
+    numbers = "single excitation, 2 N: " + ", ".join(["12.345"] * 20) + " µJ at 480.3 Hz"
+    answers = [Answer({"excitation": name, "force": "5 N"}, name == "same", numbers) for name in ("same", "opposite")]
+    judged = judge(answers)
+    other = judge(answers[:1])
+    choices = ("excitation height 11.01 mm", "friction coefficient 0.15", "centrifugal force 200 N", "preload solved")
+    changed = ChangedVerdict(statement, {"base": judged} | dict.fromkeys(choices, other), "")
+    item = conclusions_item([(statement, "Tables 1 and 2, Figure 2: reduction of the model", judged)], [changed])
+    path = tmp_path / "paper.html"
+    write_page(path, [item], {}, {judged.verdict: 1}, [], "[study]", {"date": "2024-01-01"})
+    with opened_page(browser, path, drawn=False) as page:
+        assert "preload solved" in page.locator("section#conclusions td").last.inner_text()
+        assert page.evaluate(
+            "[...document.querySelectorAll('.scroll')].every(box => box.scrollWidth <= box.clientWidth)"
+        )

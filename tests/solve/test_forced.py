@@ -313,7 +313,7 @@ BAD = {
     "one frequency": ({"frequency_hz": (1.0,)}, r"must be \(start, stop\)"),
     "few samples": ({"samples": 10, "harmonics": 5}, r"samples is 10.*at least 11.*Take 256"),
     "no harmonics": ({"harmonics": 0}, "harmonics is 0"),
-    "update": ({"update": "magic"}, '"tractrix" or "radial"'),
+    "update": ({"update": "magic"}, "update is 'magic', but it must be one of: tractrix, radial"),
     "damping": ({"modal_damping_ratio": -0.1}, "modal_damping_ratio is -0.1"),
     "threads": ({"threads": 0}, "threads is 0"),
     "force shape": ({"force_cos": np.ones(3)}, r"force_cos must have shape \(38,\)"),

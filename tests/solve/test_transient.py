@@ -285,11 +285,11 @@ def test_blade_error_falls_with_the_step_and_energy_balances(blade: Blade, balan
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"frequency_hz": 0.0}, "frequency_hz must be a finite number above 0"),
-        ({"steps_per_period": 5}, "steps_per_period must be 20 or more"),
-        ({"max_periods": 0}, "max_periods must be 1 or more"),
-        ({"tolerance": -1.0}, "tolerance must be a finite number above 0"),
-        ({"spectral_radius": 1.5}, "spectral_radius must lie between 0"),
+        ({"frequency_hz": 0.0}, "frequency_hz is 0, but it must be above 0 Hz"),
+        ({"steps_per_period": 5}, "steps_per_period is 5, but it must be 20 or above"),
+        ({"max_periods": 0}, "max_periods is 0, but it must be a whole number of at least 1"),
+        ({"tolerance": -1.0}, "tolerance is -1, but it must be above 0"),
+        ({"spectral_radius": 1.5}, "spectral_radius is 1.5, but it must be between 0"),
         ({"force_cos": np.ones(4)}, r"force_cos must have shape \(3,\)"),
         ({"force_sin": np.array([1.0, np.nan, 0.0])}, r"force_sin\[1\] is nan"),
         ({"initial_displacement": np.zeros(2)}, r"initial_displacement must have shape \(3,\)"),

@@ -148,7 +148,7 @@ def test_deck_names_sets_supports_ties_and_step(tmp_path):
     ("options", "fragment"),
     [
         ({"element": "C3D20"}, "'C3D20'.*C3D8I, C3D8"),
-        ({"step": "static"}, "'static'.*'matrices'"),
+        ({"step": "static"}, "'static', but it must be one of: frequency, matrices"),
         ({"materials": [Material()]}, "1 entries.*3 bodies"),
         ({"path": "deck.txt"}, r"deck\.txt.*\.inp"),
     ],

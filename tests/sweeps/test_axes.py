@@ -27,6 +27,7 @@ def values(name: str, given: object) -> tuple:
         ("damping.rayleigh_beta", "1e-7 s,2e-7", (1e-7, 2e-7)),
         ("preload.centrifugal_force", (300, "0.5 kN", np.float64(700.0)), (300.0, 500.0, 700.0)),
         ("roughness.ridges", np.array([5, 10]), (5, 10)),
+        ("roughness.reference_area", "25 mm^2:1 cm^2:2", (25e-6, 1e-4)),
     ],
 )
 def test_values_are_si(name: str, given: object, expected: tuple) -> None:

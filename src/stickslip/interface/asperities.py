@@ -8,12 +8,12 @@ D = 2.5 (e = 0) and D near 2 (a_c' over hundreds of decades) need no special cas
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from math import exp, expm1, inf, isfinite, log, log1p, pi
-from typing import Any
+from math import exp, expm1, inf, log, log1p, pi
 
 from scipy.optimize import brentq
 
 from stickslip.errors import InputError, RoughnessError
+from stickslip.validation import positive_number, real_number, require_allowed
 
 LOG_LARGEST_NUMBER = 690.0  # exp() of more leaves the range of double precision
 SMALLEST_SPREAD = 1e-9  # of ln a' between the smallest and the largest spot; below it round-off decides the result
@@ -45,17 +45,16 @@ class Roughness:
         dimension = self.fractal_dimension
         hint = ""
         if 1 < dimension <= 2:
-            hint = f" If {dimension:g} is the dimension of a profile, give {dimension:g} + 1."
-        _check("fractal_dimension", dimension, 2 < dimension < 3, "between 2 and 3: it is D of the surface." + hint)
+            hint = f". If {dimension:g} is the dimension of a profile, give {dimension:g} + 1"
+        require_surface_dimension(dimension, hint)
         for name, unit in (("fractal_roughness", "m"), ("hardness", "Pa"), ("reduced_modulus", "Pa")):
-            value = getattr(self, name)
-            _check(name, value, value > 0, f"above 0 {unit}.")
-        _check("poisson_ratio", self.poisson_ratio, -1 < self.poisson_ratio <= 0.5, "above -1 and at most 0.5.")
-        _check("domain_extension", self.domain_extension, self.domain_extension >= 1, "1 or above.")
-        _check("frequency_ratio", self.frequency_ratio, self.frequency_ratio > 1, "above 1.")
+            positive_number(name, getattr(self, name), unit)
+        require_poisson_ratio("poisson_ratio", self.poisson_ratio)
+        require_allowed("domain_extension", self.domain_extension, self.domain_extension >= 1, "1 or above")
+        require_allowed("frequency_ratio", self.frequency_ratio, self.frequency_ratio > 1, "above 1")
         for name in ("sample_length", "shortest_length"):
-            value = getattr(self, name)
-            _check(name, value, value is None or value > 0, "above 0 m.")
+            if getattr(self, name) is not None:
+                positive_number(name, getattr(self, name), "m")
         longest, shortest = self.sample_length, self.shortest_length
         if longest is not None and shortest is not None and not shortest < longest:
             raise InputError(
@@ -75,22 +74,15 @@ class Roughness:
         return self.fractal_dimension - 1.0
 
 
-def real_number(name: str, value: Any) -> float:
-    """``value`` as a float. Raises InputError unless it is one finite number."""
-    try:
-        if isinstance(value, (str, bytes, bool)):
-            raise TypeError("text and truth values are no numbers here, even where float() would read them")
-        number = float(value)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{name} is {value!r}, but it must be one number, in SI units.") from error
-    if not isfinite(number):
-        raise InputError(f"{name} is {number:g}, but it must be a finite number.")
-    return number
+def require_surface_dimension(fractal_dimension: float, hint: str = "") -> None:
+    """Raise InputError unless 2 < D < 3; ``hint`` ends the sentence."""
+    allowed = f"between 2 and 3: it is D of the surface{hint}"
+    require_allowed("fractal_dimension", fractal_dimension, 2 < fractal_dimension < 3, allowed)
 
 
-def _check(name: str, value: float | None, good: bool, allowed: str) -> None:
-    if not good:
-        raise InputError(f"{name} is {value:g}, but it must be {allowed}")
+def require_poisson_ratio(name: str, ratio: float) -> None:
+    """Raise InputError unless -1 < nu <= 0.5."""
+    require_allowed(name, ratio, -1 < ratio <= 0.5, "above -1 and at most 0.5")
 
 
 def elastic_load_factor(roughness: Roughness) -> float:
@@ -273,9 +265,7 @@ def domain_extension_factor(fractal_dimension: float) -> float:
     Raises InputError unless 2 < D < 3.
     """
     fractal_dimension = real_number("fractal_dimension", fractal_dimension)
-    _check(
-        "fractal_dimension", fractal_dimension, 2 < fractal_dimension < 3, "between 2 and 3: it is D of the surface."
-    )
+    require_surface_dimension(fractal_dimension)
     d = fractal_dimension - 1.0
 
     def residual(log_psi: float) -> float:

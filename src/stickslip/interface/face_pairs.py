@@ -12,7 +12,7 @@ import scipy.sparse
 from stickslip.errors import InputError
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.superelement import Superelement
-from stickslip.validation import FloatArray, finite_array, require_positive
+from stickslip.validation import FloatArray, finite_array, positive_number, require_positive
 
 _ROUND_OFF = 1e-9  # what sums of weights and products of unit vectors may be off by
 
@@ -203,5 +203,5 @@ class FacePairs:
     def springs(self, normal_per_area: float, tangential_per_area: float) -> FloatArray:
         """(3 * n_pairs,) N/m, t1, t2, n of each pair, from stiffness per area in N/m3. Raises InputError below 0."""
         for name, value in (("normal_per_area", normal_per_area), ("tangential_per_area", tangential_per_area)):
-            require_positive(name, finite_array(name, value), "It is a stiffness per area in N/m3.")
+            positive_number(name, value, "N/m3: it is a stiffness per area")
         return np.outer(self.area, [tangential_per_area, tangential_per_area, normal_per_area]).ravel()

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,7 +24,7 @@ from stickslip.interface.friction_energy import dissipate_pairs
 from stickslip.interface.friction_kernel import CodeArray
 from stickslip.interface.friction_period import settle_pairs
 from stickslip.interface.friction_tangent import Basis, tangent_pairs
-from stickslip.validation import FloatArray, finite_array
+from stickslip.validation import FloatArray, finite_array, require_choice
 
 Update = Literal["tractrix", "radial"]
 MIN_SAMPLES = 8
@@ -153,7 +153,7 @@ def harmonic_tangent(
     already: the periodic state is then not looked for again.
     """
     displacement = _coefficients(coefficients, pairs.n_pairs, samples)
-    _check_update(update)
+    require_choice("update", update, get_args(Update))
     chosen = np.arange(pairs.n_pairs)[np.asarray(select)]
     width = displacement.shape[2]
     paths, limits = _sampled(displacement, pairs, samples)
@@ -211,7 +211,7 @@ def contact_cycle(displacement: ArrayLike, pairs: ContactPairs, update: Update =
 
 def _periods(paths: FloatArray, limits: FloatArray, pairs: ContactPairs, update: Update) -> _Periods:
     """March all pairs to their periodic states."""
-    _check_update(update)
+    require_choice("update", update, get_args(Update))
     n_pairs, samples = limits.shape
     periods = _Periods(
         np.empty((n_pairs, 2, samples)),
@@ -278,8 +278,3 @@ def _check_samples(samples: int, least: int, subject: str) -> None:
             f"{subject} {samples} samples a period, but at least {least} are needed (2 * harmonics + 1, and 8). "
             "Friction has kinks: take 256, or 512 and more with separation."
         )
-
-
-def _check_update(update: str) -> None:
-    if update not in ("tractrix", "radial"):
-        raise InputError(f"update is {update!r}, but it must be 'tractrix' (default) or 'radial'.")

@@ -18,7 +18,7 @@ from stickslip.interface.segmentation import IntegrationPoints, cut_points, whol
 from stickslip.interface.surface_mesh import SurfaceMesh
 from stickslip.structure.finite_element_mesh import AnyMesh
 from stickslip.structure.mesh import IntArray
-from stickslip.validation import FloatArray, finite_array, require_positive
+from stickslip.validation import FloatArray, positive_number, real_number, require_choice
 
 __all__ = ["FacePairs", "Pairing", "pair_faces", "pair_surfaces", "pair_with_ground", "write_pairs"]
 
@@ -54,7 +54,7 @@ def pair_faces(
         when a set is missing, empty or holds no whole cell side, when the sets share a node, and when a node of
         either set has no partner within the tolerance.
     """
-    require_positive("tolerance", finite_array("tolerance", tolerance), "It is the distance in m that counts as none.")
+    positive_number("tolerance", tolerance, "m: it is the distance that counts as none")
     face = SurfaceMesh.of(mesh, first_set)
     second = mesh.node_set(second_set)
     _require_own_nodes(first_set, face.nodes, second_set, second)
@@ -114,8 +114,8 @@ def pair_surfaces(
         for an unknown choice, a distance that is not above 0, faces that share a node, a set without whole sides, a
         tangent along a normal, a second face in layers, and faces that do not meet at all.
     """
-    _require_choice("points", points, get_args(Points))
-    _require_choice("adjust", adjust, get_args(Adjust))
+    require_choice("points", points, get_args(Points))
+    require_choice("adjust", adjust, get_args(Adjust))
     with concerning("first"):
         face = SurfaceMesh.of(mesh, first)
     with concerning("second"):
@@ -189,15 +189,13 @@ def pair_with_ground(
     Raises InputError for an unknown choice, a gap that is no number, a set without whole sides, and a tangent along a
     normal.
     """
-    _require_choice("points", points, get_args(Points))
-    distance = finite_array("gap", gap)
-    if distance.ndim:
-        raise InputError(f"gap must be one number in m, but its shape is {distance.shape}.")
+    require_choice("points", points, get_args(Points))
+    distance = real_number("gap", gap)
     with concerning("first"):
         face = SurfaceMesh.of(mesh, first)
     places = _node_places(face) if points == "nodes" else _side_places(face, whole_side_points(face))
     count = len(places.area)
-    gaps = np.full(count, float(distance))
+    gaps = np.full(count, distance)
     nowhere = np.zeros((count, 1), dtype=np.int64)
     return Pairing(
         first=first,
@@ -303,15 +301,7 @@ def _face_pairs(
 
 
 def _length(name: str, given: float | None, default: float) -> float:
-    if given is None:
-        return default
-    require_positive(name, finite_array(name, given), "It is a distance in m.")
-    return float(given)
-
-
-def _require_choice(name: str, found: str, allowed: tuple[str, ...]) -> None:
-    if found not in allowed:
-        raise InputError(f"{name} is {found!r}; it must be one of: {', '.join(allowed)}.")
+    return default if given is None else positive_number(name, given, "m")
 
 
 def _require_own_nodes(first_name: str, first: IntArray, second_name: str, second: IntArray) -> None:

@@ -8,8 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.errors import InputError
-from stickslip.interface.asperities import real_number
-from stickslip.validation import FloatArray, finite_array, per_pair, require_positive
+from stickslip.validation import (
+    FloatArray,
+    finite_array,
+    per_pair,
+    positive_number,
+    real_number,
+    require_allowed,
+    require_positive,
+)
 
 
 def uniform_preload(
@@ -29,24 +36,13 @@ def uniform_preload(
     face and the plane normal to F_N; ``area`` (n_pairs,) m2; ``face`` (n_pairs,) integers, which face a pair belongs
     to; ``friction_coefficient`` mu_0 at assembly. Raises InputError for values that are not usable.
     """
-    centrifugal_force = real_number("centrifugal_force", centrifugal_force)
-    platform_angle = real_number("platform_angle", platform_angle)
-    friction_coefficient = real_number("friction_coefficient", friction_coefficient)
-    for name, value, allowed, good in (
-        ("centrifugal_force", centrifugal_force, "above 0 N (total over both ends)", centrifugal_force > 0),
-        (
-            "platform_angle",
-            platform_angle,
-            "from 0 to below pi/2 rad (an angle in radians)",
-            0 <= platform_angle < pi / 2,
-        ),
-        ("friction_coefficient", friction_coefficient, "0 or above", friction_coefficient >= 0),
-    ):
-        if not good:
-            raise InputError(f"{name} is {value:g}, but it must be {allowed}.")
+    force = positive_number("centrifugal_force", centrifugal_force, "N (total over both ends)")
+    angle = real_number("platform_angle", platform_angle)
+    friction = real_number("friction_coefficient", friction_coefficient)
+    require_allowed("platform_angle", angle, 0 <= angle < pi / 2, "from 0 to below pi/2 rad (an angle in radians)")
+    require_allowed("friction_coefficient", friction, friction >= 0, "0 or above")
     share = area_share(area, face)
-    face_load = centrifugal_force / (2.0 * (cos(platform_angle) + friction_coefficient * sin(platform_angle)))
-    return face_load * share
+    return force / (2.0 * (cos(angle) + friction * sin(angle))) * share
 
 
 def prescribed_preload(values: ArrayLike, n_pairs: int) -> FloatArray:

@@ -17,11 +17,11 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 
 from stickslip.errors import InputError
-from stickslip.interface.asperities import LOG_LARGEST_NUMBER, real_number
+from stickslip.interface.asperities import LOG_LARGEST_NUMBER
 from stickslip.interface.detrended_lines import LineModel, measured_structure, wavelengths, without_trend
 from stickslip.interface.random_lines import LineSet, Spectrum, simulate
 from stickslip.interface.roughness_warnings import Evidence, sentences
-from stickslip.validation import FloatArray, finite_array
+from stickslip.validation import FloatArray, finite_array, real_number, require_allowed, whole_number
 
 FEWEST_POINTS = 100  # on a line; its tenth part then holds six lags
 MOST_POINTS = 100_000  # on a line; every simulated surface has as many
@@ -85,8 +85,7 @@ def fit_roughness(
     heights that are not finite, not a line or map, all on straight lines, or too few, and for values out of range.
     """
     parts = _line_sets(finite_array("heights", heights), spacing)
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise InputError(f"seed is {seed!r}, but it must be a whole number, 0 or above.")
+    whole_number("seed", seed, 0)
     wave_end = _longest_wave(longest_wave, parts)
     low, high = _scales(scales, parts)
     rng = np.random.default_rng(seed)
@@ -163,8 +162,7 @@ def _longest_wave(longest_wave: float | None, parts: tuple[_Part, ...]) -> float
         return BEYOND * length
     wave = real_number("longest_wave", longest_wave)
     least = 10.0 * min(part.place.spacing for part in parts)
-    if wave < least:
-        raise InputError(f"longest_wave is {wave:g} m, but it must be at least ten spacings, {least:g} m.")
+    require_allowed("longest_wave", wave, wave >= least, f"at least ten spacings, {least:g} m")
     return wave
 
 

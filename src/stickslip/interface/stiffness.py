@@ -6,9 +6,10 @@ Equations, sources and errata: docs/theory_roughness.md. The population of conta
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from enum import StrEnum
-from math import exp, inf, log, pi, sqrt
+from math import exp, floor, inf, log, pi, sqrt
 from typing import Literal, get_args
 
 import numpy as np
@@ -21,12 +22,12 @@ from stickslip.interface.asperities import (
     SpotPopulation,
     fully_plastic_load,
     log_critical_area,
-    real_number,
+    require_poisson_ratio,
     spots_under_load,
 )
 from stickslip.interface.preload import area_share, checked_area, face_index, face_sum
 from stickslip.interface.surface import surface_statistics
-from stickslip.validation import FloatArray, per_pair
+from stickslip.validation import FloatArray, per_pair, positive_number, real_number, require_choice
 
 __all__ = [
     "ContactStatus",
@@ -43,9 +44,7 @@ Allocation = Literal["area", "pressure"]
 LARGEST_AREA_SHARE = 0.1  # real over nominal area above which spots touch each other
 LARGEST_ASPERITY_SLOPE = 0.1  # interference over radius above which Hertz's small strain fails
 NEAR_LIMIT = 0.05  # distance of D from 2 or 3 below which the exponents 2/(D-2) and 1/(3-D) explode
-
-
-SMOOTHER = "A smaller G or a larger D makes a smoother face."
+DIMENSION_STEPS = 1000  # a D that is proposed has as many steps from 2 to 3: three decimals
 
 
 class ContactStatus(StrEnum):
@@ -90,12 +89,9 @@ def reduced_modulus(
         ("first", first_young_modulus, first_poisson_ratio),
         ("second", second_young_modulus, second_poisson_ratio),
     ):
-        modulus = real_number(f"{number}_young_modulus", modulus)
+        modulus = positive_number(f"{number}_young_modulus", modulus, "Pa")
         ratio = real_number(f"{number}_poisson_ratio", ratio)
-        if not modulus > 0:
-            raise InputError(f"{number}_young_modulus is {modulus:g} Pa, but it must be above 0 Pa.")
-        if not -1 < ratio <= 0.5:
-            raise InputError(f"{number}_poisson_ratio is {ratio:g}, but it must be above -1 and at most 0.5.")
+        require_poisson_ratio(f"{number}_poisson_ratio", ratio)
         compliance += (1.0 - ratio**2) / modulus
     return 1.0 / compliance
 
@@ -115,10 +111,10 @@ def contact_stiffness(
     ``nominal_area`` in m2, if given, is compared with the real area. A stiffness of zero is returned, with its status
     and its sentence; ``pair_stiffness`` refuses it. Raises InputError for values that are not usable.
     """
-    _check_choice("mode", mode, get_args(StiffnessMode))
+    require_choice("mode", mode, get_args(StiffnessMode))
     load = real_number("load", load)
     if nominal_area is not None:
-        nominal_area = _positive_area("nominal_area", nominal_area)
+        nominal_area = positive_number("nominal_area", nominal_area, "m2")
     log_smallest = _log_smallest_area(roughness, mode)
     critical_area = exp(log_critical_area(roughness))
     if load <= 0:
@@ -162,8 +158,8 @@ def pair_stiffness(
     ``area`` (n_pairs,) m2; ``preload`` N, one number or (n_pairs,); ``face`` integers, which face a pair belongs to.
     Raises RoughnessError, with what would work, if a pair would have no stiffness; InputError for unusable arrays.
     """
-    _check_choice("mode", mode, get_args(StiffnessMode))
-    _check_choice("allocation", allocation, get_args(Allocation))
+    require_choice("mode", mode, get_args(StiffnessMode))
+    require_choice("allocation", allocation, get_args(Allocation))
     areas = checked_area(area)
     loads, faces = per_pair("preload", preload, areas.size), face_index(face, areas.size)
     share = area_share(areas, faces)
@@ -171,7 +167,7 @@ def pair_stiffness(
     if reference_area is not None:
         if allocation != "pressure":
             raise InputError(f'reference_area belongs to allocation "pressure", but allocation is {allocation!r}.')
-        weight = areas / _positive_area("reference_area", reference_area)
+        weight = areas / positive_number("reference_area", reference_area, "m2")
     closed_load = np.maximum(loads, 0.0)
     face_load = face_sum(closed_load, faces)[faces] * (share / weight)  # on the face, or on A_ref at equal pressure
     if allocation == "pressure":
@@ -186,18 +182,6 @@ def pair_stiffness(
     if dead.size:
         raise RoughnessError(_refusal(roughness, mode, allocation, dead, areas.size, float(face_load[dead].min())))
     return normal, tangential
-
-
-def _check_choice(name: str, value: str, allowed: tuple[str, ...]) -> None:
-    if value not in allowed:
-        raise InputError(f"{name} is {value!r}, but it must be one of {', '.join(map(repr, allowed))}.")
-
-
-def _positive_area(name: str, value: float) -> float:
-    area = real_number(name, value)
-    if not area > 0:
-        raise InputError(f"{name} is {area:g} m2, but it must be above 0 m2.")
-    return area
 
 
 def _log_smallest_area(roughness: Roughness, mode: StiffnessMode) -> float:
@@ -240,7 +224,8 @@ def _findings(spots: SpotPopulation, load: float, mode: StiffnessMode, nominal_a
         yield (
             ContactStatus.STEEP_ASPERITIES,
             f"Half of the load rests on spots whose interference is {slope:.2g} of their radius or more (Hertz: at "
-            f"most {LARGEST_ASPERITY_SLOPE:g}): small strain is only a rough guide there. {SMOOTHER}",
+            f"most {LARGEST_ASPERITY_SLOPE:g}): small strain is only a rough guide there. A smaller G makes the "
+            "ratio smaller; it is least for a D between 2.4 and 2.7.",
         )
     if min(dimension - 2.0, 3.0 - dimension) < NEAR_LIMIT:
         yield (
@@ -308,7 +293,7 @@ def _wave_findings(roughness: Roughness) -> Iterator[Finding]:
         yield (
             ContactStatus.STEEP_SURFACE,
             f"The root mean square slope of the surface is Sdq = {slope:.3g}; above 1 it is no machined face, and a "
-            f"contact law of small slopes does not hold. {SMOOTHER}",
+            "contact law of small slopes does not hold. A smaller G or a larger D makes a smoother face.",
         )
 
 
@@ -334,17 +319,37 @@ def _refusal(
         )
     needed, scale = fully_plastic_load(roughness), roughness.fractal_roughness
     pressure = " (the least pressure of these pairs times the reference area)" if allocation == "pressure" else ""
+    enough = _rounded(needed, 4, ROUND_CEILING)
     ways = [
-        f"raise the load above {needed:.4g} N",
-        f"take G below {scale * sqrt(load / needed):.3g} m",
-        "take a larger D (a smoother face)",
+        f"raise the load above {enough} N",
+        f"take G below {_rounded(scale * sqrt(load / needed), 3, ROUND_FLOOR)} m",
     ]
+    dimension = _least_dimension(roughness, load)
+    if dimension is not None:
+        ways.append(f"raise D to {dimension:g} (a smoother face)")
     if mode != "unloading":
         ways.append('use mode "unloading", where plastic spots respond to oscillation too (it needs shortest_length)')
     if allocation == "pressure":
         ways.append('use allocation "area", which spreads the stiffness of the whole face')
     return (
         f"{where}: with D = {roughness.fractal_dimension:g} and G = {scale:g} m every contact spot is plastic under a "
-        f"face load of {load:.4g} N{pressure}; elastic spots need more than {needed:.4g} N. What helps: "
-        f"{', or '.join(ways)}. If G came from a paper, check its unit: between m and mm lies a factor of 1000."
+        f"face load of {load:.4g} N{pressure}; elastic spots need more than {enough} N. What helps: "
+        f"{', or '.join(ways)}. Stiffness only begins at these limits. If G came from a paper, check its unit: between "
+        "m and mm lies a factor of 1000."
     )
+
+
+def _least_dimension(roughness: Roughness, load: float) -> float | None:
+    """The least D above that of ``roughness`` for which ``load`` (N) makes spots elastic; None if there is none.
+
+    The load that this needs falls with D to a minimum (at D = 2.88 for E*/H = 36) and then rises without bound, so that
+    a larger D does not always help. D within NEAR_LIMIT of 3 is not proposed.
+    """
+    first, last = floor(DIMENSION_STEPS * roughness.fractal_dimension) + 1, round(DIMENSION_STEPS * (3.0 - NEAR_LIMIT))
+    dimensions = (step / DIMENSION_STEPS for step in range(first, last + 1))
+    return next((D for D in dimensions if fully_plastic_load(replace(roughness, fractal_dimension=D)) < load), None)
+
+
+def _rounded(value: float, digits: int, direction: str) -> str:
+    """``value`` with so many significant digits, rounded in one direction, so that the text still keeps a bound."""
+    return f"{float(Context(prec=digits, rounding=direction).create_decimal(value)):g}"

@@ -17,8 +17,15 @@ from numba import njit
 from numpy.typing import ArrayLike
 
 from stickslip.errors import InputError
-from stickslip.interface.asperities import Roughness, real_number
-from stickslip.validation import FloatArray, finite_array
+from stickslip.interface.asperities import Roughness, require_surface_dimension
+from stickslip.validation import (
+    FloatArray,
+    finite_array,
+    positive_number,
+    real_number,
+    require_allowed,
+    whole_number,
+)
 
 
 def fractal_surface(
@@ -39,7 +46,7 @@ def fractal_surface(
     Raises InputError for shapes that do not match or values out of range.
     """
     check_surface(fractal_dimension, fractal_roughness, length, ratio)
-    _check_count("ridges", ridges, 1)
+    whole_number("ridges", ridges, 1)
     x_points, y_points, angles = finite_array("x", x), finite_array("y", y), finite_array("phases", phases)
     if x_points.shape != y_points.shape:
         raise InputError(f"x and y must have the same shape, but they have {x_points.shape} and {y_points.shape}.")
@@ -84,9 +91,9 @@ def _heights(
 
 def draw_phases(seed: int, ridges: int, n_max: int) -> FloatArray:
     """Independent phases (ridges, n_max + 1) in rad, uniform over [0, 2 pi); the same seed gives the same phases."""
-    _check_count("seed", seed, 0)
-    _check_count("ridges", ridges, 1)
-    _check_count("n_max", n_max, 0)
+    whole_number("seed", seed, 0)
+    whole_number("ridges", ridges, 1)
+    whole_number("n_max", n_max, 0)
     return np.random.default_rng(seed).uniform(0.0, 2.0 * pi, (ridges, n_max + 1))
 
 
@@ -95,11 +102,10 @@ def frequency_count(length: float, shortest_length: float, ratio: float = 1.5) -
 
     Raises InputError unless L > Ls > 0 and gamma > 1.
     """
-    length, shortest_length = real_number("length", length), real_number("shortest_length", shortest_length)
-    ratio = real_number("frequency ratio", ratio)
-    _check("frequency ratio", ratio, ratio > 1, "above 1")
-    _check("shortest_length", shortest_length, shortest_length > 0, "above 0 m")
-    _check("length", length, length > shortest_length, f"above the shortest length, {shortest_length:g} m")
+    ratio, length = real_number("frequency ratio", ratio), real_number("length", length)
+    shortest_length = positive_number("shortest_length", shortest_length, "m")
+    require_allowed("frequency ratio", ratio, ratio > 1, "above 1")
+    require_allowed("length", length, length > shortest_length, f"above the shortest length, {shortest_length:g} m")
     # L / Ls is often a whole power of gamma in tests and tables; round-off must not lose that last wave.
     return floor(log(length / shortest_length) / log(ratio) + 1e-9)
 
@@ -149,8 +155,8 @@ def structure_function(
     ``distance`` tau in m, any shape (the shape of the answer); ``direction`` theta in rad.
     """
     check_surface(fractal_dimension, fractal_roughness, length, ratio)
-    _check_count("ridges", ridges, 1)
-    _check_count("n_max", n_max, 0)
+    whole_number("ridges", ridges, 1)
+    whole_number("n_max", n_max, 0)
     tau = finite_array("distance", distance)
     order = np.arange(n_max + 1)
     projection = np.cos(direction - pi * np.arange(1, ridges + 1) / ridges)
@@ -182,8 +188,7 @@ def fractal_roughness_from_sq(
     A measured Sq is that of its evaluation length and cut-off: give these as L and Ls. Raises InputError for values out
     of range.
     """
-    sq_height = real_number("sq_height", sq_height)
-    _check("sq_height", sq_height, sq_height > 0, "above 0 m")
+    sq_height = positive_number("sq_height", sq_height, "m")
     log_ratio = log(sq_height / sq(fractal_dimension, length, length, shortest_length, ratio))  # Sq where G = L
     return float(length * np.exp(log_ratio / (fractal_dimension - 2.0)))
 
@@ -216,23 +221,11 @@ def surface_statistics(roughness: Roughness, sample_length: float, shortest_leng
 
 def check_surface(fractal_dimension: float, fractal_roughness: float, length: float = 1.0, ratio: float = 1.5) -> None:
     """Raise InputError unless 2 < D < 3, G > 0, L > 0 and gamma > 1, all finite."""
-    fractal_dimension = real_number("fractal_dimension", fractal_dimension)
-    fractal_roughness = real_number("fractal_roughness", fractal_roughness)
-    length, ratio = real_number("length", length), real_number("ratio", ratio)
-    _check("fractal_dimension", fractal_dimension, 2 < fractal_dimension < 3, "between 2 and 3: it is D of the surface")
-    _check("fractal_roughness", fractal_roughness, fractal_roughness > 0, "above 0 m")
-    _check("length", length, length > 0, "above 0 m")
-    _check("ratio", ratio, ratio > 1, "above 1: it is the ratio of successive wave numbers")
-
-
-def _check(name: str, value: float, good: bool, allowed: str) -> None:
-    if not good:
-        raise InputError(f"{name} is {value:g}, but it must be {allowed}.")
-
-
-def _check_count(name: str, value: int, least: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-        raise InputError(f"{name} is {value!r}, but it must be a whole number, {least} or above.")
+    require_surface_dimension(real_number("fractal_dimension", fractal_dimension))
+    positive_number("fractal_roughness", fractal_roughness, "m")
+    positive_number("length", length, "m")
+    ratio = real_number("ratio", ratio)
+    require_allowed("ratio", ratio, ratio > 1, "above 1: it is the ratio of successive wave numbers")
 
 
 def _geometric_sum(log_factor: float, terms: int) -> float:

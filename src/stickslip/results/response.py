@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.errors import InputError
 from stickslip.fourier import synthesis_matrix
 from stickslip.interface.contact_pairs import ContactPairs
-from stickslip.validation import FloatArray, finite_array
+from stickslip.validation import FloatArray, finite_array, require_choice
 
 if TYPE_CHECKING:
     from stickslip.interface.friction import ContactCycle, Update
@@ -198,8 +198,7 @@ class ForcedResponse:
 
     def linear_amplitude(self, output: ArrayLike, limit: str) -> FloatArray:
         """(n_linear,) the same amplitude on the linear curve ``limit``: "stuck" or "free". Raises InputError."""
-        if limit not in ("stuck", "free"):
-            raise InputError(f'limit is "{limit}", but the linear curves are "stuck" and "free".')
+        require_choice("limit", limit, ("stuck", "free"))
         curve: FloatArray = getattr(self.linear, limit)
         return periodic_amplitude(np.einsum("pic,i->pc", curve, self._row(output)))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,7 +24,14 @@ from stickslip.solve.newton import Newton, NewtonSettings
 from stickslip.solve.start import first_point
 from stickslip.structure.superelement import Superelement
 from stickslip.threads import blas_threads, thread_count
-from stickslip.validation import FloatArray, finite_array
+from stickslip.validation import (
+    FloatArray,
+    finite_array,
+    real_number,
+    require_allowed,
+    require_choice,
+    whole_number,
+)
 
 # Residual of the equation of motion, relative to its forces, above which a curve gets a warning.
 LARGEST_RESIDUAL = 1e-6
@@ -94,9 +102,10 @@ def forced_response(
     window = _checked_window(frequency_hz)
     _check_counts(harmonics, samples)
     threads = thread_count(threads)
-    _check_update(update)
-    if modal_damping_ratio is not None and not modal_damping_ratio >= 0:
-        raise InputError(f"modal_damping_ratio is {modal_damping_ratio}, but it must be 0 or more, for example 0.001.")
+    require_choice("update", update, get_args(Update))
+    if modal_damping_ratio is not None:
+        ratio = real_number("modal_damping_ratio", modal_damping_ratio)
+        require_allowed("modal_damping_ratio", ratio, ratio >= 0, "0 or above, for example 0.001")
     force = _force_coefficients(force_cos, force_sin, superelement.size, harmonics)
     newton = newton or NewtonSettings()
     told = _Told(progress)
@@ -180,18 +189,12 @@ def _checked_window(frequency_hz: tuple[float, float]) -> tuple[float, float]:
 
 def _check_counts(harmonics: int, samples: int) -> None:
     for name, value in (("harmonics", harmonics), ("samples", samples)):
-        if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
-            raise InputError(f"{name} is {value!r}, but it must be a whole number of at least 1.")
+        whole_number(name, value, 1)
     if samples < 2 * harmonics + 1:
         raise InputError(
             f"samples is {samples}, but {harmonics} harmonics need at least {2 * harmonics + 1} samples a period. "
             "Take 256 (512 with much separation): friction has kinks that few samples miss."
         )
-
-
-def _check_update(update: Update) -> None:
-    if update not in ("tractrix", "radial"):
-        raise InputError(f'update is {update!r}, but it must be "tractrix" or "radial".')
 
 
 def _force_coefficients(force_cos: ArrayLike, force_sin: ArrayLike | None, size: int, harmonics: int) -> FloatArray:

@@ -20,7 +20,7 @@ from stickslip.interface.normal_law import NormalLaw, SpringLaw
 from stickslip.progress import ProgressCallback
 from stickslip.solve.static_ramp import LoadRamp, StaticState
 from stickslip.structure.superelement import Superelement
-from stickslip.validation import FloatArray, finite_array
+from stickslip.validation import FloatArray, finite_array, whole_number
 
 # Local stiffness is iterated until normal forces and stiffness change by less than this share of the largest.
 STIFFNESS_TOLERANCE = 1e-4
@@ -76,8 +76,7 @@ def static_preload(
         where no equilibrium was found; the message says how much of the load the joint carried.
     """
     force = _checked_load(load, superelement, pairs)
-    if not isinstance(steps, int) or isinstance(steps, bool) or steps < 1:
-        raise InputError(f"steps is {steps!r}, but it must be a whole number of at least 1.")
+    steps = whole_number("steps", steps, 1)
     told = progress or (lambda fraction, detail: None)
     gap = -pairs.preload / pairs.normal_stiffness
     law = normal_law or SpringLaw(pairs.normal_stiffness)

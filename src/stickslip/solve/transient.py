@@ -18,7 +18,14 @@ from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.transient_kernel import march_period
 from stickslip.structure.superelement import Superelement
-from stickslip.validation import FloatArray, finite_array
+from stickslip.validation import (
+    FloatArray,
+    finite_array,
+    positive_number,
+    real_number,
+    require_allowed,
+    whole_number,
+)
 
 _MAX_STEP_ITERATIONS = 40
 _STEP_TOLERANCE = 1e-10
@@ -186,18 +193,14 @@ def _check_settings(
             "time integration takes pairs that are equally stiff in both directions. "
             "Use forced_response for others, or set both to one value."
         )
-    for name, number in (("frequency_hz", frequency_hz), ("tolerance", tolerance)):
-        if not (np.isfinite(number) and number > 0.0):
-            raise InputError(f"{name} must be a finite number above 0, found {number}.")
-    if steps_per_period < 20:
-        raise InputError(f"steps_per_period must be 20 or more, found {steps_per_period}; 500 to 2000 are usual.")
-    if max_periods < 1:
-        raise InputError(f"max_periods must be 1 or more, found {max_periods}.")
-    if not 0.0 <= spectral_radius <= 1.0:
-        raise InputError(
-            f"spectral_radius must lie between 0 (fast modes vanish in one step) and 1 (no numerical dissipation), "
-            f"found {spectral_radius}."
-        )
+    positive_number("frequency_hz", frequency_hz, "Hz")
+    positive_number("tolerance", tolerance)
+    whole_number("max_periods", max_periods, 1)
+    steps = whole_number("steps_per_period", steps_per_period, 1)
+    require_allowed("steps_per_period", steps, steps >= 20, "20 or above; 500 to 2000 are usual")
+    radius = real_number("spectral_radius", spectral_radius)
+    allowed = "between 0 (fast modes vanish in one step) and 1 (no numerical dissipation)"
+    require_allowed("spectral_radius", radius, 0.0 <= radius <= 1.0, allowed)
 
 
 def start_from_response(response: ForcedResponse, point: int) -> dict[str, FloatArray]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from stickslip.errors import InputError
 from stickslip.structure.mesh import IntArray, Mesh
-from stickslip.validation import FloatArray
+from stickslip.validation import FloatArray, real_number, require_allowed, whole_number
 
 
 @dataclass(frozen=True)
@@ -61,16 +61,11 @@ class BladePairGeometry:
 
     def __post_init__(self) -> None:
         for item in fields(self):
-            value = getattr(self, item.name)
-            if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not math.isfinite(value):
-                raise InputError(f"{item.name} is {value!r}, but it must be one finite number.")
+            value = real_number(item.name, getattr(self, item.name))
             if item.name == "platform_angle_deg":
-                if not 0.0 < value < 90.0:
-                    raise InputError(f"platform_angle_deg is {value:g}; it must lie between 0 and 90 degrees.")
-            elif value <= 0.0:
-                raise InputError(
-                    f"{item.name} is {value:g} m, but it must be above 0; dimensions are in metres (28 mm is 0.028)."
-                )
+                require_allowed(item.name, value, 0.0 < value < 90.0, "between 0 and 90 degrees")
+            else:
+                require_allowed(item.name, value, value > 0.0, "above 0 m (28 mm is 0.028)")
         self._require_fit()
 
     def _require_fit(self) -> None:
@@ -191,9 +186,7 @@ class BladePairElements:
 
     def __post_init__(self) -> None:
         for item in fields(self):
-            value = getattr(self, item.name)
-            if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
-                raise InputError(f"{item.name} is {value!r}; a number of elements must be a whole number of 1 or more.")
+            whole_number(item.name, getattr(self, item.name), 1)
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from stickslip.files import whole_file
 from stickslip.structure.elasticity import Material
 from stickslip.structure.finite_element_mesh import FiniteElementMesh
 from stickslip.structure.mesh import IntArray, Mesh
+from stickslip.validation import require_choice
 
 Step = Literal["frequency", "matrices"]
 
@@ -73,10 +74,8 @@ def write_calculix_deck(
     target = Path(path)
     if target.suffix != ".inp":
         raise InputError(f'"{target}" must end in .inp, the input file that CalculiX looks for.')
-    if step not in ("frequency", "matrices"):
-        raise InputError(f"step is {step!r}; it must be 'frequency' or 'matrices'.")
-    if element not in BRICKS:
-        raise InputError(f"element is {element!r}; 8-node bricks can be: {', '.join(BRICKS)}.")
+    require_choice("step", step, ("frequency", "matrices"))
+    require_choice("element", element, BRICKS)
     blocks = mesh.cell_arrays()
     types = [element if kind == "hexahedron" else ELEMENT_TYPES[kind] for kind, _ in blocks]
     n_bodies = int(mesh.body.max()) + 1

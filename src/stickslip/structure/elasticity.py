@@ -18,7 +18,7 @@ from stickslip.structure.finite_element_mesh import AnyMesh, FiniteElementMesh
 from stickslip.structure.incompatible_brick import incompatible_stiffness
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.shapes import compatible_stiffness, consistent_mass
-from stickslip.validation import FloatArray, finite_array, require_positive
+from stickslip.validation import FloatArray, positive_number, real_number, require_allowed, require_choice
 
 Element = Literal["incompatible", "trilinear", "serendipity"]
 Hexahedron = Literal["incompatible", "trilinear"]
@@ -40,12 +40,9 @@ class Material:
 
     def __post_init__(self) -> None:
         for name, unit in (("young_modulus", "Pa"), ("density", "kg/m3")):
-            require_positive(name, finite_array(name, getattr(self, name)), f"Give it in {unit}.")
-        finite_array("poisson_ratio", self.poisson_ratio)
-        if not -1.0 < self.poisson_ratio < 0.5:
-            raise InputError(
-                f"poisson_ratio is {self.poisson_ratio:g}; it must lie between -1 and 0.5 (metals: about 0.3)."
-            )
+            positive_number(name, getattr(self, name), unit)
+        ratio = real_number("poisson_ratio", self.poisson_ratio)
+        require_allowed("poisson_ratio", ratio, -1.0 < ratio < 0.5, "between -1 and 0.5 (metals: about 0.3)")
 
     def elastic_matrix(self) -> FloatArray:
         """(6, 6) Pa, from strain xx, yy, zz, xy, yz, zx (engineering shear) to stress."""
@@ -155,8 +152,7 @@ def assemble(
     InputError
         for an element that does not exist or does not suit the cells, and for a node number that does not exist.
     """
-    if element not in get_args(Element):
-        raise InputError(f"element is {element!r}; it must be one of: {', '.join(get_args(Element))}.")
+    require_choice("element", element, get_args(Element))
     if element == "serendipity":
         mesh = mesh.quadratic()
     elif mesh.cells.shape[1] != 8:
@@ -194,8 +190,7 @@ def assemble_bodies(
     InputError
         for a number of materials that is not that of the bodies, and for nodes or unknowns that do not exist.
     """
-    if hexahedron not in get_args(Hexahedron):
-        raise InputError(f"hexahedron is {hexahedron!r}; it must be one of: {', '.join(get_args(Hexahedron))}.")
+    require_choice("hexahedron", hexahedron, get_args(Hexahedron))
     if len(materials) != len(mesh.body_names):
         raise InputError(
             f"materials has {len(materials)} entries, but the mesh has {len(mesh.body_names)} bodies: "

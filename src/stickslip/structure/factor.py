@@ -6,7 +6,7 @@ import importlib.util
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 import scipy.sparse
@@ -14,7 +14,7 @@ import scipy.sparse.linalg
 
 from stickslip.errors import ConvergenceError, InputError, MissingPackageError, SingularMatrixError
 from stickslip.threads import in_threads
-from stickslip.validation import FloatArray
+from stickslip.validation import FloatArray, require_choice
 
 Backend = Literal["superlu", "pardiso"]
 
@@ -110,12 +110,8 @@ def factorize(matrix: Any, backend: Backend = "superlu", threads: int = 1) -> Fa
     """
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.shape[0]:
         raise InputError(f"a matrix to be factored must be square and not empty; found shape {matrix.shape}.")
-    if backend == "superlu":
-        solve = _superlu(matrix)
-    elif backend == "pardiso":
-        solve = _pardiso(matrix)
-    else:
-        raise InputError(f"backend is {backend!r}; it must be 'superlu' or 'pardiso'.")
+    require_choice("backend", backend, get_args(Backend))
+    solve = _superlu(matrix) if backend == "superlu" else _pardiso(matrix)
     residual, solution_error = _errors(matrix, solve)
     if not solution_error <= SOLUTION_ERROR_LIMIT:
         raise SingularMatrixError(

@@ -27,6 +27,7 @@ from stickslip.sweeps.pool import InProcess, LocalProcesses, SizedExecutor, Work
 from stickslip.sweeps.schedule import Schedule, StructureGroup
 from stickslip.sweeps.work import CaseOutcome, CaseTask, worker_version
 from stickslip.threads import usable_cores
+from stickslip.validation import whole_number
 
 TABLE_FILE = "sweep.csv"
 DATASET_FILE = "sweep.nc"
@@ -101,8 +102,8 @@ def sweep(
         written. A case that fails raises nothing: its row has the message.
     """
     for name, number in (("workers", workers), ("threads", threads)):
-        if number is not None and number < 1:
-            raise InputError(f"{name} is {number}, but it must be a whole number of at least 1.")
+        if number is not None:
+            whole_number(name, number, 1)
     keys = swept_keys(vary)
     planned = plan_cases(case, keys)
     folder = None if out is None else SweepFolder(Path(out))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, concerning
+from stickslip.validation import require_choice
 
 LENGTH_UNITS = {"m": 1.0, "dm": 0.1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048}  # m
 
@@ -68,16 +69,12 @@ def find_unit_system(length_unit: str, unit_system: str | None = None) -> UnitSy
 
     Raises InputError for an unknown unit or system, and for a system with another length.
     """
-    if length_unit not in LENGTH_UNITS:
-        raise InputError(
-            f"length_unit is {length_unit!r}; it must be one of: {', '.join(LENGTH_UNITS)}.", ("length_unit",)
-        )
+    with concerning("length_unit"):
+        require_choice("length_unit", length_unit, LENGTH_UNITS)
     if unit_system is None:
         return UNIT_SYSTEMS[USUAL_SYSTEM[length_unit]]
-    if unit_system not in UNIT_SYSTEMS:
-        raise InputError(
-            f"unit_system is {unit_system!r}; it must be one of: {', '.join(UNIT_SYSTEMS)}.", ("unit_system",)
-        )
+    with concerning("unit_system"):
+        require_choice("unit_system", unit_system, UNIT_SYSTEMS)
     system = UNIT_SYSTEMS[unit_system]
     if system.length_unit != length_unit:
         fitting = ", ".join(name for name, each in UNIT_SYSTEMS.items() if each.length_unit == length_unit)
