@@ -16,6 +16,7 @@ from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.interface.friction import harmonic_force, harmonic_tangent
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse, LinearCurves
+from stickslip.results.rough_patch import RoughPatch
 
 FLAP, EDGE = 2 * np.pi * 418.0, 2 * np.pi * 1229.0
 MODAL_MASS, DAMPER_MASS = 0.050, 0.0114
@@ -197,6 +198,13 @@ def _linear(mass, damping, stiffness, force, frequency_hz, harmonics):
     return answer
 
 
+def synthetic_patch() -> RoughPatch:
+    """A wavy face of the size and the number of heights that a run gives its page."""
+    x, y = np.meshgrid(np.linspace(0.0, 1.0, 140), np.linspace(0.0, 1.0, 40))
+    height = 50e-6 * np.sin(23.0 * x + 3.0 * y) + 8e-6 * np.sin(150.0 * x - 40.0 * y) + 1e-3
+    return RoughPatch(0.028, 0.0065, height, sq=54.0e-6, sdq=0.82)
+
+
 @cache
 def synthetic_study(columns: int = 11, rows: int = 5) -> StudyRecord:
     """The record that goes with :func:`synthetic_response` of the same grid."""
@@ -250,4 +258,5 @@ def synthetic_study(columns: int = 11, rows: int = 5) -> StudyRecord:
             ("Reduced model", 10, "unknowns", "boundary and modal unknowns"),
         ),
         warnings=(),
+        rough_patch=synthetic_patch(),
     )

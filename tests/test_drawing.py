@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from stickslip.case import Case
-from stickslip.drawing import Drawing, SecondProcess
+from stickslip.drawing import Drawing, SecondProcess, rough_patch
 from stickslip.errors import InputError
+from stickslip.facts import derived_quantities
+from stickslip.model import load_joint, set_up
 from synthetic import synthetic_response, synthetic_study
 
 CASE = Case.from_mapping({"output": {"figure_formats": ["svg"]}})
@@ -25,6 +28,22 @@ def test_the_second_process_draws_what_the_first_would(tmp_path: Path) -> None:
     assert all(file.parent == tmp_path / "there" and file.stat().st_size > 1000 for file in there)
 
 
+def test_every_grid_shows_the_same_face() -> None:
+    """Figure and page draw the same heights at the points that they share, to scale, and the statistics of the law."""
+    fine, coarse = rough_patch(CASE, (13, 25)), rough_patch(CASE, (5, 9))
+    assert fine is not None
+    assert coarse is not None
+    np.testing.assert_allclose(fine.height[::3, ::3], coarse.height, rtol=1e-12)
+    assert (coarse.length, coarse.width) == (0.028, 0.0065)
+    assert coarse.height[0, 0] == 0.0
+    statistics = derived_quantities(CASE, load_joint(CASE, set_up(CASE).layout))
+    told = {name: value for name, value, _, _ in statistics}
+    assert (1e6 * coarse.sq, coarse.sdq) == pytest.approx((told["Sq"], told["Sdq"]), rel=1e-12)
+    changed = rough_patch(CASE.replace({"roughness.seed": 2}), (5, 9))
+    assert changed is not None
+    assert changed.height.std() != coarse.height.std()
+
+
 def test_no_formats_no_files(tmp_path: Path) -> None:
     drawing = Drawing(tmp_path / "none", CASE.replace({"output.figure_formats": []}))
     assert drawing.of_roughness() == drawing.of_response(synthetic_response(), synthetic_study()) == []
@@ -33,7 +52,9 @@ def test_no_formats_no_files(tmp_path: Path) -> None:
 
 def test_given_stiffness_has_no_rough_face(tmp_path: Path) -> None:
     given = {"normal_stiffness": 1e8, "tangential_stiffness": 1e8}
-    assert Drawing(tmp_path, Case.from_mapping({"contact_stiffness": given})).of_roughness() == []
+    case = Case.from_mapping({"contact_stiffness": given})
+    assert Drawing(tmp_path, case).of_roughness() == []
+    assert rough_patch(case, (5, 9)) is None
 
 
 def test_what_the_drawing_refuses_is_raised_here(tmp_path: Path) -> None:

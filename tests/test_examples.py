@@ -102,7 +102,9 @@ def documented_commands() -> list[str]:
         text = page.read_text(encoding="utf-8")
         blocks = "".join(re.findall(r"```sh\n(.*?)```", text, flags=re.DOTALL))
         found += re.findall(r"^stickslip ([^#\n]+)", blocks, flags=re.MULTILINE)
-        found += re.findall(r"`stickslip ([a-z]+ [^`]*)`", re.sub(r"```.*?```", "", text, flags=re.DOTALL))
+        found += re.findall(
+            r"`(?:\.venv/bin/)?stickslip ([a-z]+ [^`]*)`", re.sub(r"```.*?```", "", text, flags=re.DOTALL)
+        )
     return sorted({" ".join(line.split()) for line in found})
 
 

@@ -80,7 +80,7 @@ def test_one_state_in_report_shapes_and_curve(tmp_path: Path, preload: dict[str,
     assert record.mode_contact == HELD
     page = html.unescape((tmp_path / "report.html").read_text(encoding="utf-8"))
     assert f"Natural frequencies, contact {HELD}" in page
-    assert "linear, pairs closed at rest stuck" in page
+    assert "linear, stuck (pairs closed at rest)" in page
     assert "all stuck" not in page
     words = {name: meaning for name, _, _, meaning in record.derived}
     assert words["Normal stiffness, sole"] == "all pairs of the face, closed"
@@ -134,7 +134,7 @@ def test_a_body_that_open_pairs_leave_free_moves_at_0_hz() -> None:
     assert all(row.mac > 0.999 and row.difference_percent < 0.1 for row in table[6:8])
     sections = dict(study.check(case))
     frequencies = dict(sections["Would run"])["first natural frequencies, contact stuck (pairs closed at rest)"]
-    assert frequencies == "0.0, 0.0, 0.0, 0.0 Hz"
+    assert frequencies == "0.00, 0.00, 0.00, 0.00 Hz"
     assert "a body that moves freely: the pairs closed at rest do not hold it" in sections["Warnings"][0][1]
     with pytest.raises(InputError, match="at 48 of 48 pairs, and the others do not hold every body"):
         study.solve(case, found)

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 from stickslip import study
 from stickslip.case import Case
 from stickslip.cli import app
+from stickslip.drawing import PAGE_GRID, rough_patch
 from stickslip.errors import ResultsFileError
 from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
@@ -72,6 +73,7 @@ def test_results_load_back_equal_and_report_is_remade(solved: tuple[Path, study.
     assert saved.study.pair_face.size == outcome.response.pairs.n_pairs
     assert saved.study.sketch is not None
     assert saved.study.sketch.body_names == ("left blade", "right blade", "damper")
+    assert saved.study.rough_patch == rough_patch(Case().replace(COARSE), PAGE_GRID)
     before = (folder / "report.html").read_text(encoding="utf-8")
     assert '<section id="structure">' in before
     (folder / "report.html").unlink()

@@ -229,6 +229,11 @@ def _with_pairs_in(folder: Path, interface: Any) -> Any:
 
 def load_case(path: str | PathLike[str]) -> Case:
     """Read and validate a study file. Raises StudyFileError with one line for each error in the file."""
+    return load_case_and_places(path)[0]
+
+
+def load_case_and_places(path: str | PathLike[str]) -> tuple[Case, case_file.KeyPlaces]:
+    """:func:`load_case`, and where the keys of the file stand, for what is found wrong later."""
     text = case_file.read_text(path)
-    data = case_file.parse_toml(text, str(path))
-    return Case.in_folder(data, Path(path).resolve().parent, str(path), case_file.key_lines(text))
+    places = case_file.KeyPlaces(str(path), case_file.parse_toml(text, str(path)), case_file.key_lines(text))
+    return Case.in_folder(dict(places.data), Path(path).resolve().parent, places.source, places.lines), places

@@ -14,7 +14,7 @@ from typing import Any
 
 from pydantic_core import ErrorDetails
 
-from stickslip.errors import StudyFileError
+from stickslip.errors import InputError, StudyFileError
 
 _KEY = re.compile(r"\s*([\w-]+)\s*=")
 _NEW_FILE = '"stickslip new FILE" writes a commented one to start from.'
@@ -67,6 +67,51 @@ def key_lines(text: str) -> dict[tuple[str, ...], int]:
         elif key:
             lines.setdefault((*section, key[1]), number)
     return lines
+
+
+@dataclass(frozen=True)
+class KeyPlaces:
+    """Where the keys of a study file stand, for what is found wrong after the file was read.
+
+    ``data`` and ``lines`` are those of :func:`parse_toml` and :func:`key_lines`; a sweep gives the values of the keys
+    ``varied`` in place of the file.
+    """
+
+    source: str
+    data: Mapping[str, Any]
+    lines: Mapping[tuple[str, ...], int]
+    varied: tuple[str, ...] = ()
+
+    def sentence(self, error: InputError) -> str:
+        """The sentence of an error after the file's name and the place of each key that it is about."""
+        if len(error.keys) == 1 and error.keys[0] in str(error) and self._line(error.keys[0]):
+            where = [f"line {self._line(error.keys[0])}"]  # the sentence names the key itself
+        else:
+            where = [self._place(key) for key in error.keys]
+        return f"{', '.join([self.source, *where])}: {error}"
+
+    def _place(self, key: str) -> str:
+        if key in self.varied:
+            return f"--vary {key}"
+        if not _holds(self.data, key):
+            return f"{key} (not in the file: default)"
+        line = self._line(key)
+        return f"line {line} ({key})" if line else key
+
+    def _line(self, key: str) -> int:
+        """The line of a key of the file, else of the section around it; 0 where it is not known or not the file's."""
+        if key in self.varied or not _holds(self.data, key):
+            return 0
+        around = {".".join(path): line for path, line in self.lines.items() if path}
+        found = [name for name in around if key == name or key.startswith(f"{name}.")]
+        return around[max(found, key=len)] if found else 0
+
+
+def _holds(data: Any, key: str) -> bool:
+    """Whether sections hold a dotted key; a name of an entry may have dots of its own."""
+    if not isinstance(data, Mapping):
+        return False
+    return key in data or any(key.startswith(f"{name}.") and _holds(data[name], key[len(name) + 1 :]) for name in data)
 
 
 def _header(line: str) -> tuple[str, ...]:

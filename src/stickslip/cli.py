@@ -20,6 +20,7 @@ from stickslip.progress import terminal_progress
 
 if TYPE_CHECKING:
     from stickslip.case import Case
+    from stickslip.case_file import KeyPlaces
     from stickslip.study import StudyOutcome
     from stickslip.sweeps.run import Sweep
 
@@ -92,10 +93,10 @@ def new(
 def check(path: StudyFile, debug: Debug = False) -> None:
     """Validate a study file and show what would run."""
     with error_sentences(debug):
-        case = _load(path)
+        case, places = _load(path)
         from stickslip import study
 
-        with _about(path):
+        with _about(places):
             sections = study.check(case)
         for title, rows in sections:
             typer.echo(f"\n{title}")
@@ -120,11 +121,11 @@ def run(
 ) -> None:
     """Solve a study and write results, report and figures into DIR."""
     with error_sentences(debug, log_folder=out):
-        case = _load(path, quiet)
+        case, places = _load(path, quiet)
         _require_writable(out)
         from stickslip import study
 
-        with terminal_progress(quiet) as progress, _about(path):
+        with terminal_progress(quiet) as progress, _about(places):
             outcome = study.run(case, out, progress=progress, threads=threads)
         _close(outcome, quiet)
 
@@ -159,8 +160,9 @@ def sweep(
     with error_sentences(debug, log_folder=out):
         if scheduler is not None and workers is not None:
             raise InputError("--workers and --scheduler cannot both be given: the cluster has its own workers.")
-        case = _load(path, quiet)
+        case, places = _load(path, quiet)
         from contextlib import nullcontext
+        from dataclasses import replace
 
         from stickslip.sweeps import axes, run
         from stickslip.sweeps.cluster import cluster_executor
@@ -169,8 +171,9 @@ def sweep(
         axes.swept_keys(varied)  # a wrong key is told before a folder is made or a cluster is asked
         _require_writable(out)
         cluster = cluster_executor(scheduler) if scheduler else nullcontext(None)
+        places = replace(places, varied=tuple(varied))
         try:
-            with terminal_progress(quiet) as progress, _about(path), cluster as executor:
+            with terminal_progress(quiet) as progress, _about(places), cluster as executor:
                 result = run.sweep(case, varied, executor, out, progress, workers=workers, threads=threads)
         except KeyboardInterrupt:
             typer.echo("Finished cases are kept; the same command goes on with the others.", err=True)
@@ -278,22 +281,22 @@ def paper(
         if not quiet:
             typer.echo(f"Wrote {outcome.files[0]} and {len(outcome.files) - 1} other files.")
             words = ", ".join(f"{verdict.value}: {count}" for verdict, count in outcome.verdicts.items())
-            typer.echo(f"{outcome.curves} curves, {outcome.found} of them found. Claims: {words}.")
+            typer.echo(f"{outcome.curves} curves, {outcome.found} of them taken from an earlier run. Claims: {words}.")
         for failure in outcome.failures[:SHOWN_FAILURES]:
             typer.echo(f"Failed: {failure.setting}: {failure.message}", err=True)
         if outcome.failures:
             raise typer.Exit(EXIT_NOT_CONVERGED)
 
 
-def _load(path: Path, quiet: bool = False) -> Case:
-    """The case of a study file; says which values are defaults. Raises StudyFileError."""
-    from stickslip.case import load_case
+def _load(path: Path, quiet: bool = False) -> tuple[Case, KeyPlaces]:
+    """The case of a study file and where its keys stand; says which values are defaults. Raises StudyFileError."""
+    from stickslip.case import load_case_and_places
 
-    case = load_case(path)
+    case, places = load_case_and_places(path)
     defaults = case.defaulted_keys()
     if defaults and not quiet:
         typer.echo(f"Not in the file, so the default is used: {', '.join(defaults)}", err=True)
-    return case
+    return case, places
 
 
 def _close(outcome: StudyOutcome, quiet: bool) -> None:
@@ -342,9 +345,9 @@ def _require_writable(folder: Path) -> None:
 
 
 @contextmanager
-def _about(path: Path) -> Iterator[None]:
-    """Put the study file's name before what is found wrong with it after reading."""
+def _about(places: KeyPlaces) -> Iterator[None]:
+    """Put the study file's name and the lines of its keys before what is found wrong with it after reading."""
     try:
         yield
     except InputError as error:
-        raise type(error)(f"{path}: {error}") from error
+        raise error.reworded(places.sentence(error)) from error

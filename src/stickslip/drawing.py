@@ -19,13 +19,38 @@ from typing import IO, TYPE_CHECKING, Any, cast
 import numpy as np
 
 from stickslip.errors import StickslipError
-from stickslip.interface.surface import draw_phases, fractal_surface, frequency_count
+from stickslip.interface.surface import draw_phases, fractal_surface, frequency_count, sdq, sq
 from stickslip.model import kind_of
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
+from stickslip.results.rough_patch import RoughPatch
 
 if TYPE_CHECKING:
     from stickslip.case import Case
+
+FIGURE_GRID = (98, 420)  # points across and along, of the single figure
+PAGE_GRID = (40, 140)  # of the page, which holds every height
+
+
+def rough_patch(case: Case, grid: tuple[int, int]) -> RoughPatch | None:
+    """Heights of one rough face of a case from its roughness, ridges and seed, on a grid of points across and along.
+
+    None where the case has no roughness. Raises InputError for a roughness that gives no surface.
+    """
+    given = case.roughness
+    if given is None:
+        return None
+    spectrum = given.fractal_dimension, given.fractal_roughness, given.sample_length
+    along, across = kind_of(case).rough_face_size(case)
+    x, y = np.meshgrid(np.linspace(0.0, along, grid[1]), np.linspace(0.0, across, grid[0]))
+    phases = draw_phases(given.seed, given.ridges, frequency_count(given.sample_length, given.shortest_length))
+    return RoughPatch(
+        along,
+        across,
+        fractal_surface(x, y, *spectrum, given.ridges, phases),
+        sq=sq(*spectrum, given.shortest_length),
+        sdq=sdq(*spectrum, given.shortest_length),
+    )
 
 
 @dataclass(frozen=True)
@@ -47,20 +72,14 @@ class Drawing:
 
     def of_roughness(self) -> list[Path]:
         """Write a picture of one rough face: heights from the roughness, its ridges and its seed. Raises InputError."""
-        given, formats = self.case.roughness, self.case.output.figure_formats
-        if given is None or not formats:
+        formats = self.case.output.figure_formats
+        patch = rough_patch(self.case, FIGURE_GRID) if formats else None
+        if patch is None:
             return []
         from stickslip.report.figures import save, surface
 
         self.folder.mkdir(parents=True, exist_ok=True)
-        n_max = frequency_count(given.sample_length, given.shortest_length)
-        along, across = kind_of(self.case).rough_face_size(self.case)
-        x, y = np.meshgrid(np.linspace(0.0, along, 420), np.linspace(0.0, across, 98))
-        phases = draw_phases(given.seed, given.ridges, n_max)
-        heights = fractal_surface(
-            x, y, given.fractal_dimension, given.fractal_roughness, given.sample_length, given.ridges, phases
-        )
-        figure = surface(x, y, heights)
+        figure = surface(*np.meshgrid(patch.along, patch.across), patch.height)
         return [save(figure, self.folder / f"rough_face.{ending}") for ending in formats]
 
 

@@ -5,6 +5,10 @@ A message says what is wrong, where in the input it stands, what was found, what
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Self
+
 
 class StickslipError(Exception):
     """Root of all errors that stickslip raises on purpose. ``exit_code`` is what the command line returns."""
@@ -13,7 +17,44 @@ class StickslipError(Exception):
 
 
 class InputError(StickslipError, ValueError):
-    """The input is not usable: a key, an array, a matrix or a file is wrong."""
+    """The input is not usable: a key, an array, a matrix or a file is wrong.
+
+    ``keys`` says what the sentence is about where that is known: keys or sections of a study file, such as
+    "geometry.width" or "interfaces.joint", or arguments of a class that is used without a study file.
+    """
+
+    def __init__(self, sentence: str, keys: Sequence[str] = ()) -> None:
+        super().__init__(sentence)
+        self.keys = tuple(keys)
+
+    def reworded(self, sentence: str) -> Self:
+        """An error of the same kind about the same keys with another sentence."""
+        other = type(self)(sentence)
+        other.keys = self.keys
+        return other
+
+
+@contextmanager
+def keys_of_section(section: str, renamed: Mapping[str, str] | None = None) -> Iterator[None]:
+    """Name the arguments that an InputError from inside is about as keys of ``section`` of the study file.
+
+    ``renamed`` holds argument -> key where the two differ.
+    """
+    try:
+        yield
+    except InputError as error:
+        error.keys = tuple(f"{section}.{(renamed or {}).get(name, name)}" for name in error.keys)
+        raise
+
+
+@contextmanager
+def concerning(*keys: str) -> Iterator[None]:
+    """Say that an InputError from inside is about ``keys`` of the study file, unless it says more closely itself."""
+    try:
+        yield
+    except InputError as error:
+        error.keys = error.keys or keys
+        raise
 
 
 class StudyFileError(InputError):

@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.interface.friction_kernel import OPEN, SLIP
 from stickslip.joint import Joint
-from stickslip.results.measures import summary
+from stickslip.results.measures import hertz, summary
 from stickslip.results.response import ForcedResponse
 from stickslip.setup import Derived, Setup
 from stickslip.structure.elasticity import Structure
@@ -123,7 +123,12 @@ def compared_tractions(
         words += f"; that curve is not complete: {other.message}"
     return (
         (label, float(1e6 * there.peak.amplitude), "µm", words),
-        (f"{label}: frequency", there.peak.frequency_hz, "Hz", f"{shift:+.3f} Hz against this study"),
+        (
+            f"{label}: frequency",
+            there.peak.frequency_hz,
+            "Hz",
+            f"{'+' if shift >= 0.0 else ''}{hertz(shift)} Hz against this study",
+        ),
         (f"{label}: friction energy", float(1e6 * there.friction_energy), "µJ", f"per cycle, {energy:+.1f} %"),
     )
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, concerning
 from stickslip.interface.pairing import FacePairs
 from stickslip.interface.preload import area_share, face_sum
 from stickslip.interface.stiffness import (
@@ -123,16 +123,17 @@ def describe_faces(
         if own.stiffness is not None or given is None:
             faces.append(None)
             continue
-        roughness = case_roughness(case, *layout.face_materials[face])
         area, load = float(pairs.area[members].sum()), float(np.maximum(preload[members], 0.0).sum())
         reference = given.reference_area or area
-        faces.append(
-            RoughFace(
-                contact_stiffness(roughness, load * (reference / area), mode=given.mode, nominal_area=reference),
-                surface_statistics(roughness, given.sample_length, given.shortest_length),
-                reference,
+        with concerning(*_roughness_keys(case, layout.face_names[face])):
+            roughness = case_roughness(case, *layout.face_materials[face])
+            faces.append(
+                RoughFace(
+                    contact_stiffness(roughness, load * (reference / area), mode=given.mode, nominal_area=reference),
+                    surface_statistics(roughness, given.sample_length, given.shortest_length),
+                    reference,
+                )
             )
-        )
     return tuple(faces)
 
 
@@ -153,15 +154,27 @@ def pair_springs(
             continue
         given = case.roughness
         assert given is not None  # a case has a roughness wherever a face has no stiffness of its own
-        normal[members], tangential[members] = pair_stiffness(
-            case_roughness(case, *layout.face_materials[face]),
-            pairs.area[members],
-            preload[members],
-            mode=given.mode,
-            allocation=given.allocation,
-            reference_area=given.reference_area,
-        )
+        with concerning(*_roughness_keys(case, layout.face_names[face])):
+            normal[members], tangential[members] = pair_stiffness(
+                case_roughness(case, *layout.face_materials[face]),
+                pairs.area[members],
+                preload[members],
+                mode=given.mode,
+                allocation=given.allocation,
+                reference_area=given.reference_area,
+            )
     return normal, tangential
+
+
+def _roughness_keys(case: Case, face_name: str) -> tuple[str, ...]:
+    """What the stiffness of a rough face follows from: the roughness, and where its load comes from."""
+    if case.preload.method == "solved":
+        load = "preload.method"
+    elif case.preload.values is not None:
+        load = "preload.values"
+    else:
+        load = "preload.centrifugal_force" if case.interfaces == {} else f"interfaces.{face_name}.normal_load"
+    return "roughness", load
 
 
 def case_material(case: Case) -> Material:

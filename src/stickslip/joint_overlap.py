@@ -54,5 +54,6 @@ def _sides(mesh: AnyMesh, face: str | None) -> set[tuple[int, ...]]:
 def _refuse(name: str, other: str, what: str) -> None:
     raise InputError(
         f"interfaces.{name} and interfaces.{other} join the same {what}, so contact would count twice there. Take one "
-        "of the two out, or give them faces that do not overlap."
+        "of the two out, or give them faces that do not overlap.",
+        (f"interfaces.{name}", f"interfaces.{other}"),
     )

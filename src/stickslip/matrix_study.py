@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stickslip.case_structure import GROUND, InterfaceSection, PortSection
-from stickslip.errors import ImportFileError, InputError
+from stickslip.errors import ImportFileError, InputError, concerning, keys_of_section
 from stickslip.interface.face_pairs import FacePairs
 from stickslip.interface.local_axes import local_tangents, map_position
 from stickslip.joint import case_material
@@ -69,11 +69,13 @@ class MatrixSetup:
         """
         contact = self.layout.face_pairs.nodes
         if isinstance(self.matrices, Superelement):
-            require_contact_bodies(self.matrices, contact)
+            with concerning("structure.file"):
+                require_contact_bodies(self.matrices, contact)
             return self.matrices
         places = [port.nodes for port in self.layout.ports.values()]
         nodes = np.unique(np.concatenate([contact, *places]))
-        return reduce_matrices(self.matrices, nodes, self.n_modes, contact_nodes=contact)
+        with concerning("structure.stiffness"), keys_of_section("reduction", {"n_modes": "modes"}):
+            return reduce_matrices(self.matrices, nodes, self.n_modes, contact_nodes=contact)
 
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """Nodes with three displacements, other unknowns, mass, named sets."""
@@ -101,13 +103,15 @@ def set_up(case: Case) -> MatrixSetup:
     if matrices.damping is not None and case.damping.modal_damping_ratio is not None:
         raise InputError(
             f"damping.modal_damping_ratio = {case.damping.modal_damping_ratio:g} cannot come on top of the damping in "
-            "the matrix files. Set damping.rayleigh_alpha = 0 to take that of the files alone, or leave it out of them."
+            "the matrix files. Set damping.rayleigh_alpha = 0 to take that of the files alone, or take theirs out.",
+            ("damping.modal_damping_ratio",),
         )
     book, pairs, messages = _Book.of(matrices), [], []
     if not book.labels.size:
         raise InputError(
             "structure.unknown_map: no node of the matrices has unknowns along x, y and z, so no place can be named. "
-            "Give a file with the node and direction of each row."
+            "Give a file with the node and direction of each row.",
+            ("structure.unknown_map",),
         )
     for name, given in case.interfaces.items():
         found, words = _pairs(book, name, given)
@@ -136,19 +140,21 @@ def _read(case: Case) -> Superelement | MatrixModel:
     """The matrices of the files. Raises ImportFileError, and InputError for a unit that is not known."""
     given = case.structure
     if given.file is not None:
-        return read_superelement(given.file)
+        with concerning("structure.file"):
+            return read_superelement(given.file)
     assert given.stiffness is not None
     assert given.mass is not None
     assert given.length_unit is not None
-    return read_matrices(
-        given.stiffness,
-        given.mass,
-        given.damping,
-        given.unknown_map,
-        given.node_positions,
-        length_unit=given.length_unit,
-        unit_system=given.unit_system,
-    )
+    with keys_of_section("structure"):
+        return read_matrices(
+            given.stiffness,
+            given.mass,
+            given.damping,
+            given.unknown_map,
+            given.node_positions,
+            length_unit=given.length_unit,
+            unit_system=given.unit_system,
+        )
 
 
 def _displacements(matrices: Superelement | MatrixModel, axis: int | None = None) -> IntArray:
@@ -184,10 +190,10 @@ def _nodes(book: _Book, entry: str, name: str) -> IntArray:
     """Nodes of a set. Raises InputError that names the entry."""
     if name not in book.node_sets:
         known = ", ".join(book.node_sets) or "none"
-        raise InputError(f"{entry}: the matrices have no node set '{name}'; they have: {known}.")
+        raise InputError(f"{entry}: the matrices have no node set '{name}'; they have: {known}.", [entry])
     nodes = np.asarray(book.node_sets[name], dtype=np.int64)
     if not nodes.size:
-        raise InputError(f"{entry}: node set '{name}' is empty. Give it nodes, or take another set.")
+        raise InputError(f"{entry}: node set '{name}' is empty. Give it nodes, or take another set.", [entry])
     return nodes
 
 
@@ -205,7 +211,8 @@ def _pairs(book: _Book, name: str, given: InterfaceSection) -> tuple[FacePairs, 
     area = np.full(count, given.area / count)
     places = _places(book, first)
     points = np.zeros((count, 3)) if places is None else places
-    tangent1, tangent2 = local_tangents(points, normal, area, given.tangent)
+    with concerning(f"{entry}.tangent"):
+        tangent1, tangent2 = local_tangents(points, normal, area, given.tangent)
     if places is None:
         position = np.column_stack([np.zeros(count), _MAP_STEP * np.arange(count)])
         messages.append(
@@ -225,7 +232,8 @@ def _pairs(book: _Book, name: str, given: InterfaceSection) -> tuple[FacePairs, 
 def _sides(book: _Book, entry: str, given: InterfaceSection) -> tuple[IntArray, IntArray | None]:
     """First and second node of each pair, from a file or from sets; None for the ground."""
     if given.pairs is not None:
-        return _listed_pairs(book, entry, Path(given.pairs))
+        with concerning(f"{entry}.pairs"):
+            return _listed_pairs(book, entry, Path(given.pairs))
     assert given.first is not None
     assert given.second is not None
     first = _nodes(book, f"{entry}.first", given.first)
@@ -283,7 +291,8 @@ def _partners(book: _Book, entry: str, given: InterfaceSection, first: IntArray,
     if first.size != others.size:
         raise InputError(
             f"{entry}: '{given.first}' has {first.size} nodes and '{given.second}' has {others.size}; each node needs "
-            "one partner. Make the sets equal."
+            "one partner. Make the sets equal.",
+            (f"{entry}.first", f"{entry}.second"),
         )
     places, opposite = _places(book, first), _places(book, others)
     if places is None or opposite is None:
@@ -297,7 +306,8 @@ def _partners(book: _Book, entry: str, given: InterfaceSection, first: IntArray,
         raise InputError(
             f"{entry}: node {first[worst]} of '{given.first}' is {1e3 * smallest[worst]:.4g} mm from the nearest node "
             f"of '{given.second}' ({1e3 * reach:.4g} mm are allowed), or two nodes have the same partner. Check the "
-            "sets, or raise search_distance."
+            "sets, or raise search_distance.",
+            (f"{entry}.first", f"{entry}.second"),
         )
     return np.asarray(others[nearest])
 
@@ -310,13 +320,20 @@ def _port(book: _Book, name: str, given: PortSection) -> Port:
         if given.node not in book.labels:
             raise InputError(
                 f"{name}.node: the matrices have no node {given.node} with x, y and z among their "
-                f"{book.labels.size} such nodes."
+                f"{book.labels.size} such nodes.",
+                (f"{name}.node",),
             )
         return Port.single(given.node)
+    with concerning(f"{name}.point"):
+        return _nearest(book, name, np.array(given.point))
+
+
+def _nearest(book: _Book, name: str, point: FloatArray) -> Port:
+    """The node nearest to a point. Raises InputError where that is not known, far, or not a single one."""
     places = _places(book, book.labels)
     if places is None:
         raise InputError(f"{name}.point: the matrices do not say where their nodes are. Give node or set.")
-    distance = np.linalg.norm(places - np.array(given.point), axis=1)
+    distance = np.linalg.norm(places - point, axis=1)
     size = float(np.linalg.norm(np.ptp(places, axis=0)))
     if distance.min() > _POINT_SHARE * size:
         raise InputError(f"{name}.point: the nearest node is {1e3 * distance.min():.4g} mm away. Check the point.")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stickslip.case_structure import GROUND, InterfaceSection, PortSection
-from stickslip.errors import InputError
+from stickslip.errors import InputError, concerning, keys_of_section
 from stickslip.interface.face_pairs import FacePairs
 from stickslip.interface.pairing import pair_surfaces, pair_with_ground
 from stickslip.interface.pairing_result import Pairing, write_pairs
@@ -117,16 +117,18 @@ def _source(case: Case) -> ImportedModel:
     given = case.structure
     assert given.file is not None
     assert given.length_unit is not None
-    return read_model(given.file, given.length_unit, given.unit_system)
+    with keys_of_section("structure"), concerning("file"):
+        return read_model(given.file, given.length_unit, given.unit_system)
 
 
 @contextmanager
 def _entry(name: str) -> Iterator[None]:
-    """Put the entry of the study file before the sentence of an InputError."""
+    """Put the entry of the study file before the sentence of an InputError, whose keys are those of the entry."""
     try:
-        yield
+        with concerning(name):
+            yield
     except InputError as error:
-        raise type(error)(f"{name}: {error}") from error
+        raise error.reworded(f"{name}: {error}") from error
 
 
 @contextmanager
@@ -136,7 +138,7 @@ def _suspecting(odd_units: Sequence[str]) -> Iterator[None]:
         yield
     except InputError as error:
         if odd_units:
-            raise type(error)(f"{error} Besides, {odd_units[0]}") from error
+            raise error.reworded(f"{error} Besides, {odd_units[0]}") from error
         raise
 
 
@@ -146,7 +148,8 @@ def body_materials(case: Case, source: ImportedModel) -> tuple[Material, ...]:
     unknown = [name for name in case.bodies if name not in names]
     if unknown:
         raise InputError(
-            f"[bodies.{bare_name(unknown[0])}] names no body of {source.source}; its bodies are: {', '.join(names)}."
+            f"[bodies.{bare_name(unknown[0])}] names no body of {source.source}; its bodies are: {', '.join(names)}.",
+            (f"bodies.{unknown[0]}",),
         )
     return tuple(_material(case, name, source) for name in names)
 
@@ -168,7 +171,8 @@ def _material(case: Case, name: str, source: ImportedModel) -> Material:
         raise InputError(
             f"body '{name}' has no {', no '.join(missing)}: neither {section}, nor the mesh file, nor [material] "
             f"gives it.{' In the file, ' + said[0] if said else ''} Give a section {section} for this body, or "
-            "[material] for all bodies without one."
+            "[material] for all bodies without one.",
+            (f"bodies.{name}" if name in case.bodies else "structure.file",),
         )
     return Material(**values)
 
@@ -186,15 +190,15 @@ def _pairing(mesh: FiniteElementMesh, name: str, given: InterfaceSection) -> Pai
     points = given.points or "nodes"
     assert given.first is not None
     assert given.second is not None
-    with _entry(f"interfaces.{name}"):
+    with _entry(f"interfaces.{name}"), keys_of_section(f"interfaces.{name}"):
         if given.second == GROUND:
             serve_two = ("search_distance", "edge_tolerance", "gap_tolerance", "adjust")
             wrong = [key for key in serve_two if getattr(given, key) is not None]
             if wrong:
-                raise InputError(f"{wrong[0]} serves two faces; the ground follows the first face. Take it out.")
+                raise InputError(f"{wrong[0]} serves two faces; the ground follows the first face. Take it out.", wrong)
             return pair_with_ground(mesh, given.first, points=points, gap=given.gap or 0.0, tangent=given.tangent)
         if given.gap is not None:
-            raise InputError("gap belongs to the ground; between two faces it is measured. Take it out.")
+            raise InputError("gap belongs to the ground; between two faces it is measured. Take it out.", ["gap"])
         return pair_surfaces(
             mesh,
             given.first,
@@ -276,14 +280,17 @@ def _port(source: ImportedModel, name: str, given: PortSection) -> Port:
     mesh = source.mesh
     with _entry(name):
         if given.node is not None:
-            return Port.single(int(source.node_numbers(np.array([given.node]))[0]))
+            with concerning(f"{name}.node"):
+                return Port.single(int(source.node_numbers(np.array([given.node]))[0]))
         if given.point is not None:
-            return Port.single(_nearest(mesh, np.array(given.point)))
+            with concerning(f"{name}.point"):
+                return Port.single(_nearest(mesh, np.array(given.point)))
         assert given.set is not None
-        if given.spread == "area":
-            nodes, area, _ = face_geometry(mesh, given.set)
-            return Port(nodes, area / area.sum())
-        return Port.equal(mesh.node_set(given.set))
+        with concerning(f"{name}.set"):
+            if given.spread == "area":
+                nodes, area, _ = face_geometry(mesh, given.set)
+                return Port(nodes, area / area.sum())
+            return Port.equal(mesh.node_set(given.set))
 
 
 def _nearest(mesh: FiniteElementMesh, point: FloatArray) -> int:
@@ -316,11 +323,14 @@ def _require_free(
             raise InputError(
                 f"interfaces.{name}: node {source.shown(source.node_labels[wrong[0]])} of the file is held by a "
                 f"constraint and is part of a contact pair ({wrong.size} nodes are). Take these nodes out of the "
-                "faces, or out of the constraint."
+                "faces, or out of the constraint.",
+                (f"interfaces.{name}",),
             )
     for name, port in ports.items():
         if np.isin(port.nodes, held).all() or (port.is_single and np.isin(port.nodes, held).any()):
-            raise InputError(f"{name}: it is at nodes that are held, so nothing moves there. Choose another place.")
+            raise InputError(
+                f"{name}: it is at nodes that are held, so nothing moves there. Choose another place.", [name]
+            )
 
 
 def _require_held(mesh: FiniteElementMesh, pairs: FacePairs, fixed: IntArray, source: ImportedModel) -> None:
@@ -331,11 +341,13 @@ def _require_held(mesh: FiniteElementMesh, pairs: FacePairs, fixed: IntArray, so
         if part.is_hinged:
             raise InputError(
                 f"{element} ({bodies}) consists of {part.n_regions} regions that hang together at nodes or edges only, "
-                "like hinges, so its stiffness is singular whatever holds it. Join their faces, or separate them."
+                "like hinges, so its stiffness is singular whatever holds it. Join their faces, or separate them.",
+                ("structure.file",),
             )
         in_contact = np.isin(pairs.nodes, mesh.nodes_of_cells(part.cells)).any()
         if part.rigid and not in_contact:
             raise InputError(
                 f"{element} ({bodies}) can move freely ({part.rigid} rigid-body motions): neither structure.fixed nor "
-                "a constraint of the file holds it, and no interface touches it. Hold it, pair it, or leave it out."
+                "a constraint of the file holds it, and no interface touches it. Hold it, pair it, or leave it out.",
+                ("structure.fixed",),
             )

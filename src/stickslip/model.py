@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from stickslip import matrix_study, mesh_study, own_structure, two_blade
+from stickslip.errors import keys_of_section
 from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.joint import FaceSettings, Joint, make_joint
 from stickslip.progress import ProgressCallback
@@ -168,9 +169,10 @@ def reduce_structure(
     else:
         nodes, n_modes = layout.boundary_nodes, case.reduction.modes
         backend = best_backend(structure.stiffness.shape[0])
-        superelement = cached_superelement(
-            structure, nodes, n_modes, lambda: craig_bampton(structure, nodes, n_modes, backend, threads, progress)
-        )
+        with keys_of_section("reduction", {"n_modes": "modes"}):
+            superelement = cached_superelement(
+                structure, nodes, n_modes, lambda: craig_bampton(structure, nodes, n_modes, backend, threads, progress)
+            )
     body_load = (
         np.zeros(superelement.size) if layout.body_load is None else reduced_load(superelement, layout.body_load)
     )

@@ -39,7 +39,8 @@ def preload(case: Case, layout: Layout) -> FloatArray:
             parts = ", ".join(f"{n} of {name}" for n, name in zip(count, layout.face_names, strict=True))
             raise InputError(
                 f"preload.values has {len(case.preload.values)} entries, but there are {pairs.n_pairs} contact pairs "
-                f"({parts}). Give one force for each, in this order, or normal_load of each interface instead."
+                f"({parts}). Give one force for each, in this order, or normal_load of each interface instead.",
+                ("preload.values",),
             )
         return prescribed_preload(case.preload.values, pairs.n_pairs)
     load = np.zeros(pairs.n_pairs)
@@ -49,7 +50,8 @@ def preload(case: Case, layout: Layout) -> FloatArray:
             raise InputError(
                 f"interfaces.{name}: the normal load cannot rest on this face, because all of its pairs are apart by "
                 f"{1e3 * pairs.gap[pairs.face == face].min():.3g} mm or more. If the bodies touch and only their "
-                'meshes differ, set adjust = "closed".'
+                'meshes differ, set adjust = "closed".',
+                (f"interfaces.{name}.normal_load",),
             )
         load[touching] = given.normal_load * pairs.area[touching] / pairs.area[touching].sum()
     return load

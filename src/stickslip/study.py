@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from threadpoolctl import threadpool_limits
 
-from stickslip.drawing import Drawing, SecondProcess
+from stickslip.drawing import PAGE_GRID, Drawing, SecondProcess, rough_patch
 from stickslip.errors import ConvergenceError
 from stickslip.facts import (
     compared_tractions,
@@ -24,7 +24,7 @@ from stickslip.facts import (
 from stickslip.interface.pairing import FacePairs
 from stickslip.model import Model, ReducedModel, build_model, kind_of, load_joint, set_up
 from stickslip.progress import Progress, SilentProgress
-from stickslip.results.measures import peaks, summary, summary_table
+from stickslip.results.measures import hertz, peaks, summary, summary_table
 from stickslip.results.record import StudyRecord, run_provenance
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, save_results
@@ -95,6 +95,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
         record,
         derived=(*record.derived, *_with_other_tractions(case, model, response, progress, threads)),
         sketch=sketch_of(case, model),
+        rough_patch=rough_patch(case, PAGE_GRID),
     )
     progress.update("Files", 0.0, RESULTS_FILE)
     artist.start(response, record)
@@ -290,7 +291,7 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
             "Would run",
             [
                 ("sweep", f"{solver.frequency_start:g} to {solver.frequency_stop:g} Hz"),
-                (f"first natural frequencies, contact stuck{held}", ", ".join(f"{f:.1f}" for f in stuck_hz) + " Hz"),
+                (f"first natural frequencies, contact stuck{held}", ", ".join(map(hertz, stuck_hz)) + " Hz"),
                 ("excitation", kind_of(case).description(case)),
                 ("resolution", f"{solver.harmonics} harmonics, {solver.samples} samples"),
             ],

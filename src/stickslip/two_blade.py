@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stickslip.case_sections import GeometrySection, MaterialSection
-from stickslip.errors import InputError
+from stickslip.errors import InputError, concerning, keys_of_section
 from stickslip.interface.pairing import FacePairs, pair_faces
 from stickslip.interface.preload import prescribed_preload, uniform_preload
 from stickslip.joint import STARTING_PRESSURE, FaceSettings, case_material
@@ -71,7 +71,8 @@ def build_mesh(case: Case) -> Mesh:
     dimensions["platform_angle_deg"] = float(np.degrees(dimensions.pop("platform_angle")))
     counts = case.mesh.model_dump()
     element = counts.pop("element")
-    mesh = blade_pair_mesh(BladePairGeometry(**dimensions), BladePairElements(**counts))
+    with concerning("geometry"), keys_of_section("geometry", {"platform_angle_deg": "platform_angle"}):
+        mesh = blade_pair_mesh(BladePairGeometry(**dimensions), BladePairElements(**counts))
     return mesh.quadratic() if element == "serendipity" else mesh
 
 
@@ -122,7 +123,8 @@ def preload(case: Case, layout: Layout) -> FloatArray:
             raise InputError(
                 f"preload.values has {len(case.preload.values)} entries, but this mesh has {face_pairs.n_pairs} "
                 f"contact pairs. Give one force for each: {first} of the left face, then "
-                f"{face_pairs.n_pairs - first} of the right one; or give centrifugal_force instead."
+                f"{face_pairs.n_pairs - first} of the right one; or give centrifugal_force instead.",
+                ("preload.values",),
             )
         return prescribed_preload(case.preload.values, face_pairs.n_pairs)
     if case.preload.centrifugal_force is None:

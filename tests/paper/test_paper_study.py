@@ -147,7 +147,7 @@ def test_command(made: tuple[Path, PaperOutcome], monkeypatch: pytest.MonkeyPatc
     result = CliRunner().invoke(cli.app, ["paper", "--out", str(tmp_path), "--workers", "1"])
     assert result.exit_code == 0, result.stderr
     assert f"Wrote {outcome.files[0]}" in result.stdout
-    assert "21 curves, 0 of them found." in result.stdout
+    assert "21 curves, 0 of them taken from an earlier run. Claims: " in result.stdout
     failed = replace(
         outcome,
         notices=("A file was damaged.",),

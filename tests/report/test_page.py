@@ -142,6 +142,7 @@ def test_maps_and_loops_are_thinned_to_the_room_and_keep_the_peak(case, monkeypa
     assert whole["mapPoints"] == whole["loops"]["points"] == list(range(case[0].n_points))
     fixed = page_data_module.PAIR_CHARACTERS * 110 + page_data_module.POINT_CHARACTERS * 40
     fixed += sum(len(text) for text in whole["signals"].values())
+    fixed += page_data_module.HEIGHT_CHARACTERS * case[1].rough_patch.height.size
     for room, most_maps in ((400_000, 40), (30_000, 39)):
         monkeypatch.setattr(page_data_module, "DATA_CHARACTERS", fixed + room)
         data = page_data(view)
@@ -176,6 +177,45 @@ def test_no_page_grows_beyond_its_limit_where_all_pairs_need_their_forces() -> N
     kept = dataclasses.replace(response.pairs, residual_traction=np.zeros((response.pairs.n_pairs, 2)))
     text = page(dataclasses.replace(response, pairs=kept), study)
     assert 11e6 < len(text.encode()) < LARGEST_PAGE
+
+
+def test_the_rough_face_is_drawn_about_its_mean_in_mm_and_um(case, text):
+    patch = case[1].rough_patch
+    figure = json.loads(re.search(r'id="page-figures">(.*?)</script>', text, flags=re.S).group(1))["rough-map"]
+    drawn = figure["data"][0]
+    assert np.shape(drawn["z"]) == (40, 140)
+    np.testing.assert_allclose(drawn["z"], 1e6 * (patch.height - patch.height.mean()), rtol=1e-3)
+    assert (drawn["x"][0], drawn["x"][-1], drawn["y"][0], drawn["y"][-1]) == (0.0, 28.0, 0.0, 6.5)
+    assert drawn["colorscale"] == "Cividis"
+    assert len(json.dumps(drawn["z"])) < page_data_module.HEIGHT_CHARACTERS * patch.height.size
+    plotly.graph_objects.Figure(figure)
+    assert "28 mm by 6.5 mm" in text
+    assert "Sq 54 µm and Sdq 0.82 of all waves" in text
+    assert f"Sq {1e6 * patch.height.std():.4g} µm of the 5600 points" in text
+
+
+def test_a_study_without_roughness_has_no_rough_face(case):
+    text = without_plotly(page(case[0], dataclasses.replace(case[1], rough_patch=None)))
+    assert "Rough face" not in text
+    assert "rough-map" not in text
+
+
+def test_digits_of_tables(case):
+    """Four digits of derived numbers, frequencies to 0.01 Hz; the record keeps all of them."""
+    response, study = case
+    derived = (
+        ("Peak elsewhere", 452.343123, "Hz", ""),
+        ("Pressure", 1.58612345, "MPa", ""),
+        ("Low", 0.812345, "Hz", ""),
+    )
+    text = without_plotly(page(response, dataclasses.replace(study, derived=derived)))
+    table = text[text.index("<h2>Derived quantities") : text.index("<h2>Inputs")]
+    assert re.findall(r"<td>(.*?)</td>", table) == ["452.34", "1.586", "0.8123"]
+    modes = text[text.index("<h2>Natural frequencies") : text.index("<h2>Measures")]
+    assert all(re.fullmatch(r"\d+\.\d\d", value) for value in re.findall(r"<td>(\d{3,}\.\d+)</td>", modes))
+    measured = re.search(r">Peak frequency</th><td>(.*?) Hz<", text).group(1)
+    assert measured == f"{View.of(response, study).summary.peak.frequency_hz:.2f}"
+    assert f"at {measured} Hz" in text
 
 
 def test_page_from_a_saved_file_is_the_same(case, text, tmp_path):

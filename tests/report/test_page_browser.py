@@ -15,7 +15,7 @@ from stickslip.report.page import write_page
 from stickslip.report.style import VERMILLION
 from synthetic import synthetic_response, synthetic_study
 
-PLOTS = 2 + 2 + 4 + 2 + 2
+PLOTS = 2 + 2 + 4 + 2 + 2 + 1
 
 
 @pytest.fixture(scope="module")
@@ -174,7 +174,7 @@ def test_size_and_points_of_a_long_curve(browser, tmp_path):
         assert page.locator(".js-plotly-plot").count() == PLOTS
 
 
-@pytest.mark.parametrize(("n_pairs", "characters", "has_loops"), [(2000, 9_000_000, True), (110, 160_000, False)])
+@pytest.mark.parametrize(("n_pairs", "characters", "has_loops"), [(2000, 9_000_000, True), (110, 216_000, False)])
 def test_what_a_page_of_very_many_pairs_leaves_out_is_said(
     browser, tmp_path, monkeypatch, n_pairs, characters, has_loops
 ):

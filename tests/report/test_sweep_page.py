@@ -88,7 +88,7 @@ def test_damper_performance_marks_optimum_and_limits() -> None:
     view = sweep_view((LOADS,), BOWL)
     figures, text = figures_of(view), page_of(view)
     names = [trace["name"] for trace in figures["performance-load"]["data"]]
-    assert names == ["peak", "linear, closed at rest stuck", "optimum"]
+    assert names == ["peak", "linear, stuck (pairs closed at rest)", "optimum"]
     star = figures["performance-load"]["data"][2]
     assert (star["x"], star["y"]) == ([200.0], pytest.approx([100.0]))
     ratio = figures["performance-ratio"]["data"]

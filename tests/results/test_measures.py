@@ -10,6 +10,7 @@ from stickslip.results.measures import (
     Peak,
     energy_imbalance,
     half_power_damping,
+    hertz,
     peaks,
     state_counts,
     summary,
@@ -117,3 +118,11 @@ def test_summary_without_a_linear_peak_in_range_says_so():
     assert result.reduction_from_stuck is None
     assert result.shift_from_free_hz is None
     assert {name: value for name, value, _ in summary_table(result)}["Shift from the linear free peak"] == "-"
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [(452.343123, "452.34"), (-34.3249, "-34.32"), (-4.0543, "-4.05"), (0.812345, "0.8123"), (-0.001, "0.00")],
+)
+def test_frequencies_have_two_places_or_four_digits(value: float, words: str) -> None:
+    assert hertz(value) == words

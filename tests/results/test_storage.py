@@ -2,6 +2,7 @@
 
 import dataclasses
 import os
+import re
 
 import h5netcdf
 import h5py
@@ -35,6 +36,29 @@ def test_response_and_study_come_back_equal(response, saved):
     assert again.response == response
     assert again.study == synthetic_study(4, 3)
     assert os.listdir(saved.parent) == ["results.nc"]
+
+
+def test_a_file_without_a_rough_face_is_read(response, tmp_path):
+    """Files of runs before the picture was kept, cases of sweeps, and studies without roughness have none."""
+    study = dataclasses.replace(synthetic_study(4, 3), rough_patch=None)
+    save_results(tmp_path / "plain.nc", response, study)
+    with h5netcdf.File(tmp_path / "plain.nc", "r") as file:
+        assert not [name for name in file["study"].variables if name.startswith("rough")]
+    assert load_results(tmp_path / "plain.nc").study == study != synthetic_study(4, 3)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"height": np.zeros(5)}, "(n_across, n_along)"),
+        ({"height": np.zeros((1, 5))}, "2 or more"),
+        ({"height": np.full((3, 3), np.nan)}, "finite"),
+        ({"length": 0.0}, "above 0 m"),
+    ],
+)
+def test_a_rough_face_that_is_no_grid_is_refused(change, words):
+    with pytest.raises(InputError, match=re.escape(words)):
+        dataclasses.replace(synthetic_study(4, 3).rough_patch, **change)
 
 
 def test_response_alone_and_anisotropic_pairs(response, tmp_path):

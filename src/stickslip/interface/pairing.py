@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, concerning
 from stickslip.interface.face_pairs import FacePairs
 from stickslip.interface.local_axes import local_tangents, map_position
 from stickslip.interface.pairing_result import GROUND, Pairing, Unpaired, write_pairs
@@ -116,7 +116,10 @@ def pair_surfaces(
     """
     require_choice("points", points, get_args(Points))
     require_choice("adjust", adjust, get_args(Adjust))
-    face, other = SurfaceMesh.of(mesh, first), SurfaceMesh.of(mesh, second)
+    with concerning("first"):
+        face = SurfaceMesh.of(mesh, first)
+    with concerning("second"):
+        other = SurfaceMesh.of(mesh, second)
     _require_own_nodes(first, face.nodes, second, other.nodes)
     length, other_length = (float(np.sqrt(surface.side_area.mean())) for surface in (face, other))
     search = _length("search_distance", search_distance, _SEARCH_SHARE * max(length, other_length))
@@ -144,7 +147,8 @@ def pair_surfaces(
             f"the faces '{first}' and '{second}' meet nowhere. Places of '{first}': {lone.counts()}. The smallest "
             f"distance along the normal is {distance} (search_distance {1e3 * search:.3g} mm), the smallest overhang "
             f"{1e3 * lone.overhang.min():.3g} mm (edge_tolerance {1e3 * edge:.3g} mm). Check the sets and where the "
-            "bodies lie, or raise the tolerance that is passed."
+            "bodies lie, or raise the tolerance that is passed.",
+            ("first", "second"),
         )
     gap = np.where(np.abs(found.gap[met]) <= none, 0.0, found.gap[met])
     weights = np.where(np.abs(found.weights[met]) < _SMALLEST_WEIGHT, 0.0, found.weights[met])
@@ -187,7 +191,8 @@ def pair_with_ground(
     """
     require_choice("points", points, get_args(Points))
     distance = real_number("gap", gap)
-    face = SurfaceMesh.of(mesh, first)
+    with concerning("first"):
+        face = SurfaceMesh.of(mesh, first)
     places = _node_places(face) if points == "nodes" else _side_places(face, whole_side_points(face))
     count = len(places.area)
     gaps = np.full(count, distance)
@@ -273,7 +278,8 @@ def _face_pairs(
     places: _Places, second_nodes: IntArray, second_weights: FloatArray, gap: FloatArray, tangent: ArrayLike | None
 ) -> FacePairs:
     """Pairs of one face; rows of nodes are cut to the columns that carry weight."""
-    tangent1, tangent2 = local_tangents(places.points, places.normal, places.area, tangent)
+    with concerning("tangent"):
+        tangent1, tangent2 = local_tangents(places.points, places.normal, places.area, tangent)
     rows: dict[str, Any] = {}
     for side, nodes, weights in (
         ("first", places.nodes, places.weights),
@@ -303,7 +309,8 @@ def _require_own_nodes(first_name: str, first: IntArray, second_name: str, secon
     if shared.size:
         raise InputError(
             f"node sets '{first_name}' and '{second_name}' share node {shared[0]} ({shared.size} in all); the two "
-            "sides of a joint need nodes of their own."
+            "sides of a joint need nodes of their own.",
+            ("first", "second"),
         )
 
 

@@ -137,7 +137,7 @@ class _Run:
         else:
             self.failures.append(Failure(self._setting[planned.key], outcome.message))
         done, total = len(self.solved) + len(self.failures), len(self._plan)
-        self._progress.update("Curves", done / total, f"{done} of {total}, {self.found} of them found")
+        self._progress.update("Curves", done / total, f"{done} of {total}, {self.found} taken from an earlier run")
 
     def fail(self, planned: PlannedCase, error: BaseException) -> None:
         """A computation that ended with another exception; it is tried again by the next run."""

@@ -15,7 +15,7 @@ from stickslip.paper.items import Item, Picture
 from stickslip.paper.tables import Cell, Table
 from stickslip.paper.verdicts import Judgement, Verdict
 from stickslip.report.html_parts import notice, scrolled, when, whole_page, word_class
-from stickslip.report.style import number
+from stickslip.report.style import shown_number
 
 TITLE = "Interface roughness and an under-platform damper"
 DESCRIPTION = (
@@ -110,7 +110,11 @@ def _table(table: Table) -> str:
         for column, is_word in zip(table.columns, words, strict=True)
     )
     rows = "".join(
-        "<tr>" + "".join(_cell(cell, is_word) for cell, is_word in zip(row, words, strict=True)) + "</tr>"
+        "<tr>"
+        + "".join(
+            _cell(cell, column.unit, is_word) for cell, column, is_word in zip(row, table.columns, words, strict=True)
+        )
+        + "</tr>"
         for row in table.rows[:LARGEST_SHOWN]
     )
     more = len(table.rows) - LARGEST_SHOWN
@@ -124,9 +128,9 @@ def _unit(unit: str) -> str:
     return f", {unit.replace('um', 'µm').replace('uJ', 'µJ')}" if unit else ""
 
 
-def _cell(cell: Cell, is_word: bool) -> str:
+def _cell(cell: Cell, unit: str, is_word: bool) -> str:
     if isinstance(cell, str):
         kind = "word long" if len(cell) > LONG_CELL else "word"
         return f'<td class="{kind}">{badge(cell) if cell in set(Verdict) else escape(cell)}</td>'
-    shown = "–" if isnan(cell) else number(cell)
+    shown = "–" if isnan(cell) else shown_number(cell, unit)
     return f"<td{word_class(is_word)}>{shown}</td>"

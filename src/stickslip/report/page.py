@@ -14,7 +14,7 @@ from stickslip.report.html_parts import notice, scrolled, table_rows, when, whol
 from stickslip.report.look import Figure
 from stickslip.report.page_data import page_data
 from stickslip.report.sketch import structure_section
-from stickslip.report.style import number
+from stickslip.report.style import MICRO, number, shown_number
 from stickslip.report.view import View
 from stickslip.results.measures import summary_table
 from stickslip.results.record import StudyRecord
@@ -77,6 +77,7 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
             (name, "–" if value == "-" else f"{value} {unit}".replace("-", "−"))
             for name, value, unit in _measures(view)
         ),
+        "rough_face": _rough_face(study),
         "derived": _derived(study),
         "inputs": escape(study.inputs),
         "settings": table_rows((key, number(value)) for key, value in response.settings.items()),
@@ -103,6 +104,8 @@ def _figures(view: View) -> dict[str, Figure]:
             figures[f"{quantity}-map-{face}"] = plots.face_map(view, face, quantity)
         if view.rest_is_uneven:
             figures[f"rest-map-{face}"] = plots.rest_map(view, face)
+    if view.study.rough_patch is not None:
+        figures["rough-map"] = plots.rough_face(view.study.rough_patch)
     for group, names in enumerate(view.study.signal_groups.values()):
         figures[f"group-{group}"] = plots.output_signals(names)
     return figures
@@ -133,7 +136,7 @@ def _tiles(view: View) -> str:
         return "–" if value is None else number(100.0 * value, 3) + " %"
 
     def shift(value: float | None, what: str) -> str:
-        return f"no {what} peak in range" if value is None else f"shift {number(value, 3)} Hz"
+        return f"no {what} peak in range" if value is None else f"shift {shown_number(value, 'Hz')} Hz"
 
     states = " · ".join(f"{count} {name}" for count, name in zip(measures.state_counts, STATE_NAMES, strict=True))
     moving = sum(measures.state_counts[1:])
@@ -141,7 +144,7 @@ def _tiles(view: View) -> str:
         (
             "Peak amplitude, 0‑to‑peak",
             f"{number(1e6 * measures.peak.amplitude)} <small>µm</small>",
-            f"at {number(measures.peak.frequency_hz, 5)} Hz",
+            f"at {shown_number(measures.peak.frequency_hz, 'Hz')} Hz",
         ),
         (
             "Reduction against linear stuck",
@@ -250,8 +253,8 @@ def _mode_cell(key: str, value: str | float | int | None) -> str:
     if key == "mode":
         return str(int(value))
     if key == "mac":
-        return f"{value:.6f}"
-    return f"{value:.2e}".replace("-", "−") if key == "difference_percent" else f"{value:.2f}"
+        return f"{value:.4f}"
+    return f"{value:.2e}".replace("-", "−") if key == "difference_percent" else shown_number(float(value), "Hz")
 
 
 def _deviation(row: dict[str, str | float | int]) -> str:
@@ -260,12 +263,28 @@ def _deviation(row: dict[str, str | float | int]) -> str:
     return f"{100.0 * (float(row['full_hz']) / float(row['table2_hz']) - 1.0):+.2f}".replace("-", "−")
 
 
+def _rough_face(study: StudyRecord) -> str:
+    """The picture of a rough face, where the record has one."""
+    patch = study.rough_patch
+    if patch is None:
+        return ""
+    size = f"{number(1e3 * patch.length)} mm by {number(1e3 * patch.width)} mm"
+    shown = number(MICRO * float(patch.about_mean.std()))
+    return (
+        f'<section><h2>Rough face</h2><p class="note">Heights about their mean on {size}, one of the faces that the '
+        f"roughness and its seed describe: Sq {number(MICRO * patch.sq)} µm and Sdq {number(patch.sdq)} of all waves, "
+        f"as the mean over many faces; Sq {shown} µm of the {patch.height.size} points shown, which are too far apart "
+        'for the shortest waves and for a slope.</p><div class="panel"><div id="rough-map" class="plot" role="img" '
+        'aria-label="Heights of a rough face"></div></div></section>'
+    )
+
+
 def _derived(study: StudyRecord) -> str:
     if not study.derived:
         return ""
     rows = "".join(
-        f'<tr><th scope="row">{escape(name)}</th><td>{number(value)}</td><td class="word">{escape(unit)}</td>'
-        f'<td class="word">{escape(explanation)}</td></tr>'
+        f'<tr><th scope="row">{escape(name)}</th><td>{shown_number(value, unit)}</td>'
+        f'<td class="word unit">{escape(unit)}</td><td class="word">{escape(explanation)}</td></tr>'
         for name, value, unit, explanation in study.derived
     )
     head = '<th class="word">Quantity</th><th>Value</th><th class="word">Unit</th><th class="word">Meaning</th>'

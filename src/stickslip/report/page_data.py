@@ -23,6 +23,7 @@ DATA_CHARACTERS = 9_000_000
 # What a pair and a point need on any page: labels, places and marks of a pair; curves at a point.
 PAIR_CHARACTERS = 350
 POINT_CHARACTERS = 150
+HEIGHT_CHARACTERS = 10  # of one height of a rough face
 LARGEST_MAP_SHARE = 0.5  # of the room for maps and loops
 MAP_BYTES = 5  # of a pair at a point: state and energy
 LOOP_SAMPLES = 128
@@ -81,6 +82,8 @@ def _room(view: View, taken: int) -> int:
     """Bytes for maps and loops, which take four characters for three bytes; ``taken`` are characters of others."""
     response = view.response
     taken += PAIR_CHARACTERS * response.pairs.n_pairs + POINT_CHARACTERS * response.n_points
+    if view.study.rough_patch is not None:
+        taken += HEIGHT_CHARACTERS * view.study.rough_patch.height.size
     return max(0, (DATA_CHARACTERS - taken) * 3 // 4)
 
 

@@ -27,12 +27,14 @@ from stickslip.report.style import (
     INK,
     LINE_COLOURS,
     LINE_DASHES,
+    MICRO,
     ORANGE,
     PURPLE,
     STATES,
     VERMILLION,
 )
 from stickslip.report.view import View
+from stickslip.results.rough_patch import RoughPatch
 from stickslip.validation import FloatArray
 
 TIME = "Time over period"
@@ -190,6 +192,32 @@ def _on_face(traces: list[dict[str, Any]], position: FloatArray) -> Figure:
         hovermode="closest",
         dragmode=False,
         margin={"l": 48, "r": 12, "t": 6, "b": 42},
+    )
+
+
+def rough_face(patch: RoughPatch) -> Figure:
+    """Heights of a rough face about their mean, µm, over mm, to scale."""
+    heights = [[float(f"{height:.4g}") for height in row] for row in MICRO * patch.about_mean]
+    trace = {
+        "type": "heatmap",
+        "x": plain_list(1e3 * patch.along),
+        "y": plain_list(1e3 * patch.across),
+        "z": heights,
+        "colorscale": "Cividis",
+        "colorbar": {
+            "title": {"text": "Height, µm", "side": "right", "font": {"size": 11}},
+            "thickness": 12,
+            "outlinewidth": 0,
+        },
+        "hovertemplate": "%{x:.4g}, %{y:.4g} mm<br>%{z:.4g} µm<extra></extra>",
+    }
+    fixed: dict[str, Any] = {"showgrid": False, "fixedrange": True, "constrain": "domain"}
+    return figure_of(
+        [trace],
+        280,
+        xaxis=axis_look("Along, mm", **fixed),
+        yaxis=axis_look("Across, mm", scaleanchor="x", **fixed),
+        dragmode=False,
     )
 
 

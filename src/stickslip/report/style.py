@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.results.measures import hertz
 from stickslip.results.response import STATE_NAMES
 
 INK = "#1b2a41"
@@ -59,6 +60,11 @@ def number(value: float | int | str, digits: int = 4) -> str:
         return f"{_short(mantissa)} × 10{str(int(exponent)).translate(_RAISED)}"
     decimals = digits - 1 - int(np.floor(np.log10(abs(value)))) if value else 0
     return _short(f"{value:.{max(decimals, 0)}f}")
+
+
+def shown_number(value: float | int | str, unit: str) -> str:
+    """A derived number as tables show it: four digits, frequencies as :func:`stickslip.results.measures.hertz` says."""
+    return hertz(value).replace("-", "−") if unit == "Hz" and isinstance(value, float) else number(value)
 
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

@@ -14,21 +14,21 @@ from stickslip.report import sweep_plots as plots
 from stickslip.report.html_parts import notice, scrolled, when, whole_page
 from stickslip.report.linear_limits import differing_limits
 from stickslip.report.look import Figure
-from stickslip.report.style import MICRO, number
+from stickslip.report.style import MICRO, number, shown_number
 from stickslip.report.sweep_view import LOAD_KEY, SweepView, short_name
 from stickslip.results.sweep_table import SweepRow
 
-# column of the table -> heading, factor, digits
+# column of the table -> heading, factor, unit
 _COLUMNS = {
-    "peak_amplitude_m": ("Peak, µm", MICRO, 4),
-    "peak_frequency_hz": ("Peak frequency, Hz", 1.0, 6),
-    "shift_from_stuck_hz": ("Shift from stuck, Hz", 1.0, 3),
-    "shift_from_free_hz": ("Shift from free, Hz", 1.0, 3),
-    "pairs_stuck": ("Stuck", 1.0, 4),
-    "pairs_stick_slip": ("Stick-slip", 1.0, 4),
-    "pairs_separating": ("Separating", 1.0, 4),
-    "friction_energy_j": ("Friction energy, µJ", 1e6, 4),
-    "viscous_energy_j": ("Viscous energy, µJ", 1e6, 4),
+    "peak_amplitude_m": ("Peak, µm", MICRO, "µm"),
+    "peak_frequency_hz": ("Peak frequency, Hz", 1.0, "Hz"),
+    "shift_from_stuck_hz": ("Shift from stuck, Hz", 1.0, "Hz"),
+    "shift_from_free_hz": ("Shift from free, Hz", 1.0, "Hz"),
+    "pairs_stuck": ("Stuck", 1.0, ""),
+    "pairs_stick_slip": ("Stick-slip", 1.0, ""),
+    "pairs_separating": ("Separating", 1.0, ""),
+    "friction_energy_j": ("Friction energy, µJ", 1e6, "µJ"),
+    "viscous_energy_j": ("Viscous energy, µJ", 1e6, "µJ"),
 }
 
 
@@ -153,7 +153,7 @@ def _performance(view: SweepView, figures: dict[str, Figure]) -> str:
     return (
         "<section><h2>Damper performance</h2>"
         f'<p class="note">{_optimum_words(view)} The linear limits are drawn where their peaks lie inside the computed '
-        "range: contact stuck where it is closed at rest (its stiffness follows the load), and no contact.</p>"
+        "range: every pair that is closed at rest stuck (its stiffness follows the load), and no contact.</p>"
         '<div class="two">'
         + _figure("performance-load", "Against the load F<sub>N</sub>", "Peak against the load")
         + _figure("performance-ratio", "Against force / F<sub>N</sub>", "Peak against force / load")
@@ -209,9 +209,9 @@ def _table(view: SweepView) -> str:
 def _table_row(view: SweepView, place: int, row: SweepRow) -> str:
     positions = view.positions[place]
     cells = [escape(key.labels[positions[i]]) for i, key in enumerate(view.table.keys)]
-    for name, (_, factor, digits) in _COLUMNS.items():
+    for name, (_, factor, unit) in _COLUMNS.items():
         value = row.measures.get(name, math.nan)
-        cells.append("–" if math.isnan(value) else number(factor * value, digits))
+        cells.append("–" if math.isnan(value) else shown_number(factor * value, unit))
     remarks = "" if row.converged else escape(f"Failed: {row.message} ")
     if row.converged and row.measures.get("peak_bracketed") == 0.0:
         remarks = "The largest amplitude lies at an end of the range. "

@@ -142,11 +142,11 @@ def against_key(view: SweepView, place: int) -> Figure:
     for number, group in enumerate(groups):
         rows = group.members[usable[group.members]]
         x = _coordinates(view, place, rows)
-        for column, factor, axis, unit in (
-            ("peak_amplitude_m", MICRO, "y", "µm"),
-            ("peak_frequency_hz", 1.0, "y2", "Hz"),
+        for column, factor, axis, shown in (
+            ("peak_amplitude_m", MICRO, "y", "%{y:.4g} µm"),
+            ("peak_frequency_hz", 1.0, "y2", "%{y:.2f} Hz"),
         ):
-            hover = f"{group.label or short_name(key)}<br>%{{x}}<br>%{{y:.5g}} {unit}<extra></extra>"
+            hover = f"{group.label or short_name(key)}<br>%{{x}}<br>{shown}<extra></extra>"
             look = {"xaxis": "x", "yaxis": axis, "hovertemplate": hover}
             traces += _group_lines(number, group.label, x, factor * view.number(column)[rows], inside[rows], look)
     _tell_once(traces, len(groups) > 1)
@@ -266,7 +266,7 @@ def performance(view: SweepView, by_ratio: bool) -> Figure:
 
 def _limits(view: SweepView, rows: Any, x: FloatArray, scale: FloatArray, unit: str) -> Iterator[Any]:
     for limit, words, colour, dash in (
-        ("stuck", "closed at rest stuck", BLUE, "dash"),
+        ("stuck", "stuck (pairs closed at rest)", BLUE, "dash"),
         ("free", "no contact", ORANGE, "dot"),
     ):
         heights = (scale * view.number(f"{limit}_peak_amplitude_m"))[rows]
@@ -303,16 +303,16 @@ def maps(view: SweepView) -> list[tuple[str, Figure]]:
     """(words, figure) of peak and peak frequency over the first two keys, for each combination of the others."""
     figures = []
     for group in list(view.groups((0, 1)))[:LARGEST_MAP_COUNT]:
-        for column, factor, words in (
-            ("peak_amplitude_m", MICRO, "Peak amplitude, µm"),
-            ("peak_frequency_hz", 1.0, "Peak frequency, Hz"),
+        for column, factor, words, digits in (
+            ("peak_amplitude_m", MICRO, "Peak amplitude, µm", ".4g"),
+            ("peak_frequency_hz", 1.0, "Peak frequency, Hz", ".2f"),
         ):
             heading = f"{words}{'; ' + group.label if group.label else ''}"
-            figures.append((heading, _map(view, group, factor * view.number(column))))
+            figures.append((heading, _map(view, group, factor * view.number(column), digits)))
     return figures
 
 
-def _map(view: SweepView, group: Group, numbers: FloatArray) -> Figure:
+def _map(view: SweepView, group: Group, numbers: FloatArray, digits: str) -> Figure:
     first, second = view.table.keys[:2]
     shape = len(first.values), len(second.values)
     rows = group.members.reshape(shape)
@@ -334,7 +334,7 @@ def _map(view: SweepView, group: Group, numbers: FloatArray) -> Figure:
         "colorscale": [list(stop) for stop in SCALE],
         "colorbar": {"thickness": 12, "outlinewidth": 0},
         "hoverongaps": False,
-        "hovertemplate": f"{short_name(first)} %{{x}}<br>{short_name(second)} %{{y}}<br>%{{z:.5g}}<extra></extra>",
+        "hovertemplate": f"{short_name(first)} %{{x}}<br>{short_name(second)} %{{y}}<br>%{{z:{digits}}}<extra></extra>",
     }
     return figure_of(
         [trace],

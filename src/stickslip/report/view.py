@@ -65,7 +65,9 @@ class View:
     @property
     def stuck_words(self) -> str:
         """Name of the linear stuck curve, which leaves pairs open that are open at rest."""
-        return f"linear, {'all' if self.response.pairs.closed_at_rest.all() else 'pairs closed at rest'} stuck"
+        return (
+            "linear, all stuck" if self.response.pairs.closed_at_rest.all() else "linear, stuck (pairs closed at rest)"
+        )
 
     @property
     def rest_pressure_mpa(self) -> FloatArray:

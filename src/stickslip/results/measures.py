@@ -197,11 +197,21 @@ def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
     )
 
 
+def hertz(value: float) -> str:
+    """A frequency or a shift as tables show it: to 0.01 Hz, and below 1 Hz with four digits."""
+    if abs(value) < 0.005:
+        return "0.00"
+    return f"{value:.2f}" if abs(value) >= 1.0 else f"{value:.4g}"
+
+
 def summary_table(result: Summary) -> list[tuple[str, str, str]]:
     """Rows (name, value, unit) of the summary, ready for a terminal, a page or a text file; "-" where not available."""
 
     def number(value: float | None, scale: float = 1.0, digits: int = 4) -> str:
         return "-" if value is None else f"{scale * value:.{digits}g}"
+
+    def shift(value: float | None) -> str:
+        return "-" if value is None else hertz(value)
 
     stuck, slip, separating = result.state_counts
     what = "Peak" if result.peak.bracketed else "Highest computed (at an end of the curve)"
@@ -209,9 +219,9 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
         (f"{what} amplitude, 0-to-peak, mean included", number(result.peak.amplitude, 1e6), "µm"),
         ("First harmonic there", number(result.first_harmonic, 1e6), "µm"),
         ("Mean there", number(result.mean, 1e6), "µm"),
-        (f"{what} frequency", number(result.peak.frequency_hz, digits=6), "Hz"),
-        ("Shift from the linear stuck peak", number(result.shift_from_stuck_hz), "Hz"),
-        ("Shift from the linear free peak", number(result.shift_from_free_hz), "Hz"),
+        (f"{what} frequency", hertz(result.peak.frequency_hz), "Hz"),
+        ("Shift from the linear stuck peak", shift(result.shift_from_stuck_hz), "Hz"),
+        ("Shift from the linear free peak", shift(result.shift_from_free_hz), "Hz"),
         ("Reduction against the linear stuck peak", number(result.reduction_from_stuck, 100.0, 3), "%"),
         ("Reduction against the linear free peak", number(result.reduction_from_free, 100.0, 3), "%"),
         ("Half-power bandwidth ratio (equivalent damping)", number(result.damping_ratio, 100.0, 3), "%"),

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from stickslip.errors import InputError
 from stickslip.results.response import ForcedResponse, same_content
+from stickslip.results.rough_patch import RoughPatch
 from stickslip.results.sketch import Sketch
 from stickslip.validation import FloatArray, finite_array
 
@@ -55,6 +56,8 @@ class StudyRecord:
         sentences of the study itself; those of the solver are in the response.
     sketch:
         what a picture of the structure shows; None for matrices without a mesh, and for the cases of a sweep.
+    rough_patch:
+        a picture of a rough face, or None; the cases of a sweep share one roughness or vary it, and have none.
 
     Raises
     ------
@@ -77,6 +80,7 @@ class StudyRecord:
     derived: tuple[tuple[str, str | float | int, str, str], ...] = ()
     warnings: tuple[str, ...] = ()
     sketch: Sketch | None = None
+    rough_patch: RoughPatch | None = None
 
     def __post_init__(self) -> None:
         if not self.outputs:

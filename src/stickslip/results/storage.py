@@ -21,6 +21,7 @@ from stickslip.files import whole_file
 from stickslip.interface.contact_pairs import ContactPairs
 from stickslip.results.record import StudyRecord, plain
 from stickslip.results.response import ForcedResponse, LinearCurves
+from stickslip.results.rough_patch import RoughPatch
 from stickslip.results.sketch import Sketch
 from stickslip.validation import FloatArray
 
@@ -299,8 +300,20 @@ def _study_dataset(study: StudyRecord) -> xarray.Dataset:
         "mode_contact": _text(study.mode_contact, "how the pairs were held for the mode table"),
         "derived": _text(study.derived, "derived quantities, JSON list of name, value, unit, explanation"),
         "warnings": _text(study.warnings, "warnings of the study, JSON list"),
+        **_rough_variables(study.rough_patch),
     }
     return xarray.Dataset(data)
+
+
+def _rough_variables(patch: RoughPatch | None) -> dict[str, tuple[Any, ...]]:
+    """The picture of a rough face, where there is one."""
+    if patch is None:
+        return {}
+    numbers = {"length": patch.length, "width": patch.width, "sq": patch.sq, "sdq": patch.sdq}
+    return {
+        "rough_height": _variable(("rough_across", "rough_along"), patch.height, "m", "heights of a rough face"),
+        "rough_numbers": _text(numbers, "length and width of that face, Sq (m) and Sdq of its roughness, JSON object"),
+    }
 
 
 def _study_from(data: xarray.Dataset, sketch: Sketch | None) -> StudyRecord:
@@ -321,6 +334,9 @@ def _study_from(data: xarray.Dataset, sketch: Sketch | None) -> StudyRecord:
         mode_contact=str(data["mode_contact"].item()) if "mode_contact" in data else "tied",
         derived=tuple(parsed("derived")),
         warnings=tuple(parsed("warnings")),
+        rough_patch=RoughPatch(height=data["rough_height"].values, **parsed("rough_numbers"))
+        if "rough_height" in data
+        else None,
         sketch=sketch,
     )
 

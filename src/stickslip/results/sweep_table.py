@@ -34,7 +34,7 @@ _MEASURES: dict[str, tuple[str, str, Callable[[Summary], float | bool | None]]] 
     "reduction_from_free": ("1", "1 - peak / linear free peak", lambda s: s.reduction_from_free),
     "stuck_peak_amplitude_m": (
         "m",
-        "highest linear peak, closed at rest stuck",
+        "highest linear peak, every pair that is closed at rest stuck",
         lambda s: _inside(s, "stuck", "amplitude"),
     ),
     "stuck_peak_frequency_hz": ("Hz", "its frequency", lambda s: _inside(s, "stuck", "frequency_hz")),

@@ -119,7 +119,8 @@ def _require_held_at_rest(superelement: Superelement, pairs: ContactPairs) -> No
         raise InputError(
             f"preload is zero or negative (a gap) at {int((~closed).sum())} of {closed.size} pairs, and the others do "
             "not hold every body: displacements count from a state at rest that does not exist. Press at least some "
-            "pairs of each body together, or fix it elsewhere."
+            "pairs of each body together, or fix it elsewhere.",
+            ("preload",),
         )
 
 

@@ -73,19 +73,22 @@ class BladePairGeometry:
         if self.damper_length > self.width and not self.damper_spans_width:
             raise InputError(
                 f"damper_length is {1e3 * self.damper_length:.6g} mm; it must be at most {1e3 * self.width:.6g} mm, "
-                "the width of the blades, or the damper does not fit under the platforms."
+                "the width of the blades, or the damper does not fit under the platforms.",
+                ("damper_length", "width"),
             )
         self._below(
             "damper_flank_height",
             self.damper_flank_height,
             self.underside_height_at_shank,
             "underside_height_at_shank, or the damper reaches the base and does not fit",
+            ("damper_flank_height", "underside_height_at_shank"),
         )
         self._below(
             "airfoil_thickness",
             self.airfoil_thickness,
             self.shank_thickness_at_platform + self.inner_overhang,
             "shank_thickness_at_platform + inner_overhang, or the airfoil covers the whole platform",
+            ("airfoil_thickness", "shank_thickness_at_platform", "inner_overhang"),
         )
         self._below(
             "shank_thickness_at_base",
@@ -93,18 +96,27 @@ class BladePairGeometry:
             self.shank_thickness_at_platform + self.inner_overhang,
             "shank_thickness_at_platform + inner_overhang at the height of the damper's bottom, or the damper does "
             "not fit between the shanks",
+            ("shank_thickness_at_base", "shank_thickness_at_platform", "inner_overhang"),
         )
         self._below(
             "platform_top_height (underside_height_at_shank + slope + platform_edge_thickness)",
             self.platform_top_height,
             self.blade_length,
             "blade_length, or no airfoil is left",
+            (
+                "underside_height_at_shank",
+                "contact_face_width",
+                "platform_angle_deg",
+                "platform_edge_thickness",
+                "blade_length",
+            ),
         )
         self._below(
             "excitation_height",
             self.excitation_height,
             self.underside_height_at_shank,
             "underside_height_at_shank, for N1 and N2 lie on the shank",
+            ("excitation_height", "underside_height_at_shank"),
         )
 
     @property
@@ -114,9 +126,11 @@ class BladePairGeometry:
         return share * (self.shank_thickness_at_platform - self.shank_thickness_at_base)
 
     @staticmethod
-    def _below(name: str, value: float, limit: float, reason: str) -> None:
+    def _below(name: str, value: float, limit: float, reason: str, keys: tuple[str, ...]) -> None:
         if not value < limit:
-            raise InputError(f"{name} is {1e3 * value:.6g} mm; it must stay below {1e3 * limit:.6g} mm: {reason}.")
+            raise InputError(
+                f"{name} is {1e3 * value:.6g} mm; it must stay below {1e3 * limit:.6g} mm: {reason}.", keys
+            )
 
     @property
     def damper_spans_width(self) -> bool:

@@ -72,7 +72,8 @@ def craig_bampton(
     if not 0 <= n_modes < len(interior):
         raise InputError(
             f"n_modes is {n_modes}; with {len(interior)} interior unknowns it must lie between 0 and "
-            f"{len(interior) - 1}."
+            f"{len(interior) - 1}.",
+            ("n_modes",),
         )
     stiffness, mass = structure.stiffness, structure.mass
     stiffness_ii, stiffness_ib = stiffness[interior][:, interior], stiffness[interior][:, boundary]

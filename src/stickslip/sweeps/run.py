@@ -217,7 +217,7 @@ class _Run:
             task = CaseTask(planned.case, planned.key, joint, threads, wants_file=self.folder is not None)
             group.cases.append((planned, task))
         if first_error is not None and len(self.planned) == len(self.outcomes) and not self.found:
-            raise type(first_error)(f"none of the {len(left)} cases can be solved. The first: {first_error}")
+            raise _none_solvable(first_error, len(left))
         if left:
             self._progress.update("Checks", 1.0, f"{len(left)} cases")
         return [group for group in groups.values() if isinstance(group, StructureGroup) and group.cases]
@@ -286,6 +286,12 @@ class _Run:
             outcome.warnings,
             file,
         )
+
+
+def _none_solvable(first: StickslipError, count: int) -> StickslipError:
+    """The error of a sweep without a case that could be solved."""
+    sentence = f"none of the {count} cases can be solved. The first: {first}"
+    return first.reworded(sentence) if isinstance(first, InputError) else type(first)(sentence)
 
 
 def _written(folder: SweepFolder, case: Case, view: SweepView) -> tuple[Path, ...]:

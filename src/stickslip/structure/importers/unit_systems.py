@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from stickslip.errors import InputError
+from stickslip.errors import InputError, concerning
 from stickslip.validation import require_choice
 
 LENGTH_UNITS = {"m": 1.0, "dm": 0.1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048}  # m
@@ -69,15 +69,18 @@ def find_unit_system(length_unit: str, unit_system: str | None = None) -> UnitSy
 
     Raises InputError for an unknown unit or system, and for a system with another length.
     """
-    require_choice("length_unit", length_unit, LENGTH_UNITS)
+    with concerning("length_unit"):
+        require_choice("length_unit", length_unit, LENGTH_UNITS)
     if unit_system is None:
         return UNIT_SYSTEMS[USUAL_SYSTEM[length_unit]]
-    require_choice("unit_system", unit_system, UNIT_SYSTEMS)
+    with concerning("unit_system"):
+        require_choice("unit_system", unit_system, UNIT_SYSTEMS)
     system = UNIT_SYSTEMS[unit_system]
     if system.length_unit != length_unit:
         fitting = ", ".join(name for name, each in UNIT_SYSTEMS.items() if each.length_unit == length_unit)
         raise InputError(
             f"unit_system {unit_system!r} has lengths in {system.length_unit}, but length_unit is {length_unit!r}. "
-            f"Systems with {length_unit}: {fitting}."
+            f"Systems with {length_unit}: {fitting}.",
+            ("unit_system", "length_unit"),
         )
     return system

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 
-from stickslip.errors import ImportFileError
+from stickslip.errors import ImportFileError, concerning
 from stickslip.structure.importers.unit_systems import find_unit_system
 from stickslip.structure.matrix_files.ansys_full import ansys_full
 from stickslip.structure.matrix_files.arrays import matlab_matrices, numpy_matrices
@@ -89,29 +89,36 @@ def read_matrices(
     units = find_unit_system(length_unit, unit_system)
     contents: dict[Path, Matrices] = {}  # a file that holds several matrices is read once
     files = {"stiffness": stiffness, "mass": mass, "damping": damping}
-    matrices = {name: _matrix(str(file), name, contents) for name, file in files.items() if file is not None}
+    matrices: dict[str, Any] = {}
+    for name, file in files.items():
+        if file is not None:
+            with concerning(name):
+                matrices[name] = _matrix(str(file), name, contents)
     source = Path(str(stiffness).partition("#")[0])
     size = matrices["stiffness"].shape[0]
     for name, matrix in matrices.items():
         if matrix.shape != (size, size):
             raise ImportFileError(
                 f'the {name} in "{files[name]}" has shape {matrix.shape}, but the stiffness in "{stiffness}" has '
-                f"{size} rows; all must be square and of one size."
+                f"{size} rows; all must be square and of one size.",
+                (name, "stiffness"),
             )
-    node, direction = _unknowns(source, unknown_map, size, contents)
+    with concerning("stiffness" if unknown_map is None else "unknown_map"):
+        node, direction = _unknowns(source, unknown_map, size, contents)
     scale = _unknown_scale(direction, units.length)
     factor = {"stiffness": units.mass / units.time**2, "mass": units.mass, "damping": units.mass / units.time}
     labels, position = np.empty(0, dtype=np.int64), None
     if node_positions is not None:
-        labels, position = read_node_positions(Path(node_positions))
+        with concerning("node_positions"):
+            labels, position = read_node_positions(Path(node_positions))
         position = position * units.length
     messages = []
     for name, matrix in matrices.items():
-        with told_of(Path(str(files[name]))):  # the model checks again, but does not know the files
+        with concerning(name), told_of(Path(str(files[name]))):  # the model checks again, but does not know the files
             matrix, message = checked_matrix(name, matrix, node, direction)
         matrices[name] = factor[name] * (scale @ matrix @ scale)
         messages += [f'"{files[name]}": {message}'] if message else []
-    with told_of(source):
+    with concerning("stiffness"), told_of(source):
         return MatrixModel(
             **matrices,
             node=node,

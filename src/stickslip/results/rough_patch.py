@@ -1,0 +1,66 @@
+"""A picture of a rough face that travels with a run: heights on a coarse grid, and what the whole spectrum has."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.errors import InputError
+from stickslip.results.response import same_content
+from stickslip.validation import FloatArray, finite_array
+
+
+@dataclass(frozen=True, eq=False)
+class RoughPatch:
+    """Heights of a rough face on a grid.
+
+    Parameters
+    ----------
+    length, width:
+        m, extent along and across; the grid has its first and last points on the edges.
+    height:
+        (n_across, n_along) m.
+    sq, sdq:
+        root mean square height in m and slope of all waves down to the shortest one, which a coarse grid cannot show.
+
+    Raises
+    ------
+    InputError
+        for heights that are no grid of two or more points each way, and for an extent that is not above 0.
+    """
+
+    length: float
+    width: float
+    height: FloatArray
+    sq: float
+    sdq: float
+
+    def __post_init__(self) -> None:
+        height = finite_array("height", self.height)
+        if height.ndim != 2 or min(height.shape) < 2:
+            raise InputError(f"height must have shape (n_across, n_along), both 2 or more; found {height.shape}.")
+        if not (self.length > 0.0 and self.width > 0.0):
+            raise InputError(f"length and width must be above 0 m; found {self.length:g} and {self.width:g} m.")
+        object.__setattr__(self, "height", height)
+
+    def __eq__(self, other: object) -> bool:
+        return same_content(self, other) if isinstance(other, RoughPatch) else NotImplemented
+
+    __hash__ = None  # type: ignore[assignment]
+
+    @property
+    def along(self) -> FloatArray:
+        """(n_along,) m."""
+        return np.linspace(0.0, self.length, self.height.shape[1])
+
+    @property
+    def across(self) -> FloatArray:
+        """(n_across,) m."""
+        return np.linspace(0.0, self.width, self.height.shape[0])
+
+    @property
+    def about_mean(self) -> FloatArray:
+        """(n_across, n_along) m, heights less their mean."""
+        about: FloatArray = self.height - self.height.mean()
+        return about
