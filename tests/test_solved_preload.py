@@ -164,7 +164,7 @@ def test_the_report_shows_the_rest_and_the_other_tractions(tmp_path: Path) -> No
         SOLVED
         | {
             "geometry.excitation_height": "9 mm",
-            "excitation.amplitude": "60 N",
+            "excitation.amplitude": "30 N",
             "preload.residual_traction": "kept",
             "roughness.fractal_roughness": "1e-9 m",
             "solver.harmonics": 3,

@@ -15,13 +15,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.solve.arc_length import Metric, Tangent, chord_between
 from stickslip.solve.balance import Trial
 from stickslip.solve.newton import Constraint, Correction, Newton
 from stickslip.solve.reduced import BorderedSystem
+from stickslip.solve.visited import Visited
 from stickslip.validation import FloatArray
 
 # Relative accuracy of a tangent, which only predicts.
 TANGENT_TOLERANCE = 1e-4
+# Two solutions are the same point of a curve within this share of the chord that came near, or of their size: the legs
+# of a sharp corner, where the branch turns by 180 degrees, are as close as that only at its very tip.
+SAME_POINT, SAME_POINT_OF_SIZE = 0.02, 1e-8
+# How often steps that came back to the branch are taken back; by how much shorter they are repeated and for how many,
+# and by how much longer where they came back to the same place.
+MOST_RETREATS = 6
+SHORTER, LONGER = 0.25, 4.0
+SLOW_STEPS = 16
+# A branch that turned round is believed after as many points on its old way: at first the legs of a sharp corner are
+# too close to each other for Newton to keep them apart.
+POINTS_BACK = 4
 
 
 @dataclass(frozen=True)
@@ -56,49 +69,35 @@ class BranchPoint:
     iterations: int
 
 
-@dataclass(frozen=True)
-class Tangent:
-    """Direction of the branch: changes of x (2H+1, m), of the modal amplitudes (2H, n), and of the frequency."""
+class _Pace:
+    """The longest step that is allowed now: shorter for a while after a retreat."""
 
-    relative: FloatArray
-    amplitude: FloatArray
-    omega: float
+    def __init__(self, largest_step: float) -> None:
+        self._largest = self.limit = largest_step
+        self._rest = 0.0
 
-    def times(self, factor: float) -> Tangent:
-        """The direction with another length."""
-        return Tangent(factor * self.relative, factor * self.amplitude, factor * self.omega)
+    def slow_down(self, limit: float) -> None:
+        """Steps of at most ``limit`` for the length of ``SLOW_STEPS`` of them."""
+        self.limit, self._rest = limit, SLOW_STEPS * limit
 
-    def plus(self, other: Tangent) -> Tangent:
-        """The sum of two directions."""
-        return Tangent(self.relative + other.relative, self.amplitude + other.amplitude, self.omega + other.omega)
+    def hurry(self) -> None:
+        """Steps of any length again."""
+        self.limit = self._largest
 
-
-@dataclass(frozen=True)
-class Metric:
-    """Inner product of directions: mass norm of the vibration over ``u_scale``, and frequency over ``w_scale``."""
-
-    u_scale: float
-    w_scale: float
-
-    def product(self, first: Tangent, second: Tangent) -> float:
-        """Scaled inner product."""
-        vibration = float((first.amplitude * second.amplitude).sum())
-        return vibration / self.u_scale**2 + first.omega * second.omega / self.w_scale**2
-
-    def unit(self, tangent: Tangent) -> Tangent:
-        """The direction with length 1."""
-        return tangent.times(1.0 / math.sqrt(self.product(tangent, tangent)))
-
-    def angle_deg(self, first: Tangent, second: Tangent) -> float:
-        """Angle between two directions."""
-        cosine = self.product(self.unit(first), self.unit(second))
-        return math.degrees(math.acos(min(1.0, max(-1.0, cosine))))
+    def walked(self, length: float) -> None:
+        """A step of ``length`` was made."""
+        self._rest -= length
+        if self._rest <= 0.0:
+            self.hurry()
 
 
 class Branch:
     """An iterator over the points of a branch from ``start`` to ``stop_omega``.
 
-    After the iteration ``complete`` says whether the stop frequency was reached, and ``message`` says what happened.
+    After the iteration ``points`` is the branch (without the points that were taken back because they lay on another
+    curve, see ``retreats``), ``complete`` says whether the stop frequency was reached, and ``message`` says what
+    happened. ``retreats`` are the frequencies in Hz where that was so, ``crossings`` those of corners that turn back
+    and were passed by a longer step.
     """
 
     def __init__(
@@ -116,37 +115,132 @@ class Branch:
         self._direction = math.copysign(1.0, stop_omega - start.omega)
         self._width = abs(stop_omega - start.omega)
         self._largest = 0.0
+        self._visited = Visited()
+        self._back: list[int] = []
+        self._left: Trial | None = None  # where the last retreat went, and how many before it went there too
+        self._again = 0
+        self._pace = _Pace(settings.largest_step)
+        self.points: list[BranchPoint] = []
+        self.retreats: list[float] = []
+        self.crossings: list[float] = []
         self.complete = False
         self.message = "The branch was not followed yet."
 
     def __iter__(self) -> Iterator[BranchPoint]:
-        yield BranchPoint(self._start, 0)
-        point, tangent = self._start, self._first_tangent()
+        yield self._accept(BranchPoint(self._start, 0))
+        tangent = self._first_tangent()
         bend, step = tangent.times(0.0), self._settings.first_step
         for _ in range(self._settings.max_points - 1):
-            outcome = self._advance(point, tangent, bend, step)
+            point = self.points[-1].trial
+            outcome = self._advance(point, tangent, bend, min(step, self._pace.limit))
             if outcome is None:
                 return
             correction, turned, taken, step = outcome
-            bend = turned.plus(tangent.times(-1.0)).times(1.0 / taken)
-            tangent, previous, point = turned, point, correction.trial
-            if self._beyond_stop(point):
-                point, iterations = self._land(previous, point)
+            self._pace.walked(taken)
+            if self._beyond_stop(correction.trial):
+                landed, iterations = self._land(point, correction.trial)
                 self.complete = True
                 self.message = "The stop frequency was reached."
-                yield BranchPoint(point, iterations + correction.iterations)
+                yield self._accept(BranchPoint(landed, iterations + correction.iterations))
                 return
-            if (point.omega - self._start.omega) * self._direction < 0.0:
+            if (correction.trial.omega - self._start.omega) * self._direction < 0.0:
                 self.message = (
-                    f"The branch turned back and left the window at {_hz(point.omega):.3f} Hz, where it had started. "
-                    "Start from the other end (swap start and stop), or widen the window."
+                    f"The branch turned back and left the window at {_hz(correction.trial.omega):.3f} Hz, where it had "
+                    "started. Start from the other end (swap start and stop), or widen the window."
                 )
                 return
-            yield BranchPoint(point, correction.iterations)
+            yield self._accept(BranchPoint(correction.trial, correction.iterations))
+            met = self._met()
+            if met is None:
+                bend = turned.plus(tangent.times(-1.0)).times(1.0 / taken)
+                tangent = turned
+                continue
+            if len(self.retreats) == MOST_RETREATS:
+                self.message = (
+                    f"The branch came back to where it had been {MOST_RETREATS + 1} times, the last time at "
+                    f"{_hz(self.points[-1].trial.omega):.3f} Hz: other solutions lie too close to it. Take more "
+                    "samples, fewer harmonics, or more damping."
+                )
+                return
+            tangent, step = self._retreat(met)
+            bend = tangent.times(0.0)
         self.message = (
-            f"{self._settings.max_points} points were not enough; the branch had come to {_hz(point.omega):.3f} Hz. "
-            "Raise max_points or narrow the window."
+            f"{self._settings.max_points} points were not enough; the branch had come to "
+            f"{_hz(self.points[-1].trial.omega):.3f} Hz. Raise max_points or narrow the window."
         )
+
+    def _accept(self, point: BranchPoint) -> BranchPoint:
+        self.points.append(point)
+        self._visited.add(point.trial)
+        return point
+
+    def _met(self) -> int | None:
+        """The point to go back to because the last step came back to the branch; None if it is new.
+
+        On a loop, passed in the same direction again, that is the point before the loop's first; where the branch
+        turned round, the point that it met first. Newton, held to the plane through the earlier point and started on
+        the chord, decides whether that point lies on the curve that is followed now, or on one beside it.
+        """
+        trials = self._visited.trials
+        metric = self._measure(trials[-1])
+        chord = chord_between(trials[-2], trials[-1])
+        for index, share in self._visited.near_last_chord(metric.u_scale, metric.w_scale):
+            before, earlier = trials[-2], trials[index]
+            guess = self._balance.evaluate(
+                before.relative + share * chord.relative, before.omega + share * chord.omega, before.load
+            )
+            correction = self._newton.correct(guess, self._constraint(earlier, chord, 0.0))
+            if not (correction.converged and self._same(correction.trial, earlier, chord)):
+                continue
+            if metric.product(chord, chord_between(earlier, trials[index + 1])) > 0.0:
+                return max(index - 1, 0)
+            self._back.append(index)
+            return self._back[0] if len(self._back) == POINTS_BACK else None
+        self._back.clear()
+        return None
+
+    def _same(self, first: Trial, second: Trial, chord: Tangent) -> bool:
+        """Whether two solutions are one point of a curve that was followed along ``chord``."""
+
+        def size(relative: FloatArray) -> float:
+            return float(np.linalg.norm(self._balance.acting(relative)))
+
+        allowed = SAME_POINT * size(chord.relative) + SAME_POINT_OF_SIZE * size(second.relative)
+        allowed_omega = SAME_POINT * abs(chord.omega) + SAME_POINT_OF_SIZE * second.omega
+        away = size(first.relative - second.relative)
+        return away <= allowed and abs(first.omega - second.omega) <= allowed_omega
+
+    def _retreat(self, last: int) -> tuple[Tangent, float]:
+        """Forget the points after ``last``; the tangent there, and the next step.
+
+        It is shorter than the one that left the branch; where shorter steps came back to the same place, longer ones
+        are to pass it.
+        """
+        trials = self._visited.trials
+        metric = self._measure(trials[-1])
+        onward = chord_between(trials[last], trials[last + 1])
+        length = math.sqrt(metric.product(onward, onward))
+        self._again = self._again + 1 if self._retreated_near(trials[last], length, metric) else 0
+        self._left = trials[last]
+        self.retreats.append(_hz(trials[last].omega))
+        if self._again == 0:
+            step = max(SHORTER * length, self._settings.smallest_step)
+            self._pace.slow_down(step)
+        else:
+            step = min(LONGER**self._again * length, self._settings.first_step)
+            self._pace.hurry()
+        del self.points[last + 1 :]
+        self._visited.keep(last + 1)
+        self._back.clear()
+        system = self._newton.border(trials[last], self._constraint(trials[last], onward, 0.0))
+        return metric.unit(self._direction_of(trials[last], system, 1.0)), step
+
+    def _retreated_near(self, point: Trial, length: float, metric: Metric) -> bool:
+        """Whether the last retreat went to a point within a few steps of this one."""
+        if self._left is None:
+            return False
+        away = chord_between(self._left, point)
+        return metric.product(away, away) <= (LONGER * length) ** 2
 
     def _measure(self, point: Trial) -> Metric:
         """The metric after ``point`` was reached."""
@@ -182,34 +276,44 @@ class Branch:
     ) -> tuple[Correction, Tangent, float, float] | None:
         """One accepted step: point, tangent, length, and next length; None (and a message) if none succeeds.
 
-        ``bend`` is the change of the tangent over the last step per length: the guess follows the curvature.
+        ``bend`` is the change of the tangent over the last step per length: the guess follows the curvature. Where no
+        shorter step succeeds, a corner that turns back lies ahead, and the plane across the tangent does not meet the
+        branch there; a longer step may meet it behind the next corner, where it goes on.
         """
-        settings = self._settings
-        reason = "Newton did not converge"
-        while step >= settings.smallest_step:
-            constraint = self._constraint(point, tangent, step)
-            ahead = tangent.times(step).plus(bend.times(0.5 * step**2))
-            guess = self._balance.evaluate(point.relative + ahead.relative, point.omega + ahead.omega, point.load)
-            correction = self._newton.correct(guess, constraint)
-            if correction.converged:
-                # The last system of the correction is the point's own but for the last Newton step.
-                system = correction.system or self._newton.border(correction.trial, constraint)
-                turned = self._direction_of(correction.trial, system, 1.0)
-                metric = self._measure(correction.trial)
-                angle = max(
-                    metric.angle_deg(turned, tangent), self._detour_deg(metric, point, correction.trial, tangent)
-                )
-                if angle <= settings.largest_angle_deg or step < 4.0 * settings.smallest_step:
-                    return correction, metric.unit(turned), step, self._next_step(step, correction.iterations, angle)
-                reason = f"the branch turned by {angle:.0f} degrees"
-            else:
-                reason = f"Newton stopped at a relative residual of {correction.trial.error:.1e}"
-            step *= 0.5
-        self.message = (
-            f"The branch was lost at {_hz(point.omega):.3f} Hz: {reason} even at the smallest step "
-            f"({settings.smallest_step:g} of the window). Try more samples, fewer harmonics, or a lower force."
-        )
-        return None
+        settings, reason = self._settings, ""
+        last: tuple[Correction, Tangent, float, float] | None = None
+        for length in _lengths(step, settings):
+            correction = self._newton.correct(*self._guess(point, tangent, bend, length))
+            if not correction.converged:
+                reason = reason or f"Newton stopped at a relative residual of {correction.trial.error:.1e}"
+                continue
+            # The last system of the correction is the point's own but for the last Newton step.
+            system = correction.system or self._newton.border(
+                correction.trial, self._constraint(point, tangent, length)
+            )
+            turned = self._direction_of(correction.trial, system, 1.0)
+            metric = self._measure(correction.trial)
+            angle = max(metric.angle_deg(turned, tangent), self._detour_deg(metric, point, correction.trial, tangent))
+            found = correction, metric.unit(turned), length, self._next_step(length, correction.iterations, angle)
+            if angle <= settings.largest_angle_deg:
+                if length > step:
+                    self.crossings.append(_hz(point.omega))
+                return found
+            reason = f"the branch turned by {angle:.0f} degrees"
+            if length < 4.0 * settings.smallest_step:
+                last = found  # a corner, if no step goes past it
+        if last is None:
+            self.message = (
+                f"The branch was lost at {_hz(point.omega):.3f} Hz: {reason} even at the smallest step "
+                f"({settings.smallest_step:g} of the window). Try more samples, fewer harmonics, or a lower force."
+            )
+        return last
+
+    def _guess(self, point: Trial, tangent: Tangent, bend: Tangent, step: float) -> tuple[Trial, Constraint]:
+        """Where a step would end, and the plane that holds its correction."""
+        ahead = tangent.times(step).plus(bend.times(0.5 * step**2))
+        guess = self._balance.evaluate(point.relative + ahead.relative, point.omega + ahead.omega, point.load)
+        return guess, self._constraint(point, tangent, step)
 
     @staticmethod
     def _detour_deg(metric: Metric, before: Trial, after: Trial, tangent: Tangent) -> float:
@@ -217,10 +321,7 @@ class Branch:
 
         It is large where Newton came down on another part of the curve, whose tangent may look alike.
         """
-        chord = Tangent(
-            after.relative - before.relative, after.amplitude - before.amplitude, after.omega - before.omega
-        )
-        return 2.0 * metric.angle_deg(chord, tangent)
+        return 2.0 * metric.angle_deg(chord_between(before, after), tangent)
 
     def _next_step(self, step: float, iterations: int, angle_deg: float) -> float:
         settings = self._settings
@@ -240,6 +341,18 @@ class Branch:
         constraint = Constraint.fixed(guess, self._stop)
         correction = self._newton.correct(start, constraint)
         return (correction.trial, correction.iterations) if correction.converged else (after, 0)
+
+
+def _lengths(step: float, settings: ContinuationSettings) -> Iterator[float]:
+    """The lengths to try in turn: the wanted one and its halves, then longer ones that pass a corner."""
+    length = step
+    while length >= settings.smallest_step:
+        yield length
+        length *= 0.5
+    length = 2.0 * step
+    while length <= settings.first_step:
+        yield length
+        length *= 2.0
 
 
 def _hz(omega: float) -> float:

@@ -161,7 +161,8 @@ def forced_response(
             bool(stuck.damping.any()),
             free.damping_ratio(window),
             modal_damping_ratio,
-        ),
+        )
+        + _neighbours(branch),
         harmonics=harmonics,
         samples=samples,
         pairs=pairs,
@@ -239,15 +240,13 @@ class _Told:
 
 def _follow(branch: Branch, window: tuple[float, float], told: _Told) -> list[BranchPoint]:
     """Walk the branch and tell the progress."""
-    points = []
     for point in branch:
-        points.append(point)
         frequency = point.trial.omega / (2.0 * np.pi)
         done = (frequency - window[0]) / (window[1] - window[0])
         moving = int((point.trial.contact.state > 0).sum())
         share = min(LARGEST_SHARE, max(0.0, done))
-        told.now(f"{frequency:.2f} Hz, point {len(points)}, {moving} pairs moving", share)
-    return points
+        told.now(f"{frequency:.2f} Hz, point {len(branch.points)}, {moving} pairs moving", share)
+    return branch.points
 
 
 def _warnings(
@@ -296,6 +295,30 @@ def _folds(trials: list[Trial]) -> tuple[str, ...]:
         f"The curve folds ({places} Hz): between folds several periodic motions exist at one frequency. Stability is "
         "not computed; a slow sweep follows the curve to a fold and jumps there.",
     )
+
+
+def _neighbours(branch: Branch) -> tuple[str, ...]:
+    """Warnings where other solutions lie so close that the branch came onto them, and where corners were passed."""
+    sentences = []
+    if branch.retreats:
+        sentences.append(
+            f"Near {_places(branch.retreats)} Hz the curve came back to where it had been, and was followed again from "
+            "there with other steps: further periodic motions lie close to it (friction keeps tractions, and nearly "
+            "symmetric structures have unsymmetric motions). Another number of samples may lead along another of them; "
+            "compare twice the samples."
+        )
+    if branch.crossings:
+        sentences.append(
+            f"Near {_places(branch.crossings)} Hz the curve has corners where it turns back over less than one step; "
+            "they were passed. More samples make them smaller."
+        )
+    return tuple(sentences)
+
+
+def _places(frequencies_hz: list[float]) -> str:
+    """The first four frequencies in words."""
+    words = list(dict.fromkeys(f"{value:.2f}" for value in frequencies_hz))
+    return ", ".join(words[:4]) + (" and other" if len(words) > 4 else "")
 
 
 def _residual(balance: Balance, trials: list[Trial], residuals: FloatArray) -> tuple[str, ...]:

@@ -51,9 +51,12 @@ def first_point(
                 attempts.append(f"from {_hz(share * omega):.2f} Hz: relative residual {outside.trial.error:.1e}")
                 continue
             branch = walk(outside.trial)
-            *_, last = branch
+            for _ in branch:
+                pass
             if branch.complete:
-                return last.trial, f"The first point was reached from {_hz(share * omega):.2f} Hz, where it converged."
+                return branch.points[
+                    -1
+                ].trial, f"The first point was reached from {_hz(share * omega):.2f} Hz, where it converged."
             attempts.append(f"from {_hz(share * omega):.2f} Hz: {branch.message}")
     raise ConvergenceError(
         f"no solution was found at the first frequency, {_hz(omega):.3f} Hz ({'; '.join(attempts)}). "
