@@ -204,7 +204,7 @@ def solved(case: Case) -> tuple[ForcedResponse, Peak]:
 
 
 def test_a_corner_that_turns_back_does_not_lose_the_branch() -> None:
-    """At 469.89 Hz the branch turns by 160 degrees, over less than 3e-4 of the window; no shorter step succeeds there."""
+    """At 469.89 Hz the branch turns by 160 degrees, over less than 3e-4 of the window; shorter steps fail there."""
     case = Case().replace(
         {
             **COARSE_MESH,
