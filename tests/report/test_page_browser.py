@@ -109,6 +109,23 @@ def test_pair_by_select_click_and_arrow_keys(page):
     assert loop(page) == before
 
 
+SHOWN = """Object.fromEntries(
+  ['curve', 'energy-curve', 'state-map-0', 'energy-map-0', 'energy-map-1', 'loop', 'signals', 'group-0'].map(id => [
+    id, document.getElementById(id)._fullData.map(trace => [trace.x, trace.y, trace.text, trace.name, trace.marker && [
+      trace.marker.color, trace.marker.symbol, trace.marker.cmin, trace.marker.cmax, trace.marker.cauto]])]))"""
+
+
+def test_what_the_page_opens_with_is_what_a_choice_of_the_same_point_shows(page):
+    opened = page.evaluate(SHOWN)
+    page.locator("#point").focus()
+    page.keyboard.press("Home")
+    settle(page)
+    assert page.evaluate(SHOWN) != opened
+    page.locator("#to-peak").click()
+    settle(page)
+    assert page.evaluate(SHOWN) == opened
+
+
 def test_loop_of_the_page_is_that_of_the_package(page):
     response = synthetic_response()
     pair = int(page.input_value("#pair"))

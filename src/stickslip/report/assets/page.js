@@ -94,12 +94,25 @@
     return Plotly.newPlot(element(id), figure.data, figure.layout, plotOptions);
   }
 
+  /* Before its figure is drawn a change goes into the figure itself: drawing once is quicker than drawing twice. */
+  let drawn = false;
+  function restyle(id, update, traces) {
+    if (drawn) return Plotly.restyle(id, update, traces);
+    const all = figures[id].data;
+    (traces || all.map((_, i) => i)).forEach(function (trace, i) {
+      for (const [path, values] of Object.entries(update)) {
+        const keys = path.split("."), last = keys.pop();
+        keys.reduce((part, key) => (part[key] = part[key] || {}), all[trace])[last] = Array.isArray(values) ? values[i % values.length] : values;
+      }
+    });
+  }
+
   const closed = (values) => values.concat(values.slice(0, 1));
 
   function showCurve() {
     const x = [[data.frequency[chosen.point]]];
-    Plotly.restyle("curve", { x: x, y: [[data.amplitude[chosen.point]]] }, [figures.curve.data.length - 1]);
-    Plotly.restyle("energy-curve", { x: x, y: [[data.energyTotal[chosen.point]]] }, [figures["energy-curve"].data.length - 1]);
+    restyle("curve", { x: x, y: [[data.amplitude[chosen.point]]] }, [figures.curve.data.length - 1]);
+    restyle("energy-curve", { x: x, y: [[data.energyTotal[chosen.point]]] }, [figures["energy-curve"].data.length - 1]);
     const text = hertz(data.frequency[chosen.point]) + " (" + (chosen.point + 1) + " of " + data.points + ")";
     element("point-label").textContent = text;
     element("point").setAttribute("aria-valuetext", text);
@@ -131,10 +144,10 @@
       const styles = pairs.map((pair) => data.stateStyles[states[row + pair]]);
       const text = pairs.map((pair, i) => data.pairLabel[pair] + "<br>" + styles[i].name + ", " +
         digits(energy[row + pair]) + " " + data.energyUnit + " per cycle");
-      Plotly.restyle("state-map-" + face, {
+      restyle("state-map-" + face, {
         "marker.color": [styles.map((style) => style.colour)], "marker.symbol": [styles.map((style) => style.symbol)], text: [text],
       }, [0]);
-      Plotly.restyle("energy-map-" + face, {
+      restyle("energy-map-" + face, {
         "marker.color": [pairs.map((pair) => energy[row + pair])], "marker.cmax": Math.max(largest, 1e-30), text: [text],
       }, [0]);
     });
@@ -146,8 +159,8 @@
       const here = data.pairFace[chosen.pair] === face;
       const place = data.pairPosition[chosen.pair];
       const ring = { x: [here ? [place[0]] : []], y: [here ? [place[1]] : []] };
-      Plotly.restyle("state-map-" + face, ring, [1]);
-      Plotly.restyle("energy-map-" + face, ring, [1]);
+      restyle("state-map-" + face, ring, [1]);
+      restyle("energy-map-" + face, ring, [1]);
     });
     element("pair").value = String(chosen.pair);
   }
@@ -164,12 +177,12 @@
       digits(energy[entry]) + " " + data.energyUnit + " per cycle" + words;
     if (held < 0) return;
     const cycle = pairCycle(held, chosen.pair);
-    Plotly.restyle("loop", { x: [closed(cycle.axes[0]), closed(cycle.axes[1])], y: cycle.traction.map(closed) }, [0, 1]);
+    restyle("loop", { x: [closed(cycle.axes[0]), closed(cycle.axes[1])], y: cycle.traction.map(closed) }, [0, 1]);
     const limit = cycle.normal.map((n) => friction[chosen.pair] * n);
     const both = closed(limit).concat([null], closed(limit.map((value) => -value)));
     const times = loops.times.concat([1]);
     const y = cycle.traction.map(closed).concat([closed(cycle.normal), both], cycle.axes.map(closed), cycle.slider.map(closed));
-    Plotly.restyle("signals", { x: y.map((values, i) => (i === 3 ? times.concat([null], times) : times)), y: y });
+    restyle("signals", { x: y.map((values, i) => (i === 3 ? times.concat([null], times) : times)), y: y });
   }
 
   const groupTimes = Array.from({ length: 129 }, (_, j) => j / 128);
@@ -179,7 +192,7 @@
       const start = chosen.point * data.coefficients;
       const y = names.map((name) => synthesis(signals[name], start, groupTimes).map((value) => value - signals[name][start]));
       const labels = names.map((name, i) => data.groupLabels[group][i] + " (mean " + digits(signals[name][start]) + " µm)");
-      Plotly.restyle("group-" + group, { x: names.map(() => groupTimes), y: y, name: labels });
+      restyle("group-" + group, { x: names.map(() => groupTimes), y: y, name: labels });
     });
   }
 
@@ -256,8 +269,10 @@
     window.addEventListener("afterprint", () => plots().forEach((plot) => Plotly.relayout(plot, { width: null, autosize: true })));
   }
 
+  showCurve(); showMaps(); showChoice(); showPair(); showGroups();
+  drawn = true;
   Promise.all(Object.keys(figures).map((id) => draw(id, figures[id], id.includes("map") ? stillOptions : options))).then(function () {
-    showCurve(); showMaps(); showChoice(); showPair(); showGroups(); listen();
+    listen();
     document.body.dataset.ready = "yes";
   });
 })();
