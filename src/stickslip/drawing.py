@@ -147,7 +147,7 @@ def serve() -> None:
         return  # the study ended without a response
     except StickslipError as error:
         answer = error
-    except Exception:
+    except Exception:  # whatever it is, the first process raises it again: see files()
         answer = traceback.format_exc()
     pickle.dump(answer, sys.stdout.buffer)
     sys.stdout.buffer.flush()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable
 from typing import get_args
 
 import numpy as np
@@ -290,9 +291,8 @@ def _folds(trials: list[Trial]) -> tuple[str, ...]:
     turns = frequency[1:-1][step[:-1] * step[1:] < 0]
     if turns.size < 2 or np.ptp(turns) < 1e-4 * frequency.mean():
         return ()
-    places = ", ".join(f"{value:.2f}" for value in turns[:4])
     return (
-        f"The curve folds ({places} Hz): between folds several periodic motions exist at one frequency. Stability is "
+        f"The curve folds ({_places(turns)} Hz): between folds several periodic motions exist at one frequency. Stability is "
         "not computed; a slow sweep follows the curve to a fold and jumps there.",
     )
 
@@ -315,10 +315,10 @@ def _neighbours(branch: Branch) -> tuple[str, ...]:
     return tuple(sentences)
 
 
-def _places(frequencies_hz: list[float]) -> str:
+def _places(frequencies_hz: Iterable[float]) -> str:
     """The first four frequencies in words."""
     words = list(dict.fromkeys(f"{value:.2f}" for value in frequencies_hz))
-    return ", ".join(words[:4]) + (" and other" if len(words) > 4 else "")
+    return ", ".join(words[:4] + (["..."] if len(words) > 4 else []))
 
 
 def _residual(balance: Balance, trials: list[Trial], residuals: FloatArray) -> tuple[str, ...]:

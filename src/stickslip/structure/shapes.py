@@ -10,8 +10,6 @@ from stickslip.validation import FloatArray
 
 Rule = tuple[FloatArray, FloatArray]  # points (q, 3) and weights (q,) on the reference cell
 
-NODES = CELL_KINDS["hexahedron20"].nodes
-
 # Degree of the polynomials that a rule integrates exactly on tetrahedra, and on the triangle of wedges. Stiffness: the
 # strain of a straight cell squared; mass: the product of two functions, with room for the Jacobian of a curved cell.
 _STIFFNESS_DEGREE = {4: 1, 10: 2, 6: 2, 15: 2}

@@ -102,7 +102,8 @@
     (traces || all.map((_, i) => i)).forEach(function (trace, i) {
       for (const [path, values] of Object.entries(update)) {
         const keys = path.split("."), last = keys.pop();
-        keys.reduce((part, key) => (part[key] = part[key] || {}), all[trace])[last] = Array.isArray(values) ? values[i % values.length] : values;
+        const part = keys.reduce((whole, key) => (whole[key] = whole[key] || {}), all[trace]);
+        part[last] = Array.isArray(values) ? values[i % values.length] : values;
       }
     });
   }
