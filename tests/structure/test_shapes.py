@@ -3,7 +3,10 @@ import pytest
 
 from solid_cells import CORNERS
 from stickslip.errors import InputError
-from stickslip.structure.shapes import NODES, consistent_mass, gauss_points, shape_functions
+from stickslip.structure.cell_kinds import CELL_KINDS
+from stickslip.structure.shapes import consistent_mass, gauss_points, shape_functions
+
+NODES = CELL_KINDS["hexahedron20"].nodes
 
 
 @pytest.mark.parametrize("n_nodes", [8, 20])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stickslip.errors import InputError
-from stickslip.structure.cell_kinds import CELL_KINDS, KIND_OF_SIZE
+from stickslip.structure.cell_kinds import KIND_OF_SIZE
 from stickslip.validation import FloatArray
 
 Rule = tuple[FloatArray, FloatArray]  # points (q, 3) and weights (q,) on the reference cell
