@@ -292,8 +292,8 @@ def _folds(trials: list[Trial]) -> tuple[str, ...]:
     if turns.size < 2 or np.ptp(turns) < 1e-4 * frequency.mean():
         return ()
     return (
-        f"The curve folds ({_places(turns)} Hz): between folds several periodic motions exist at one frequency. Stability is "
-        "not computed; a slow sweep follows the curve to a fold and jumps there.",
+        f"The curve folds ({_places(turns)} Hz): between folds several periodic motions exist at one frequency. "
+        "Stability is not computed; a slow sweep follows the curve to a fold and jumps there.",
     )
 
 
