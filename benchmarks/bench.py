@@ -28,14 +28,14 @@ from dense_newton import DenseBalance
 from threadpoolctl import threadpool_limits
 
 from stickslip import __version__
-from stickslip.case import Case
-from stickslip.interface.contact_pairs import ContactPairs
-from stickslip.interface.friction import harmonic_force, harmonic_tangent
-from stickslip.model import Model, build_joint, build_model, build_structure
+from stickslip.case.case import Case
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb import harmonic_force, harmonic_tangent
+from stickslip.model.model import Model, build_joint, build_model, build_structure
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
 from stickslip.structure.superelement import Superelement
-from stickslip.study import solve
+from stickslip.study.run import solve
 
 HARMONICS, SAMPLES = 3, 128
 PRELOAD_FACTOR = 4.0  # no contact opens then

@@ -15,7 +15,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 from calculix import ELEMENTS, blades, frequencies, our_structure, run_calculix, tied
-from stickslip.structure.matrix_files.read import read_matrices
+from stickslip.formats.matrices.read import read_matrices
 
 COUNT = 10
 

@@ -20,7 +20,7 @@ from blade_problem import BladeProblem, FloatArray, load_blade_problem
 from dense_newton import DenseBalance
 from pyharm_case import PyHarmCase, one_direction_stiffness
 
-from stickslip.interface.contact_pairs import ContactPairs
+from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
 from stickslip.structure.superelement import Superelement

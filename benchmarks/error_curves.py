@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from stickslip.case import Case
-from stickslip.model import Model, build_joint, build_model, build_structure
+from stickslip.case.case import Case
+from stickslip.model.model import Model, build_joint, build_model, build_structure
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.continuation import ContinuationSettings
 from stickslip.solve.forced import forced_response
+from stickslip.solve.path.continuation import ContinuationSettings
 
 REFERENCE = {"harmonics": 13, "samples": 512, "modes": 80}
 TRIED = {

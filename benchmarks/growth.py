@@ -14,9 +14,9 @@ import time
 
 import numpy as np
 
-from stickslip.case import Case
-from stickslip.model import build_joint, build_model, build_structure
-from stickslip.study import solve
+from stickslip.case.case import Case
+from stickslip.model.model import build_joint, build_model, build_structure
+from stickslip.study.run import solve
 
 # Pairs of both faces -> elements up the contact face and along the damper.
 ELEMENTS = {110: (4, 10), 440: (9, 21), 990: (14, 32)}

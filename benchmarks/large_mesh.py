@@ -10,8 +10,8 @@ import time
 
 from both_factors import with_each_factor
 
-from stickslip.case import Case
-from stickslip.model import build_joint, build_structure
+from stickslip.case.case import Case
+from stickslip.model.model import build_joint, build_structure
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.factor import Backend, factor_forecast
 

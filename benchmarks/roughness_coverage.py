@@ -17,10 +17,10 @@ from collections.abc import Callable
 import numpy as np
 
 import stickslip as ss
-from stickslip.interface.detrended_lines import wavelengths
-from stickslip.interface.random_lines import LineSet, Spectrum, simulate
-from stickslip.interface.surface import draw_phases, frequency_count
-from stickslip.validation import FloatArray
+from stickslip.contact.stiffness.detrended_lines import wavelengths
+from stickslip.contact.stiffness.random_lines import LineSet, Spectrum, simulate
+from stickslip.contact.stiffness.surface import draw_phases, frequency_count
+from stickslip.core.validation import FloatArray
 
 SPACING = 1e-6
 SURFACES = ((2.2, 1e-12), (2.4, 1e-9), (2.6, 1e-8), (2.8, 1e-7))

@@ -13,12 +13,12 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from stickslip.case import Case
-from stickslip.errors import ConvergenceError
-from stickslip.model import ReducedModel, ReducedStructure, connect, load_joint, reduce_structure, set_up
+from stickslip.case.case import Case
+from stickslip.core.errors import ConvergenceError
+from stickslip.core.validation import FloatArray
+from stickslip.model.model import ReducedModel, ReducedStructure, connect, load_joint, reduce_structure, set_up
 from stickslip.results.measures import Summary, summary
-from stickslip.study import solve
-from stickslip.validation import FloatArray
+from stickslip.study.run import solve
 
 FORCES_N = (20, 50, 100, 200, 500, 1000)
 VARIANTS = ("uniform", "released", "kept")

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import stickslip as ss
-from stickslip.case import Case
+from stickslip.case.case import Case
 
 CASES = 40
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from blade_problem import load_blade_problem
 
-from stickslip.interface.contact_pairs import ContactPairs
-from stickslip.interface.friction import harmonic_force, harmonic_tangent
-from stickslip.solve.balance import Balance, Trial
-from stickslip.solve.compliance import stuck_structure
-from stickslip.solve.newton import Constraint, Newton, NewtonSettings
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb import harmonic_force, harmonic_tangent
+from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.compliance import stuck_structure
+from stickslip.solve.path.newton import Constraint, Newton, NewtonSettings
 from stickslip.structure.superelement import Superelement
 
 HARMONICS, SAMPLES = 3, 128

@@ -10,7 +10,7 @@ from pathlib import Path
 from playwright.sync_api import sync_playwright
 
 import stickslip as ss
-from stickslip import study
+from stickslip.study import run as study
 
 IMAGES = Path(__file__).parent / "images"
 # heading of the section -> name of the picture

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 import stickslip as ss
-from stickslip.interface.surface import draw_phases, frequency_count
-from stickslip.profile_file import read_profile
+from stickslip.contact.stiffness.surface import draw_phases, frequency_count
+from stickslip.formats.profile_file import read_profile
 
 DATA = Path(__file__).parent / "data" / "profile.csv"
 DIMENSION, ROUGHNESS = 2.4, 1e-9

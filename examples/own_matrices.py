@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import stickslip as ss
-from stickslip.solve.transient import integrate_to_steady_state, start_from_response
+from stickslip.solve.transient.integrate import integrate_to_steady_state, start_from_response
 
 DATA = Path(__file__).parent / "data" / "blade_10_contacts.npz"
 

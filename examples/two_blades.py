@@ -10,9 +10,9 @@ import sys
 
 import numpy as np
 
-from stickslip.case import Case
-from stickslip.model import build_joint, build_model, build_structure
-from stickslip.study import solve
+from stickslip.case.case import Case
+from stickslip.model.model import build_joint, build_model, build_structure
+from stickslip.study.run import solve
 
 
 def main(harmonics: int = 3, samples: int = 128) -> dict[str, float]:

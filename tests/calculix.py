@@ -16,8 +16,8 @@ from scipy.spatial import cKDTree
 
 from helpers import absent_tool
 from solid_cells import PARTS
-from stickslip.structure.blade_pair import BladePairElements, blade_pair_mesh
-from stickslip.structure.calculix_deck import write_calculix_deck
+from stickslip.formats.calculix_deck import write_calculix_deck
+from stickslip.model.kinds.two_blade_mesh import BladePairElements, blade_pair_mesh
 from stickslip.structure.cell_kinds import CELL_KINDS
 from stickslip.structure.elasticity import Material, Structure, assemble, assemble_bodies, natural_frequencies
 from stickslip.structure.finite_element_mesh import CellBlock, FiniteElementMesh

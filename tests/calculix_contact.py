@@ -16,11 +16,11 @@ from numpy.typing import ArrayLike
 
 from calculix import our_structure
 from helpers import absent_tool
-from stickslip.interface.contact_pairs import ContactPairs
-from stickslip.interface.pairing import FacePairs, pair_faces
-from stickslip.solve.static import static_preload
-from stickslip.structure.blade_pair import BladePairElements, blade_pair_mesh
-from stickslip.structure.calculix_deck import write_calculix_deck
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.pairing.pairing import FacePairs, pair_faces
+from stickslip.formats.calculix_deck import write_calculix_deck
+from stickslip.model.kinds.two_blade_mesh import BladePairElements, blade_pair_mesh
+from stickslip.solve.static.ramp_to_rest import static_preload
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.elasticity import Material
 from stickslip.structure.mesh import Mesh

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stickslip.interface.contact_pairs import ContactPairs
+from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
 from stickslip.structure.superelement import Superelement

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.interface.contact_pairs import ContactPairs
+from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from synthetic import synthetic_response, synthetic_study

@@ -7,9 +7,9 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from stickslip.case import Case, load_case
-from stickslip.model import build_model, load_joint, set_up
-from stickslip.structure.matrix_files.exchange import write_superelement
+from stickslip.case.case import Case, load_case
+from stickslip.formats.matrices.exchange import write_superelement
+from stickslip.model.model import build_model, load_joint, set_up
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "own_mesh"
 QUICK = {"solver.harmonics": 1, "solver.samples": 64, "output.figure_formats": []}

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from stickslip.paper.plan import Setting
-from stickslip.paper.records import Solved
+from stickslip.papers.rough_damper.plan import Setting
+from stickslip.papers.rough_damper.records import Solved
 
 PAIRS = 4
 SAMPLES = 8

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stickslip.paper.plan import CHOICES, Choice, Scope
+from stickslip.papers.rough_damper.plan import CHOICES, Choice, Scope
 from sweep_cases import QUICK
 
 _KEPT = {key: value for key, value in QUICK.items() if key.split(".")[0] in ("mesh", "reduction", "geometry")}

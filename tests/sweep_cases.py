@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from stickslip.case import Case
+from stickslip.case.case import Case
 
 COARSE_MESH = {
     "mesh.shank_columns": 1,

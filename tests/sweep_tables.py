@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stickslip.report.sweep_view import SweepView
+from stickslip.reporting.sweep_view import SweepView
 from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable, SweptKey
 
 

@@ -169,7 +169,7 @@ def test_results_and_report_never_solve(package: str) -> None:
 def test_the_rule_can_fail() -> None:
     tree = ast.parse(
         "import stickslip\nfrom stickslip import Mesh\n"
-        "def f():\n    from stickslip import cli\n    from stickslip.errors import InputError\n"
+        "def f():\n    from stickslip import cli\n    from stickslip.core.errors import InputError\n"
     )
     assert set(_imports(ast.walk(tree))) == {"", "structure.mesh", "cli", "errors"}
     assert set(_imports(tree.body)) == {"", "structure.mesh"}
@@ -180,9 +180,9 @@ def test_the_rule_can_fail() -> None:
     ("code", "allowed"),
     [
         ("import stickslip", ()),
-        ("import stickslip.cli", ()),
-        ("import sys; sys.argv = ['stickslip', '--help']; from stickslip.cli import main; main()", ()),
-        ("from stickslip.case import Case; Case().solver", ("pydantic",)),
+        ("import stickslip.cli.main", ()),
+        ("import sys; sys.argv = ['stickslip', '--help']; from stickslip.cli.main import main; main()", ()),
+        ("from stickslip.case.case import Case; Case().solver", ("pydantic",)),
     ],
 )
 def test_heavy_packages_wait_until_they_are_needed(code: str, allowed: tuple[str, ...]) -> None:
@@ -205,10 +205,10 @@ def test_unknown_name_is_an_attribute_error() -> None:
 
 def test_report_is_the_verb_and_the_package() -> None:
     code = (
-        "import stickslip, sys, types; from stickslip import report; import stickslip.report as package;"
-        "assert stickslip.report is report is package;"
-        "study = types.ModuleType('stickslip.study'); study.report = lambda path: ('made', path);"
-        "sys.modules['stickslip.study'] = study;"
+        "import stickslip, sys, types; from stickslip import report; import stickslip.reporting as package;"
+        "assert stickslip.reporting is report is package;"
+        "study = types.ModuleType('stickslip.study.run'); study.report = lambda path: ('made', path);"
+        "sys.modules['stickslip.study.run'] = study;"
         "assert stickslip.report('DIR') == ('made', 'DIR')"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from stickslip.case import Case
-from stickslip.cli import app
-from stickslip.errors import StudyFileError
+from stickslip.case.case import Case
+from stickslip.cli.main import app
+from stickslip.core.errors import StudyFileError
 
 WRONG = {
     "misspelt key": ("[material]\nyoungs_modulus = 1", ["material.youngs_modulus", "Did you mean young_modulus?"]),

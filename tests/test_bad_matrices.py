@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import scipy.sparse
 
-from stickslip.errors import InputError
-from stickslip.interface.contact_pairs import ContactPairs
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.core.errors import InputError
 from stickslip.structure.superelement import Superelement
 
 STIFFNESS = np.array([[3.0, -1.0, 0.0], [-1.0, 3.0, -1.0], [0.0, -1.0, 3.0]])

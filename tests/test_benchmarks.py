@@ -8,8 +8,8 @@ from types import ModuleType
 
 import pytest
 
-from stickslip.mesh_study import set_up
-from stickslip.structure.blade_pair import BladePairElements
+from stickslip.model.kinds.mesh import set_up
+from stickslip.model.kinds.two_blade_mesh import BladePairElements
 from stickslip.structure.model_facts import body_volumes
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"

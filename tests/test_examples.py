@@ -14,8 +14,8 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from stickslip.cli import app
-from stickslip.paper.plan import Scope, computations
+from stickslip.cli.main import app
+from stickslip.papers.rough_damper.plan import Scope, computations
 from sweep_cases import quick_file
 
 ROOT = Path(__file__).parents[1]
@@ -34,7 +34,7 @@ def test_own_matrices(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.Mo
 
 
 def test_measured_roughness(capsys: pytest.CaptureFixture[str]) -> None:
-    module = runpy.run_path(str(ROOT / "examples" / "measured_roughness.py"))
+    module = runpy.run_path(str(ROOT / "examples" / "cli/measured_roughness.py"))
     fit = module["main"]()
     assert "true value 2.4" in capsys.readouterr().out
     for name, true in (("fractal_dimension", 2.4), ("fractal_roughness", 1e-9)):

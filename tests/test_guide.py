@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from helpers import absent_tool
-from stickslip.cli import app
+from stickslip.cli.main import app
 from sweep_cases import quick_file
 
 ROOT = Path(__file__).parents[1]

@@ -11,28 +11,28 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from stickslip.case import Case, load_case
-    from stickslip.interface.contact_pairs import ContactPairs
-    from stickslip.interface.friction import contact_cycle
-    from stickslip.interface.normal_law import PressureGapLaw
-    from stickslip.interface.pairing import pair_faces, pair_surfaces, pair_with_ground
-    from stickslip.interface.roughness_fit import RoughnessFit, fit_roughness
-    from stickslip.interface.stiffness import Roughness, contact_stiffness
-    from stickslip.interface.surface import fractal_surface
+    from stickslip.case.case import Case, load_case
+    from stickslip.contact.law.contact_pairs import ContactPairs
+    from stickslip.contact.law.coulomb import contact_cycle
+    from stickslip.contact.law.normal_law import PressureGapLaw
+    from stickslip.contact.pairing.pairing import pair_faces, pair_surfaces, pair_with_ground
+    from stickslip.contact.stiffness.fractal import Roughness, contact_stiffness
+    from stickslip.contact.stiffness.roughness_fit import RoughnessFit, fit_roughness
+    from stickslip.contact.stiffness.surface import fractal_surface
+    from stickslip.formats.calculix_deck import write_calculix_deck
+    from stickslip.formats.matrices.exchange import read_superelement, write_superelement
+    from stickslip.formats.matrices.model import MatrixModel
+    from stickslip.formats.matrices.read import read_matrices
+    from stickslip.formats.matrices.reduce import reduce_matrices
     from stickslip.results.response import ForcedResponse
     from stickslip.solve.forced import forced_response
-    from stickslip.solve.static import static_preload
-    from stickslip.solve.static_ramp import StaticState
-    from stickslip.structure.calculix_deck import write_calculix_deck
+    from stickslip.solve.static.load_ramp import StaticState
+    from stickslip.solve.static.ramp_to_rest import static_preload
     from stickslip.structure.craig_bampton import craig_bampton
     from stickslip.structure.elasticity import Material, Structure, assemble
-    from stickslip.structure.matrix_files.exchange import read_superelement, write_superelement
-    from stickslip.structure.matrix_files.model import MatrixModel
-    from stickslip.structure.matrix_files.read import read_matrices
-    from stickslip.structure.matrix_files.reduce import reduce_matrices
     from stickslip.structure.mesh import Mesh
     from stickslip.structure.superelement import Superelement
-    from stickslip.study import report, run
+    from stickslip.study.run import report, run
     from stickslip.sweeps.run import sweep
 
     __version__: str
@@ -109,11 +109,11 @@ __all__ = [
 
 
 class _ReportPackage(ModuleType):
-    """The sub-package ``stickslip.report``, which can be called: the public verb ``report`` has the same name."""
+    """The sub-package ``stickslip.reporting``, which can be called: the public verb ``report`` has the same name."""
 
     def __call__(self, *arguments: Any, **options: Any) -> Any:
-        """``stickslip.study.report``."""
-        return import_module("stickslip.study").report(*arguments, **options)
+        """``stickslip.study.run.report``."""
+        return import_module("stickslip.study.run").report(*arguments, **options)
 
 
 class _Package(ModuleType):
@@ -134,7 +134,7 @@ def __getattr__(name: str) -> Any:
 
         return version("stickslip")
     if name == "report":
-        return import_module("stickslip.report")
+        return import_module("stickslip.reporting")
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(import_module(f"stickslip.{_HOME[name]}"), name)

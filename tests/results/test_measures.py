@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
 from stickslip.results.measures import (
     Peak,
     energy_imbalance,

@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from stickslip.errors import InputError
-from stickslip.fourier import synthesis_matrix
+from stickslip.core.errors import InputError
+from stickslip.core.fourier import synthesis_matrix
 from stickslip.results.response import ForcedResponse, periodic_amplitude
 from synthetic import N_UNKNOWNS, synthetic_response, synthetic_study
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray
 
-from stickslip.errors import InputError, ResultsFileError
+from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import FORMAT_VERSION, load_results, save_results

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from sketches import sketch_of_boxes, stacked_boxes
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
 from stickslip.results.record import StudyRecord
 from stickslip.results.sketch import Sketch
 from stickslip.results.storage import load_results, save_results

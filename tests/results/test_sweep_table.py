@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray
 
-from stickslip.errors import InputError, ResultsFileError
+from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.results.sweep_table import MEASURES, curve_and_measures
 from sweep_tables import MODE, load_key, sweep_view
 from synthetic import synthetic_response, synthetic_study

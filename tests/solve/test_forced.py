@@ -9,13 +9,13 @@ import pytest
 from scipy.optimize import brentq
 
 from helpers import Blade
-from stickslip.errors import ConvergenceError, InputError
-from stickslip.interface.contact_pairs import ContactPairs
-from stickslip.reference import jenkins_loop
+from stickslip.contact.law.closed_forms import jenkins_loop
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.continuation import ContinuationSettings
 from stickslip.solve.forced import forced_response
-from stickslip.solve.newton import NewtonSettings
+from stickslip.solve.path.continuation import ContinuationSettings
+from stickslip.solve.path.newton import NewtonSettings
 from stickslip.structure.superelement import Superelement
 
 
@@ -219,7 +219,7 @@ def test_digits_that_a_drift_costs_are_not_blamed_on_the_stiffness(monkeypatch: 
     assert drift > 0.1
     assert f"carries {1e-6 * 1e6 * drift:.2e} N and lets the mean slip by {drift:.2e} m" in sentence
     # a restraint that lets the body drift a thousandth as far loses a thousandth as much
-    monkeypatch.setattr("stickslip.solve.compliance.MEAN_RESTRAINT", 1e-3)
+    monkeypatch.setattr("stickslip.solve.harmonic.compliance.MEAN_RESTRAINT", 1e-3)
     assert solved().residual.max() < 1e-2 * response.residual.max()
 
 

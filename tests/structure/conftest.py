@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from solid_cells import CORNERS
-from stickslip.interface.pairing import FacePairs, pair_faces
-from stickslip.structure.blade_pair import blade_pair_mesh
+from stickslip.contact.pairing.pairing import FacePairs, pair_faces
+from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.elasticity import Material, assemble
 from stickslip.structure.mesh import Mesh

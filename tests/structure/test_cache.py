@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stickslip.model.kinds.two_blade_mesh import BladePairElements, BladePairGeometry, blade_pair_mesh
 from stickslip.structure import cache
-from stickslip.structure.blade_pair import BladePairElements, BladePairGeometry, blade_pair_mesh
 from stickslip.structure.cache import cache_folder, cached_superelement
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.elasticity import Material, Structure, assemble

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solid_cells import PARTS, require_constant_strain
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
 from stickslip.structure.cell_kinds import CELL_KINDS
 from stickslip.structure.elasticity import Material, assemble_bodies, natural_frequencies
 from stickslip.structure.faces import face_geometry

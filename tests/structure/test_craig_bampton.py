@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from calculix import cut_bricks
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
 from stickslip.structure import cache
 from stickslip.structure.craig_bampton import craig_bampton, paper_table, reduction_table
 from stickslip.structure.elasticity import Material, assemble_bodies, natural_frequencies

@@ -3,7 +3,7 @@ import pytest
 import scipy.sparse.linalg
 
 from solid_cells import require_constant_strain
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
 from stickslip.structure.elasticity import Material, assemble, natural_frequencies
 from stickslip.structure.joined import joined_modes
 

@@ -7,7 +7,7 @@ import pytest
 from meshio._mesh import topological_dimension
 
 from calculix import cut_bricks
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
 from stickslip.structure import export
 from stickslip.structure.export import write_deflected_period, write_mode_shapes
 

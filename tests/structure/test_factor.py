@@ -6,7 +6,7 @@ import pytest
 import scipy.sparse
 
 from helpers import absent_tool
-from stickslip.errors import ConvergenceError, InputError, MissingPackageError
+from stickslip.core.errors import ConvergenceError, InputError, MissingPackageError
 from stickslip.structure import factor as factor_module
 from stickslip.structure.elasticity import Material, assemble
 from stickslip.structure.factor import PARDISO_SIZE, best_backend, factor_forecast, factorize

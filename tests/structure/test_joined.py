@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
 from stickslip.structure.joined import joined_modes, tie_matrix
 
 

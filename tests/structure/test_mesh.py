@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from solid_cells import CORNERS
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
 from stickslip.structure.mesh import Mesh
 
 CUBE = (CORNERS + 1) / 2

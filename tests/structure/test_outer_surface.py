@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from solid_cells import CORNERS, PARTS
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
 from stickslip.structure.finite_element_mesh import CellBlock, FiniteElementMesh
 from stickslip.structure.mesh import Mesh
 from stickslip.structure.outer_surface import OuterSurface, coarsened, outer_surface

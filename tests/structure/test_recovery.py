@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import scipy.sparse.linalg
 
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.recovery import reduced_load
 

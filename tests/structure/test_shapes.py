@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from solid_cells import CORNERS
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
 from stickslip.structure.cell_kinds import CELL_KINDS
 from stickslip.structure.shapes import consistent_mass, gauss_points, shape_functions
 

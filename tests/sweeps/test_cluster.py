@@ -15,8 +15,8 @@ import pytest
 
 import stickslip as ss
 from helpers import absent_tool
-from stickslip.case import load_case
-from stickslip.errors import InputError, MissingPackageError
+from stickslip.case.case import load_case
+from stickslip.core.errors import InputError, MissingPackageError
 from stickslip.sweeps import cluster
 from sweep_cases import quick_file
 
@@ -71,7 +71,7 @@ def test_a_worker_that_is_killed_loses_no_case(tmp_path: Path) -> None:
         address = json.loads(file.read_text(encoding="utf-8"))["address"]
         command = ["sweep", str(study), "--vary", f"preload.centrifugal_force={LOADS}", "--out", str(out)]
         sweep = subprocess.Popen(
-            [sys.executable, "-c", "from stickslip.cli import main; main()", *command, "--scheduler", address],
+            [sys.executable, "-c", "from stickslip.cli.main import main; main()", *command, "--scheduler", address],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,

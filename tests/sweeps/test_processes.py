@@ -16,12 +16,12 @@ import pytest
 
 import stickslip as ss
 import sweep_deaths
-from stickslip.case import load_case
-from stickslip.errors import InputError
+from stickslip.case.case import load_case
+from stickslip.core.errors import InputError
+from stickslip.core.threads import usable_cores
 from stickslip.sweeps import schedule
 from stickslip.sweeps.pool import LocalProcesses, WorkerDied
 from stickslip.sweeps.schedule import Schedule, StructureGroup
-from stickslip.threads import usable_cores
 from sweep_cases import quick_file
 
 LOADS = "450:700:6"
@@ -117,7 +117,7 @@ def start_sweep(study: Path, out: Path) -> subprocess.Popen[str]:
         "2",
     ]
     return subprocess.Popen(
-        [sys.executable, "-c", "from stickslip.cli import main; main()", *arguments],
+        [sys.executable, "-c", "from stickslip.cli.main import main; main()", *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

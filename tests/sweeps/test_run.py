@@ -16,13 +16,13 @@ import pytest
 import xarray
 
 import stickslip as ss
-from stickslip import study
-from stickslip.case import Case
-from stickslip.errors import ConvergenceError, InputError, RoughnessError
-from stickslip.model import ReducedModel
+from stickslip.case.case import Case
+from stickslip.core.errors import ConvergenceError, InputError, RoughnessError
+from stickslip.model.model import ReducedModel
 from stickslip.results.measures import summary
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import SavedResults, load_results
+from stickslip.study import run as study
 from stickslip.sweeps import folder as sweep_folder
 from stickslip.sweeps import run as sweep_run
 from stickslip.sweeps import schedule, work

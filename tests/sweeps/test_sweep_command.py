@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from stickslip import cli
+from stickslip.cli import main as cli
 from stickslip.sweeps import work
 from sweep_cases import quick_case, quick_file
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.response import STATE_NAMES, ForcedResponse
-from stickslip.validation import FloatArray, finite_array
 
 
 @dataclass(frozen=True)

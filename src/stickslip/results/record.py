@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.response import ForcedResponse, same_content
 from stickslip.results.rough_patch import RoughPatch
 from stickslip.results.sketch import Sketch
-from stickslip.validation import FloatArray, finite_array
 
 MODE_COLUMNS = ("mode", "description", "full_hz", "reduced_hz", "difference_percent", "mac", "table2_hz")
 

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip.errors import InputError
-from stickslip.fourier import synthesis_matrix
-from stickslip.interface.contact_pairs import ContactPairs
-from stickslip.validation import FloatArray, finite_array, require_choice
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.core.errors import InputError
+from stickslip.core.fourier import synthesis_matrix
+from stickslip.core.validation import FloatArray, finite_array, require_choice
 
 if TYPE_CHECKING:
-    from stickslip.interface.friction import ContactCycle, Update
+    from stickslip.contact.law.coulomb import ContactCycle, Update
 
 STATE_NAMES = ("stuck", "stick-slip", "separating")
 
@@ -242,7 +242,7 @@ class ForcedResponse:
         The friction law is marched again to its periodic state on the displacement of that point, with the samples and
         the update rule of the solve (``settings["update"]``), so nothing of this size need be stored.
         """
-        from stickslip.interface.friction import contact_cycle  # compiled code: loaded only when forces are wanted
+        from stickslip.contact.law.coulomb import contact_cycle  # compiled code: loaded only when forces are wanted
 
         displacement = self.pair_displacement(point, self.samples)
         update = cast("Update", self.settings["update"])

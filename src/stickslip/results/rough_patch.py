@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.response import same_content
-from stickslip.validation import FloatArray, finite_array
 
 
 @dataclass(frozen=True, eq=False)

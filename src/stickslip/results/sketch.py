@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.response import same_content
-from stickslip.validation import FloatArray, finite_array
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,14 +16,14 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from stickslip.errors import ResultsFileError
-from stickslip.files import whole_file
-from stickslip.interface.contact_pairs import ContactPairs
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.core.errors import ResultsFileError
+from stickslip.core.files import whole_file
+from stickslip.core.validation import FloatArray
 from stickslip.results.record import StudyRecord, plain
 from stickslip.results.response import ForcedResponse, LinearCurves
 from stickslip.results.rough_patch import RoughPatch
 from stickslip.results.sketch import Sketch
-from stickslip.validation import FloatArray
 
 if TYPE_CHECKING:
     import xarray

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stickslip.errors import InputError, ResultsFileError
-from stickslip.files import whole_file
+from stickslip.core.errors import InputError, ResultsFileError
+from stickslip.core.files import whole_file
+from stickslip.core.validation import FloatArray
 from stickslip.results.measures import Summary, summary
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
-from stickslip.validation import FloatArray
 
 if TYPE_CHECKING:
     import xarray

@@ -10,22 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
-from stickslip.errors import InputError
-from stickslip.interface.contact_pairs import ContactPairs
-from stickslip.interface.friction import Update
-from stickslip.progress import ProgressCallback
-from stickslip.results.response import ForcedResponse
-from stickslip.solve.balance import Balance, Trial
-from stickslip.solve.checks import ResolutionCheck, check_resolution, normal_work_warnings
-from stickslip.solve.compliance import stuck_structure
-from stickslip.solve.continuation import Branch, BranchPoint, ContinuationSettings
-from stickslip.solve.energy import CurveMeasures, measure_curve
-from stickslip.solve.linear import LinearLimit, linear_curves
-from stickslip.solve.newton import Newton, NewtonSettings
-from stickslip.solve.start import first_point
-from stickslip.structure.superelement import Superelement
-from stickslip.threads import blas_threads, thread_count
-from stickslip.validation import (
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb import Update
+from stickslip.core.errors import InputError
+from stickslip.core.progress import ProgressCallback
+from stickslip.core.threads import blas_threads, thread_count
+from stickslip.core.validation import (
     FloatArray,
     finite_array,
     real_number,
@@ -33,6 +23,16 @@ from stickslip.validation import (
     require_choice,
     whole_number,
 )
+from stickslip.results.response import ForcedResponse
+from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.checks import ResolutionCheck, check_resolution, normal_work_warnings
+from stickslip.solve.harmonic.compliance import stuck_structure
+from stickslip.solve.harmonic.energy import CurveMeasures, measure_curve
+from stickslip.solve.harmonic.linear import LinearLimit, linear_curves
+from stickslip.solve.harmonic.start import first_point
+from stickslip.solve.path.continuation import Branch, BranchPoint, ContinuationSettings
+from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.structure.superelement import Superelement
 
 # Residual of the equation of motion, relative to its forces, above which a curve gets a warning.
 LARGEST_RESIDUAL = 1e-6

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from stickslip.core.validation import FloatArray
 from stickslip.structure.elasticity import Material
 from stickslip.structure.finite_element_mesh import AnyMesh, CellBlock, FiniteElementMesh
 from stickslip.structure.shapes import consistent_mass
-from stickslip.validation import FloatArray
 
 _CELLS_AT_ONCE = 2000
 

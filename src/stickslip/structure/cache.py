@@ -18,14 +18,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import StickslipError
-from stickslip.files import source_digest, whole_file
+from stickslip.core.errors import StickslipError
+from stickslip.core.files import source_digest, whole_file
+from stickslip.core.validation import FloatArray
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import NodePairs, joined_modes
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.recovery import Recovery
 from stickslip.structure.superelement import Superelement
-from stickslip.validation import FloatArray
 
 Arrays = dict[str, FloatArray]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.validation import FloatArray
+from stickslip.core.validation import FloatArray
 
 IntArray = NDArray[np.int64]
 

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
-from stickslip.errors import InputError, SingularMatrixError
-from stickslip.progress import ProgressCallback
+from stickslip.core.errors import InputError, SingularMatrixError
+from stickslip.core.progress import ProgressCallback
+from stickslip.core.validation import FloatArray
 from stickslip.structure.cache import cached_tied_modes
 from stickslip.structure.elasticity import Structure, natural_frequencies
 from stickslip.structure.factor import Backend, factor_forecast, factorize
@@ -21,7 +22,6 @@ from stickslip.structure.joined import NodePairs, joined_modes
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.recovery import FullModel, Recovery, partition
 from stickslip.structure.superelement import RIGID_BODY_HZ, Superelement
-from stickslip.validation import FloatArray
 
 # Columns that matrix products take at a time.
 BLOCK = 256

@@ -12,13 +12,13 @@ import scipy.sparse
 import scipy.sparse.linalg
 from numpy.typing import ArrayLike
 
-from stickslip.errors import ConvergenceError, InputError
+from stickslip.core.errors import ConvergenceError, InputError
+from stickslip.core.validation import FloatArray, positive_number, real_number, require_allowed, require_choice
 from stickslip.structure.factor import Factor, factorize
 from stickslip.structure.finite_element_mesh import AnyMesh, FiniteElementMesh
 from stickslip.structure.incompatible_brick import incompatible_stiffness
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.shapes import compatible_stiffness, consistent_mass
-from stickslip.validation import FloatArray, positive_number, real_number, require_allowed, require_choice
 
 Element = Literal["incompatible", "trilinear", "serendipity"]
 Hexahedron = Literal["incompatible", "trilinear"]

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip.errors import InputError
-from stickslip.fourier import synthesis_matrix
+from stickslip.core.errors import InputError
+from stickslip.core.fourier import synthesis_matrix
+from stickslip.core.validation import FloatArray, finite_array
 from stickslip.structure.finite_element_mesh import AnyMesh
 from stickslip.structure.meshio_cells import complete_meshio
-from stickslip.validation import FloatArray, finite_array
 
 
 def write_mode_shapes(path: str | Path, mesh: AnyMesh, modes: FloatArray, frequency_hz: FloatArray) -> Path:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from stickslip.core.validation import FloatArray
 from stickslip.structure.finite_element_mesh import AnyMesh
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.shapes import side_rule, side_shape_functions
-from stickslip.validation import FloatArray
 
 
 def face_geometry(mesh: AnyMesh, name: str) -> tuple[IntArray, FloatArray, FloatArray]:

@@ -12,9 +12,9 @@ import numpy as np
 import scipy.sparse
 import scipy.sparse.linalg
 
-from stickslip.errors import ConvergenceError, InputError, MissingPackageError, SingularMatrixError
-from stickslip.threads import in_threads
-from stickslip.validation import FloatArray, require_choice
+from stickslip.core.errors import ConvergenceError, InputError, MissingPackageError, SingularMatrixError
+from stickslip.core.threads import in_threads
+from stickslip.core.validation import FloatArray, require_choice
 
 Backend = Literal["superlu", "pardiso"]
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, finite_array
 from stickslip.structure.cell_kinds import CELL_KINDS, CORNERS_OF_SIDE, IntArray, outer_sides
 from stickslip.structure.mesh import Mesh, named_nodes, node_numbers, require_upright, sides_in_nodes
-from stickslip.validation import FloatArray, finite_array
 
 
 @dataclass(frozen=True)

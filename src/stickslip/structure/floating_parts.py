@@ -11,11 +11,11 @@ import scipy.sparse.csgraph
 import scipy.sparse.linalg
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError, SingularMatrixError
+from stickslip.core.errors import InputError, SingularMatrixError
+from stickslip.core.validation import FloatArray
 from stickslip.structure.factor import factorize
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.superelement import Superelement
-from stickslip.validation import FloatArray
 
 # Eigenvalues of a stiffness scaled to a largest diagonal entry of one: motions without strain come out at 1e-16 to
 # 2e-12, the softest bending of the blades of the two-blade case at 4e-3.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from stickslip.core.validation import FloatArray
 from stickslip.structure.shapes import gauss_points, jacobians, shape_functions, strain_matrix
-from stickslip.validation import FloatArray
 
 
 def incompatible_stiffness(cells: FloatArray, elastic: FloatArray) -> FloatArray:

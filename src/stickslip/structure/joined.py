@@ -7,11 +7,11 @@ from typing import Any, Protocol
 import numpy as np
 import scipy.sparse
 
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray
 from stickslip.structure.elasticity import Structure, natural_frequencies
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.superelement import Superelement
-from stickslip.validation import FloatArray
 
 
 class NodePairs(Protocol):

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, finite_array
 from stickslip.structure.cell_kinds import CELL_KINDS, KIND_OF_SIZE, CellKind, all_sides, single_sides
 from stickslip.structure.cell_kinds import IntArray as IntArray
-from stickslip.validation import FloatArray, finite_array
 
 EDGES = CELL_KINDS["hexahedron"].edges
 

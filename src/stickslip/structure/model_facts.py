@@ -8,11 +8,11 @@ import numpy as np
 import scipy.sparse
 import scipy.sparse.csgraph
 
+from stickslip.core.validation import FloatArray
 from stickslip.structure.elasticity import Material
 from stickslip.structure.finite_element_mesh import FiniteElementMesh
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.shapes import consistent_mass
-from stickslip.validation import FloatArray
 
 _CELLS_AT_ONCE = 5000
 # What solid machine parts have; values beyond are most likely in another unit.

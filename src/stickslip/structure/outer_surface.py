@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.core.validation import FloatArray
 from stickslip.structure.cell_kinds import CORNERS_OF_SIDE, outer_sides
 from stickslip.structure.finite_element_mesh import AnyMesh
 from stickslip.structure.mesh import IntArray
-from stickslip.validation import FloatArray
 
 Flags = NDArray[np.bool_]
 

@@ -6,11 +6,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray
 from stickslip.structure.factor import Backend, Factor, factorize
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.superelement import Superelement
-from stickslip.validation import FloatArray
 
 
 class FullModel(Protocol):

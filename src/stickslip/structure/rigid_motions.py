@@ -15,11 +15,11 @@ import scipy.sparse
 import scipy.sparse.csgraph
 import scipy.sparse.linalg
 
+from stickslip.core.validation import FloatArray
 from stickslip.structure.cell_kinds import CORNERS_OF_SIDE, all_sides
 from stickslip.structure.finite_element_mesh import FiniteElementMesh
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.model_facts import connected_parts
-from stickslip.validation import FloatArray
 
 _MOST_REGIONS = 200  # whose motions are counted with a dense matrix
 # Of the Gram matrix of the conditions; long chains of regions have eigenvalues of 1e-10 that are none.

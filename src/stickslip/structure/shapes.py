@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray
 from stickslip.structure.cell_kinds import KIND_OF_SIZE
-from stickslip.validation import FloatArray
 
 Rule = tuple[FloatArray, FloatArray]  # points (q, 3) and weights (q,) on the reference cell
 

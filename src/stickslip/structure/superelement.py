@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.errors import InputError
-from stickslip.validation import FloatArray, finite_array, symmetric_matrix
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, finite_array, symmetric_matrix
 
 # Below this a mode is a body that moves freely; its frequency is round-off.
 RIGID_BODY_HZ = 1.0

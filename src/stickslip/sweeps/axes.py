@@ -14,11 +14,11 @@ from typing import Literal, Union, get_args, get_origin
 
 import numpy as np
 
-from stickslip.case import Case
-from stickslip.errors import InputError
+from stickslip.case.case import Case
+from stickslip.case.template import quantity_of, section_type
+from stickslip.core.errors import InputError
+from stickslip.core.units import Count, Quantity
 from stickslip.results.sweep_table import SweptKey, Value
-from stickslip.template import quantity_of, section_type
-from stickslip.units import Count, Quantity
 
 # These change what is written beside the results of a single run, never an answer.
 UNSWEPT_SECTIONS = ("study", "output")

@@ -7,7 +7,7 @@ from concurrent.futures import Future
 from contextlib import contextmanager
 from typing import Any, ParamSpec, TypeVar
 
-from stickslip.errors import InputError, MissingPackageError
+from stickslip.core.errors import InputError, MissingPackageError
 from stickslip.sweeps.pool import SizedExecutor
 
 P = ParamSpec("P")

@@ -17,11 +17,11 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip.errors import ResultsFileError
-from stickslip.files import whole_file
+from stickslip.core.errors import ResultsFileError
+from stickslip.core.files import whole_file
 from stickslip.results.storage import load_results
 from stickslip.results.sweep_table import SweepCurve, curve_and_measures
-from stickslip.study import RESULTS_FILE
+from stickslip.study.run import RESULTS_FILE
 from stickslip.sweeps.plan import PlannedCase
 from stickslip.sweeps.work import CASE_KEY, CaseOutcome
 

@@ -10,9 +10,9 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from stickslip.case import Case
-from stickslip.case_structure import FILE_KEYS
-from stickslip.errors import InputError, StudyFileError
+from stickslip.case.case import Case
+from stickslip.case.own_sections import FILE_KEYS
+from stickslip.core.errors import InputError, StudyFileError
 from stickslip.results.storage import FORMAT_VERSION
 from stickslip.results.sweep_table import SweptKey, Value
 from stickslip.sweeps.axes import UNSWEPT_SECTIONS, study_value

@@ -19,7 +19,7 @@ from multiprocessing.context import SpawnProcess
 from queue import Empty, SimpleQueue
 from typing import Any, ParamSpec, TypeVar
 
-from stickslip.errors import InputError
+from stickslip.core.errors import InputError
 
 P = ParamSpec("P")
 T = TypeVar("T")

@@ -11,13 +11,15 @@ from pathlib import Path
 
 import numpy as np
 
-from stickslip.case import Case
-from stickslip.errors import InputError, StickslipError
-from stickslip.model import kind_of, load_joint, set_up
-from stickslip.progress import Progress, SilentProgress
-from stickslip.report.linear_limits import differing_limits
-from stickslip.report.sweep_page import write_sweep_page
-from stickslip.report.sweep_view import SweepView
+from stickslip.case.case import Case
+from stickslip.core.errors import InputError, StickslipError
+from stickslip.core.progress import Progress, SilentProgress
+from stickslip.core.threads import usable_cores
+from stickslip.core.validation import whole_number
+from stickslip.model.model import kind_of, load_joint, set_up
+from stickslip.reporting.linear_limits import differing_limits
+from stickslip.reporting.sweep_page import write_sweep_page
+from stickslip.reporting.sweep_view import SweepView
 from stickslip.results.record import run_provenance
 from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable
 from stickslip.sweeps.axes import Vary, swept_keys
@@ -26,8 +28,6 @@ from stickslip.sweeps.plan import PlannedCase, plan_cases
 from stickslip.sweeps.pool import InProcess, LocalProcesses, SizedExecutor, WorkerDied
 from stickslip.sweeps.schedule import Schedule, StructureGroup
 from stickslip.sweeps.work import CaseOutcome, CaseTask, worker_version
-from stickslip.threads import usable_cores
-from stickslip.validation import whole_number
 
 TABLE_FILE = "sweep.csv"
 DATASET_FILE = "sweep.nc"

@@ -8,9 +8,9 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, 
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.errors import StickslipError
-from stickslip.model import ReducedStructure
-from stickslip.setup import Setup
+from stickslip.core.errors import StickslipError
+from stickslip.model.layout import Setup
+from stickslip.model.model import ReducedStructure
 from stickslip.sweeps.plan import PlannedCase
 from stickslip.sweeps.pool import WorkerDied
 from stickslip.sweeps.work import CaseOutcome, CaseTask, reduce_task, solve_task

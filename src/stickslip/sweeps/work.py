@@ -15,15 +15,15 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from stickslip.case import Case
-from stickslip.errors import StickslipError
-from stickslip.files import source_digest
-from stickslip.joint import Joint
-from stickslip.model import ReducedStructure, connect, reduce_structure
+from stickslip.case.case import Case
+from stickslip.core.errors import StickslipError
+from stickslip.core.files import source_digest
+from stickslip.model.joint import Joint
+from stickslip.model.layout import Setup
+from stickslip.model.model import ReducedStructure, connect, reduce_structure
 from stickslip.results.storage import save_results
 from stickslip.results.sweep_table import SweepCurve, curve_and_measures
-from stickslip.setup import Setup
-from stickslip.study import compare_modes, solve, study_record
+from stickslip.study.run import compare_modes, solve, study_record
 
 # Entry of a results file's provenance that says which inputs and version it answers.
 CASE_KEY = "sweep_case"

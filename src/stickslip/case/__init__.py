@@ -1,0 +1,1 @@
+"""The study file: text to one frozen, validated Case in SI units."""

@@ -1,0 +1,352 @@
+"""The sections of a study file. The defaults are the two-blade study; tests hold them equal
+to those of the classes that they end up in.
+
+The fields are the keys of the file, their descriptions and the docstrings its comments (``case/template.py``). Values with a
+unit are texts ("145 mm"), plain numbers are SI; after loading everything is SI floats.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationInfo, field_validator, model_validator
+
+from stickslip.core.errors import InputError
+from stickslip.core.units import Count, Quantity
+
+# A part of a blade above 3 m is a number in millimetres without its unit.
+Length = Annotated[float, Quantity("length", shown="mm", above=0.0, at_most=3.0)]
+Force = Annotated[float, Quantity("force", above=0.0)]
+Stiffness = Annotated[float, Quantity("stiffness", above=0.0, example='"1.3e8 N/m"')]
+Frequency = Annotated[float, Quantity("frequency", above=0.0)]
+Elements = Annotated[int, Count(at_least=1, at_most=1000)]
+
+
+def _unit_vector(value: object) -> tuple[float, float, float]:
+    """``value`` scaled to length 1. Raises InputError unless it is three finite numbers, not all zero."""
+    number = Quantity("pure number")
+    if not isinstance(value, list | tuple) or len(value) != 3:
+        raise InputError("must be three numbers [x, y, z], for example [1.0, 0.0, 0.0].")
+    x, y, z = (number.parse(entry) for entry in value)
+    length = (x * x + y * y + z * z) ** 0.5
+    if not length > 0:
+        raise InputError("has length zero; a direction is for example [1.0, 0.0, 0.0].")
+    if abs(length - 1.0) < 1e-12:  # a stored direction is read back to the last digit
+        return (x, y, z)
+    return (x / length, y / length, z / length)
+
+
+Direction = Annotated[tuple[float, float, float], PlainValidator(_unit_vector)]
+
+
+class Section(BaseModel):
+    """A section of the study file."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class StudySection(Section):
+    """What the study is called."""
+
+    title: str = Field(default="Two blades with an under-platform damper", description="heads the report")
+
+
+class GeometrySection(Section):
+    """Two mirrored blades and the damper between them; every dimension. The defaults are inferred, not from a drawing.
+    z runs from the fixed root to the tip, x across the airfoil's thickness, y along the chord."""
+
+    blade_length: Length = Field(default=0.145, description="root to tip")
+    width: Length = Field(default=0.028, description="chord: extent along y")
+    airfoil_thickness: Length = Field(default=0.007, description="along x")
+    damper_length: Length = Field(default=0.028, description="along y")
+    contact_face_width: Length = Field(default=0.0065, description="along the slope of the platform")
+    platform_angle: Annotated[
+        float,
+        Quantity(
+            "angle",
+            shown="deg",
+            above=0.0,
+            below=1.5707963267948966,
+            unit_required="A plain number would be radian, which few expect here.",
+        ),
+    ] = Field(default=0.523598775598299, description="contact face against the horizontal")
+    underside_height_at_shank: Length = Field(default=0.0367, description="height of the platform's underside")
+    inner_overhang: Length = Field(default=0.0117, description="flat underside between shank and contact face")
+    platform_edge_thickness: Length = Field(default=0.0057, description="at the free edge")
+    platform_gap: Length = Field(default=0.001, description="between the two platforms")
+    shank_thickness_at_platform: Length = Field(default=0.0139, description="tapers to the next one")
+    shank_thickness_at_base: Length = Field(default=0.0093, description="at the fixed root")
+    damper_flank_height: Length = Field(default=0.0025, description="vertical side below the damper's contact face")
+    excitation_height: Length = Field(
+        default=0.00367, description="z of N1, N2 on the outer shank faces; near the root it takes a large force"
+    )
+
+
+class MeshSection(Section):
+    """Element formulation and element counts: columns along x, rows along z, chordwise along y."""
+
+    element: Literal["incompatible", "trilinear", "serendipity"] = Field(
+        default="incompatible",
+        description="incompatible: 8-node brick that bends; trilinear: locks in bending; serendipity: 20 nodes",
+    )
+    shank_columns: Elements = Field(default=3, description="across shank and airfoil")
+    shank_rows: Elements = Field(default=10, description="root to platform")
+    platform_rows: Elements = Field(default=4)
+    airfoil_rows: Elements = Field(default=30, description="platform to tip")
+    inner_columns: Elements = Field(default=2, description="flat underside between shank and contact face")
+    contact_columns: Elements = Field(default=4, description="up the contact face; the damper has as many")
+    chordwise: Elements = Field(default=10, description="along the damper's length")
+    beyond_damper: Elements = Field(default=1, description="at each end, if the damper is shorter than the width")
+    damper_columns: Elements = Field(default=4)
+    damper_flank_rows: Elements = Field(default=2)
+
+
+class MaterialSection(Section):
+    """One linear elastic material for blades and damper."""
+
+    young_modulus: Annotated[float, Quantity("pressure", shown="GPa", above=0.0)] = Field(default=197e9)
+    poisson_ratio: Annotated[float, Quantity("pure number", at_least=0.0, below=0.5)] = Field(default=0.3)
+    density: Annotated[float, Quantity("density", above=0.0)] = Field(default=7800.0)
+
+
+class ReductionSection(Section):
+    """Craig-Bampton reduction to the contact nodes, N1, N2, A and a few modes."""
+
+    modes: Annotated[int, Count(at_least=0, at_most=2000)] = Field(
+        default=30, description="fixed-interface modes that are kept"
+    )
+
+
+class RoughnessSection(Section):
+    """Fractal (Weierstrass-Mandelbrot) roughness of the contact faces; with the preload it gives the contact stiffness.
+    At the same G a larger D makes the face smoother and stiffer; a larger G makes it rougher and softer."""
+
+    fractal_dimension: Annotated[float, Quantity("pure number", above=2.0, below=3.0)] = Field(
+        default=2.4, description="D of the surface, 2 < D < 3"
+    )
+    fractal_roughness: Annotated[
+        float,
+        Quantity(
+            "length",
+            above=0.0,
+            at_most=1e-3,
+            unit_required="Papers leave it out, and between m and mm lies a factor of 1000.",
+            example='"1e-8 m"',
+        ),
+    ] = Field(default=1e-8, description="G; the unit is required")
+    hardness: Annotated[float, Quantity("pressure", shown="GPa", above=0.0)] = Field(
+        default=3e9, description="of the softer face; steel and nickel alloys 2 to 4 GPa"
+    )
+    sample_length: Length = Field(default=0.028, description="longest wave of the surface")
+    shortest_length: Annotated[float, Quantity("length", shown="um", above=0.0, example='"1 um"')] = Field(
+        default=1e-6, description="shortest wave of the surface"
+    )
+    ridges: Annotated[int, Count(at_least=1, at_most=1000)] = Field(default=10, description="directions of waves")
+    seed: Annotated[int, Count(at_least=0)] = Field(default=1, description="of the random phases")
+    mode: Literal["consistent", "paper", "unloading"] = Field(
+        default="consistent",
+        description="paper: equations (8), (9) as printed; unloading: plastic spots respond too",
+    )
+    allocation: Literal["area", "pressure"] = Field(
+        default="area", description="stiffness of a pair by its share of area, or by its own pressure"
+    )
+    reference_area: Annotated[float, Quantity("area", shown="mm^2", above=0.0)] | None = Field(
+        default=None,
+        description="pressure: face area for which the law is taken, one for all faces; that of each face unless given",
+        examples=["180 mm^2"],
+    )
+    domain_extension: Annotated[float, Quantity("pure number", at_least=1.0)] = Field(
+        default=1.0, description="psi of the size distribution; 1 as in the paper"
+    )
+
+    @field_validator("shortest_length")
+    @classmethod
+    def _shorter_than_the_sample(cls, value: float, info: ValidationInfo) -> float:
+        longest = info.data.get("sample_length")
+        if longest is not None and value >= longest:
+            raise InputError(f"must be below sample_length = {longest:g} m: the surface has waves between the two.")
+        return value
+
+    @field_validator("reference_area")
+    @classmethod
+    def _of_the_pressure_alone(cls, value: float | None, info: ValidationInfo) -> float | None:
+        if value is not None and info.data.get("allocation") == "area":
+            raise InputError(
+                'belongs to allocation = "pressure", but allocation is "area", which spreads the stiffness of each '
+                "face under its own load. Set the allocation, or take the key out."
+            )
+        return value
+
+
+class ContactStiffnessSection(Section):
+    """Stiffness of one whole contact face, for those who measured it; give it instead of [roughness]."""
+
+    normal_stiffness: Stiffness = Field(examples=["1.34e8 N/m"])
+    tangential_stiffness: Stiffness = Field(examples=["1.11e8 N/m"])
+
+
+class FrictionSection(Section):
+    """Coulomb friction between damper and platforms."""
+
+    coefficient: Annotated[float, Quantity("pure number", above=0.0, at_most=10.0)] = Field(
+        default=0.3, description="dry metal joints lie between 0.1 and 0.8"
+    )
+
+
+class PreloadSection(Section):
+    """Normal load at rest: prescribed, or solved from the static load with contact, gaps and friction."""
+
+    method: Literal["prescribed", "solved"] = Field(
+        default="prescribed",
+        description="prescribed: uniform pressure, or values; solved: the pressure that the static load gives",
+    )
+    centrifugal_force: Force | None = Field(
+        default=500.0,
+        description="F of the damper, total over both ends; each face carries F / (2 (cos angle + mu_0 sin angle))",
+    )
+    friction_coefficient_at_assembly: Annotated[float, Quantity("pure number", at_least=0.0, at_most=10.0)] = Field(
+        default=0.0, description="mu_0: friction that helps to carry the force"
+    )
+    values: tuple[Annotated[float, Quantity("force")], ...] | None = Field(
+        default=None,
+        description="N of each pair, left face first, instead of centrifugal_force; below 0: a gap",
+        examples=[[2.5, 2.5, 2.5]],
+    )
+    residual_traction: Literal["released", "kept"] = Field(
+        default="released",
+        description="solved: what friction holds at rest is forgotten in vibration, or kept until a pair slips",
+    )
+    normal_law: Literal["spring", "pressure-gap"] = Field(
+        default="spring",
+        description="solved: springs of the face or of each pair (roughness.allocation), or the whole curve",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _values_replace_the_default(cls, data: Any) -> Any:
+        return without_default(data, ("values",), "centrifugal_force")
+
+    @field_validator("values")
+    @classmethod
+    def _one_source(cls, value: Any, info: ValidationInfo) -> Any:
+        return instead_of(value, info, "centrifugal_force")
+
+
+class DampingSection(Section):
+    """Viscous damping of the structure."""
+
+    modal_damping_ratio: Annotated[float, Quantity("pure number", at_least=0.0, below=1.0)] | None = Field(
+        default=0.001, description="of the modes with stuck contact"
+    )
+    rayleigh_alpha: Annotated[float, Quantity("rate", at_least=0.0)] | None = Field(
+        default=None, description="share of the mass matrix, instead of modal_damping_ratio", examples=["0.5 1/s"]
+    )
+    rayleigh_beta: Annotated[float, Quantity("time", at_least=0.0)] | None = Field(
+        default=None,
+        description="share of the stiffness without contact; slower, as it couples the stuck modes",
+        examples=["6e-7 s"],
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _rayleigh_replaces_the_default(cls, data: Any) -> Any:
+        return without_default(data, ("rayleigh_alpha", "rayleigh_beta"), "modal_damping_ratio")
+
+    @field_validator("rayleigh_alpha", "rayleigh_beta")
+    @classmethod
+    def _one_source(cls, value: Any, info: ValidationInfo) -> Any:
+        return instead_of(value, info, "modal_damping_ratio")
+
+
+class ExcitationSection(Section):
+    """Harmonic force at N1 (left blade) and N2 (right blade)."""
+
+    mode: Literal["single", "same", "opposite"] = Field(
+        default="single", description="single: N1 alone; same, opposite: direction at N1 and N2"
+    )
+    amplitude: Force = Field(default=300.0, description="of each force")
+    direction: Direction = Field(
+        default=(1.0, 0.0, 0.0),
+        description="[x, y, z] of the force and of the response at A; any length",
+    )
+
+
+class SolverSection(Section):
+    """The sweep and its accuracy."""
+
+    frequency_start: Frequency = Field(default=400.0, description="a start above the stop sweeps downward")
+    frequency_stop: Frequency = Field(default=530.0)
+    harmonics: Annotated[int, Count(at_least=1, at_most=200)] = Field(default=5, description="kept beside the mean")
+    samples: Annotated[int, Count(at_least=3, at_most=100_000)] = Field(
+        default=256, description="per period; 512 with much separation", validate_default=True
+    )
+    tolerance: Annotated[float, Quantity("pure number", above=0.0, at_most=1e-3)] = Field(
+        default=1e-9, description="of the residual, relative"
+    )
+    smallest_step: Annotated[float, Quantity("pure number", above=0.0, at_most=1.0)] = Field(
+        default=1e-6, description="along the curve, as a share of the window or of the largest response"
+    )
+    first_step: Annotated[float, Quantity("pure number", above=0.0, at_most=1.0)] = Field(
+        default=0.01, validate_default=True
+    )
+    largest_step: Annotated[float, Quantity("pure number", above=0.0, at_most=1.0)] = Field(
+        default=0.08, validate_default=True
+    )
+    update: Literal["tractrix", "radial"] = Field(default="tractrix", description="return of the friction law")
+
+    @field_validator("frequency_stop")
+    @classmethod
+    def _window_has_a_width(cls, value: float, info: ValidationInfo) -> float:
+        if value == info.data.get("frequency_start"):
+            raise InputError(
+                "is equal to frequency_start, so the range has zero width. Give two different frequencies; "
+                "a start above the stop sweeps downward."
+            )
+        return value
+
+    @field_validator("samples")
+    @classmethod
+    def _enough_samples(cls, value: int, info: ValidationInfo) -> int:
+        harmonics = info.data.get("harmonics")
+        if harmonics is not None and value < 2 * harmonics + 1:
+            advice = next(2**k for k in range(8, 20) if 2**k >= 16 * harmonics)
+            raise InputError(
+                f"is too few: harmonics = {harmonics} needs at least {2 * harmonics + 1} samples in a period. "
+                f"Take {advice}: friction has kinks that few samples miss."
+            )
+        return value
+
+    @field_validator("first_step", "largest_step")
+    @classmethod
+    def _steps_in_order(cls, value: float, info: ValidationInfo) -> float:
+        for shorter in ("smallest_step", "first_step"):
+            if value < info.data.get(shorter, 0.0):
+                raise InputError(f"must not be below {shorter} = {info.data[shorter]:g}.")
+        return value
+
+
+class OutputSection(Section):
+    """What is written beside results.nc and report.html."""
+
+    figure_formats: tuple[Literal["svg", "pdf", "png"], ...] = Field(
+        default=("svg", "png"), description="of the single figures"
+    )
+    mode_shapes: Annotated[int, Count(at_least=0, at_most=100)] = Field(default=10, description="written for ParaView")
+    deflected_shape_frames: Annotated[int, Count(at_least=0, at_most=1000)] = Field(
+        default=24, description="over one period at the peak, for ParaView; 0 for none"
+    )
+
+
+def without_default(data: Any, given: tuple[str, ...], default: str) -> Any:
+    """``data`` with ``default`` switched off where a ``given`` key replaces it and the file does not name it."""
+    if isinstance(data, Mapping) and default not in data and any(key in data for key in given):
+        return {default: None, **data}
+    return data
+
+
+def instead_of(value: Any, info: ValidationInfo, other: str) -> Any:
+    """``value``, after checking that ``other`` is not given as well. Raises InputError."""
+    if value is not None and info.data.get(other) is not None:
+        raise InputError(f"and {other} cannot both be given. Remove one of them.")
+    return value

@@ -1,0 +1,106 @@
+"""A commented study file written from the sections themselves, so that file and defaults cannot differ."""
+
+from __future__ import annotations
+
+import json
+import re
+import textwrap
+from collections.abc import Collection, Sequence
+from typing import Any, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from stickslip.core.units import Quantity
+
+_OPENING = """\
+# A study of stickslip. Check it with "stickslip check FILE", solve it with "stickslip run FILE --out DIR".
+# Values with a unit are texts ("145 mm", "197 GPa"); plain numbers are SI. A key that is left out takes its default,
+# which "stickslip new FILE" writes. Lines that begin with "# key =" are further possibilities.
+"""
+_WIDTH = 120
+_COLUMN = 39  # comments start two columns further
+
+
+def study_text(study: BaseModel, shown: Collection[str], hidden: Collection[str]) -> str:
+    """The study file of ``study``, a model whose fields are sections, or dictionaries of sections with own names.
+
+    Every key, its value and its description, of the sections that are ``shown``, without the keys ``section.key``
+    that are ``hidden``.
+    """
+    parts = [_OPENING]
+    for name, field in type(study).model_fields.items():
+        value, kind = getattr(study, name), section_type(field)
+        if name not in shown:
+            continue
+        if isinstance(value, dict):
+            entries = [(f"{name}.{bare_name(entry)}", values) for entry, values in value.items()]
+        else:
+            entries = [(name, value)]
+        keys = [key for key in kind.model_fields if f"{name}.{key}" not in hidden]
+        parts += [_section_text(title, kind, keys, values) for title, values in entries]
+    return "\n".join(parts)
+
+
+def is_named(field: FieldInfo) -> bool:
+    """Whether a section has entries with names of their own."""
+    return get_origin(field.annotation) is dict
+
+
+def bare_name(name: str) -> str:
+    """A name as TOML, in quotes where it needs them."""
+    return name if re.fullmatch(r"[\w-]+", name, flags=re.ASCII) else json.dumps(name, ensure_ascii=False)
+
+
+def section_type(field: FieldInfo) -> type[BaseModel]:
+    """The model of a section, also where the section is optional."""
+    candidates = (field.annotation, *get_args(field.annotation))
+    return next(kind for kind in candidates if isinstance(kind, type) and issubclass(kind, BaseModel))
+
+
+def quantity_of(section: type[BaseModel], key: str) -> Quantity | None:
+    """The ``Quantity`` that annotates a key (also an optional one), or None for a key that is not a quantity."""
+    field = section.model_fields[key]
+    inner = [entry for kind in get_args(field.annotation) for entry in getattr(kind, "__metadata__", ())]
+    return next((entry for entry in (*field.metadata, *inner) if isinstance(entry, Quantity)), None)
+
+
+def _section_text(name: str, section: type[BaseModel], keys: Sequence[str], values: BaseModel | None) -> str:
+    """Heading, description and keys; a section without values stands there as comment lines with its examples."""
+    about = " ".join((section.__doc__ or "").split())
+    lines = [
+        f"[{name}]" if values is not None else f"# [{name}]",
+        *textwrap.wrap(about, _WIDTH - 2, initial_indent="# ", subsequent_indent="# "),
+    ]
+    for key in keys:
+        field = section.model_fields[key]
+        value = None if values is None else getattr(values, key)
+        if value is None:
+            entry = f"# {key} = {_example(section, key)}"
+        else:
+            entry = f"{key} = {_value_text(quantity_of(section, key), value)}"
+        lines.append(_with_comment(entry, field.description))
+    return "\n".join(lines) + "\n"
+
+
+def _example(section: type[BaseModel], key: str) -> str:
+    """The value of a key that is not set, as TOML: its default, or else its example."""
+    field = section.model_fields[key]
+    if field.examples:
+        return json.dumps(field.examples[0])
+    return _value_text(quantity_of(section, key), field.default)
+
+
+def _with_comment(entry: str, description: str | None) -> str:
+    """The comment beside the entry, or on a line above where the line would grow too long."""
+    if not description:
+        return entry
+    beside = f"{entry:<{_COLUMN}}  # {description}"
+    return beside if len(beside) <= _WIDTH else f"# {description}:\n{entry}"
+
+
+def _value_text(quantity: Quantity | None, value: Any) -> str:
+    """A value as TOML."""
+    if quantity is not None and isinstance(value, float):
+        return quantity.text(value)
+    return json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,265 @@
+"""Reading a study file, and turning what is wrong with it into sentences: one line for each error, all at once."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from pydantic_core import ErrorDetails
+
+from stickslip.core.errors import InputError, StudyFileError
+
+_KEY = re.compile(r"\s*([\w-]+)\s*=")
+_NEW_FILE = '"stickslip new FILE" writes a commented one to start from.'
+
+
+def read_text(path: str | PathLike[str]) -> str:
+    """The text of a study file. Raises StudyFileError if it cannot be read or is not UTF-8."""
+    try:
+        raw = Path(path).read_bytes()
+    except FileNotFoundError as error:
+        raise StudyFileError(f"{path}: there is no such file. {_NEW_FILE}") from error
+    except OSError as error:
+        raise StudyFileError(
+            f"{path}: the file cannot be read ({error.strerror}). Give the path of a study file."
+        ) from error
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise StudyFileError(
+            f"{path}, line {line}: the text is not UTF-8 (byte 0x{raw[error.start]:02x}). "
+            "Save it as UTF-8; if it is not a text file at all, give the path of a study file."
+        ) from error
+
+
+def parse_toml(text: str, source: str) -> dict[str, Any]:
+    """The sections of a study file's text. Raises StudyFileError for a syntax error or a file without any section."""
+    try:
+        data = tomllib.loads(text)
+    # a number of thousands of digits is a plain ValueError, brackets nested without end are a RecursionError
+    except (ValueError, RecursionError) as error:
+        raise StudyFileError(
+            f"{source}: not valid TOML: {error}. Texts and values with a unit need quotes: "
+            'blade_length = "145 mm"; a section is [geometry]; a comment starts with #.'
+        ) from error
+    if not data:
+        raise StudyFileError(f"{source}: the file is empty, there is no section in it. {_NEW_FILE}")
+    return data
+
+
+def key_lines(text: str) -> dict[tuple[str, ...], int]:
+    """(section,) and (section, key) -> line number, for files with one key a line; others get messages without line."""
+    lines: dict[tuple[str, ...], int] = {}
+    section: tuple[str, ...] = ()
+    for number, line in enumerate(text.splitlines(), start=1):
+        header, key = _header(line), _KEY.match(line)
+        if header:
+            section = header
+            lines.setdefault(section, number)
+        elif key:
+            lines.setdefault((*section, key[1]), number)
+    return lines
+
+
+@dataclass(frozen=True)
+class KeyPlaces:
+    """Where the keys of a study file stand, for what is found wrong after the file was read.
+
+    ``data`` and ``lines`` are those of :func:`parse_toml` and :func:`key_lines`; a sweep gives the values of the keys
+    ``varied`` in place of the file.
+    """
+
+    source: str
+    data: Mapping[str, Any]
+    lines: Mapping[tuple[str, ...], int]
+    varied: tuple[str, ...] = ()
+
+    def sentence(self, error: InputError) -> str:
+        """The sentence of an error after the file's name and the place of each key that it is about."""
+        if len(error.keys) == 1 and error.keys[0] in str(error) and self._line(error.keys[0]):
+            where = [f"line {self._line(error.keys[0])}"]  # the sentence names the key itself
+        else:
+            where = [self._place(key) for key in error.keys]
+        return f"{', '.join([self.source, *where])}: {error}"
+
+    def _place(self, key: str) -> str:
+        if key in self.varied:
+            return f"--vary {key}"
+        if not _holds(self.data, key):
+            return f"{key} (not in the file: default)"
+        line = self._line(key)
+        return f"line {line} ({key})" if line else key
+
+    def _line(self, key: str) -> int:
+        """The line of a key of the file, else of the section around it; 0 where it is not known or not the file's."""
+        if key in self.varied or not _holds(self.data, key):
+            return 0
+        around = {".".join(path): line for path, line in self.lines.items() if path}
+        found = [name for name in around if key == name or key.startswith(f"{name}.")]
+        return around[max(found, key=len)] if found else 0
+
+
+def _holds(data: Any, key: str) -> bool:
+    """Whether sections hold a dotted key; a name of an entry may have dots of its own."""
+    if not isinstance(data, Mapping):
+        return False
+    return key in data or any(key.startswith(f"{name}.") and _holds(data[name], key[len(name) + 1 :]) for name in data)
+
+
+def _header(line: str) -> tuple[str, ...]:
+    """The names in a line ``[section]`` or ``[section."a name"]``; empty for another line."""
+    if not line.lstrip().startswith("["):
+        return ()
+    try:
+        table: Any = tomllib.loads(line)
+    except tomllib.TOMLDecodeError:
+        return ()
+    names = []
+    while isinstance(table, dict) and table:
+        name, table = next(iter(table.items()))
+        names.append(name)
+    return tuple(names)
+
+
+def report(
+    errors: Sequence[ErrorDetails],
+    source: str,
+    data: Mapping[str, Any],
+    known: Mapping[str, Sequence[str]],
+    lines: Mapping[tuple[str, ...], int],
+    named: Sequence[str] = (),
+) -> str:
+    """The message of a StudyFileError: one line for each of pydantic's errors, in the order of the file.
+
+    ``known`` holds the keys of every section, ``lines`` the line of every key that the file has; the entries of the
+    sections ``named`` have names of their own.
+    """
+    numbered = []
+    for details in errors:
+        path = tuple(str(part) for part in details["loc"])
+        if not path:  # the file as a whole: its error says which entry it means
+            path = getattr(details["ctx"]["error"], "path", ())
+            sentence = f"{'.'.join(path)} {details['ctx']['error']}"
+        else:
+            sentence = _sentence(_Entry(path, path[0] in named), details, data, known)
+        line = next((lines[path[:depth]] for depth in (3, 2, 1) if path[:depth] in lines), 0)
+        where = f"line {line}: " if line else ""
+        numbered.append((line, f"  {where}{sentence}"))
+    numbered.sort(key=lambda entry: entry[0])
+    count = "1 error" if len(numbered) == 1 else f"{len(numbered)} errors"
+    return "\n".join([f"{source}: {count}.", *(text for _, text in numbered)])
+
+
+@dataclass(frozen=True)
+class _Entry:
+    """Where an error stands: section, the name of the entry in a section of named ones, key, place in a list."""
+
+    path: tuple[str, ...]
+    is_named: bool
+
+    @property
+    def depth(self) -> int:
+        """Number of parts down to a key."""
+        return 3 if self.is_named else 2
+
+    @property
+    def section(self) -> str:
+        """The section as it stands in brackets."""
+        return ".".join(self.path[: self.depth - 1])
+
+    def __str__(self) -> str:
+        return ".".join(self.path[: self.depth]) + "".join(f"[{index}]" for index in self.path[self.depth :])
+
+
+def _sentence(entry: _Entry, details: ErrorDetails, data: Mapping[str, Any], known: Mapping[str, Sequence[str]]) -> str:
+    """Key, what was found, what is allowed, what to do."""
+    found = f"{entry} = {_toml(details['input'])}"
+    match details["type"]:
+        case "extra_forbidden":
+            return _unknown(entry, details["input"], known)
+        case "missing":
+            return f"{entry} is missing. Add it to the section [{entry.section}]."
+        case "model_type" | "dict_type":
+            header = f"{entry.section}.NAME" if entry.is_named and len(entry.path) == 1 else entry.section
+            return f"{found} must be a section: write [{header}] on a line of its own and its keys below it."
+        case "literal_error":
+            return f"{found} is not allowed: it must be {details['ctx']['expected']}.{_nearest_choice(details)}"
+        case "value_error":
+            default = "" if _given(data, entry.path) else " (the default)"
+            return f"{found}{default} {details['ctx']['error']}"
+        case "string_type":
+            return f"{found} must be a text in quotes."
+        case "tuple_type":
+            return f"{found} must be a list in square brackets."
+    return f"{found} is not allowed: {details['msg']}."
+
+
+def _unknown(entry: _Entry, value: object, known: Mapping[str, Sequence[str]]) -> str:
+    """A sentence about an unknown section or key, with the nearest right one."""
+    path = entry.path
+    if len(path) == 1:
+        home = next((section for section, keys in known.items() if path[0] in keys), None)
+        if home and not isinstance(value, Mapping):
+            return f"{path[0]} stands outside a section; it belongs below the line [{home}]."
+        nearest = difflib.get_close_matches(path[0].lower(), known, n=1)
+        advice = f"Did you mean [{nearest[0]}]?" if nearest else f"Sections are {', '.join(known)}."
+        kind = (
+            f"[{path[0]}] is not a section" if isinstance(value, Mapping) else f"{path[0]} is neither section nor key"
+        )
+        return f"{kind} of a study file. {advice}"
+    section, key = path[0], path[entry.depth - 1]
+    if entry.is_named and isinstance(value, Mapping):
+        name = ".".join(path[1 : entry.depth])
+        return (
+            f"[{entry}] is not a section of a study file: a name has no dot unless it stands in quotes. Write "
+            f'[{section}."{name}"] if that is the name.'
+        )
+    nearest = difflib.get_close_matches(key.lower(), known[section], n=1)
+    homes = [other for other, keys in known.items() if key in keys]
+    if homes:
+        advice = f"It belongs to [{homes[0]}]."
+    elif nearest:
+        advice = f"Did you mean {nearest[0]}?"
+    else:
+        everywhere = {name: other for other, keys in known.items() for name in keys}
+        elsewhere = difflib.get_close_matches(key.lower(), everywhere, n=1)
+        advice = f"Did you mean {elsewhere[0]} of [{everywhere[elsewhere[0]]}]? " if elsewhere else ""
+        advice += f"Keys of [{entry.section}] are {', '.join(known[section])}."
+    return f"{entry} is not a key of a study file. {advice}"
+
+
+def _nearest_choice(details: ErrorDetails) -> str:
+    choices = re.findall(r"'([^']*)'", str(details["ctx"]["expected"]))
+    nearest = difflib.get_close_matches(str(details["input"]).lower(), choices, n=1)
+    return f' Did you mean "{nearest[0]}"?' if nearest else ""
+
+
+def _given(data: Mapping[str, Any], path: tuple[str, ...]) -> bool:
+    """Whether the file holds the entry at ``path``; a default can be wrong beside another value."""
+    inner: Any = data
+    for part in path:
+        if not isinstance(inner, Mapping):
+            break  # a place in a list
+        if part not in inner:
+            return False
+        inner = inner[part]
+    return True
+
+
+def _toml(value: object) -> str:
+    """``value`` as it stands in the file, shortened."""
+    if isinstance(value, float):
+        text = repr(value)
+    elif isinstance(value, Mapping):
+        text = "{...}"
+    else:
+        text = json.dumps(value, ensure_ascii=False, default=str)
+    return text if len(text) <= 60 else f"{text[:56]} ..."

@@ -1,0 +1,68 @@
+"""What the command line says when something goes wrong: one sentence and an exit code, a traceback only if asked."""
+
+from __future__ import annotations
+
+import sys
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import typer
+
+from stickslip.core.errors import InputError, StickslipError
+
+EXIT_FAULT = 1
+EXIT_INTERRUPTED = 130
+LOG_NAME = "stickslip-error.log"
+
+
+@contextmanager
+def error_sentences(debug: bool, log_folder: Path | None = None) -> Iterator[None]:
+    """Turn whatever goes wrong into a sentence on stderr and an exit code; tracebacks go to a log or to --debug."""
+    try:
+        yield
+    except (typer.Exit, typer.Abort, BrokenPipeError):
+        raise
+    except StickslipError as error:
+        _show_traceback(debug)
+        typer.echo(f"Error: {error}", err=True)
+        raise typer.Exit(error.exit_code) from error
+    except KeyboardInterrupt as error:
+        _show_traceback(debug)
+        typer.echo("Interrupted; the study did not end.", err=True)
+        raise typer.Exit(EXIT_INTERRUPTED) from error
+    except MemoryError as error:
+        _show_traceback(debug)
+        typer.echo(
+            "Error: the memory is too small. Take fewer elements, harmonics or samples, or a machine with more of it.",
+            err=True,
+        )
+        raise typer.Exit(InputError.exit_code) from error
+    except Exception as error:
+        _show_traceback(debug)
+        where = "Run it again with --debug to see where" if log_folder is None else _write_log(log_folder)
+        if isinstance(error, OSError):
+            typer.echo(f"Error: a file could not be read or written: {error}. {where}.", err=True)
+            raise typer.Exit(EXIT_FAULT) from error
+        typer.echo(
+            f"Fault of stickslip ({type(error).__name__}: {error}), not of your input. {where}, "
+            "and please report it to the developers together with the study file.",
+            err=True,
+        )
+        raise typer.Exit(EXIT_FAULT) from error
+
+
+def _show_traceback(debug: bool) -> None:
+    if debug:
+        traceback.print_exc(file=sys.stderr)
+
+
+def _write_log(folder: Path) -> str:
+    """Write the traceback of the current exception into ``folder``; returns the start of a sentence on where it is."""
+    log = folder / LOG_NAME
+    try:
+        log.write_text(traceback.format_exc(), encoding="utf-8")
+    except OSError:
+        return "Run it again with --debug to see where"
+    return f"The traceback is in {log}"

@@ -1,0 +1,353 @@
+"""The command line: ``stickslip new | check | run | sweep | report | roughness | import | paper``.
+
+Exit codes: 0 done, 1 fault of the program, 2 bad input, 3 not converged (what was computed is kept), 130 interrupted.
+Everything heavy is imported inside the commands, so that ``stickslip --help`` answers at once.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from stickslip.cli.errors import error_sentences
+from stickslip.core.errors import InputError
+from stickslip.core.progress import terminal_progress
+
+if TYPE_CHECKING:
+    from stickslip.case.case import Case
+    from stickslip.case.toml_text import KeyPlaces
+    from stickslip.study.run import StudyOutcome
+    from stickslip.sweeps.run import Sweep
+
+EXIT_NOT_CONVERGED = 3
+SHOWN_FAILURES = 10
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="Forced vibration of structures with rough, dry-friction joints.",
+)
+
+StudyFile = Annotated[Path, typer.Argument(metavar="FILE", help="The study file (TOML).", show_default=False)]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+
+
+def main() -> None:
+    """Entry point of the command ``stickslip``."""
+    app()
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from stickslip import __version__
+
+        typer.echo(f"stickslip {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    """The options that stand before the command."""
+
+
+@app.command()
+def new(
+    path: StudyFile,
+    kind: Annotated[
+        str, typer.Option("--kind", help="Structure: two-blade, mesh (a file of yours) or matrices.")
+    ] = "two-blade",
+    force: Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")] = False,
+    debug: Debug = False,
+) -> None:
+    """Write a commented study file to start from."""
+    with error_sentences(debug):
+        from stickslip.case.case import Case
+        from stickslip.case.examples import EXAMPLES
+
+        if kind not in EXAMPLES:
+            raise InputError(f"--kind is {kind}, but it must be one of {', '.join(EXAMPLES)}.")
+
+        if path.exists() and not force:
+            raise InputError(f"{path} exists already. Give another name, or --force to overwrite it.")
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(Case.from_mapping(EXAMPLES[kind]).to_text(), encoding="utf-8")
+        except OSError as error:
+            raise InputError(f"{path} cannot be written ({error.strerror}). Give a path that you can write.") from error
+        typer.echo(f'Wrote {path}. Next: stickslip check "{path}"')
+
+
+@app.command()
+def check(path: StudyFile, debug: Debug = False) -> None:
+    """Validate a study file and show what would run."""
+    with error_sentences(debug):
+        case, places = _load(path)
+        from stickslip.study import run as study
+
+        with _about(places):
+            sections = study.check(case)
+        for title, rows in sections:
+            typer.echo(f"\n{title}")
+            _print_rows(rows)
+
+
+@app.command()
+def run(
+    path: StudyFile,
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False)],
+    threads: Annotated[
+        int | None,
+        typer.Option(
+            "--threads",
+            min=1,
+            help="Threads, else STICKSLIP_THREADS, else the usable cores (at most 4).",
+            show_default=False,
+        ),
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    debug: Debug = False,
+) -> None:
+    """Solve a study and write results, report and figures into DIR."""
+    with error_sentences(debug, log_folder=out):
+        case, places = _load(path, quiet)
+        _require_writable(out)
+        from stickslip.study import run as study
+
+        with terminal_progress(quiet) as progress, _about(places):
+            outcome = study.run(case, out, progress=progress, threads=threads)
+        _close(outcome, quiet)
+
+
+@app.command()
+def sweep(
+    path: StudyFile,
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            "--vary",
+            metavar="KEY=VALUES",
+            help="A key of the study file and its values: a comma list (100,300 or single,same) or a range "
+            "start:stop:count or start:stop:count:log. Several --vary give every combination.",
+            show_default=False,
+        ),
+    ],
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False)],
+    workers: Annotated[
+        int | None,
+        typer.Option("--workers", min=1, help="Processes; one for each processor unless given.", show_default=False),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option("--scheduler", metavar="ADDRESS", help="Solve on the Dask cluster with this scheduler."),
+    ] = None,
+    threads: Annotated[int, typer.Option("--threads", min=1, help="Threads of each worker.")] = 1,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    debug: Debug = False,
+) -> None:
+    """Solve a study for every combination of some values; goes on where an earlier sweep into DIR ended."""
+    with error_sentences(debug, log_folder=out):
+        if scheduler is not None and workers is not None:
+            raise InputError("--workers and --scheduler cannot both be given: the cluster has its own workers.")
+        case, places = _load(path, quiet)
+        from contextlib import nullcontext
+        from dataclasses import replace
+
+        from stickslip.sweeps import axes, run
+        from stickslip.sweeps.cluster import cluster_executor
+
+        varied = axes.split_options(vary)
+        axes.swept_keys(varied)  # a wrong key is told before a folder is made or a cluster is asked
+        _require_writable(out)
+        cluster = cluster_executor(scheduler) if scheduler else nullcontext(None)
+        places = replace(places, varied=tuple(varied))
+        try:
+            with terminal_progress(quiet) as progress, _about(places), cluster as executor:
+                result = run.sweep(case, varied, executor, out, progress, workers=workers, threads=threads)
+        except KeyboardInterrupt:
+            typer.echo("Finished cases are kept; the same command goes on with the others.", err=True)
+            raise
+        _close_sweep(result, quiet)
+
+
+@app.command()
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder with results.nc.", show_default=False)],
+    debug: Debug = False,
+) -> None:
+    """Make the report of a solved study again, without solving."""
+    with error_sentences(debug):
+        if not folder.is_dir():
+            raise InputError(f'there is no folder "{folder}". Give the --out folder of a run, which holds results.nc.')
+        _require_writable(folder)
+        from stickslip.study import run as study
+
+        for file in study.report(folder):
+            typer.echo(f"Wrote {file}")
+
+
+@app.command()
+def roughness(
+    path: Annotated[Path, typer.Argument(metavar="FILE", help="Line profile: position, height.", show_default=False)],
+    unit: Annotated[str | None, typer.Option("--unit", help="Unit of both columns, such as um.")] = None,
+    position_unit: Annotated[str | None, typer.Option("--position-unit", help="Unit of the first column.")] = None,
+    height_unit: Annotated[str | None, typer.Option("--height-unit", help="Unit of the second column.")] = None,
+    scales: Annotated[
+        tuple[str, str] | None, typer.Option("--scales", help='Shortest and longest lag: "4 um" "0.2 mm".')
+    ] = None,
+    longest_wave: Annotated[
+        str | None, typer.Option("--longest-wave", help='Where waves end, such as the cut-off of a filter: "0.8 mm".')
+    ] = None,
+    hardness: Annotated[
+        str | None, typer.Option("--hardness", help='Of the face, for the load that it needs: "3 GPa".')
+    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder for plot and table.")] = None,
+    debug: Debug = False,
+) -> None:
+    """Fractal dimension and fractal roughness of a measured profile."""
+    with error_sentences(debug):
+        if out is not None:
+            _require_writable(out)
+        from stickslip.cli import measured_roughness
+
+        if hardness is not None:
+            measured_roughness.require_hardness(hardness)
+        measured = measured_roughness.measure(path, position_unit or unit, height_unit or unit, scales, longest_wave)
+        _print_rows(measured_roughness.rows(measured))
+        for sentence in measured.fit.warnings:
+            typer.echo(f"Warning: {sentence}")
+        for file in measured_roughness.write(out, measured) if out is not None else ():
+            typer.echo(f"Wrote {file}")
+        lines = measured_roughness.study_lines(measured.fit, hardness)
+        typer.echo(measured_roughness.contact_sentence(measured.fit, hardness))
+        typer.echo(f"\nFor the study file:\n{lines}", nl=False)
+
+
+@app.command("import")
+def import_model(
+    path: Annotated[Path, typer.Argument(metavar="FILE", help=".inp, .bdf, .msh, .vtu, .med", show_default=False)],
+    length_unit: Annotated[
+        str | None, typer.Option("--length-unit", help="Unit of the coordinates: mm, m, ...")
+    ] = None,
+    unit_system: Annotated[
+        str | None, typer.Option("--unit-system", help="System of materials: mm-t-s, SI, ...")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Show bodies, sets, masses and size of a model file."""
+    with error_sentences(debug):
+        from stickslip.cli.model_listing import print_model
+
+        print_model(path, length_unit, unit_system)
+
+
+def _print_rows(rows: list[tuple[str, str]]) -> None:
+    width = max((len(label) for label, _ in rows), default=0)
+    for label, value in rows:
+        typer.echo(f"  {label:<{width}}  {value}")
+
+
+@app.command()
+def paper(
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the study.", show_default=False)],
+    workers: Annotated[int, typer.Option("--workers", min=1, help="Processes.")] = 2,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    debug: Debug = False,
+) -> None:
+    """Compute a published study again, with a verdict on each of its claims; goes on where it was stopped."""
+    with error_sentences(debug, log_folder=out):
+        _require_writable(out)
+        from stickslip.papers.rough_damper.study import paper_study
+
+        try:
+            with terminal_progress(quiet) as progress:
+                outcome = paper_study(out, workers, progress)
+        except KeyboardInterrupt:
+            typer.echo("Finished curves are kept; the same command goes on with the others.", err=True)
+            raise
+        for notice in outcome.notices:
+            typer.echo(notice, err=True)
+        if not quiet:
+            typer.echo(f"Wrote {outcome.files[0]} and {len(outcome.files) - 1} other files.")
+            words = ", ".join(f"{verdict.value}: {count}" for verdict, count in outcome.verdicts.items())
+            typer.echo(f"{outcome.curves} curves, {outcome.found} of them taken from an earlier run. Claims: {words}.")
+        for failure in outcome.failures[:SHOWN_FAILURES]:
+            typer.echo(f"Failed: {failure.setting}: {failure.message}", err=True)
+        if outcome.failures:
+            raise typer.Exit(EXIT_NOT_CONVERGED)
+
+
+def _load(path: Path, quiet: bool = False) -> tuple[Case, KeyPlaces]:
+    """The case of a study file and where its keys stand; says which values are defaults. Raises StudyFileError."""
+    from stickslip.case.case import load_case_and_places
+
+    case, places = load_case_and_places(path)
+    defaults = case.defaulted_keys()
+    if defaults and not quiet:
+        typer.echo(f"Not in the file, so the default is used: {', '.join(defaults)}", err=True)
+    return case, places
+
+
+def _close(outcome: StudyOutcome, quiet: bool) -> None:
+    """Name the files and say how it ended; raises the exit of a run that did not converge."""
+    if not outcome.converged:
+        files = ", ".join(str(file) for file in outcome.files)
+        typer.echo(f"Not converged: {outcome.message}", err=True)
+        typer.echo(f"What was computed so far is kept in: {files}" if files else "Nothing was computed.", err=True)
+        raise typer.Exit(EXIT_NOT_CONVERGED)
+    if not quiet:
+        for file in outcome.files:
+            typer.echo(f"Wrote {file}")
+        typer.echo(outcome.message)
+
+
+def _close_sweep(result: Sweep, quiet: bool) -> None:
+    """Name the files and the cases that failed; raises the exit of a sweep with such cases."""
+    failed, count = result.table.failed, len(result.table.rows)
+    for notice in result.notices:
+        typer.echo(notice, err=True)
+    if not quiet:
+        for file in result.files:
+            typer.echo(f"Wrote {file}")
+        typer.echo(f"{count} cases, {result.found} of them finished before; {len(failed)} failed.")
+        for remark in result.remarks:
+            typer.echo(remark)
+    for row in failed[:SHOWN_FAILURES]:
+        typer.echo(f"Failed: {row.name}: {row.message}", err=True)
+    if failed:
+        rest = len(failed) - SHOWN_FAILURES
+        more = f" {rest} more failed." if rest > 0 else ""
+        typer.echo(f"{more} The table {result.files[0]} has every case with its message.".lstrip(), err=True)
+        raise typer.Exit(EXIT_NOT_CONVERGED)
+
+
+def _require_writable(folder: Path) -> None:
+    """Raise InputError unless files can be written into ``folder``, before any long computation."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise InputError(
+            f"the folder {folder} cannot be written ({error.strerror}). Give a folder in which you can make files."
+        ) from error
+
+
+@contextmanager
+def _about(places: KeyPlaces) -> Iterator[None]:
+    """Put the study file's name and the lines of its keys before what is found wrong with it after reading."""
+    try:
+        yield
+    except InputError as error:
+        raise error.reworded(places.sentence(error)) from error

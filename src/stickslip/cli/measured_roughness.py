@@ -1,0 +1,148 @@
+"""From a measured profile to the lines of a study file: what ``stickslip roughness`` prints and writes."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from math import exp
+from os import PathLike
+from pathlib import Path
+
+from stickslip.case.case import Case
+from stickslip.contact.stiffness.asperities import fully_plastic_load, log_critical_area
+from stickslip.contact.stiffness.roughness_fit import Interval, RoughnessFit, fit_roughness
+from stickslip.core.errors import InputError
+from stickslip.core.files import whole_file
+from stickslip.core.units import Quantity
+from stickslip.formats.profile_file import Profile, read_profile
+from stickslip.model.joint import case_material, case_roughness
+
+TABLE = "structure_function.csv"
+FORMATS = ("svg", "png")
+
+
+@dataclass(frozen=True)
+class MeasuredRoughness:
+    """A profile and what was fitted to it."""
+
+    profile: Profile
+    fit: RoughnessFit
+
+
+def measure(
+    path: str | PathLike[str],
+    position_unit: str | None = None,
+    height_unit: str | None = None,
+    scales: tuple[str, str] | None = None,
+    longest_wave: str | None = None,
+) -> MeasuredRoughness:
+    """Read a profile and fit D and G; ``scales`` and ``longest_wave`` are texts with a unit, such as "4 um".
+
+    Raises InputError for a file, unit or value that cannot be used.
+    """
+    limits = None if scales is None else (_length("scale", scales[0]), _length("scale", scales[1]))
+    wave = None if longest_wave is None else _length("longest wave", longest_wave)
+    profile = read_profile(path, position_unit, height_unit)
+    try:
+        return MeasuredRoughness(
+            profile, fit_roughness(profile.heights, profile.spacing, scales=limits, longest_wave=wave)
+        )
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def _length(name: str, text: str) -> float:
+    try:
+        return Quantity("length", above=0.0, unit_required="A length needs its unit.").parse(text)
+    except InputError as error:
+        raise InputError(f'the {name} "{text}" {error}') from error
+
+
+def rows(measured: MeasuredRoughness) -> list[tuple[str, str]]:
+    """(label, value) of the result."""
+    profile, fit = measured.profile, measured.fit
+    points, length = profile.heights.size, profile.heights.size * profile.spacing
+    low, high = fit.scale_range
+    found = [
+        ("points", f"{points} at {_shown(profile.spacing)}, {_shown(length)} long"),
+        ("units", f"position in {profile.units[0]}, height in {profile.units[1]}"),
+        ("removed", "mean straight line; the fit allows for it"),
+        ("Sq", f"{_shown(fit.rms_height)} about that line"),
+        ("Sdq", f"{fit.rms_slope:.3g} at the scale {_shown(fit.slope_scale)}, if the surface is isotropic"),
+        ("scales of the fit", f"{_shown(low)} to {_shown(high)}"),
+    ]
+    if fit.noise_height:
+        found.append(("noise", f"{_shown(fit.noise_height)} rms, left out of D and G"))
+    if fit.usable:
+        found += [
+            ("D of the surface", f"{fit.fractal_dimension:.3f} {_between(fit.fractal_dimension_interval, '.3f')}"),
+            ("G", f"{fit.fractal_roughness:.3g} m {_between(fit.fractal_roughness_interval, '.2g', ' m')}"),
+        ]
+    return found
+
+
+def require_hardness(text: str) -> None:
+    """Raise InputError unless the text is a hardness that a study file takes."""
+    Case().replace({"roughness.hardness": text})
+
+
+def contact_sentence(fit: RoughnessFit, hardness: str | None = None) -> str:
+    """What load gives a face of this roughness a contact stiffness, in a sentence; ``hardness`` with its unit.
+
+    Below that load the largest spot is smaller than the critical area a_c', so every spot is plastic and K = 0 in the
+    consistent and the paper mode. Material, wave range and, if ``hardness`` is None, hardness are the defaults of a
+    study file. Raises InputError for a hardness that is not usable or a fit without D and G.
+    """
+    chosen: dict[str, float | str] = {
+        "roughness.fractal_dimension": fit.fractal_dimension,
+        "roughness.fractal_roughness": f"{fit.fractal_roughness!r} m",
+    }
+    case = Case().replace(chosen | ({} if hardness is None else {"roughness.hardness": hardness}))
+    roughness = case_roughness(case, *[case_material(case)] * 2)
+    least = fully_plastic_load(roughness)
+    assert case.roughness is not None
+    given = "" if hardness else "the default "
+    return (
+        f"With {given}hardness {case.roughness.hardness / 1e9:g} GPa spots below the critical area "
+        f"{exp(log_critical_area(roughness)):.3g} m2 are plastic. A face that carries less than {least:.3g} N has no "
+        "other spots, so the law gives it no stiffness (mode unloading does); above that it has one, which stickslip "
+        "check shows."
+    )
+
+
+def study_lines(fit: RoughnessFit, hardness: str | None = None) -> str:
+    """The section of a study file, with the hardness if one is given. Raises InputError for a fit without D and G."""
+    if not fit.usable:
+        raise InputError(f"there is no D and G for a study file. {fit.warnings[0]}")
+    return (
+        f"[roughness]\nfractal_dimension = {fit.fractal_dimension:.4f}\n"
+        f'fractal_roughness = "{fit.fractal_roughness:.4g} m"\n' + (f'hardness = "{hardness}"\n' if hardness else "")
+    )
+
+
+def write(folder: str | PathLike[str], measured: MeasuredRoughness) -> tuple[Path, ...]:
+    """Write structure_function.svg, .png and .csv into an existing folder. Raises InputError if that fails."""
+    from stickslip.reporting.figures import save, structure_function
+
+    out, fit = Path(folder), measured.fit
+    figure = structure_function(fit)
+    files = [save(figure, out / f"structure_function.{ending}") for ending in FORMATS]
+    with whole_file(out / TABLE, "table", InputError) as part, part.open("w", encoding="utf-8", newline="") as stream:
+        table = csv.writer(stream)
+        table.writerow(["lag_m", "structure_function_m2", "fitted_m2"])
+        for line in zip(fit.lag, fit.structure_function, fit.fitted, strict=True):
+            table.writerow([f"{value:.9g}" for value in line])
+    return (*files, out / TABLE)
+
+
+def _between(interval: Interval, digits: str, unit: str = "") -> str:
+    low, high = interval
+    return f"(95 %: {low:{digits}} to {high:{digits}}{unit})"
+
+
+def _shown(length: float) -> str:
+    """A length in the unit in which it has readable digits."""
+    for unit, size in (("m", 1.0), ("mm", 1e-3), ("um", 1e-6)):
+        if length >= 0.999 * size:
+            return f"{length / size:.4g} {unit}"
+    return f"{length / 1e-9:.4g} nm"

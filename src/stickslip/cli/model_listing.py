@@ -1,0 +1,147 @@
+"""What `stickslip import` shows of a model file, before any study is written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from stickslip.core.errors import InputError
+from stickslip.formats.meshes.build import build_model
+from stickslip.formats.meshes.imported_model import ImportedModel
+from stickslip.formats.meshes.raw_model import RawModel
+from stickslip.formats.meshes.read import read_raw
+from stickslip.formats.meshes.unit_systems import LENGTH_UNITS, UNIT_SYSTEMS, find_unit_system
+from stickslip.structure.faces import face_geometry
+from stickslip.structure.finite_element_mesh import FiniteElementMesh
+from stickslip.structure.mesh import IntArray
+from stickslip.structure.model_facts import body_volumes, bounding_box
+from stickslip.structure.rigid_motions import part_motions
+
+_AXES = ("x", "y", "z")
+Rows = list[tuple[str, ...]]
+
+
+def print_model(path: Path, length_unit: str | None, unit_system: str | None) -> None:
+    """Print bodies, sets, constraints and messages of a model file as tables. Raises ImportFileError and InputError.
+
+    Without a length unit sizes are left out, and two guesses of the size ask for one.
+    """
+    from rich.console import Console
+    from rich.table import Table
+
+    if unit_system is not None and length_unit is None:
+        raise InputError("--unit-system needs --length-unit, too: give both.")
+    known = length_unit is not None
+    units = find_unit_system(length_unit or "m", unit_system)
+    raw = read_raw(path)
+    model = build_model(raw, units)
+    console = Console(soft_wrap=True)
+    console.print(f"{model.source}: {model.format}", markup=False)
+    for title, heading, rows in _tables(model, known):
+        if rows:
+            table = Table(title=title, title_justify="left")
+            for column, name in enumerate(heading):
+                table.add_column(name, justify="left" if column == 0 else "right", overflow="fold")
+            for row in rows:
+                table.add_row(*row)
+            console.print(table, markup=False)
+    for sentence in _sentences(model, known):
+        console.print(sentence, markup=False)
+    if not known:
+        console.print(_ask_for_unit(raw), markup=False)
+
+
+def _tables(model: ImportedModel, known: bool) -> Iterator[tuple[str, tuple[str, ...], Rows]]:
+    mesh = model.mesh
+    low, high = bounding_box(mesh.points)
+    if known:
+        limits: Rows = [
+            (axis, f"{1e3 * start:.6g}", f"{1e3 * stop:.6g}", f"{1e3 * (stop - start):.6g}")
+            for axis, start, stop in zip(_AXES, low, high, strict=True)
+        ]
+        yield "Bounding box", ("axis", "from, mm", "to, mm", "size, mm"), limits
+    yield "Bodies", ("name", "elements", "nodes", "free faces", "kinds"), _bodies(model)
+    if known:
+        yield "Masses", ("name", "volume, mm3", "mass, kg", "E, GPa", "density, kg/m3"), _masses(model)
+    yield (
+        "Face sets",
+        ("name", "sides", "nodes", *(("area, mm2",) if known else ()), "body"),
+        [_face(mesh, name, known) for name in mesh.face_sets],
+    )
+    others = [name for name in mesh.node_sets if name not in mesh.face_sets and name not in mesh.element_sets]
+    yield "Node sets", ("name", "nodes"), [(name, f"{mesh.node_sets[name].size}") for name in others]
+    yield "Element sets", ("name", "elements"), [(name, f"{cells.size}") for name, cells in mesh.element_sets.items()]
+
+
+def _bodies(model: ImportedModel) -> Rows:
+    mesh = model.mesh
+    rows: Rows = []
+    for number, name in enumerate(mesh.body_names):
+        kinds = dict.fromkeys(block.kind for block in mesh.blocks if (block.body == number).any())
+        free = sum(len(side) for side in mesh.outer_sides(number))
+        nodes = mesh.nodes_of_body(number).size
+        rows.append((name, f"{(mesh.body == number).sum()}", f"{nodes}", f"{free}", ", ".join(kinds)))
+    return rows
+
+
+def _face(mesh: FiniteElementMesh, name: str, known: bool) -> tuple[str, ...]:
+    """Row of a face set: sides, nodes, area and the bodies that its nodes belong to."""
+    nodes, area, _ = face_geometry(mesh, name)
+    sides = sum(len(side) for side in mesh.sides(name))
+    bodies = [each for number, each in enumerate(mesh.body_names) if np.isin(nodes, mesh.nodes_of_body(number)).any()]
+    size = (f"{1e6 * area.sum():.6g}",) if known else ()
+    return name, f"{sides}", f"{nodes.size}", *size, ", ".join(bodies)
+
+
+def _masses(model: ImportedModel) -> Rows:
+    rows: Rows = []
+    for name, volume in zip(model.mesh.body_names, body_volumes(model.mesh), strict=True):
+        material = model.materials.get(name)
+        if material is None:
+            rows.append((name, f"{1e9 * volume:.6g}", "no material", "", ""))
+        else:
+            numbers = (1e9 * volume, material.density * volume, 1e-9 * material.young_modulus, material.density)
+            rows.append((name, *(f"{number:.6g}" for number in numbers)))
+    return rows
+
+
+def _sentences(model: ImportedModel, known: bool) -> Iterator[str]:
+    mesh = model.mesh
+    if known:
+        yield f"Units: lengths in {model.length_unit}, materials and forces in the system {model.unit_system}."
+    for number, part in enumerate(part_motions(mesh, model.fixed_unknowns), start=1):
+        bodies = ", ".join(mesh.body_names[body] for body in np.unique(mesh.body[part.cells]))
+        if part.is_hinged:
+            element = model.shown(model.element_labels[part.cells[0]])
+            yield (
+                f"Warning: connected part {number} ({bodies}; element {element} is one of it) consists of "
+                f"{part.n_regions} regions that hang together at nodes or edges only, like hinges: its stiffness "
+                "is singular whatever contact holds it. Join their faces, or separate them."
+            )
+        if part.rigid:
+            yield (
+                f"Connected part {number} ({bodies}) has {part.rigid} rigid-body motions that the file does not hold: "
+                "contact or the study must."
+            )
+    held: IntArray = model.fixed_unknowns
+    if held.size:
+        yield f"The file holds {held.size} displacements of {np.unique(held // 3).size} nodes at zero."
+    loaded = np.flatnonzero(model.node_forces.any(axis=1))
+    if loaded.size:
+        total = ", ".join(f"{force:.6g}" for force in model.node_forces.sum(axis=0))
+        yield f"Forces act on {loaded.size} nodes" + (f"; their sum is ({total}) N." if known else ".")
+    yield from (f"Note: {message}" for message in model.messages)
+    if known:
+        yield from (f"Warning: {message}" for message in model.warnings)
+
+
+def _ask_for_unit(raw: RawModel) -> str:
+    size = np.ptp(raw.coordinates, axis=0)
+    in_metres = " x ".join(f"{value:.4g}" for value in size)
+    return (
+        f"The length unit is not stated in the file. The bounding box would be {in_metres} m with --length-unit m, and "
+        f"{in_metres} mm with --length-unit mm. Name it: {', '.join(LENGTH_UNITS)}; --unit-system names the system of "
+        f"materials and forces where it is not the usual one: {', '.join(UNIT_SYSTEMS)}."
+    )

@@ -1,0 +1,1 @@
+"""What the joint does: laws, stiffness, pairing of faces."""

@@ -1,0 +1,1 @@
+"""Force laws of contact pairs."""

@@ -1,0 +1,1 @@
+"""Contact pairs from two faces of a mesh."""

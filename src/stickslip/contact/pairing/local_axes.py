@@ -1,0 +1,79 @@
+"""Two tangents for each point of a face, and flat coordinates of the points for maps."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, finite_array
+
+_ALONG_Z = 0.99  # a face whose mean normal has a larger z component looks along z
+_SMALLEST_SINE = 0.05  # between a direction and a normal; below it the tangent would be next to arbitrary
+_SMALLEST_MEAN = 0.05  # length of a mean of unit vectors; below it the face closes on itself and has no mean direction
+
+
+def local_tangents(
+    points: FloatArray, normal: FloatArray, area: FloatArray, chosen: ArrayLike | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Unit vectors t1 and t2 (k, 3) in the face at points (k, 3) with unit normals (k, 3).
+
+    t1 is the direction ``chosen`` (3,), of any length, laid into the face: ``d - (d . n) n``. Without a choice d is z,
+    or x on a face that looks along z, or, on a face that curves through that direction, the axis that stays farthest
+    from all normals. t2 is ``n x t1``, with the sign that makes the leading component of its mean positive, so that
+    mirrored faces get mirrored tangents; on a face that closes on itself, where there is no mean, it is ``n x t1``.
+
+    Raises InputError for a direction that is no vector, or that a normal of the face is parallel to.
+    """
+    if chosen is None:
+        direction = _default_direction(normal, area)
+        advice = "Give `tangent`, a direction that lies in the face; a face that bends through all axes must be split."
+    else:
+        direction = finite_array("tangent", chosen)
+        if direction.shape != (3,) or not direction.any():
+            raise InputError(f"tangent must be a vector x, y, z of some length; found {np.asarray(chosen).tolist()}.")
+        direction = direction / np.linalg.norm(direction)
+        advice = "Choose a direction that lies in the face, or split the face."
+    tangent1 = direction - (normal @ direction)[:, None] * normal
+    length = np.linalg.norm(tangent1, axis=1)
+    if length.min() < _SMALLEST_SINE:
+        x, y, z = 1e3 * points[length.argmin()]
+        a, b, c = direction
+        raise InputError(
+            f"the tangential direction ({a:.3g}, {b:.3g}, {c:.3g}) is parallel to the normal of the face at ({x:.4g}, "
+            f"{y:.4g}, {z:.4g}) mm, so it has no part in the face there. {advice}"
+        )
+    tangent1 = tangent1 / length[:, None]
+    tangent2 = np.cross(normal, tangent1)
+    mean = _mean(tangent2, area)
+    if np.linalg.norm(mean) < _SMALLEST_MEAN:
+        return tangent1, tangent2
+    return tangent1, tangent2 * np.sign(mean[np.abs(mean).argmax()])
+
+
+def _default_direction(normal: FloatArray, area: FloatArray) -> FloatArray:
+    mean = _mean(normal, area)
+    length = float(np.linalg.norm(mean))
+    usual = np.eye(3)[0 if abs(mean[2]) > _ALONG_Z * length and length > _SMALLEST_MEAN else 2]
+    if 1.0 - np.abs(normal @ usual).max() ** 2 >= _SMALLEST_SINE**2:
+        return np.asarray(usual)
+    return np.asarray(np.eye(3)[np.abs(normal).max(axis=0).argmin()])
+
+
+def _mean(vectors: FloatArray, area: FloatArray) -> FloatArray:
+    return np.asarray(area @ vectors / area.sum())
+
+
+def map_position(points: FloatArray, tangent1: FloatArray, tangent2: FloatArray, area: FloatArray) -> FloatArray:
+    """(k, 2) m along the mean tangents from the middle of the face's box.
+
+    On a face that closes on itself, where a tangent has no mean, the two longest principal axes of its points serve.
+    """
+    axes = np.array([_mean(tangent1, area), _mean(tangent2, area)])
+    length = np.linalg.norm(axes, axis=1, keepdims=True)
+    if length.min() < _SMALLEST_MEAN:
+        axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][:2]
+    else:
+        axes = axes / length
+    position = points @ axes.T
+    return np.asarray(position - 0.5 * (position.min(axis=0) + position.max(axis=0)))

@@ -1,0 +1,156 @@
+"""One face of a body as contact sees it: its cell sides, the area of its nodes, and its smoothed normal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray
+from stickslip.structure.faces import face_geometry, side_geometry
+from stickslip.structure.finite_element_mesh import AnyMesh
+from stickslip.structure.mesh import IntArray
+from stickslip.structure.shapes import side_shape_functions
+from stickslip.structure.side_parts import SIDE_BORDER
+
+WIDEST_SIDE = 8  # nodes; rows of sides with fewer are filled up
+
+
+@dataclass(frozen=True)
+class SurfaceMesh:
+    """The sides of a named face set or node set.
+
+    Sides of different widths stand in one table, so that a side is one number. The smoothed normal of a node is the
+    area-weighted mean of the sides around it; between nodes it is interpolated by the shape functions and made a unit
+    vector again, so that it turns steadily over a face of flat facets.
+
+    Parameters
+    ----------
+    name:
+        name of the set.
+    points:
+        (n_nodes, 3) m of the whole mesh.
+    nodes:
+        (k,) nodes of the face.
+    node_area:
+        (k,) m2 that each stands for; sums to the area of the face.
+    normal:
+        (n_nodes, 3) smoothed outward unit normal, zero off the face.
+    sides:
+        (m, 8) nodes of each side, filled up with its first node.
+    width:
+        (m,) number of nodes of each side: 3, 4, 6 or 8.
+    """
+
+    name: str
+    points: FloatArray
+    nodes: IntArray
+    node_area: FloatArray
+    normal: FloatArray
+    sides: IntArray
+    width: IntArray
+
+    @staticmethod
+    def of(mesh: AnyMesh, name: str) -> SurfaceMesh:
+        """The face ``name`` of a mesh. Raises InputError for a set without whole sides, or with a node of none."""
+        nodes, area, direction = face_geometry(mesh, name)
+        isolated = np.flatnonzero(area <= 0.0)
+        if isolated.size:
+            raise InputError(
+                f"node {nodes[isolated[0]]} of node set '{name}' belongs to no side of a cell that lies in the set; "
+                "a face set must hold every node of its sides and nothing else."
+            )
+        normal = np.zeros((mesh.n_nodes, 3))
+        normal[nodes] = direction
+        groups = mesh.sides(name)
+        filled = [np.hstack([side, np.repeat(side[:, :1], WIDEST_SIDE - side.shape[1], axis=1)]) for side in groups]
+        width = np.concatenate([np.full(len(side), side.shape[1]) for side in groups])
+        return SurfaceMesh(name, mesh.points, nodes, area, normal, np.concatenate(filled).astype(np.int64), width)
+
+    @cached_property
+    def area(self) -> float:
+        """m2 of the whole face."""
+        return float(self.node_area.sum())
+
+    @cached_property
+    def size(self) -> float:
+        """m, diagonal of the box around the face."""
+        corners = self.points[self.nodes]
+        return float(np.linalg.norm(corners.max(axis=0) - corners.min(axis=0)))
+
+    @cached_property
+    def side_area(self) -> FloatArray:
+        """(m,) m2 of each side."""
+        return self._side_facts[0]
+
+    @cached_property
+    def side_normal(self) -> FloatArray:
+        """(m, 3) mean outward unit normal of each side, not smoothed."""
+        return self._side_facts[1]
+
+    @cached_property
+    def _side_facts(self) -> tuple[FloatArray, FloatArray]:
+        area, normal = np.empty(len(self.sides)), np.empty((len(self.sides), 3))
+        for width, members in self.by_width(np.arange(len(self.sides))):
+            share, normal[members] = side_geometry(self.points[self.sides[members, :width]])
+            area[members] = share.sum(axis=1)
+        return area, normal
+
+    @cached_property
+    def centre(self) -> FloatArray:
+        """(m, 3) m, middle of the nodes of each side."""
+        return self._balls[0]
+
+    @cached_property
+    def radius(self) -> FloatArray:
+        """(m,) m, of the ball around ``centre`` that holds the nodes of each side."""
+        return self._balls[1]
+
+    @cached_property
+    def _balls(self) -> tuple[FloatArray, FloatArray]:
+        used = np.arange(WIDEST_SIDE) < self.width[:, None]
+        corners = self.points[self.sides]
+        centre = np.einsum("mk,mkx->mx", used, corners) / self.width[:, None]
+        return centre, np.linalg.norm(corners - centre[:, None], axis=2).max(axis=1)
+
+    @cached_property
+    def facet_height(self) -> float:
+        """m, about how far flat sides stand off a curved face: chord . change of the normal / 8 (arc and chord).
+
+        Sides with midside nodes follow the curve and are left out; 0 where all sides have them.
+        """
+        height = 0.0
+        for width, members in self.by_width(np.arange(len(self.sides))):
+            if width > 4:
+                continue
+            nodes = self.sides[members, :width]
+            for step in range(1, width // 2 + 1):
+                other = np.roll(nodes, step, axis=1)
+                chord = self.points[nodes] - self.points[other]
+                turn = self.normal[nodes] - self.normal[other]
+                height = max(height, float(np.abs(np.einsum("mkx,mkx->mk", chord, turn)).max()) / 8.0)
+        return height
+
+    def by_width(self, sides: IntArray) -> list[tuple[int, IntArray]]:
+        """Positions in ``sides`` (q,), numbers of sides, grouped by the number of nodes of the side."""
+        width = self.width[sides]
+        return [(int(found), np.flatnonzero(width == found)) for found in np.unique(width)]
+
+    def shape_weights(self, sides: IntArray, where: FloatArray) -> FloatArray:
+        """(q, 8) shape functions of sides (q,) at reference coordinates (q, 2), zero where a row is filled up."""
+        weights = np.zeros((len(sides), WIDEST_SIDE))
+        for width, members in self.by_width(sides):
+            weights[members, :width] = side_shape_functions(width, where[members])[0]
+        return weights
+
+    def border(self, sides: IntArray) -> FloatArray:
+        """(q, 8, 3) m: the nodes of sides (q,) in the order of their border; shorter borders repeat the last node."""
+        order = np.array([np.pad(at, (0, WIDEST_SIDE - len(at)), mode="edge") for at in SIDE_BORDER.values()])
+        row = np.searchsorted(list(SIDE_BORDER), self.width[sides])
+        return self.points[np.take_along_axis(self.sides[sides], order[row], axis=1)]
+
+    def interpolate(self, values: FloatArray, sides: IntArray, weights: FloatArray) -> FloatArray:
+        """(q, d) values at points with ``weights`` (q, 8) in sides (q,), from values (n_nodes, d) at the nodes."""
+        return np.asarray(np.einsum("qk,qkx->qx", weights, values[self.sides[sides]]))

@@ -1,0 +1,90 @@
+"""Normal load of the contact pairs at rest: a wedge under centrifugal force, or prescribed values."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip.core.errors import InputError
+from stickslip.core.validation import (
+    FloatArray,
+    finite_array,
+    per_pair,
+    positive_number,
+    real_number,
+    require_allowed,
+    require_positive,
+)
+
+
+def uniform_preload(
+    centrifugal_force: float,
+    platform_angle: float,
+    area: ArrayLike,
+    face: ArrayLike,
+    friction_coefficient: float = 0.0,
+) -> FloatArray:
+    """Preload (n_pairs,) in N of a wedge damper that rests on two equally inclined faces with uniform pressure.
+
+    N_face = F_N / (2 (cos theta + mu_0 sin theta)), and a pair takes its share of the area of its face. It is the
+    balance of forces along F_N: each face gives N cos theta, and, if the damper has been pressed outwards until
+    it slid, mu_0 N sin theta. mu_0 = 0 is the frictionless wedge.
+
+    ``centrifugal_force`` F_N in N, total over both ends of the damper; ``platform_angle`` theta in rad, between a
+    face and the plane normal to F_N; ``area`` (n_pairs,) m2; ``face`` (n_pairs,) integers, which face a pair belongs
+    to; ``friction_coefficient`` mu_0 at assembly. Raises InputError for values that are not usable.
+    """
+    force = positive_number("centrifugal_force", centrifugal_force, "N (total over both ends)")
+    angle = real_number("platform_angle", platform_angle)
+    friction = real_number("friction_coefficient", friction_coefficient)
+    require_allowed("platform_angle", angle, 0 <= angle < pi / 2, "from 0 to below pi/2 rad (an angle in radians)")
+    require_allowed("friction_coefficient", friction, friction >= 0, "0 or above")
+    share = area_share(area, face)
+    return force / (2.0 * (cos(angle) + friction * sin(angle))) * share
+
+
+def prescribed_preload(values: ArrayLike, n_pairs: int) -> FloatArray:
+    """Preload (n_pairs,) in N as given, one entry for each pair; below zero it is a gap at rest.
+
+    Raises InputError unless ``values`` holds exactly ``n_pairs`` finite numbers.
+    """
+    array = finite_array("preload", values)
+    if array.shape != (n_pairs,):
+        raise InputError(
+            f"preload has the shape {array.shape}, but it must be ({n_pairs},): one value in N for each contact pair."
+        )
+    return array.copy()
+
+
+def area_share(area: ArrayLike, face: ArrayLike) -> FloatArray:
+    """Share (n_pairs,) of each pair in the area of its own face, A_i / sum of A_j; the shares of a face add up to 1.
+
+    Raises InputError unless the areas are above zero and ``face`` holds one integer for each pair.
+    """
+    areas, faces = checked_area(area), face_index(face, np.size(area))
+    return areas / face_sum(areas, faces)[faces]
+
+
+def checked_area(area: ArrayLike) -> FloatArray:
+    """``area`` as an array (n_pairs,) in m2. Raises InputError unless every entry is above zero."""
+    areas = finite_array("area", area)
+    if areas.ndim != 1 or areas.size == 0:
+        raise InputError(f"area must have the shape (n_pairs,), one area in m2 for each pair; found {areas.shape}.")
+    require_positive("area", areas, "A pair stands for a part of the contact face; look for faces of zero size.")
+    return areas
+
+
+def face_index(face: ArrayLike, n_pairs: int) -> NDArray[np.intp]:
+    """``face`` (n_pairs,) renumbered 0, 1, 2 ... without gaps. Raises InputError unless it holds one integer a pair."""
+    labels = per_pair("face", face, n_pairs)
+    bad = np.flatnonzero(labels != np.round(labels))
+    if bad.size:
+        raise InputError(f"face[{bad[0]}] is {labels[bad[0]]:g}, but it must be an integer: the number of the face.")
+    return np.unique(labels, return_inverse=True)[1]
+
+
+def face_sum(values: FloatArray, face: NDArray[np.intp]) -> FloatArray:
+    """Sum of ``values`` (n_pairs,) over the pairs of each face, (n_faces,)."""
+    return np.asarray(np.bincount(face, weights=values), dtype=float)

@@ -1,0 +1,1 @@
+"""Contact stiffness from roughness and load."""

@@ -1,0 +1,355 @@
+"""Contact stiffness of a rough face from its roughness and load, and its distribution over the contact pairs.
+
+Equations, sources and errata: docs/theory_roughness.md. The population of contact spots is in asperities.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
+from enum import StrEnum
+from math import exp, floor, inf, log, pi, sqrt
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip.contact.preload import area_share, checked_area, face_index, face_sum
+from stickslip.contact.stiffness.asperities import (
+    LOG_LARGEST_NUMBER,
+    Roughness,
+    SpotPopulation,
+    fully_plastic_load,
+    log_critical_area,
+    require_poisson_ratio,
+    spots_under_load,
+)
+from stickslip.contact.stiffness.surface import surface_statistics
+from stickslip.core.errors import InputError, RoughnessError
+from stickslip.core.validation import FloatArray, per_pair, positive_number, real_number, require_choice
+
+__all__ = [
+    "ContactStatus",
+    "ContactStiffness",
+    "Roughness",
+    "contact_stiffness",
+    "pair_stiffness",
+    "reduced_modulus",
+]
+
+StiffnessMode = Literal["consistent", "paper", "unloading"]
+Allocation = Literal["area", "pressure"]
+
+LARGEST_AREA_SHARE = 0.1  # real over nominal area above which spots touch each other
+LARGEST_ASPERITY_SLOPE = 0.1  # interference over radius above which Hertz's small strain fails
+NEAR_LIMIT = 0.05  # distance of D from 2 or 3 below which the exponents 2/(D-2) and 1/(3-D) explode
+DIMENSION_STEPS = 1000  # a D that is proposed has as many steps from 2 to 3: three decimals
+
+
+class ContactStatus(StrEnum):
+    """Whether the fractal contact law can be trusted; the order of the names is from worst to best."""
+
+    NO_CONTACT = "no contact"
+    FULLY_PLASTIC = "fully plastic"
+    REAL_AREA_ABOVE_NOMINAL = "real area above nominal"
+    LARGEST_AREA_ABOVE_NOMINAL = "largest spot above nominal area"
+    SHORTEST_WAVE_BELOW_ROUGHNESS = "shortest wave below fractal roughness"
+    STEEP_SURFACE = "steep surface"
+    STEEP_ASPERITIES = "steep asperities"
+    LARGE_REAL_AREA = "large real area"
+    NO_PLASTIC_SPOTS = "no plastic spots"
+    DIMENSION_NEAR_LIMIT = "dimension near its limit"
+    VALID = "valid"
+
+
+Finding = tuple[ContactStatus, str]  # what is wrong, and a sentence that says so with numbers
+
+
+@dataclass(frozen=True)
+class ContactStiffness:
+    """Stiffness of a whole rough face under one load, and what the contact law says beside it."""
+
+    normal: float  # N/m
+    tangential: float  # N/m
+    critical_area: float  # a_c' in m2: smaller spots are plastic
+    largest_area: float  # a_l' in m2
+    real_area: float  # A_r in m2
+    plastic_load_share: float  # load on plastic spots over the whole load
+    status: ContactStatus  # the worst that was found
+    messages: tuple[str, ...]  # a sentence for each thing that was found, worst first
+
+
+def reduced_modulus(
+    first_young_modulus: float, first_poisson_ratio: float, second_young_modulus: float, second_poisson_ratio: float
+) -> float:
+    """E* = [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]^-1 in Pa (equation 4). Raises InputError for values out of range."""
+    compliance = 0.0
+    for number, modulus, ratio in (
+        ("first", first_young_modulus, first_poisson_ratio),
+        ("second", second_young_modulus, second_poisson_ratio),
+    ):
+        modulus = positive_number(f"{number}_young_modulus", modulus, "Pa")
+        ratio = real_number(f"{number}_poisson_ratio", ratio)
+        require_poisson_ratio(f"{number}_poisson_ratio", ratio)
+        compliance += (1.0 - ratio**2) / modulus
+    return 1.0 / compliance
+
+
+def contact_stiffness(
+    roughness: Roughness, load: float, mode: StiffnessMode = "consistent", nominal_area: float | None = None
+) -> ContactStiffness:
+    """Normal and tangential stiffness (N/m) of a face that is pressed with ``load`` (N); all zero for a load <= 0.
+
+    consistent: K_n is the sum of dF/ddelta = 2 E* r over the elastic spots at fixed curvature (Hertz),
+        K_n = sqrt(2/pi) E* b,   b = psi^((2-d)/2) d/(d-1) [a_l'^(d/2) a_c'^((1-d)/2) - a_l'^(1/2)],   d = D - 1.
+    paper: equation (8) as printed, read with d: the above times 2(3-d) / (3(2-d)).
+    unloading: plastic spots respond elastically to small oscillation too, 2 E* sqrt(a'/pi) each. It needs a smallest
+        spot, a_s' = pi (Ls/2)^2 with Ls = roughness.shortest_length, which then also bounds load and area from below.
+    K_t = K_n(fixed curvature) 2(1-nu)/(2-nu) (Mindlin, equal materials) in all modes.
+
+    ``nominal_area`` in m2, if given, is compared with the real area. A stiffness of zero is returned, with its status
+    and its sentence; ``pair_stiffness`` refuses it. Raises InputError for values that are not usable.
+    """
+    require_choice("mode", mode, get_args(StiffnessMode))
+    load = real_number("load", load)
+    if nominal_area is not None:
+        nominal_area = positive_number("nominal_area", nominal_area, "m2")
+    log_smallest = _log_smallest_area(roughness, mode)
+    critical_area = exp(log_critical_area(roughness))
+    if load <= 0:
+        message = f"The load is {load:g} N: the face is not pressed, so it has no contact stiffness."
+        return ContactStiffness(0.0, 0.0, critical_area, 0.0, 0.0, 0.0, ContactStatus.NO_CONTACT, (message,))
+    spots = spots_under_load(roughness, load, log_smallest)
+    normal, tangential = _spot_stiffness(spots, mode)
+    worst_first = list(ContactStatus)
+    findings = sorted(_findings(spots, load, mode, nominal_area), key=lambda found: worst_first.index(found[0]))
+    return ContactStiffness(
+        normal=normal,
+        tangential=tangential,
+        critical_area=critical_area,
+        largest_area=exp(spots.log_largest),
+        real_area=spots.real_area,
+        plastic_load_share=spots.plastic_load / spots.load,
+        status=findings[0][0] if findings else ContactStatus.VALID,
+        messages=tuple(message for _, message in findings),
+    )
+
+
+def pair_stiffness(
+    roughness: Roughness,
+    area: ArrayLike,
+    preload: ArrayLike,
+    mode: StiffnessMode = "consistent",
+    allocation: Allocation = "area",
+    face: ArrayLike = 0,
+    reference_area: float | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    """Normal and tangential stiffness (n_pairs,) in N/m of each contact pair, face by face.
+
+    area: k_i = K(F) A_i / sum A_j over one face (equation 10), F the sum of the preloads of its closed pairs.
+    pressure: k_i = A_i kappa(p_i), kappa(p) = K(p A_ref) / A_ref, p_i = N0_i / A_i; A_ref is ``reference_area`` (m2),
+        or the area of the pair's own face if that is None. A pair that is open at rest
+        (N0_i <= 0) has no pressure of its own and gets kappa at the mean pressure F / A_face, for when it closes.
+    The law itself holds no nominal area, so it is only ever used with the load of a whole face: applied to single
+    pairs it would depend on the mesh. Both ways agree where the pressure is uniform, and a finer mesh leaves the sums
+    as they are. Faces of different size follow one law kappa(p) only if they share a reference area.
+
+    ``area`` (n_pairs,) m2; ``preload`` N, one number or (n_pairs,); ``face`` integers, which face a pair belongs to.
+    Raises RoughnessError, with what would work, if a pair would have no stiffness; InputError for unusable arrays.
+    """
+    require_choice("mode", mode, get_args(StiffnessMode))
+    require_choice("allocation", allocation, get_args(Allocation))
+    areas = checked_area(area)
+    loads, faces = per_pair("preload", preload, areas.size), face_index(face, areas.size)
+    share = area_share(areas, faces)
+    weight = share
+    if reference_area is not None:
+        if allocation != "pressure":
+            raise InputError(f'reference_area belongs to allocation "pressure", but allocation is {allocation!r}.')
+        weight = areas / positive_number("reference_area", reference_area, "m2")
+    closed_load = np.maximum(loads, 0.0)
+    face_load = face_sum(closed_load, faces)[faces] * (share / weight)  # on the face, or on A_ref at equal pressure
+    if allocation == "pressure":
+        face_load = np.where(loads > 0, closed_load / weight, face_load)
+    equivalent_load, pair = np.unique(face_load, return_inverse=True)
+    law = [contact_stiffness(roughness, float(load), mode) for load in equivalent_load]
+    normal = weight * np.array([value.normal for value in law])[pair]
+    tangential = weight * np.array([value.tangential for value in law])[pair]
+    dead = np.flatnonzero(~(normal > 0))
+    unloaded = dead[face_load[dead] <= 0]
+    dead = unloaded if unloaded.size else dead  # one reason at a time
+    if dead.size:
+        raise RoughnessError(_refusal(roughness, mode, allocation, dead, areas.size, float(face_load[dead].min())))
+    return normal, tangential
+
+
+def _log_smallest_area(roughness: Roughness, mode: StiffnessMode) -> float:
+    """ln a_s' for the mode: no lower end except in "unloading", whose sum over plastic spots would diverge."""
+    if mode != "unloading":
+        return -inf
+    if roughness.shortest_length is None:
+        raise InputError(
+            'mode "unloading" needs roughness.shortest_length (m), which sets the smallest contact spot, '
+            "a_s' = pi (Ls/2)^2; without it the stiffness of the plastic spots has no bound. Give the shortest wave of "
+            "the surface, for example 1e-6 m."
+        )
+    return _log_disc(roughness.shortest_length)
+
+
+def _log_disc(diameter: float) -> float:
+    return log(pi) + 2.0 * log(0.5 * diameter)
+
+
+def _spot_stiffness(spots: SpotPopulation, mode: StiffnessMode) -> tuple[float, float]:
+    """K_n and K_t in N/m of a population of spots."""
+    roughness, d = spots.roughness, spots.roughness.profile_dimension
+    exponent = 0.5 * (1.0 - d)
+    fixed_curvature = sqrt(2.0 / pi) * roughness.reduced_modulus * spots.elastic_moment(exponent)
+    if mode == "unloading":
+        fixed_curvature += 2.0 / sqrt(pi) * roughness.reduced_modulus * spots.plastic_moment(exponent)
+    along_family = 2.0 * (3.0 - d) / (3.0 * (2.0 - d)) if mode == "paper" else 1.0
+    mindlin = 2.0 * (1.0 - roughness.poisson_ratio) / (2.0 - roughness.poisson_ratio)
+    return along_family * fixed_curvature, mindlin * fixed_curvature
+
+
+def _findings(spots: SpotPopulation, load: float, mode: StiffnessMode, nominal_area: float | None) -> Iterator[Finding]:
+    """Every regime in which the contact law is not to be trusted."""
+    yield from _plasticity_findings(spots, load, mode)
+    if nominal_area is not None:
+        yield from _area_findings(spots, nominal_area)
+    yield from _wave_findings(spots.roughness)
+    slope, dimension = _asperity_slope(spots), spots.roughness.fractal_dimension
+    if slope > LARGEST_ASPERITY_SLOPE:
+        yield (
+            ContactStatus.STEEP_ASPERITIES,
+            f"Half of the load rests on spots whose interference is {slope:.2g} of their radius or more (Hertz: at "
+            f"most {LARGEST_ASPERITY_SLOPE:g}): small strain is only a rough guide there. A smaller G makes the "
+            "ratio smaller; it is least for a D between 2.4 and 2.7.",
+        )
+    if min(dimension - 2.0, 3.0 - dimension) < NEAR_LIMIT:
+        yield (
+            ContactStatus.DIMENSION_NEAR_LIMIT,
+            f"D = {dimension:g} is within {NEAR_LIMIT:g} of its limit {round(dimension)}, where the law has the "
+            "factors 2/(D-2) and 1/(3-D): small changes of D, H or E* change the stiffness by orders of magnitude.",
+        )
+
+
+def _plasticity_findings(spots: SpotPopulation, load: float, mode: StiffnessMode) -> Iterator[Finding]:
+    log_critical, shortest = log_critical_area(spots.roughness), spots.roughness.shortest_length
+    if spots.log_largest <= log_critical:
+        consequence = "The contact law then gives no stiffness at all."
+        if mode == "unloading":
+            consequence = "The stiffness is that of plastic spots in unloading alone, and the shortest wave decides it."
+        yield (
+            ContactStatus.FULLY_PLASTIC,
+            f"Fully plastic: under {load:g} N the largest contact spot, {exp(spots.log_largest):.3g} m2, is not above "
+            f"the critical area, {exp(log_critical):.3g} m2, so no spot is elastic. {consequence}",
+        )
+    if shortest is not None and _log_disc(shortest) >= log_critical:
+        yield (
+            ContactStatus.NO_PLASTIC_SPOTS,
+            f"The smallest spot of the surface, pi (Ls/2)^2 = {exp(_log_disc(shortest)):.3g} m2 with Ls = {shortest:g} "
+            f"m, is not below the critical area, {exp(log_critical):.3g} m2: no spot is plastic, and the stiffness "
+            'depends on where the waves end. Mode "unloading" cuts the spots there, the others count smaller ones too.',
+        )
+
+
+def _area_findings(spots: SpotPopulation, nominal_area: float) -> Iterator[Finding]:
+    share, largest = spots.real_area / nominal_area, exp(spots.log_largest)
+    if share > 1.0:
+        yield (
+            ContactStatus.REAL_AREA_ABOVE_NOMINAL,
+            f"The real contact area, {spots.real_area:.3g} m2, is above the nominal area, {nominal_area:.3g} m2: this "
+            "load is beyond the contact law.",
+        )
+    elif share > LARGEST_AREA_SHARE:
+        yield (
+            ContactStatus.LARGE_REAL_AREA,
+            f"The real contact area is {100 * share:.3g} % of the nominal area; above {100 * LARGEST_AREA_SHARE:g} % "
+            "neighbouring spots merge, which the contact law leaves out.",
+        )
+    if largest > nominal_area:
+        yield (
+            ContactStatus.LARGEST_AREA_ABOVE_NOMINAL,
+            f"The largest contact spot, {largest:.3g} m2, does not fit on the nominal area, {nominal_area:.3g} m2.",
+        )
+
+
+def _wave_findings(roughness: Roughness) -> Iterator[Finding]:
+    longest, shortest, scale = roughness.sample_length, roughness.shortest_length, roughness.fractal_roughness
+    if shortest is None:
+        return
+    if shortest <= scale:
+        yield (
+            ContactStatus.SHORTEST_WAVE_BELOW_ROUGHNESS,
+            f"The shortest wave, {shortest:g} m, is not above the fractal roughness, G = {scale:g} m: waves shorter "
+            "than G are steeper than 1. Take a longer shortest_length, or check the unit of G.",
+        )
+    if longest is None:
+        return
+    slope = surface_statistics(roughness, longest, shortest).sdq
+    if slope > 1.0:
+        yield (
+            ContactStatus.STEEP_SURFACE,
+            f"The root mean square slope of the surface is Sdq = {slope:.3g}; above 1 it is no machined face, and a "
+            "contact law of small slopes does not hold. A smaller G or a larger D makes a smoother face.",
+        )
+
+
+def _asperity_slope(spots: SpotPopulation) -> float:
+    """delta / r' = 2 G^(d-1) sqrt(ln gamma) 2^(2-d) r'^(1-d) of the spot that halves the load."""
+    roughness, d = spots.roughness, spots.roughness.profile_dimension
+    log_radius = 0.5 * (spots.log_median_area - log(pi))
+    waves = sqrt(log(roughness.frequency_ratio)) * 2.0 ** (3.0 - d)
+    log_slope = log(waves) + (d - 1.0) * (log(roughness.fractal_roughness) - log_radius)
+    # As D nears 3 half of the load moves to spots smaller than any number that a computer holds.
+    return exp(log_slope) if log_slope < LOG_LARGEST_NUMBER else inf
+
+
+def _refusal(
+    roughness: Roughness, mode: StiffnessMode, allocation: Allocation, dead: NDArray[np.intp], n_pairs: int, load: float
+) -> str:
+    """Why pairs have no stiffness, and which load, G or mode would give them one."""
+    where = f"{dead.size} of {n_pairs} contact pairs (first: pair {dead[0]}) would have no contact stiffness"
+    if load <= 0:
+        return (
+            f"{where}, because the preload of their face is {load:g} N. Give the face a preload above 0 N, or give the "
+            "contact stiffness itself."
+        )
+    needed, scale = fully_plastic_load(roughness), roughness.fractal_roughness
+    pressure = " (the least pressure of these pairs times the reference area)" if allocation == "pressure" else ""
+    enough = _rounded(needed, 4, ROUND_CEILING)
+    ways = [
+        f"raise the load above {enough} N",
+        f"take G below {_rounded(scale * sqrt(load / needed), 3, ROUND_FLOOR)} m",
+    ]
+    dimension = _least_dimension(roughness, load)
+    if dimension is not None:
+        ways.append(f"raise D to {dimension:g} (a smoother face)")
+    if mode != "unloading":
+        ways.append('use mode "unloading", where plastic spots respond to oscillation too (it needs shortest_length)')
+    if allocation == "pressure":
+        ways.append('use allocation "area", which spreads the stiffness of the whole face')
+    return (
+        f"{where}: with D = {roughness.fractal_dimension:g} and G = {scale:g} m every contact spot is plastic under a "
+        f"face load of {load:.4g} N{pressure}; elastic spots need more than {enough} N. What helps: "
+        f"{', or '.join(ways)}. Stiffness only begins at these limits. If G came from a paper, check its unit: between "
+        "m and mm lies a factor of 1000."
+    )
+
+
+def _least_dimension(roughness: Roughness, load: float) -> float | None:
+    """The least D above that of ``roughness`` for which ``load`` (N) makes spots elastic; None if there is none.
+
+    The load that this needs falls with D to a minimum (at D = 2.88 for E*/H = 36) and then rises without bound, so that
+    a larger D does not always help. D within NEAR_LIMIT of 3 is not proposed.
+    """
+    first, last = floor(DIMENSION_STEPS * roughness.fractal_dimension) + 1, round(DIMENSION_STEPS * (3.0 - NEAR_LIMIT))
+    dimensions = (step / DIMENSION_STEPS for step in range(first, last + 1))
+    return next((D for D in dimensions if fully_plastic_load(replace(roughness, fractal_dimension=D)) < load), None)
+
+
+def _rounded(value: float, digits: int, direction: str) -> str:
+    """``value`` with so many significant digits, rounded in one direction, so that the text still keeps a bound."""
+    return f"{float(Context(prec=digits, rounding=direction).create_decimal(value)):g}"

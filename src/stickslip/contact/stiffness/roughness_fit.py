@@ -1,0 +1,394 @@
+"""Fractal dimension D and fractal roughness G from measured heights, by their structure function.
+
+S(tau) = G^(2(D-2)) sum_n ln gamma lambda_n^(2(3-D)) [1 - J0(2 pi tau / lambda_n)] + c,   c: noise, or missing waves
+is fitted to the structure function of detrended lines, what the detrending takes away included. Lags of one profile are
+correlated, so weights and intervals come from simulated surfaces. Derivation and checks: docs/theory_roughness_fit.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import islice
+from math import exp, log
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import least_squares
+
+from stickslip.contact.stiffness.asperities import LOG_LARGEST_NUMBER
+from stickslip.contact.stiffness.detrended_lines import LineModel, measured_structure, wavelengths, without_trend
+from stickslip.contact.stiffness.random_lines import LineSet, Spectrum, simulate
+from stickslip.contact.stiffness.roughness_warnings import Evidence, sentences
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, finite_array, real_number, require_allowed, whole_number
+
+FEWEST_POINTS = 100  # on a line; its tenth part then holds six lags
+MOST_POINTS = 100_000  # on a line; every simulated surface has as many
+SHARE_OF_LENGTH = 0.1  # longest lag: longer ones vary so much from surface to surface that they tell nothing of D
+FIRST_LAG = 2  # in spacings: one step is closest to what instrument and sampling do
+LAGS_PER_DECADE = 8
+FEWEST_LAGS = 5
+MOST_LINES = 32  # of a map in each direction; neighbouring lines tell nearly the same
+BEYOND = 100.0  # longest wave over line length where none is given; longer ones are straight lines, which are removed
+MODEL_ERROR = 0.02  # relative, of S: ripple of separate waves, few directions
+SIMULATIONS = 200
+WIDENING = 1.3  # surfaces like the fitted one can scatter less than those like the true one; theory page, section 4
+HURST_RANGE = (0.02, 0.98)
+CONSTANT_RANGE = (-3.0, 3.0)  # of ln[1 + c / S at the shortest lag]
+
+Interval = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class RoughnessFit:
+    """D and G of a measured surface, how sure they are, and what the measurement says beside them."""
+
+    fractal_dimension: float  # D of the surface, 2 < D < 3
+    fractal_roughness: float  # G in m
+    fractal_dimension_interval: Interval  # 95 %
+    fractal_roughness_interval: Interval  # 95 %, m
+    scale_range: Interval  # shortest and longest lag of the fit, m
+    lag: FloatArray  # (n_lags,) m; for a map, those along x and then those along y
+    structure_function: FloatArray  # (n_lags,) m2, of detrended lines
+    fitted: FloatArray  # (n_lags,) m2, the fit at the same lags
+    points_along_x: int  # how many of the lags are along x
+    noise_height: float  # rms of heights without neighbourhood, m; 0 unless the constant c is above 0 beyond doubt
+    rms_height: float  # Sq in m about the mean lines
+    rms_slope: float  # Sdq at the scale of ``slope_scale``; a line's slope times sqrt(2), as on an isotropic surface
+    slope_scale: float  # m
+    fit_probability: float  # share of simulated surfaces of this D and G that fit worse
+    usable: bool  # False where D is at the end of its range: no surface of this law is like that
+    warnings: tuple[str, ...]
+
+
+def fit_roughness(
+    heights: ArrayLike,
+    spacing: float | Sequence[float],
+    *,
+    scales: Interval | None = None,
+    longest_wave: float | None = None,
+    seed: int = 0,
+) -> RoughnessFit:
+    """D, G and their 95 % intervals from a line (n,) or a map (n_y, n_x) of heights in m.
+
+    ``spacing``
+        distance of neighbouring points in m; for a map one number or (along y, along x).
+    ``scales``
+        shortest and longest lag in m; unless given, two spacings and a tenth of the line.
+    ``longest_wave``
+        in m, where the surface or a high-pass filter of the instrument ends; without end unless given.
+    ``seed``
+        of the simulated surfaces; the same seed gives the same intervals.
+
+    The mean straight line of every line is removed, and the fit knows what that takes away. Raises InputError for
+    heights that are not finite, not a line or map, all on straight lines, or too few, and for values out of range.
+    """
+    parts = _line_sets(finite_array("heights", heights), spacing)
+    whole_number("seed", seed, 0)
+    wave_end = _longest_wave(longest_wave, parts)
+    low, high = _scales(scales, parts)
+    rng = np.random.default_rng(seed)
+    fitted = _Fitted.to(_Problem.build(parts, low, high, wave_end), rng)
+    raised = False
+    while scales is None:  # waves that the instrument does not show must lie below the range
+        shortest = fitted.problem.spectrum(fitted.best).shortest
+        if shortest <= 2.0 * low or shortest > 0.3 * high:
+            break
+        low, raised = shortest, True
+        fitted = _Fitted.to(_Problem.build(parts, low, high, wave_end), rng)
+    return _judge(fitted, rng, raised)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """The detrended lines of one direction."""
+
+    lines: FloatArray  # (n, points)
+    place: LineSet
+    trend_share: float  # share of the variance about the mean height that the trend held
+
+
+def _line_sets(heights: FloatArray, spacing: float | Sequence[float]) -> tuple[_Part, ...]:
+    """The lines along x, and for a map along y as well where there are enough points. Raises InputError."""
+    if heights.ndim not in (1, 2):
+        raise InputError(f"heights must be a line (n,) or a map (n_y, n_x), but its shape is {heights.shape}.")
+    grid = heights[None] if heights.ndim == 1 else heights
+    if max(grid.shape) > MOST_POINTS:
+        raise InputError(
+            f"heights has {max(grid.shape)} points on a line, but {MOST_POINTS} is the most that simulated surfaces "
+            "follow. Give a part of it, or every second or third point."
+        )
+    steps = _spacings(spacing, heights.ndim)
+    parts = []
+    for along_x, lines in ((True, grid), (False, grid.T)):
+        beside, along = steps if along_x else steps[::-1]
+        if lines.shape[1] >= FEWEST_POINTS:
+            chosen = np.unique(np.linspace(0, lines.shape[0] - 1, min(MOST_LINES, lines.shape[0])).astype(int))
+            place = LineSet(lines.shape[1], along, beside * chosen.astype(float), along_x)
+            parts.append(_part(lines[chosen], place))
+    if not parts:
+        raise InputError(
+            f"heights has {max(grid.shape)} points on a line, but a fit of D and G needs {FEWEST_POINTS} or more. "
+            "Measure a longer line or with a smaller spacing."
+        )
+    return tuple(parts)
+
+
+def _part(lines: FloatArray, place: LineSet) -> _Part:
+    centred = lines - lines.mean(axis=1, keepdims=True)
+    flat = without_trend(centred)
+    total, rest = float(np.mean(centred**2)), float(np.mean(flat**2))
+    if not rest > 1e-24 * max(total, float(np.mean(lines**2))):
+        raise InputError(
+            "the heights lie on straight lines, so there is no roughness in them. Check the column, the unit, and "
+            "whether the instrument's resolution is finer than the roughness."
+        )
+    return _Part(flat, place, 1.0 - rest / total)
+
+
+def _spacings(spacing: float | Sequence[float], dimensions: int) -> tuple[float, float]:
+    """(along y, along x) in m."""
+    values = np.atleast_1d(finite_array("spacing", spacing))
+    if values.shape not in {(1,), (dimensions,)} or not np.all(values > 0):
+        allowed = "one length above 0 m" + (" or two, (along y, along x)" if dimensions == 2 else "")
+        raise InputError(f"spacing is {spacing!r}, but it must be {allowed}.")
+    return float(values[0]), float(values[-1])
+
+
+def _longest_wave(longest_wave: float | None, parts: tuple[_Part, ...]) -> float:
+    length = max(part.place.points * part.place.spacing for part in parts)
+    if longest_wave is None:
+        return BEYOND * length
+    wave = real_number("longest_wave", longest_wave)
+    least = 10.0 * min(part.place.spacing for part in parts)
+    require_allowed("longest_wave", wave, wave >= least, f"at least ten spacings, {least:g} m")
+    return wave
+
+
+def _scales(scales: Interval | None, parts: tuple[_Part, ...]) -> Interval:
+    step = min(part.place.spacing for part in parts)
+    length = max(part.place.points * part.place.spacing for part in parts)
+    if scales is None:
+        return FIRST_LAG * step, SHARE_OF_LENGTH * length
+    values = finite_array("scales", scales)
+    if values.shape != (2,) or not step <= values[0] < values[1] <= 0.5 * length:
+        raise InputError(
+            f"scales is {scales!r}, but it must be a shortest and a longest lag, between the spacing, {step:g} m, and "
+            f"half the length, {0.5 * length:g} m."
+        )
+    return float(values[0]), float(values[1])
+
+
+def _lags(place: LineSet, low: float, high: float) -> NDArray[np.intp]:
+    """Lags in spacings, evenly spread over the logarithm, up to half the line."""
+    first = max(round(low / place.spacing), 1)
+    last = min(round(high / place.spacing), place.points // 2)
+    if last <= first:
+        return np.array([], dtype=np.intp)
+    count = max(int(LAGS_PER_DECADE * np.log10(last / first)) + 1, 2)
+    return np.unique(np.round(np.geomspace(first, last, count))).astype(np.intp)
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """Measured ln S of all directions, and the model of it: parameters H, ln G^(2(D-2)) and ln[1 + c / S_0]."""
+
+    parts: tuple[_Part, ...]
+    lags: tuple[NDArray[np.intp], ...]
+    models: tuple[LineModel, ...]
+    measured: FloatArray  # ln S at the lags of all parts
+    flat: FloatArray  # share of the constant c at each lag
+
+    @classmethod
+    def build(cls, parts: tuple[_Part, ...], low: float, high: float, longest_wave: float) -> _Problem:
+        """Raises InputError if the range holds too few lags."""
+        kept = [(part, lags) for part in parts if (lags := _lags(part.place, low, high)).size >= FEWEST_LAGS]
+        if not kept:
+            raise InputError(
+                f"the scales from {low:.3g} m to {high:.3g} m hold fewer than {FEWEST_LAGS} lags of the measurement. "
+                "Widen the range, or measure a longer line or with a smaller spacing."
+            )
+        waves = wavelengths(longest_wave, min(part.place.spacing for part, _ in kept))
+        models = tuple(LineModel.build(part.place.points, part.place.spacing, waves, lags) for part, lags in kept)
+        measured = np.concatenate([measured_structure(part.lines, lags) for part, lags in kept])
+        flat = np.concatenate([model.flat for model in models])
+        if not np.all(measured > 0):
+            raise InputError(
+                "the heights are equal at some lags, so S is 0 there. The resolution of the instrument is too coarse."
+            )
+        return cls(
+            tuple(part for part, _ in kept),
+            tuple(lags for _, lags in kept),
+            models,
+            np.log(measured),
+            flat / flat[0],
+        )
+
+    @property
+    def lag(self) -> FloatArray:
+        """Lags in m."""
+        return np.concatenate([part.place.spacing * lags for part, lags in zip(self.parts, self.lags, strict=True)])
+
+    def shape(self, hurst: float) -> FloatArray:
+        """S / G^(2(D-2)) without constant."""
+        return np.concatenate([model.structure(hurst) for model in self.models])
+
+    def log_structure(self, parameters: FloatArray) -> FloatArray:
+        """ln S at the lags."""
+        hurst, log_factor, bend = parameters
+        shape = self.shape(hurst)
+        return np.asarray(log_factor + np.log(shape + shape[0] * np.expm1(bend) * self.flat))
+
+    def constant(self, parameters: FloatArray) -> float:
+        """c in m2."""
+        hurst, log_factor, bend = parameters
+        first = self.models[0].flat[0]
+        return float(exp(log_factor) * self.shape(hurst)[0] * np.expm1(bend) / first)
+
+    def spectrum(self, parameters: FloatArray) -> Spectrum:
+        """What a surface with these parameters is made of."""
+        return Spectrum.of(self.models[0].waves, float(parameters[0]), exp(parameters[1]), self.constant(parameters))
+
+    def first_guess(self) -> FloatArray:
+        """Ordinary least squares on ln S, short lags a little heavier since they are surer."""
+        hurst = 0.5
+        start = np.array([hurst, self.measured[0] - log(self.shape(hurst)[0]), 0.0])
+        return self.fit(self.measured, np.diag((self.lag / self.lag[0]) ** -0.25), start)[0]
+
+    def fit(self, measured: FloatArray, whitening: FloatArray, start: FloatArray) -> tuple[FloatArray, float]:
+        """Least squares of ``whitening`` @ (measured - model): parameters and the sum of squares."""
+        lower = [HURST_RANGE[0], -np.inf, CONSTANT_RANGE[0]]
+        upper = [HURST_RANGE[1], np.inf, CONSTANT_RANGE[1]]
+        inside = np.clip(start, np.array(lower) + 1e-6, np.array(upper) - 1e-6)
+        found = least_squares(
+            lambda trial: whitening @ (measured - self.log_structure(trial)),
+            inside,
+            bounds=(lower, upper),
+            x_scale=[0.1, 1.0, 0.5],
+        )
+        return np.asarray(found.x), float(2.0 * found.cost)
+
+    def simulated(self, parameters: FloatArray, rng: np.random.Generator) -> FloatArray:
+        """ln S of simulated surfaces (SIMULATIONS, n_lags), taken as the measured one was."""
+        surfaces = simulate(tuple(part.place for part in self.parts), self.spectrum(parameters), rng)
+        rows = [
+            np.concatenate(
+                [measured_structure(without_trend(lines), lags) for lines, lags in zip(surface, self.lags, strict=True)]
+            )
+            for surface in islice(surfaces, SIMULATIONS)
+        ]
+        return np.asarray(np.log(np.array(rows)))
+
+
+@dataclass(frozen=True)
+class _Fitted:
+    """The best parameters, with weights and shift from surfaces that are like the first guess."""
+
+    problem: _Problem
+    shift: FloatArray  # ln of a mean over few long waves lies below ln of its expectation
+    whitening: FloatArray
+    best: FloatArray
+    misfit: float
+
+    @classmethod
+    def to(cls, problem: _Problem, rng: np.random.Generator) -> _Fitted:
+        """Generalised least squares."""
+        guess = problem.first_guess()
+        trial = problem.simulated(guess, rng)
+        shift = trial.mean(axis=0) - problem.log_structure(guess)
+        covariance = np.cov(trial.T) + MODEL_ERROR**2 * np.eye(problem.measured.size)
+        whitening = np.linalg.inv(np.linalg.cholesky(covariance))
+        return cls(problem, shift, whitening, *problem.fit(problem.measured - shift, whitening, guess))
+
+
+def _judge(fitted: _Fitted, rng: np.random.Generator, raised: bool) -> RoughnessFit:
+    """The scatter of the fit over surfaces that are like the best one, and what follows from it."""
+    problem, best, misfit, shift = fitted.problem, fitted.best, fitted.misfit, fitted.shift
+    again = problem.simulated(best, rng)
+    outcomes = [problem.fit(row - shift, fitted.whitening, best) for row in again]
+    scatter = np.array([parameters for parameters, _ in outcomes])
+    dimensions, log_roughness = 3.0 - scatter[:, 0], _log_roughness(scatter)
+    constants = np.array([problem.constant(row) for row in scatter])
+    dimension, roughness = 3.0 - float(best[0]), float(_roughness(_log_roughness(best[None]))[0])
+    low, high = _interval(dimension, dimensions)
+    interval = (max(low, 2.0), min(high, 3.0))
+    roughness_interval = _interval(float(_log_roughness(best[None])[0]), log_roughness)
+    smallest, largest = (float(end) for end in _roughness(np.array(roughness_interval)))
+    probability = float(np.mean([value >= misfit for _, value in outcomes]))
+    constant = problem.constant(best)
+    noisy = constant > 0.0 and float(np.quantile(constants, 0.025)) > 0.0
+    usable = bool(HURST_RANGE[0] + 1e-3 < best[0] < HURST_RANGE[1] - 1e-3)
+    lag, structure = problem.lag, np.exp(problem.measured)
+    evidence = Evidence(
+        dimension=dimension,
+        dimension_interval=interval,
+        roughness=roughness,
+        usable=usable,
+        scale_range=(float(lag.min()), float(lag.max())),
+        points=max(part.place.points for part in problem.parts),
+        trend_share=max(part.trend_share for part in problem.parts),
+        noise_share=constant / structure[0] if noisy else 0.0,
+        noise_height=(0.5 * constant) ** 0.5 if noisy else 0.0,
+        raised=raised,
+        probability=probability,
+        direction_deviation=_direction_deviation(problem, again),
+    )
+    slope_scale, slope = _slope(problem)
+    return RoughnessFit(
+        fractal_dimension=dimension,
+        fractal_roughness=roughness,
+        fractal_dimension_interval=interval,
+        fractal_roughness_interval=(smallest, largest),
+        scale_range=evidence.scale_range,
+        lag=lag,
+        structure_function=structure,
+        fitted=np.exp(problem.log_structure(best) + shift),
+        points_along_x=sum(
+            lags.size for part, lags in zip(problem.parts, problem.lags, strict=True) if part.place.along_x
+        ),
+        noise_height=evidence.noise_height,
+        rms_height=float(np.sqrt(np.mean([np.mean(part.lines**2) for part in problem.parts]))),
+        rms_slope=slope,
+        slope_scale=slope_scale,
+        fit_probability=probability,
+        usable=usable,
+        warnings=sentences(evidence),
+    )
+
+
+def _interval(best: float, scatter: FloatArray) -> Interval:
+    """95 % of ``scatter`` about ``best``, widened."""
+    low, high = (float(end) for end in np.quantile(scatter, [0.025, 0.975]))
+    return best - WIDENING * max(best - low, 0.0), best + WIDENING * max(high - best, 0.0)
+
+
+def _log_roughness(parameters: FloatArray) -> FloatArray:
+    """ln G from ln G^(2(D-2)) and H = 3 - D, for parameters (n, 3)."""
+    return np.asarray(parameters[:, 1] / (2.0 * (1.0 - parameters[:, 0])))
+
+
+def _roughness(log_roughness: FloatArray) -> FloatArray:
+    """G in m, held within the range of computer numbers where D is at its limit."""
+    return np.asarray(np.exp(np.clip(log_roughness, -LOG_LARGEST_NUMBER, LOG_LARGEST_NUMBER)))
+
+
+def _slope(problem: _Problem) -> tuple[float, float]:
+    """Scale in m and Sdq at it: slope over the shortest lag, of both directions or sqrt(2) times that of one."""
+    squares, scales, start = [], [], 0
+    structure, lag = np.exp(problem.measured), problem.lag
+    for lags in problem.lags:
+        squares.append(structure[start] / lag[start] ** 2)
+        scales.append(lag[start])
+        start += lags.size
+    return float(max(scales)), float(np.sqrt(2.0 * np.mean(squares)))
+
+
+def _direction_deviation(problem: _Problem, simulated: FloatArray) -> float:
+    """Mean ln S along x less that along y, in standard deviations of isotropic surfaces; 0 for one direction."""
+    if len(problem.parts) == 1:
+        return 0.0
+    split = problem.lags[0].size
+    shift = simulated[:, :split].mean(axis=1) - simulated[:, split:].mean(axis=1)
+    found = problem.measured[:split].mean() - problem.measured[split:].mean()
+    return float((found - shift.mean()) / shift.std())

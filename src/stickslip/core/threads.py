@@ -1,0 +1,62 @@
+"""How many threads, and independent work shared among them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+
+from threadpoolctl import threadpool_limits
+
+from stickslip.core.errors import InputError
+from stickslip.core.validation import whole_number
+
+VARIABLE = "STICKSLIP_THREADS"
+# More than this many bring nothing on the problems that the package is made for.
+MOST_BY_DEFAULT = 4
+
+# Rows of relative displacement below which a second thread of the linear algebra costs more than it brings.
+FEWEST_ROWS = 1000
+
+
+def in_threads(work: Callable[[int], None], items: Iterable[int], threads: int) -> None:
+    """Call ``work`` for each item, ``threads`` at a time; for compiled work that releases the interpreter's lock.
+
+    Matrix products inside ``work`` get one thread each: the threads of several BLAS pools only wait for each other.
+    """
+    if threads == 1:
+        for item in items:
+            work(item)
+        return
+    with threadpool_limits(limits=1), ThreadPoolExecutor(threads, thread_name_prefix="stickslip") as pool:
+        for _ in pool.map(work, items):
+            pass
+
+
+def blas_threads(rows: int, threads: int) -> int:
+    """Threads of the linear algebra for products with ``rows`` rows: small ones are slower with several."""
+    return threads if rows >= FEWEST_ROWS else 1
+
+
+def thread_count(wanted: int | None = None) -> int:
+    """``wanted``, else the environment variable STICKSLIP_THREADS, else the usable cores, at most 4.
+
+    Raises InputError for anything but a whole number of at least 1.
+    """
+    if wanted is None:
+        text = os.environ.get(VARIABLE, "").strip()
+        if not text:
+            return min(MOST_BY_DEFAULT, usable_cores())
+        if not text.isdecimal() or int(text) < 1:
+            raise InputError(
+                f"the environment variable {VARIABLE} is {text!r}, but it must be a whole number from 1 on."
+            )
+        return int(text)
+    return whole_number("threads", wanted, 1)
+
+
+def usable_cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

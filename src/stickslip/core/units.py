@@ -1,0 +1,227 @@
+"""Values of a study file: ``"145 mm"`` or a plain SI number becomes an SI float, or a sentence says why it cannot.
+
+``Quantity`` and ``Count`` annotate the fields of the study file's sections; pydantic calls their ``parse``. The units
+package (pint) is loaded when the first value with a unit that is not the SI one appears.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from pydantic_core import CoreSchema, core_schema
+
+from stickslip.core.errors import InputError
+
+_NUMBER_AND_UNIT = re.compile(r"\s*([-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|nan|inf))\s*(.*?)\s*")
+_UNIT_NAME = r"[A-Za-zµμ%°]+(?:(?:\^|\*\*)[-+]?\d)?"
+_UNIT = re.compile(rf"(?:1\s*/\s*)?{_UNIT_NAME}(?:\s*[*/]\s*{_UNIT_NAME}|\s+{_UNIT_NAME})*")
+
+# name of the kind -> its SI unit and a value as an engineer would write it
+KINDS: dict[str, tuple[str, str]] = {
+    "pure number": ("", "0.3"),
+    "length": ("m", '"28 mm"'),
+    "angle": ("rad", '"30 deg"'),
+    "force": ("N", '"500 N"'),
+    "pressure": ("Pa", '"197 GPa"'),
+    "density": ("kg/m^3", '"7800 kg/m^3"'),
+    "frequency": ("Hz", '"440 Hz"'),
+    "stiffness": ("N/m", '"1.3e8 N/m"'),
+    "area": ("m^2", '"180 mm^2"'),
+    "speed of rotation": ("rad/s", '"3000 rpm"'),
+    "time": ("s", '"1e-7 s"'),
+    "rate": ("1/s", '"0.5 1/s"'),
+}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A physical quantity of a study file: its kind, the unit that texts show, and the allowed range in SI.
+
+    kind:
+        a key of ``KINDS``.
+    shown:
+        unit of written study files; the SI unit if left out.
+    above, below:
+        bounds that the value must not touch; ``at_least``, ``at_most``: bounds that it may.
+    unit_required:
+        a sentence why a plain number is refused, or "" where a plain number is the SI value.
+    example:
+        a value as messages show it, where that of the kind would mislead.
+    """
+
+    kind: str
+    shown: str = ""
+    above: float | None = None
+    below: float | None = None
+    at_least: float | None = None
+    at_most: float | None = None
+    unit_required: str = ""
+    example: str = ""
+
+    @property
+    def si_unit(self) -> str:
+        """SI unit of the loaded float, "" for a pure number."""
+        return KINDS[self.kind][0]
+
+    def parse(self, value: object) -> float:
+        """The SI value of a number or of a string with a unit. Raises InputError with a sentence."""
+        number, unit = self._split(value)
+        if unit is None:
+            self._refuse_missing_unit(value, number)
+            unit = self.si_unit
+        if not math.isfinite(number):
+            raise InputError(f"must be a finite number. {self._example()}")
+        result = number if unit == self.si_unit else self._in_si(number, unit)
+        self._check_range(result, plain=isinstance(value, int | float))
+        return result
+
+    def text(self, value: float) -> str:
+        """``value`` (SI) as a study file shows it: a TOML string with the shown unit, or a plain number."""
+        if not self.si_unit:
+            return _short(value)
+        shown = self.shown or self.si_unit
+        factor = 1.0 if shown == self.si_unit else _factor_to_si(shown)
+        return f'"{_short(value / factor)} {shown}"'
+
+    def stored(self, value: float) -> str | float:
+        """``value`` (SI) with every digit and its SI unit, for a record that ``parse`` reads back exactly."""
+        return f"{value!r} {self.si_unit}" if self.si_unit else value
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        """Let pydantic call ``parse``; the type beside this annotation is for readers and type checkers."""
+        return core_schema.no_info_plain_validator_function(self.parse)
+
+    def _split(self, value: object) -> tuple[float, str | None]:
+        if isinstance(value, bool) or not isinstance(value, int | float | str):
+            unit = " or a text with a number and a unit" if self.si_unit else ""
+            raise InputError(f"must be a number{unit}. {self._example()}")
+        if not isinstance(value, str):
+            try:
+                return float(value), None
+            except OverflowError:  # TOML has whole numbers of any length
+                return math.inf, None
+        match = _NUMBER_AND_UNIT.fullmatch(value)
+        if match is None:
+            raise InputError(f"does not start with a number. {self._example()}")
+        unit = match[2]
+        if not unit and self.si_unit:
+            raise InputError(f"has no unit, but {self._kind_with_article()} in quotes needs one. {self._example()}")
+        return float(match[1]), unit
+
+    def _kind_with_article(self) -> str:
+        return f"{'an' if self.kind[0] in 'aeiou' else 'a'} {self.kind}"
+
+    def _in_si(self, number: float, unit: str) -> float:
+        """``number unit`` in the SI unit. Raises InputError for an unknown unit or one of another kind."""
+        example = self.example or KINDS[self.kind][1]
+        needed = f"{self._kind_with_article()} is needed, such as {example}."
+        found = _root_unit(unit)
+        if found is None:
+            raise InputError(
+                f'has the unknown unit "{unit}"; {needed} Capitals matter: mm, um, GPa, MPa, N, kN, Hz, kg/m^3.'
+            )
+        if found != _root_unit(self.si_unit):
+            other = next((name for name, (si, _) in KINDS.items() if _root_unit(si) == found), "another kind")
+            angular = " For rad/s divide by 2 pi, for rpm by 60." if self.kind == "frequency" else ""
+            raise InputError(f'has "{unit}", a unit of {other}, but {needed}{angular}')
+        # 15 digits: the factor of a prefix is not exact in binary, and "36.7 mm" shall be the float 0.0367
+        return float(f"{number * _factor_to_si(unit):.15g}")
+
+    def _refuse_missing_unit(self, value: object, number: float) -> None:
+        if self.unit_required:
+            raise InputError(
+                f"has no unit. {self.unit_required} Write the unit that you mean, for example "
+                f'"{_short(number)} {self.shown or self.si_unit}".'
+            )
+
+    def _check_range(self, value: float, plain: bool) -> None:
+        limits = (
+            (self.above, "above", self.above is None or value > self.above),
+            (self.at_least, "of at least", self.at_least is None or value >= self.at_least),
+            (self.below, "below", self.below is None or value < self.below),
+            (self.at_most, "of at most", self.at_most is None or value <= self.at_most),
+        )
+        if all(held for _, _, held in limits):
+            return
+        allowed = " and ".join(f"{word} {_short(bound)}" for bound, word, _ in limits if bound is not None)
+        unit = f" {self.si_unit}" if self.si_unit else ""
+        hint = ""
+        if plain and self.shown and value > 0:
+            hint = (
+                f' A plain number is in {self.si_unit}; write "{_short(value)} {self.shown}" if you mean {self.shown}.'
+            )
+        raise InputError(f"is not allowed: a value {allowed}{unit} is needed.{hint}")
+
+    def _example(self) -> str:
+        return f"Write for example {self.example or KINDS[self.kind][1]}."
+
+
+@dataclass(frozen=True)
+class Count:
+    """A whole number of a study file, from ``at_least`` to ``at_most``."""
+
+    at_least: int
+    at_most: int | None = None
+
+    def parse(self, value: object) -> int:
+        """The number itself. Raises InputError for anything else than a whole number in the range."""
+        upper = "" if self.at_most is None else f" and at most {self.at_most}"
+        allowed = f"a whole number of at least {self.at_least}{upper}"
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise InputError(f"is not {allowed}, written without quotes and decimals.")
+        if value < self.at_least or (self.at_most is not None and value > self.at_most):
+            raise InputError(f"is not allowed: {allowed} is needed.")
+        return value
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        """Let pydantic call ``parse``."""
+        return core_schema.no_info_plain_validator_function(self.parse)
+
+
+def _short(value: float) -> str:
+    """At most 15 significant digits, so that 0.0367 m is 36.7 mm and not 36.699999999999996 mm; 1e8, not 100000000."""
+    plain = f"{value:.15g}"
+    mantissa, exponent = f"{value:.14e}".split("e")
+    scientific = f"{mantissa.rstrip('0').rstrip('.')}e{int(exponent)}"
+    return plain if "e" not in plain and len(plain) <= max(len(scientific), 6) else scientific
+
+
+@lru_cache(maxsize=1)
+def _registry() -> Any:
+    import pint  # a quarter of a second: only for files that use units
+
+    return pint.UnitRegistry()
+
+
+@lru_cache(maxsize=256)
+def _parsed(unit: str) -> Any:
+    """One ``unit`` as a pint quantity in root units, or None if it is no product of units that pint knows.
+
+    The pattern comes first because pint hands other text to Python's tokenizer, whose errors differ by version.
+    """
+    if unit and _UNIT.fullmatch(unit) is None:
+        return None
+    import pint
+
+    registry = _registry()
+    try:
+        return registry.Quantity(1.0, registry.parse_units(unit)).to_root_units()
+    except (pint.PintError, ValueError):  # ValueError: "nan" and the like, which pint reads as numbers
+        return None
+
+
+def _root_unit(unit: str) -> str | None:
+    """The unit in powers of gram, metre, second and radian; rad/s and rpm keep their radian and so differ from Hz."""
+    parsed = _parsed(unit)
+    return None if parsed is None else str(parsed.units)
+
+
+def _factor_to_si(unit: str) -> float:
+    """The number of SI units in one ``unit``; root units hold gram, so a mass is scaled back to kilogram."""
+    parsed = _parsed(unit)
+    grams = next((power for name, power in parsed.unit_items() if name == "gram"), 0)
+    return float(parsed.magnitude) / 1000.0**grams

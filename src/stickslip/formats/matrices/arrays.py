@@ -1,0 +1,82 @@
+"""Matrices in NumPy and MATLAB files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.sparse
+
+from stickslip.formats.matrices.coordinates import Matrices
+from stickslip.formats.matrices.source import numpy_arrays, readable
+
+_HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+_MATLAB_HEADER = 512  # bytes before the HDF5 part of a version 7.3 file
+
+
+def numpy_matrices(path: Path) -> Matrices:
+    """Matrices of a ``.npy`` file, of a ``.npz`` file with named dense arrays, or of a SciPy sparse ``.npz`` file.
+
+    Raises ImportFileError.
+    """
+    if path.suffix.lower() == ".npy":
+        with readable(path, "a NumPy .npy file"), path.open("rb") as stream:
+            return {"": np.lib.format.read_array(stream, allow_pickle=False)}
+    arrays = numpy_arrays(path)
+    if not {"format", "shape", "data"} <= arrays.keys():
+        return {name: array for name, array in arrays.items() if array.ndim == 2 and array.dtype.kind in "fiuc"}
+    with readable(path, "a SciPy sparse matrix"):
+        matrix = scipy.sparse.load_npz(path)
+        if matrix.format in ("csr", "csc", "bsr"):
+            matrix.check_format(full_check=True)  # an index out of range would be read from foreign memory
+        return {"": matrix.tocsr()}
+
+
+def matlab_matrices(path: Path) -> Matrices:
+    """Numeric matrices, dense and sparse, of a MATLAB ``.mat`` file of any version; structs and cells are left out.
+
+    Raises ImportFileError.
+    """
+    from scipy.io import loadmat
+
+    with readable(path, "a MATLAB .mat file"):
+        with path.open("rb") as stream:
+            start = stream.read(_MATLAB_HEADER + len(_HDF5_SIGNATURE))
+        if start[_MATLAB_HEADER:] == _HDF5_SIGNATURE or start.startswith(_HDF5_SIGNATURE):
+            return _matlab_73(path)
+        content = loadmat(path)
+        found = {}
+        for name, value in content.items():
+            if scipy.sparse.issparse(value):
+                value = scipy.sparse.csc_matrix(value)
+                value.check_format(full_check=True)
+                found[name] = value
+            elif isinstance(value, np.ndarray) and value.ndim == 2 and value.dtype.kind in "fiuc":
+                found[name] = value
+        return found
+
+
+def _matlab_73(path: Path) -> Matrices:
+    """Version 7.3 files are HDF5: a dense matrix is a transposed data set, a sparse one a group of its columns."""
+    import h5py
+
+    found: Matrices = {}
+    with h5py.File(path, "r") as file:
+        for name, item in file.items():
+            rows = item.attrs.get("MATLAB_sparse")
+            if rows is not None:
+                found[name] = _sparse_group(item, int(rows))
+            elif isinstance(item, h5py.Dataset) and item.ndim == 2 and item.dtype.kind in "fiu":
+                found[name] = item[()].T
+    return found
+
+
+def _sparse_group(group: Any, rows: int) -> Any:
+    # A matrix without entries has no data sets but its column pointers.
+    data = group["data"][()] if "data" in group else np.empty(0)
+    index = group["ir"][()].astype(np.int64) if "ir" in group else np.empty(0, dtype=np.int64)
+    pointer = group["jc"][()].astype(np.int64)
+    matrix = scipy.sparse.csc_matrix((data, index, pointer), shape=(rows, len(pointer) - 1))
+    matrix.check_format(full_check=True)
+    return matrix

@@ -1,0 +1,116 @@
+"""What matrices of another program must be before they are used: symmetric, finite, positive semidefinite."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse
+
+from stickslip.core.errors import InputError
+from stickslip.structure.mesh import IntArray
+
+# Text files of other programs carry 9 digits or more, single precision 7.
+ASYMMETRY = 1e-6
+# Up to this size all eigenvalues are computed; it takes less than a second.
+DENSE_SIZE = 1000
+
+
+def checked_matrix(name: str, value: Any, node: IntArray, direction: IntArray) -> tuple[Any, str]:
+    """``value`` as a csr matrix that passes both checks below, and a sentence on what was done to it.
+
+    Damping may be indefinite, so it is checked for symmetry only. Raises InputError.
+    """
+    matrix, message = _symmetric_sparse(name, value)
+    if name != "damping":
+        _require_definite(name, matrix, node, direction)
+    return matrix, message
+
+
+def _symmetric_sparse(name: str, value: Any) -> tuple[Any, str]:
+    """``value`` as a symmetric csr matrix (n, n), and a sentence on what was done to it ("" for nothing).
+
+    A matrix of which only one triangle is stored is completed; round-off asymmetry below 1e-6 is taken out. Raises
+    InputError for a matrix that is not square, real, finite, or clearly neither triangular nor symmetric.
+    """
+    if np.ndim(value) != 2 or value.shape[0] != value.shape[1] or not value.shape[0]:
+        raise InputError(f"{name} must be a square matrix with one row or more, but its shape is {np.shape(value)}.")
+    if value.dtype.kind not in "fiub":
+        kind = "complex" if value.dtype.kind == "c" else str(value.dtype)
+        raise InputError(
+            f"{name} must hold real numbers, but it is {kind}. Give structural damping as a viscous damping matrix."
+        )
+    matrix = scipy.sparse.csr_matrix(value, dtype=float)
+    matrix.sum_duplicates()
+    bad = np.flatnonzero(~np.isfinite(matrix.data))
+    if bad.size:
+        entries = matrix.tocoo()
+        row, column = entries.row[bad[0]], entries.col[bad[0]]
+        raise InputError(
+            f"{name}[{row}, {column}] is {matrix.data[bad[0]]}; every entry must be a finite number ({bad.size} of "
+            f"{matrix.nnz} are not)."
+        )
+    matrix.eliminate_zeros()
+    lower, upper = scipy.sparse.tril(matrix, -1, format="csr"), scipy.sparse.triu(matrix, 1, format="csr")
+    if bool(lower.nnz) != bool(upper.nnz):
+        which = "lower" if lower.nnz else "upper"
+        half = lower if lower.nnz else upper
+        completed = scipy.sparse.csr_matrix(matrix + half.T)
+        return completed, f"{name}: only the {which} triangle is stored; the other one was taken as its mirror image."
+    difference = abs(matrix - matrix.T).tocoo()
+    largest = float(np.abs(matrix.data).max(initial=0.0))
+    if difference.nnz and difference.data.max() > ASYMMETRY * largest:
+        worst = int(difference.data.argmax())
+        i, j = int(difference.row[worst]), int(difference.col[worst])
+        raise InputError(
+            f"{name} must be symmetric, but entry [{i}, {j}] = {matrix[i, j]:.6g} and entry [{j}, {i}] = "
+            f"{matrix[j, i]:.6g}, counted from 0, differ by {difference.data[worst] / largest:.1e} of the largest "
+            f"entry (allowed: {ASYMMETRY:.0e}). Gyroscopic or follower terms do not belong into these matrices."
+        )
+    return scipy.sparse.csr_matrix(0.5 * (matrix + matrix.T)), ""
+
+
+def _require_definite(name: str, matrix: Any, node: IntArray, direction: IntArray) -> None:
+    """Raise InputError where a symmetric csr matrix is seen not to be positive semidefinite.
+
+    Necessary conditions that cost nothing are checked always: no negative diagonal, no off-diagonal entry above the
+    geometric mean of its diagonals (``|a_ij| <= sqrt(a_ii a_jj)``). Up to 1000 unknowns all eigenvalues are looked at.
+    A stiffness whose diagonal is zero somewhere has an unknown that nothing holds, and is refused.
+    """
+    diagonal = matrix.diagonal()
+    largest = float(diagonal.max(initial=0.0))
+    low = np.flatnonzero(diagonal <= 0.0) if name == "stiffness" else np.flatnonzero(diagonal < -1e-12 * largest)
+    if low.size or largest <= 0.0:
+        worst = int(low[0]) if low.size else 0
+        allowed = "above 0" if name == "stiffness" else "0 or above, and above 0 somewhere"
+        raise InputError(
+            f"{name}[{worst}, {worst}] ({_unknown(worst, node, direction)}) is {diagonal[worst]:.6g}; the diagonal "
+            f"must be {allowed} ({low.size} of {len(diagonal)} entries are not). Is this the {name} matrix, and "
+            "are all its unknowns connected?"
+        )
+    entries = scipy.sparse.triu(matrix, 1).tocoo()
+    bound = np.sqrt(np.maximum(diagonal[entries.row], 0.0) * np.maximum(diagonal[entries.col], 0.0))
+    bad = np.flatnonzero(np.abs(entries.data) > bound * (1.0 + 1e-6) + 1e-12 * largest)
+    if bad.size:
+        i, j, found = int(entries.row[bad[0]]), int(entries.col[bad[0]]), entries.data[bad[0]]
+        raise InputError(
+            f"{name} is not positive semidefinite: entry [{i}, {j}] ({_unknown(i, node, direction)} and "
+            f"{_unknown(j, node, direction)}) is {found:.6g}, but with diagonal entries {diagonal[i]:.6g} and "
+            f"{diagonal[j]:.6g} it may be {bound[bad[0]]:.6g} at most ({bad.size} entries are like this). Was a "
+            "triangle added twice, or an index shifted by one?"
+        )
+    if len(diagonal) <= DENSE_SIZE:
+        # Scaling by the diagonal makes unknowns of different units comparable, and keeps the signs.
+        scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+        lowest = float(np.linalg.eigvalsh(scale[:, None] * matrix.toarray() * scale)[0])
+        if lowest < -1e-6:
+            raise InputError(
+                f"{name} is not positive semidefinite: scaled to a diagonal of ones it has the eigenvalue {lowest:.3g} "
+                "(allowed: -1e-6). Was the diagonal or a triangle counted twice, or is it another matrix?"
+            )
+
+
+def _unknown(row: int, node: IntArray, direction: IntArray) -> str:
+    """How to name an unknown in a sentence."""
+    words = ("x", "y", "z", "rotation x", "rotation y", "rotation z", "other")
+    return f"node {node[row]}, {words[direction[row]]}"

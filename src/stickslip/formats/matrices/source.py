@@ -1,0 +1,90 @@
+"""Files of other programs: opening them, and errors that name the file."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.core.errors import ImportFileError, InputError, MissingPackageError
+
+
+@contextmanager
+def told_of(path: Path) -> Iterator[None]:
+    """Put the name of the file before the sentence of any InputError raised inside."""
+    try:
+        yield
+    except ImportFileError:
+        raise
+    except InputError as error:
+        raise ImportFileError(f'"{path}": {error}') from error
+
+
+@contextmanager
+def readable(path: Path, kind: str) -> Iterator[None]:
+    """Turn whatever the reader of another package raises for a damaged or foreign file into an ImportFileError."""
+    try:
+        with warnings.catch_warnings():
+            # Readers warn of damage that their errors, or the checks of the matrices, then name.
+            warnings.simplefilter("ignore")
+            yield
+    except (InputError, MissingPackageError):
+        raise
+    except (FileNotFoundError, IsADirectoryError, PermissionError) as error:
+        raise not_opened(path, error) from error
+    except Exception as error:  # what a foreign reader raises on a damaged file is not documented
+        raise ImportFileError(
+            f'"{path}" could not be read as {kind}: {type(error).__name__}, {error}. It is damaged, incomplete or of '
+            "another kind; write it again, and do not transfer binary files as text."
+        ) from error
+
+
+def not_opened(path: Path, error: OSError) -> ImportFileError:
+    """The error for a file that is not there or may not be read."""
+    return ImportFileError(f'"{path}" could not be opened: {error.strerror or error}. Check the name and the folder.')
+
+
+def file_bytes(path: Path) -> bytes:
+    """The content of a file; raises ImportFileError if there is none, or it is empty."""
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise not_opened(path, error) from error
+    if not content:
+        raise ImportFileError(f'"{path}" is empty. Was the program that writes it interrupted?')
+    return content
+
+
+def text_lines(path: Path, cut_is_seen: bool = False) -> list[str]:
+    """The lines of a text file; raises ImportFileError for one that is missing, empty, binary or cut in a line.
+
+    ``cut_is_seen``: a last line without line end is taken, because the caller would refuse it if it were cut off.
+    """
+    content = file_bytes(path)
+    try:
+        text = content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise ImportFileError(f'"{path}" is no text file: byte {error.start} is no letter or digit.') from error
+    if "\0" in text:
+        raise ImportFileError(f'"{path}" is no text file: byte {text.index(chr(0))} is 0.')
+    lines = text.splitlines()
+    if not text.endswith(("\n", "\r")) and not cut_is_seen:
+        raise ImportFileError(
+            f'"{path}" ends in the middle of line {len(lines)}, without a line end, so its last number may be cut off. '
+            "Write the file again; if it is complete, add a line end."
+        )
+    return lines
+
+
+def numpy_arrays(path: Path) -> dict[str, NDArray[Any]]:
+    """All arrays of a ``.npz`` file (no pickled objects). Raises ImportFileError."""
+    with readable(path, "a NumPy .npz file"), path.open("rb") as stream:
+        data = np.load(stream, allow_pickle=False)
+        if not isinstance(data, np.lib.npyio.NpzFile):
+            raise ImportFileError(f'"{path}" holds one array, but a .npz file holds several with names.')
+        return {name: data[name] for name in data.files}

@@ -1,0 +1,354 @@
+"""Abaqus and CalculiX decks (.inp): mesh, sets, surfaces, sections, materials, constraints and nodal forces.
+
+Numbers and names keep those of the deck; names are found whatever their capitals, as both programs do.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from stickslip.formats.meshes.abaqus_assembly import flatten
+from stickslip.formats.meshes.abaqus_keywords import (
+    ELEMENT_TYPES,
+    HELD_DIRECTIONS,
+    NOT_SOLID,
+    OTHER_FORMULATIONS,
+    REFUSED,
+    SILENT,
+)
+from stickslip.formats.meshes.keyword_deck import Card, read_cards
+from stickslip.formats.meshes.raw_model import (
+    RawBlock,
+    RawBody,
+    RawHeld,
+    RawLoad,
+    RawMaterial,
+    RawModel,
+    RawSides,
+)
+from stickslip.structure.cell_kinds import CELL_KINDS, IntArray
+
+
+def read_abaqus(source: Path) -> RawModel:
+    """The entries of a deck in its own units. Raises ImportFileError that names file and line."""
+    deck = flatten(read_cards(source))
+    reader = _Reader(source)
+    reader.raw.label_ranges = deck.ranges
+    reader.raw.messages += deck.messages
+    for card in deck.cards:
+        reader.take(card)
+    return reader.finished()
+
+
+class _Reader:
+    """Takes the cards one after the other."""
+
+    def __init__(self, source: Path) -> None:
+        self.raw = RawModel(source, "Abaqus/CalculiX")
+        self._labels: list[int] = []
+        self._coordinates: list[list[float]] = []
+        self._lines: list[int] = []
+        self._names: dict[tuple[str, str], str] = {}  # kind of set and name in capitals -> name as first written
+        self._pieces: dict[tuple[str, str], list[IntArray]] = {}
+        self._material = ""
+        self._other_labels: list[int] = []
+        self._blocks_named: list[tuple[str, str, IntArray, int]] = []  # instance, set, elements, line
+        self._sections: list[tuple[str, RawBody]] = []  # with their instance
+        self._left_out: dict[str, int] = {}
+        self._step = 0
+        self._cards: dict[str, Callable[[Card], None]] = {
+            "NODE": self._nodes,
+            "ELEMENT": self._elements,
+            "NSET": lambda card: self._set(card, "node", card.parameter("NSET")),
+            "ELSET": lambda card: self._set(card, "element", card.parameter("ELSET")),
+            "SURFACE": self._surface,
+            "SOLID SECTION": self._section,
+            "MATERIAL": self._new_material,
+            "ELASTIC": self._elastic,
+            "DENSITY": self._density,
+            "BOUNDARY": self._boundary,
+            "CLOAD": self._load,
+        }
+
+    def take(self, card: Card) -> None:
+        """Read one card."""
+        if card.keyword in REFUSED:
+            card.fail(f"{REFUSED[card.keyword]}.")
+        if "INPUT" in card.parameters:
+            card.fail("data in another file (INPUT=) are not read. Put them into this file, or use *INCLUDE.")
+        if card.keyword == "STEP":
+            self._step += 1
+        if card.keyword in self._cards:
+            self._cards[card.keyword](card)
+        elif card.keyword not in SILENT:
+            self._left_out.setdefault(card.keyword, card.line)
+
+    def finished(self) -> RawModel:
+        """The raw model after the last card."""
+        raw = self.raw
+        raw.node_labels = np.array(self._labels, dtype=np.int64)
+        raw.coordinates = np.array(self._coordinates, dtype=float).reshape(-1, 3)
+        raw.node_lines = np.array(self._lines, dtype=np.int64)
+        for (what, _), name in self._names.items():
+            pieces = self._pieces[what, name.upper()]
+            members = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *pieces]))
+            (raw.node_sets if what == "node" else raw.element_sets)[name] = members
+        self._require_members()
+        raw.bodies = _named_bodies(self._sections or self._bodies_of_blocks())
+        if self._step > 1:
+            raw.messages.append(f"of {self._step} steps, constraints and forces of the first one are taken.")
+        if self._left_out:
+            words = ", ".join(f"*{keyword} (line {line})" for keyword, line in self._left_out.items())
+            raw.messages.append(f"not read, so without effect here: {words}.")
+        return raw
+
+    def _bodies_of_blocks(self) -> list[tuple[str, RawBody]]:
+        """Bodies of a deck without sections: element sets or instances; none where an element is in neither."""
+        names = dict.fromkeys((instance, name) for instance, name, _, _ in self._blocks_named)
+        if any(not name for _, name in names):
+            return []
+        bodies = []
+        for key in names:
+            found = [(labels, line) for *each, labels, line in self._blocks_named if tuple(each) == key]
+            elements = np.concatenate([labels for labels, _ in found])
+            bodies.append((key[0], RawBody(key[1], elements, None, found[0][1])))
+        return bodies
+
+    def _require_members(self) -> None:
+        """Raise ImportFileError for a set that names a node or an element which the file does not define."""
+        elements = np.concatenate([np.array(self._other_labels, dtype=np.int64), *(b.labels for b in self.raw.blocks)])
+        for what, sets, known in (
+            ("node", self.raw.node_sets, self.raw.node_labels),
+            ("element", self.raw.element_sets, elements),
+        ):
+            for name, members in sets.items():
+                missing = np.setdiff1d(members, known)
+                if missing.size:
+                    self.raw.fail(
+                        f"{what} set '{name}' names {what} {self.raw.shown(missing[0])}, which the file does not "
+                        "define.",
+                        self.raw.set_lines[name],
+                    )
+
+    def _nodes(self, card: Card) -> None:
+        if card.parameters.get("SYSTEM", "R").upper() != "R":
+            card.fail("cylindrical or spherical coordinates (SYSTEM=) are not read. Write x, y, z.")
+        first = len(self._labels)
+        for line, words in card.data:
+            values = [word for word in words if word] if words[-1] == "" else words
+            if not 2 <= len(values) <= 4:
+                card.fail(f"a node is a number and x, y, z; found {len(values)} entries.", line)
+            self._labels.append(card.label(values[0], line))
+            xyz = [card.number(word or "0", line) for word in values[1:]]
+            self._coordinates.append(xyz + [0.0] * (3 - len(xyz)))
+            self._lines.append(line)
+        if "NSET" in card.parameters:
+            self._add("node", card.parameter("NSET"), np.array(self._labels[first:], dtype=np.int64), card.line)
+
+    def _elements(self, card: Card) -> None:
+        name = card.parameter("TYPE").upper()
+        solid = ELEMENT_TYPES.get(name)
+        if solid is None and name not in NOT_SOLID:
+            card.fail(
+                f"the element type {name} is not known. Solid types that are read: {', '.join(ELEMENT_TYPES)}; shells, "
+                "membranes, beams and springs are left out."
+            )
+        width = CELL_KINDS[solid].n_nodes if solid else NOT_SOLID[name]
+        rows, lines = self._rows(card, width + 1)
+        labels = np.array([row[0] for row in rows], dtype=np.int64)
+        elset = card.parameters.get("ELSET", "")
+        if elset:
+            self._add("element", elset, labels, card.line)
+        if solid is None:
+            self._other_labels += labels.tolist()
+            self.raw.messages.append(f"line {card.line}: {len(labels)} elements {name} have no volume; left out.")
+            return
+        if not rows:
+            card.fail("there are no elements below.")
+        cells = np.array([row[1:] for row in rows], dtype=np.int64)
+        self.raw.blocks.append(RawBlock(solid, labels, cells, np.array(lines, dtype=np.int64)))
+        self._blocks_named.append((card.instance, elset or card.instance, labels, card.line))
+        if name in OTHER_FORMULATIONS:
+            message = f"elements {name} are taken with the formulation of this program for a {solid}."
+            if message not in self.raw.messages:
+                self.raw.messages.append(message)
+
+    def _rows(self, card: Card, width: int) -> tuple[list[list[int]], list[int]]:
+        """Rows of ``width`` numbers, which may go on over several lines, and the line at which each starts."""
+        rows: list[list[int]] = []
+        lines: list[int] = []
+        row: list[int] = []
+        for line, words in card.data:
+            if not row:
+                lines.append(line)
+            row += [card.label(word, line) for word in words if word]
+            if len(row) > width:
+                card.fail(f"an element of this type has {width - 1} nodes, but {len(row) - 1} are given.", line)
+            if len(row) == width:
+                rows.append(row)
+                row = []
+        if row:
+            card.fail(f"the last element has {len(row) - 1} of {width - 1} nodes.", lines[-1])
+        return rows, lines
+
+    def _add(self, what: str, name: str, members: IntArray, line: int) -> None:
+        """Add members to a set, which is made if it does not exist."""
+        key = (what, name.upper())
+        self._names.setdefault(key, name)
+        self._pieces.setdefault(key, []).append(members)
+        self.raw.set_lines.setdefault(self._names[key], line)
+
+    def _find(self, card: Card, what: str, word: str, line: int) -> IntArray:
+        """Labels of a set by its name, or of the one node or element that ``word`` numbers."""
+        key = (what, word.upper().strip('"'))
+        if key in self._pieces:
+            return np.concatenate(self._pieces[key])
+        if not word[:1].isdigit():
+            card.fail(f"there is no {what} set '{word[:60]}' above this line.", line)
+        return np.array([card.label(word, line)], dtype=np.int64)
+
+    def _set(self, card: Card, what: str, name: str) -> None:
+        pieces = [np.empty(0, dtype=np.int64)]
+        if what == "node" and "ELSET" in card.parameters:
+            elements = self._find(card, "element", card.parameter("ELSET"), card.line)
+            pieces += [block.cells[np.isin(block.labels, elements)].ravel() for block in self.raw.blocks]
+        for line, words in card.data:
+            given = [word for word in words if word]
+            if "GENERATE" in card.parameters:
+                pieces.append(self._generated(card, what, [card.label(word, line) for word in given], line))
+            else:
+                pieces += [self._find(card, what, word, line) for word in given]
+        members = np.concatenate(pieces)
+        if not members.size:
+            card.fail(f"{what} set '{name}' is empty. Give it members, or remove it.")
+        self._add(what, name, members, card.line)
+
+    def _generated(self, card: Card, what: str, limits: list[int], line: int) -> IntArray:
+        """The labels first, first + step, ... last that exist."""
+        if len(limits) not in (2, 3) or limits[1] < limits[0]:
+            card.fail("GENERATE needs the first and the last number, and a step above 0.", line)
+        existing = (
+            np.array(self._labels, dtype=np.int64)
+            if what == "node"
+            else np.concatenate(
+                [np.array(self._other_labels, dtype=np.int64), *(block.labels for block in self.raw.blocks)]
+            )
+        )
+        step = limits[2] if len(limits) == 3 else 1
+        inside = (existing >= limits[0]) & (existing <= limits[1]) & ((existing - limits[0]) % step == 0)
+        return np.asarray(existing[inside])
+
+    def _surface(self, card: Card) -> None:
+        name = card.parameter("NAME")
+        kind = card.parameters.get("TYPE", "ELEMENT").upper()
+        if kind not in ("ELEMENT", "NODE"):
+            card.fail(f"surfaces of TYPE={kind} are not read; ELEMENT and NODE are.")
+        entries = []
+        for line, words in card.data:
+            if kind == "NODE":
+                self._add("node", name, self._find(card, "node", words[0], line), card.line)
+                continue
+            elements = self._find(card, "element", words[0], line)
+            word = words[1].upper() if len(words) > 1 else ""
+            if word and not (word[:1] == "S" and word[1:] in {"1", "2", "3", "4", "5", "6"}):
+                card.fail(f'"{word[:20]}" is no side of a solid element; they are S1 to S6.', line)
+            entries.append(RawSides(line, elements=elements, side=int(word[1:]) - 1 if word else None))
+        if kind == "ELEMENT":
+            if not entries:
+                card.fail(f"surface '{name}' is empty. Give it sides of solid elements, or remove it.")
+            if name in self.raw.face_sets:
+                card.fail(f"surface '{name}' is defined twice.")
+            self.raw.face_sets[name] = entries
+            self.raw.set_lines.setdefault(name, card.line)
+
+    def _section(self, card: Card) -> None:
+        name = card.parameter("ELSET")
+        elements = self._find(card, "element", name, card.line)
+        material = card.parameter("MATERIAL").upper()
+        if ("element", name.upper()) not in self._names:
+            card.fail(f"ELSET={name} is a number; a section is that of an element set. Give the name of one.")
+        body = RawBody(self._names["element", name.upper()], elements, material, card.line)
+        self._sections.append((card.instance, body))
+
+    def _new_material(self, card: Card) -> None:
+        self._material = card.parameter("NAME").upper()
+        if self._material in self.raw.materials:
+            card.fail(f"material '{self._material}' is defined twice.")
+        self.raw.materials[self._material] = RawMaterial(None, None, None, card.line)
+
+    def _constants(self, card: Card, count: int) -> list[float]:
+        """The first ``count`` numbers of a card of the current material."""
+        if not self._material:
+            card.fail("there is no *MATERIAL above.")
+        if not card.data or len(card.data[0][1]) < count:
+            card.fail(f"{count} numbers are needed below.")
+        if len(card.data) > 1:
+            self.raw.messages.append(
+                f"line {card.line}: *{card.keyword} of '{self._material}' depends on temperature; its first line is "
+                "taken."
+            )
+        line, words = card.data[0]
+        return [card.number(word, line) for word in words[:count]]
+
+    def _elastic(self, card: Card) -> None:
+        kind = card.parameters.get("TYPE", "ISO").upper()
+        if kind not in ("ISO", "ISOTROPIC"):
+            card.fail(
+                f"TYPE={kind} is not read; isotropic materials are (two numbers: Young's modulus, Poisson's ratio)."
+            )
+        young, poisson = self._constants(card, 2)
+        before = self.raw.materials[self._material]
+        self.raw.materials[self._material] = RawMaterial(young, poisson, before.density, before.line)
+
+    def _density(self, card: Card) -> None:
+        (density,) = self._constants(card, 1)
+        before = self.raw.materials[self._material]
+        self.raw.materials[self._material] = RawMaterial(
+            before.young_modulus, before.poisson_ratio, density, before.line
+        )
+
+    def _boundary(self, card: Card) -> None:
+        if self._step > 1:
+            return
+        for line, words in card.data:
+            nodes = self._find(card, "node", words[0], line)
+            first = words[1].upper() if len(words) > 1 else ""
+            if first in HELD_DIRECTIONS:
+                self.raw.held.append(RawHeld(nodes, HELD_DIRECTIONS[first], line))
+                continue
+            start = card.label(first, line)
+            stop = card.label(words[2], line) if len(words) > 2 and words[2] else start
+            if start > stop or stop > 6:
+                card.fail(f"directions {start} to {stop} are not understood; they run from 1 to 6.", line)
+            if len(words) > 3 and words[3] and card.number(words[3], line) != 0.0:
+                card.fail("a displacement other than 0 is not read. Give a force, or remove the line.", line)
+            directions = tuple(range(start - 1, min(stop, 3)))
+            if directions:
+                self.raw.held.append(RawHeld(nodes, directions, line))
+
+    def _load(self, card: Card) -> None:
+        if self._step > 1:
+            return
+        for line, words in card.data:
+            if len(words) < 3:
+                card.fail("a force is a node or node set, a direction and a value.", line)
+            direction = card.label(words[1], line)
+            if direction > 3:
+                card.fail(f"direction {direction} is not one of 1, 2, 3; solid elements take no moments.", line)
+            nodes = self._find(card, "node", words[0], line)
+            self.raw.loads.append(RawLoad(nodes, direction - 1, card.number(words[2], line), line))
+
+
+def _named_bodies(bodies: list[tuple[str, RawBody]]) -> list[RawBody]:
+    """Bodies with the name of their instance where it has one body, else with that of their set, INSTANCE.SET."""
+    sets = {body.name.upper() for _, body in bodies}
+    count = Counter(instance for instance, _ in bodies)
+    return [
+        replace(body, name=instance) if instance and count[instance] == 1 and instance.upper() not in sets else body
+        for instance, body in bodies
+    ]

@@ -1,0 +1,247 @@
+"""From the entries of a model file to a mesh in metres, with every entry checked and named when it is wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.spatial
+
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray
+from stickslip.formats.meshes.element_checks import require_sound_elements
+from stickslip.formats.meshes.face_sets import build_face_sets
+from stickslip.formats.meshes.imported_model import ImportedModel
+from stickslip.formats.meshes.raw_model import RawModel
+from stickslip.formats.meshes.unit_systems import UnitSystem
+from stickslip.structure.cell_kinds import IntArray
+from stickslip.structure.elasticity import Material
+from stickslip.structure.finite_element_mesh import CellBlock, FiniteElementMesh
+from stickslip.structure.model_facts import connected_parts, plausibility_warnings
+
+LARGEST_COORDINATE = 1e6  # m
+_ONE_PLACE = 1e-6  # share of a body's size below which two of its nodes are at one place
+
+
+def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
+    """Check a raw model and turn it into SI units. Raises ImportFileError that names file and entry."""
+    if not raw.blocks:
+        raw.fail(
+            "there are no solid elements. Tetrahedra, wedges and hexahedra, linear or quadratic, are read; shells and "
+            "beams have no volume."
+        )
+    lost = np.flatnonzero(~(np.abs(units.length * raw.coordinates) < LARGEST_COORDINATE).all(axis=1))
+    if lost.size:
+        raw.fail(
+            f"node {raw.shown(raw.node_labels[lost[0]])} has the coordinates "
+            f"{', '.join(map(str, raw.coordinates[lost[0]]))}; they must be finite and below {LARGEST_COORDINATE:g} m.",
+            int(raw.node_lines[lost[0]]),
+        )
+    used, cells = _used_nodes(raw)
+    points = units.length * raw.coordinates[used]
+    labels = raw.node_labels[used]
+    blocks = [(block, numbers) for block, numbers in zip(raw.blocks, cells, strict=True)]
+    require_sound_elements(raw, points, blocks)
+    element_labels = np.concatenate([block.labels for block in raw.blocks])
+    messages = list(raw.messages)
+    names, body = _bodies(raw, cells, element_labels)
+    ends = np.cumsum([len(block.labels) for block in raw.blocks])[:-1]
+    cell_blocks = tuple(
+        CellBlock(block.kind, numbers, part)
+        for (block, numbers), part in zip(blocks, np.split(body, ends), strict=True)
+    )
+    faces, face_nodes = build_face_sets(raw, labels, element_labels, cell_blocks, messages)
+    elements = _members(raw, "element", raw.element_sets, element_labels, messages)
+    nodes = _members(raw, "node", raw.node_sets, labels, messages)
+    mesh = FiniteElementMesh(points, cell_blocks, names, nodes | face_nodes, faces, elements)
+    messages += _clashes(mesh, nodes, face_nodes)
+    materials = _materials(raw, units, names, messages)
+    messages += _parts(mesh)
+    return ImportedModel(
+        mesh=mesh,
+        source=str(raw.source),
+        format=raw.format,
+        node_labels=labels,
+        element_labels=element_labels,
+        label_ranges=raw.label_ranges,
+        length_unit=units.length_unit,
+        unit_system=units.name,
+        materials=materials,
+        fixed_unknowns=_fixed(raw, labels),
+        node_forces=_forces(raw, units, labels),
+        messages=tuple(messages),
+        warnings=tuple(plausibility_warnings(mesh, materials)),
+    )
+
+
+def _used_nodes(raw: RawModel) -> tuple[IntArray, list[IntArray]]:
+    """Positions of the nodes of solid elements in the file's order, and the cells in numbers of these nodes."""
+    order = np.argsort(raw.node_labels, kind="stable")
+    sorted_labels = raw.node_labels[order]
+    twice = np.flatnonzero(sorted_labels[1:] == sorted_labels[:-1])
+    if twice.size:
+        first, second = order[twice[0]], order[twice[0] + 1]
+        where = f" (first in {raw.where(int(raw.node_lines[first]))})" if raw.node_lines[first] else ""
+        raw.fail(f"node {raw.shown(raw.node_labels[first])} is defined twice{where}.", int(raw.node_lines[second]))
+    positions = []
+    for block in raw.blocks:
+        place = np.searchsorted(sorted_labels, block.cells).clip(max=max(len(order) - 1, 0))
+        missing = np.argwhere(sorted_labels[place] != block.cells) if len(order) else np.argwhere(block.cells >= 0)
+        if missing.size:
+            at, column = missing[0]
+            raw.fail(
+                f"element {raw.shown(block.labels[at])} has node {raw.shown(block.cells[at, column])}, which the file "
+                "does not define.",
+                int(block.lines[at]),
+            )
+        positions.append(order[place])
+    used = np.unique(np.concatenate([position.ravel() for position in positions]))
+    return used, [np.searchsorted(used, position) for position in positions]
+
+
+def _bodies(raw: RawModel, cells: list[IntArray], element_labels: IntArray) -> tuple[tuple[str, ...], IntArray]:
+    """Names of the bodies and the body of each element: those of the file, else the connected parts."""
+    if not raw.bodies:
+        part = connected_parts(cells)
+        return tuple(f"part {number + 1}" for number in range(part.max() + 1)), part
+    body = np.full(len(element_labels), -1, dtype=np.int64)
+    names: list[str] = []
+    for each in raw.bodies:
+        members = np.isin(element_labels, each.elements)
+        if not members.any():
+            continue  # shells and beams have sections, too
+        twice = members & (body >= 0)
+        if twice.any():
+            label = element_labels[twice][0]
+            raw.fail(
+                f"element {raw.shown(label)} belongs to '{names[body[twice][0]]}' and to '{each.name}'.", each.line
+            )
+        body[members] = len(names)
+        names.append(each.name)
+    lone = np.flatnonzero(body < 0)
+    if lone.size:
+        raw.fail(
+            f"element {raw.shown(element_labels[lone[0]])} belongs to no section or group that makes a body "
+            f"({lone.size} of {len(body)} solid elements do not), so its material is missing. Give every solid element "
+            "one.",
+            int(np.concatenate([block.lines for block in raw.blocks])[lone[0]]),
+        )
+    return tuple(names), body
+
+
+def _members(
+    raw: RawModel, what: str, sets: dict[str, IntArray], labels: IntArray, messages: list[str]
+) -> dict[str, IntArray]:
+    """Sets by number of node or element; those without any of a solid element are left out with a message."""
+    order = np.argsort(labels)
+    answer = {}
+    for name, found in sets.items():
+        if not found.size:
+            raw.fail(f"{what} set '{name}' is empty. Give it members, or remove it.", raw.set_lines.get(name, 0))
+        place = np.searchsorted(labels, found, sorter=order).clip(max=len(labels) - 1)
+        numbers = order[place][labels[order[place]] == found]
+        if numbers.size:
+            answer[name] = np.unique(numbers)
+        else:
+            messages.append(f"{what} set '{name}' holds no {what} of a solid element; it is left out.")
+    return answer
+
+
+def _materials(raw: RawModel, units: UnitSystem, names: tuple[str, ...], messages: list[str]) -> dict[str, Material]:
+    """Material in SI units of each body that has a complete one."""
+    answer = {}
+    for body in raw.bodies:
+        if body.name not in names or body.material is None:
+            continue
+        if body.material not in raw.materials:
+            raw.fail(
+                f"body '{body.name}' has the material '{body.material}', which the file does not define.", body.line
+            )
+        found = raw.materials[body.material]
+        missing = [
+            word
+            for word, value in (
+                ("Young's modulus", found.young_modulus),
+                ("Poisson's ratio", found.poisson_ratio),
+                ("density", found.density),
+            )
+            if value is None
+        ]
+        if found.young_modulus is None or found.poisson_ratio is None or found.density is None:
+            messages.append(
+                f"material '{body.material}' has no {' and no '.join(missing)}, so body '{body.name}' needs a material "
+                "in the study file."
+            )
+            continue
+        try:
+            answer[body.name] = Material(
+                units.pressure * found.young_modulus, found.poisson_ratio, units.density * found.density
+            )
+        except InputError as error:
+            raw.fail(f"material '{body.material}': {error}", found.line)
+    return answer
+
+
+def _clashes(mesh: FiniteElementMesh, nodes: dict[str, IntArray], of_faces: dict[str, IntArray]) -> list[str]:
+    """Sentences on names of several kinds of sets with different nodes, where a study means one of them."""
+    sentences = [
+        f"the name '{name}' is that of a surface and of another node set; the nodes of the surface are taken."
+        for name in sorted(of_faces.keys() & nodes.keys())
+        if not np.array_equal(nodes[name], of_faces[name])
+    ]
+    for name, cells in sorted(mesh.element_sets.items()):
+        if not np.array_equal(mesh.nodes_of_cells(cells), mesh.node_sets[name]):
+            kind = "surface" if name in of_faces else "node set"
+            sentences.append(
+                f"the name '{name}' is that of an element set and of a {kind} with other nodes; a study that names it "
+                f"means the {kind}."
+            )
+    return sentences
+
+
+def _parts(mesh: FiniteElementMesh) -> list[str]:
+    """Sentences on named bodies that consist of several parts, or have nodes at one place that are not joined."""
+    sentences = []
+    for number, name in enumerate(mesh.body_names):
+        count = connected_parts([block.cells[block.body == number] for block in mesh.blocks]).max() + 1
+        if count > 1:
+            sentences.append(f"body '{name}' consists of {count} separate parts that share no node.")
+        places = mesh.points[mesh.nodes_of_body(number)]
+        reach = _ONE_PLACE * float(np.linalg.norm(np.ptp(places, axis=0)))
+        distance, _ = scipy.spatial.KDTree(places).query(places, k=2, distance_upper_bound=reach)
+        together = int(np.isfinite(distance[:, 1]).sum())
+        if together:
+            sentences.append(
+                f"body '{name}' has {together} nodes that lie at the place of another of its nodes and are not joined "
+                "to it. If it is in one piece, merge coincident nodes in the preprocessor; if these are two faces in "
+                "contact, give each side a body of its own."
+            )
+    return sentences
+
+
+def _numbers(raw: RawModel, labels: IntArray, wanted: IntArray, line: int) -> IntArray:
+    """Numbers of nodes given by label; those of no solid element are left out."""
+    unknown = np.setdiff1d(wanted, raw.node_labels)
+    if unknown.size:
+        raw.fail(f"node {raw.shown(unknown[0])} does not exist.", line)
+    return np.flatnonzero(np.isin(labels, wanted))
+
+
+def _fixed(raw: RawModel, labels: IntArray) -> IntArray:
+    found: list[IntArray] = [np.empty(0, dtype=np.int64)]
+    for held in raw.held:
+        numbers = _numbers(raw, labels, held.nodes, held.line)
+        found.append((3 * numbers[:, None] + np.array(held.directions, dtype=np.int64)).ravel())
+    return np.unique(np.concatenate(found))
+
+
+def _forces(raw: RawModel, units: UnitSystem, labels: IntArray) -> FloatArray:
+    """Forces (n_nodes, 3) N."""
+    forces = np.zeros((len(labels), 3))
+    for load in raw.loads:
+        numbers = _numbers(raw, labels, load.nodes, load.line)
+        if not numbers.size:
+            raw.fail(f"a force acts on node {raw.shown(load.nodes[0])}, which belongs to no solid element.", load.line)
+        with np.errstate(over="ignore"):
+            forces[numbers, load.direction] += units.force * load.value
+        if not np.isfinite(forces[numbers, load.direction]).all():
+            raw.fail(f"the force on node {raw.shown(load.nodes[0])} is too large for a number.", load.line)
+    return forces

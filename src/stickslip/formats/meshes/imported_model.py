@@ -1,0 +1,75 @@
+"""What the readers of model files return."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from stickslip.core.errors import ImportFileError
+from stickslip.core.validation import FloatArray
+from stickslip.formats.meshes.raw_model import LabelRange, shown_label
+from stickslip.structure.elasticity import Material
+from stickslip.structure.finite_element_mesh import FiniteElementMesh
+from stickslip.structure.mesh import IntArray
+
+
+@dataclass(frozen=True)
+class ImportedModel:
+    """A model file in SI units.
+
+    Parameters
+    ----------
+    mesh:
+        nodes, cells, bodies and sets; nodes without a solid cell are left out.
+    source, format:
+        the file, and the name of its format.
+    node_labels, element_labels:
+        (n_nodes,) and (n_cells,) numbers of the nodes and cells in the file; a message tells where those of an instance
+        have grown.
+    label_ranges:
+        which of these numbers belong to which instance.
+    materials:
+        body name -> material, for the bodies that have one in the file.
+    fixed_unknowns:
+        positions among the 3 * n_nodes displacements (node, then x, y, z) that the file holds at zero.
+    node_forces:
+        (n_nodes, 3) N, the file's constant loads on nodes; zero where there is none.
+    length_unit, unit_system:
+        how the numbers of the file were taken.
+    messages:
+        what was left out or assumed, in sentences.
+    warnings:
+        sizes, densities, moduli and masses that only wrong units can explain, in sentences.
+    """
+
+    mesh: FiniteElementMesh
+    source: str
+    format: str
+    node_labels: IntArray
+    element_labels: IntArray
+    length_unit: str
+    unit_system: str
+    materials: Mapping[str, Material] = field(default_factory=dict)
+    fixed_unknowns: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    node_forces: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
+    label_ranges: tuple[LabelRange, ...] = ()
+    messages: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    def shown(self, label: int) -> str:
+        """A node or element as the file writes it."""
+        return shown_label(label, self.label_ranges)
+
+    def node_numbers(self, labels: IntArray) -> IntArray:
+        """Node numbers of the mesh from those of the file; raises ImportFileError for one that the model lacks."""
+        order = np.argsort(self.node_labels)
+        place = np.searchsorted(self.node_labels, labels, sorter=order).clip(max=len(order) - 1)
+        numbers = order[place]
+        wrong = np.flatnonzero(self.node_labels[numbers] != labels)
+        if wrong.size:
+            raise ImportFileError(
+                f"{self.source}: there is no node {np.ravel(labels)[wrong[0]]} that belongs to a solid element."
+            )
+        return np.asarray(numbers, dtype=np.int64)

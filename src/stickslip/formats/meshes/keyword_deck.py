@@ -1,0 +1,96 @@
+"""The cards of an Abaqus or CalculiX deck: keyword, parameters and data lines, each with its line number."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NoReturn
+
+from stickslip.formats.meshes.raw_model import DEEPEST_INCLUDE, LARGEST_LABEL, fail, read_text
+
+
+@dataclass
+class Card:
+    """One keyword with its parameters (names in capitals, values as written) and its data lines split at commas.
+
+    ``instance`` is the part instance that it belongs to, if any.
+    """
+
+    source: Path
+    keyword: str
+    parameters: dict[str, str]
+    line: int
+    data: list[tuple[int, list[str]]] = field(default_factory=list)
+    instance: str = ""
+
+    def fail(self, sentence: str, line: int = 0) -> NoReturn:
+        """Raise ImportFileError that names the file and the line, by default that of the keyword."""
+        where = f" of instance '{self.instance}'" if self.instance else ""
+        fail(self.source, f"*{self.keyword}{where}: {sentence}", line or self.line)
+
+    def parameter(self, name: str) -> str:
+        """A parameter that must be there; raises ImportFileError."""
+        value = self.parameters.get(name, "")
+        if not value:
+            self.fail(f"the parameter {name}= is missing.")
+        return value
+
+    def label(self, word: str, line: int) -> int:
+        """A node or element number; raises ImportFileError for anything else."""
+        try:
+            value = int(word)
+        except ValueError:
+            self.fail(f'"{word[:40]}" is no node or element number.', line)
+        if not 0 < value < LARGEST_LABEL:
+            self.fail(f"{word[:40]} is no node or element number; they run from 1 to {LARGEST_LABEL - 1}.", line)
+        return value
+
+    def number(self, word: str, line: int) -> float:
+        """A finite number; raises ImportFileError for anything else."""
+        try:
+            value = float(word.upper().replace("D", "E"))
+        except ValueError:
+            self.fail(f'"{word[:40]}" is no number.', line)
+        if not math.isfinite(value) or "_" in word:
+            self.fail(f'"{word[:40]}" is no finite number.', line)
+        return value
+
+
+def read_cards(source: Path, depth: int = 0) -> list[Card]:
+    """Cards of a deck in their order; included files (path relative to the deck) stand in the place of *INCLUDE.
+
+    Raises ImportFileError where a file cannot be read, or does not start with a keyword.
+    """
+    cards: list[Card] = []
+    lines = enumerate(read_text(source), start=1)
+    for number, text in lines:
+        line = text.strip()
+        if not line or line.startswith("**"):
+            continue
+        if line.startswith("*"):
+            start = number
+            while line.endswith(","):  # parameters go on in the next line
+                number, text = next(lines, (number, ""))
+                line = f"{line}{text.strip()}" if text.strip() else line.rstrip(",")
+            card = _keyword(source, start, line)
+            if card.keyword == "INCLUDE":
+                if depth >= DEEPEST_INCLUDE:
+                    card.fail(f"files include each other more than {DEEPEST_INCLUDE} deep.")
+                cards += read_cards(source.parent / card.parameter("INPUT"), depth + 1)
+            else:
+                cards.append(card)
+        elif cards:
+            cards[-1].data.append((number, [word.strip() for word in line.split(",")]))
+        else:
+            fail(source, f'"{line[:40]}" stands before the first keyword; this is no Abaqus or CalculiX deck.', number)
+    return cards
+
+
+def _keyword(source: Path, number: int, line: str) -> Card:
+    words = line.lstrip("*").split(",")
+    parameters = {}
+    for word in words[1:]:
+        name, _, value = word.partition("=")
+        parameters[" ".join(name.split()).upper()] = value.strip().strip('"')
+    return Card(source, " ".join(words[0].split()).upper(), parameters, number)

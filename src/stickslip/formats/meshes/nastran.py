@@ -1,0 +1,298 @@
+"""Nastran bulk data (.bdf, .nas, .dat, .fem): solids, properties as bodies, shells as face sets, SPC and FORCE.
+
+- A body is a PSOLID; its name is that of a HyperMesh, Patran or Femap comment, else "property 3".
+- A face set is a property of shell elements (CTRIA3, CTRIA6, CQUAD4, CQUAD8) that lie on sides of solids, the skin that
+  preprocessors put on a face; and a set of PLOAD4, "PLOAD4 2".
+- Grids and forces may be in coordinate systems (CP, CID), and INCLUDE brings further files.
+- A node set is a SET1, a SET3 of grids ("set 5"), the nodes of a constraint ("SPC 1") and of forces ("FORCE 2").
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from stickslip.formats.meshes.bulk_data import BulkCard, read_bulk
+from stickslip.formats.meshes.nastran_case import CaseControl, acting_entries
+from stickslip.formats.meshes.nastran_grids import Grids, held_nodes
+from stickslip.formats.meshes.nastran_include import join_files
+from stickslip.formats.meshes.nastran_systems import SYSTEM_CARDS, Systems
+from stickslip.formats.meshes.raw_model import (
+    LinePlaces,
+    RawBlock,
+    RawBody,
+    RawHeld,
+    RawLoad,
+    RawMaterial,
+    RawModel,
+    RawSides,
+)
+from stickslip.structure.cell_kinds import CELL_KINDS
+
+_SOLIDS = {"CTETRA": ("tetra", "tetra10"), "CPENTA": ("wedge", "wedge15"), "CHEXA": ("hexahedron", "hexahedron20")}
+_SHELLS = {"CTRIA3": 3, "CTRIAR": 3, "CTRIA6": 3, "CQUAD4": 4, "CQUADR": 4, "CQUAD8": 4}
+# Nastran numbers the edges along the third direction before those of the upper face.
+_TO_VTK = {"wedge15": [*range(9), 12, 13, 14, 9, 10, 11], "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]}
+_SILENT = ("PSHELL", "PARAM", "EIGRL", "EIGR", "MDLPRM", "PCOMP")
+_TIES = (
+    "it ties nodes of solids to each other, and without it the model would be another one. Take it out; hold, load or "
+    "pair the set of its nodes instead"
+)
+_REFUSED = {
+    "CPYRAM": "pyramids are not read; tetrahedra, wedges (CPENTA) and hexahedra are",
+    **dict.fromkeys(("RBE1", "RBE2", "RBE3", "RBAR", "RBAR1", "RROD", "RTRPLT", "RSPLINE", "RSSCON", "RJOINT"), _TIES),
+}
+_NAMES = (
+    re.compile(r"\$HMNAME\s+PROP\s+(?P<number>\d+)\s*\"(?P<name>[^\"]+)\""),
+    re.compile(r"\$\s*Femap\s+(?:with\s+NX\s+Nastran\s+)?Property\s+(?P<number>\d+)\s*:\s*(?P<name>.+)", re.IGNORECASE),
+)
+_PATRAN = re.compile(r"\$\s*Elements and Element Properties for region\s*:\s*(?P<name>.+)", re.IGNORECASE)
+_PROPERTY = re.compile(r"\s*P(?:SOLID|SHELL)\*?[\s,]+(?P<number>\d+)")
+
+
+def read_nastran(source: Path) -> RawModel:
+    """The entries of a deck and of the files that it includes, in their own units, in basic x, y, z.
+
+    Raises ImportFileError that names the file, also an included one, and its line.
+    """
+    lines, places = join_files(source)
+    reader = _Reader(source, places, _property_names(lines), CaseControl.of(lines))
+    for card in read_bulk(lines, places):
+        reader.take(card)
+    return reader.finished()
+
+
+def _property_names(lines: list[str]) -> dict[int, str]:
+    """Names that preprocessors write as comments, by the number of the property."""
+    names: dict[int, str] = {}
+    region = ""
+    for line in lines:
+        if line.startswith("$"):
+            for pattern in _NAMES:
+                match = pattern.match(line)
+                if match:
+                    names[int(match["number"])] = match["name"].strip()
+            match = _PATRAN.match(line)
+            region = match["name"].strip() if match else region
+        elif region:
+            match = _PROPERTY.match(line)
+            if match:
+                names.setdefault(int(match["number"]), region)
+                region = ""
+    return names
+
+
+class _Reader:
+    """Takes the cards one after the other; what refers to other cards is put together at the end."""
+
+    def __init__(self, source: Path, places: LinePlaces, names: dict[int, str], case: CaseControl) -> None:
+        self.raw = RawModel(source, "Nastran", places=places)
+        self._names, self._case = names, case
+        self._grids = Grids()
+        self._systems = Systems(self._grids.place)
+        self._elements: dict[str, list[tuple[int, int, list[int], int]]] = {}  # kind -> label, property, nodes, line
+        self._solids: dict[int, tuple[str, list[int]]] = {}
+        self._shells: dict[tuple[int, int], list[tuple[list[int], int]]] = {}  # property, corners -> nodes, line
+        self._properties: dict[int, BulkCard] = {}
+        self._pressures: list[BulkCard] = []
+        self._forces: list[BulkCard] = []
+        self._sets: dict[str, list[int]] = {}
+        self._held: dict[int, list[RawHeld]] = {}
+        self._combined: dict[str, dict[int, BulkCard]] = {"SPCADD": {}, "LOAD": {}}
+        self._left_out: dict[str, int] = {}
+        self._cards: dict[str, Callable[[BulkCard], None]] = {
+            "GRID": self._grids.add,
+            "GRDSET": self._grids.set_defaults,
+            **dict.fromkeys(SYSTEM_CARDS, self._systems.add),
+            "SPCADD": self._combination,
+            "LOAD": self._combination,
+            "PSOLID": self._solid_property,
+            "MAT1": self._material,
+            "SPC": self._spc,
+            "SPC1": self._spc1,
+            "FORCE": self._forces.append,
+            "PLOAD4": self._pressures.append,
+            "SET1": lambda card: self._set(card, card.numbers(1)),
+            "SET3": self._set3,
+            **dict.fromkeys(_SOLIDS, self._solid),
+            **dict.fromkeys(_SHELLS, self._shell),
+        }
+
+    def take(self, card: BulkCard) -> None:
+        """Read one card."""
+        if card.name in _REFUSED:
+            card.fail(f"{_REFUSED[card.name]}.")
+        if card.name in ("MPC", "MPCADD") and self._case.ties_nodes():
+            card.fail(f"{_TIES}, or select no MPC in the case control.")
+        if card.name in self._cards:
+            self._cards[card.name](card)
+        elif card.name not in _SILENT:
+            self._left_out.setdefault(card.name[:16], card.line)
+
+    def finished(self) -> RawModel:
+        """The raw model after the last card."""
+        raw = self.raw
+        self._grids.put_into(raw, self._systems)
+        for kind, rows in self._elements.items():
+            labels, _, cells, lines = zip(*rows, strict=True)
+            cell_array = np.array(cells, dtype=np.int64)[:, _TO_VTK.get(kind, slice(None))]
+            raw.blocks.append(RawBlock(kind, np.array(labels, dtype=np.int64), cell_array, np.array(lines)))
+        self._bodies()
+        self._faces()
+        held = [
+            *acting_entries(raw, self._case, "SPC", self._held, self._combined["SPCADD"]),
+            *self._grids.permanent_constraints(),
+        ]
+        solid_nodes = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *(b.cells.ravel() for b in raw.blocks)]))
+        raw.held = self._grids.in_basic_directions(raw, held, self._systems, solid_nodes)
+        loads: dict[int, list[RawLoad]] = {}
+        for card in self._forces:
+            loads.setdefault(card.integer(0), []).extend(self._nodal_force(card))
+        raw.loads = acting_entries(raw, self._case, "LOAD", loads, self._combined["LOAD"])
+        for name, members in self._sets.items():
+            raw.node_sets[name] = np.unique(np.array(members, dtype=np.int64))
+        for what, found in (("SPC", self._held), ("FORCE", loads)):
+            for number, entries in found.items():
+                raw.node_sets[f"{what} {number}"] = np.unique(np.concatenate([entry.nodes for entry in entries]))
+        if self._left_out:
+            words = ", ".join(f"{name} ({raw.where(line)})" for name, line in self._left_out.items())
+            raw.messages.append(f"not read, so without effect here: {words}.")
+        return raw
+
+    def _bodies(self) -> None:
+        rows = [row for rows in self._elements.values() for row in rows]
+        for number in dict.fromkeys(row[1] for row in rows):
+            mine = [row for row in rows if row[1] == number]
+            card = self._properties.get(number)
+            if card is None:
+                self.raw.fail(
+                    f"element {mine[0][0]} has the property {number}, but there is no such PSOLID.", mine[0][3]
+                )
+            elements = np.array([row[0] for row in mine], dtype=np.int64)
+            self.raw.bodies.append(RawBody(self._name(number), elements, str(card.integer(1)), card.line))
+
+    def _name(self, number: int) -> str:
+        """Name of a property; where two have the same name, the number is added."""
+        name = self._names.get(number, f"property {number}")
+        return name if list(self._names.values()).count(name) < 2 else f"{name} {number}"
+
+    def _faces(self) -> None:
+        for (number, _), rows in self._shells.items():
+            corners = np.array([nodes for nodes, _ in rows], dtype=np.int64)
+            name = self._name(number)
+            self.raw.face_sets.setdefault(name, []).append(RawSides(rows[0][1], corners=corners))
+            self.raw.set_lines.setdefault(name, rows[0][1])
+        for card in self._pressures:
+            name = f"PLOAD4 {card.integer(0)}"
+            self.raw.set_lines.setdefault(name, card.line)
+            self.raw.face_sets.setdefault(name, []).append(self._loaded_side(card))
+
+    def _loaded_side(self, card: BulkCard) -> RawSides:
+        """The side of a solid that a PLOAD4 names by G1 and G3 (quadrilaterals) or G4 (opposite corner of a tetra)."""
+        label = card.integer(1)
+        if label not in self._solids:
+            card.fail(f"element {label} is no solid element.")
+        kind, nodes = self._solids[label]
+        first, other = card.integer(6, 0), card.integer(7, 0)
+        found = []
+        for position, side in enumerate(CELL_KINDS[kind].sides):
+            corners = [nodes[at] for at in side[: 3 if len(side) in (3, 6) else 4]]
+            if first not in corners:
+                continue
+            if kind.startswith("tetra"):
+                fits = other in nodes[:4] and other not in corners
+            elif len(corners) == 3:
+                fits = not other or other in corners
+            else:
+                fits = other in corners and (corners.index(other) - corners.index(first)) % 4 == 2
+            found += [position] if fits else []
+        if len(found) != 1:
+            card.fail(f"the grids G1 = {first} and G3/G4 = {other} name no side of element {label}.")
+        return RawSides(card.line, elements=np.array([label], dtype=np.int64), side=found[0])
+
+    def _combination(self, card: BulkCard) -> None:
+        if self._combined[card.name].setdefault(card.integer(0), card) is not card:
+            card.fail(f"set {card.integer(0)} is defined twice.")
+
+    def _solid(self, card: BulkCard) -> None:
+        words = card.fields[2:]
+        while words and not words[-1]:
+            words.pop()
+        nodes = [card.integer(2 + at) for at in range(len(words))]
+        kinds = {CELL_KINDS[kind].n_nodes: kind for kind in _SOLIDS[card.name]}
+        if len(nodes) not in kinds:
+            card.fail(f"it has {len(nodes)} grids; {' or '.join(map(str, kinds))} are read.")
+        kind = kinds[len(nodes)]
+        label = card.integer(0)
+        self._elements.setdefault(kind, []).append((label, card.integer(1, label), nodes, card.line))
+        self._solids[label] = kind, nodes
+
+    def _shell(self, card: BulkCard) -> None:
+        count = _SHELLS[card.name]
+        nodes = [card.integer(2 + at) for at in range(count)]
+        self._shells.setdefault((card.integer(1, card.integer(0)), count), []).append((nodes, card.line))
+
+    def _solid_property(self, card: BulkCard) -> None:
+        number = card.integer(0)
+        if number in self._properties:
+            card.fail(f"property {number} is defined twice.")
+        card.integer(1)
+        self._properties[number] = card
+
+    def _material(self, card: BulkCard) -> None:
+        young, shear, poisson = (card.real(at) if card.word(at) else None for at in (1, 2, 3))
+        if young is None and shear is not None and poisson is not None:
+            young = 2.0 * shear * (1.0 + poisson)
+        if poisson is None and shear and young is not None:
+            poisson = young / (2.0 * shear) - 1.0
+        density = card.real(4) if card.word(4) else None
+        name = str(card.integer(0))
+        if name in self.raw.materials:
+            card.fail(f"material {name} is defined twice.")
+        self.raw.materials[name] = RawMaterial(young, poisson, density, card.line)
+
+    def _hold(self, card: BulkCard, directions: str, nodes: list[int]) -> None:
+        self._held.setdefault(card.integer(0), []).append(held_nodes(card, directions, nodes))
+
+    def _spc(self, card: BulkCard) -> None:
+        for at in (1, 4):
+            if card.word(at):
+                if card.real(at + 2, 0.0) != 0.0:
+                    card.fail("a displacement other than 0 is not read. Give a force, or remove the entry.")
+                self._hold(card, card.word(at + 1), [card.integer(at)])
+
+    def _spc1(self, card: BulkCard) -> None:
+        self._hold(card, card.word(1), card.numbers(2))
+
+    def _nodal_force(self, card: BulkCard) -> list[RawLoad]:
+        """Components along x, y, z of a FORCE, whose directions are those of its system at the place of its grid."""
+        label, size = card.integer(1), card.real(3)
+        frame = self._systems.frame(card.integer(2, 0), card)
+        place = self._grids.basic_place(label, self.raw)
+        if place is None:
+            card.fail(f"grid {label}, on which it acts, is not defined.")
+        components = np.array([card.real(4 + axis, 0.0) for axis in range(3)])
+        directions, lacking = frame.directions(place)
+        if any(components[axis] for axis in lacking):
+            card.fail(
+                f"grid {label} is on the axis of the system {card.word(2)}, so that the components "
+                f"{', '.join(str(axis + 1) for axis in sorted(lacking))} of its force have no direction there. Give "
+                "the force in a rectangular system."
+            )
+        with np.errstate(over="ignore", invalid="ignore"):
+            force = size * (components @ directions)
+        node = np.array([label], dtype=np.int64)
+        return [RawLoad(node, axis, float(force[axis]), card.line) for axis in range(3)]
+
+    def _set(self, card: BulkCard, members: list[int]) -> None:
+        self._sets.setdefault(f"set {card.integer(0)}", []).extend(members)
+        self.raw.set_lines.setdefault(f"set {card.integer(0)}", card.line)
+
+    def _set3(self, card: BulkCard) -> None:
+        if card.word(1).upper() in ("GRID", "POINT"):
+            self._set(card, card.numbers(2))
+        else:
+            self._left_out.setdefault("SET3 of elements", card.line)

@@ -1,0 +1,98 @@
+"""Nastran case control: which sets of constraints and loads act, and how SPCADD and LOAD put sets together."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TypeVar
+
+from stickslip.formats.meshes.bulk_data import BulkCard, start_of_bulk
+from stickslip.formats.meshes.raw_model import RawHeld, RawLoad, RawModel
+
+Entry = TypeVar("Entry", RawHeld, RawLoad)
+
+_SELECTION = re.compile(r"\s*(?P<what>SPC|LOAD|MPC)\s*=\s*(?P<number>\d+)\s*", re.IGNORECASE)
+_ENTRIES = {"SPC": "SPC or SPC1", "LOAD": "FORCE"}
+_COMBINATION = {"SPC": "SPCADD", "LOAD": "LOAD"}
+
+
+@dataclass(frozen=True)
+class CaseControl:
+    """What stands before BEGIN BULK: whether there is anything, and all sets that it selects, by SPC, LOAD and MPC."""
+
+    exists: bool
+    selected: Mapping[str, tuple[int, ...]]
+
+    @classmethod
+    def of(cls, lines: list[str]) -> CaseControl:
+        """The case control of a file with these lines; comments ($) are left out."""
+        end = start_of_bulk(lines)
+        selected: dict[str, tuple[int, ...]] = {}
+        for line in lines[:end]:
+            match = _SELECTION.fullmatch(line.partition("$")[0])
+            if match:
+                what = match["what"].upper()
+                selected[what] = tuple(dict.fromkeys((*selected.get(what, ()), int(match["number"]))))
+        return cls(end > 0, selected)
+
+    def ties_nodes(self) -> bool:
+        """Whether multipoint constraints of the bulk data act; without case control that must be assumed."""
+        return not self.exists or "MPC" in self.selected
+
+
+def acting_entries(
+    raw: RawModel,
+    case: CaseControl,
+    what: str,
+    found: Mapping[int, list[Entry]],
+    combined: Mapping[int, BulkCard],
+) -> list[Entry]:
+    """Constraints ("SPC") or forces ("LOAD") of the first set that the case control selects, else of all sets.
+
+    ``found`` holds them by the number of their set, ``combined`` the SPCADD or LOAD cards. Raises ImportFileError for a
+    selected or combined set of constraints that has no entries; for one of loads a message is added, as it may hold
+    loads of other kinds.
+    """
+    chosen = case.selected.get(what, ())
+    if not chosen:
+        if len(found) > 1 or (found and case.exists) or combined:
+            no_sum = f", without the factors of {_COMBINATION[what]} {next(iter(combined))}" if combined else ""
+            raw.messages.append(
+                f"the case control selects no {what}, so the entries of all {len(found)} sets "
+                f"({', '.join(map(str, found))}) are taken together{no_sum}."
+            )
+        return [entry for entries in found.values() for entry in entries]
+    if len(chosen) > 1:
+        raw.messages.append(
+            f"the case control selects {what} = {', '.join(map(str, chosen))} in several subcases; {chosen[0]} is "
+            "taken."
+        )
+    if chosen[0] in combined:
+        return list(_combination(raw, what, found, combined[chosen[0]]))
+    if chosen[0] not in found:
+        _lacking(raw, what, f"the case control selects {what} = {chosen[0]}, but", chosen[0], 0)
+    return found.get(chosen[0], [])
+
+
+def _combination(raw: RawModel, what: str, found: Mapping[int, list[Entry]], card: BulkCard) -> Iterator[Entry]:
+    """Entries of the sets that SPCADD names, or of those of LOAD times the factor of each and the common factor."""
+    if what == "SPC":
+        parts = [(1.0, number) for number in card.numbers(1)]
+    else:
+        last = max((at for at, word in enumerate(card.fields) if word), default=0)
+        parts = [(card.real(1) * card.real(at), card.integer(at + 1)) for at in range(2, max(last, 3) + 1, 2)]
+    if not parts:
+        card.fail("it names no set.")
+    for factor, number in parts:
+        if number not in found:
+            _lacking(raw, what, f"{card.name} {card.integer(0)} names the set {number}, but", number, card.line)
+        for entry in found.get(number, []):
+            yield entry.scaled(factor)
+
+
+def _lacking(raw: RawModel, what: str, words: str, number: int, line: int) -> None:
+    sentence = f"{words} there are no {_ENTRIES[what]} entries of set {number}"
+    if what == "SPC":
+        raw.fail(f"{sentence}. Add them, or select another set.", line)
+    raw.messages.append(f"{sentence}; loads of other kinds are not read.")

@@ -1,0 +1,160 @@
+"""Grids of Nastran: GRID with the defaults of GRDSET, their places, permanent constraints and directions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from stickslip.core.validation import FloatArray
+from stickslip.formats.meshes.bulk_data import BulkCard
+from stickslip.formats.meshes.nastran_frames import Frame
+from stickslip.formats.meshes.nastran_systems import GivenPlace, Systems
+from stickslip.formats.meshes.raw_model import RawHeld, RawModel
+from stickslip.structure.cell_kinds import IntArray
+
+_CP, _CD, _PS = 1, 5, 6  # fields after the name
+_PARALLEL = 1e-9  # largest deviation from x, y, z of directions that are taken for them
+
+
+class Grids:
+    """GRID and GRDSET cards, in any order; everything is asked after the last one."""
+
+    def __init__(self) -> None:
+        self._cards: list[BulkCard] = []
+        self._defaults: BulkCard | None = None
+        self._position: dict[int, int] = {}  # label -> of its first card
+
+    def add(self, card: BulkCard) -> None:
+        """Take a GRID."""
+        self._position.setdefault(card.integer(0), len(self._cards))
+        self._cards.append(card)
+
+    def set_defaults(self, card: BulkCard) -> None:
+        """Take the GRDSET; raises ImportFileError for a second one."""
+        if self._defaults is not None:
+            card.fail(f"there is another one in {self._defaults.where()}; only one may set the defaults of grids.")
+        self._defaults = card
+
+    def place(self, label: int) -> GivenPlace | None:
+        """Where a grid is given; None if there is none of this label."""
+        at = self._position.get(label)
+        if at is None:
+            return None
+        card = self._cards[at]
+        coordinates = np.array([card.real(position, 0.0) for position in (2, 3, 4)])
+        return GivenPlace(self._system(card, _CP), coordinates, self._giver(card, _CP))
+
+    def basic_place(self, label: int, raw: RawModel) -> FloatArray | None:
+        """Basic x, y, z (3,) of a grid after ``put_into``; None if there is none of this label."""
+        at = self._position.get(label)
+        return None if at is None else raw.coordinates[at]
+
+    def put_into(self, raw: RawModel, systems: Systems) -> None:
+        """Set labels, basic coordinates and lines of the nodes. Raises ImportFileError."""
+        raw.node_labels = np.array([card.integer(0) for card in self._cards], dtype=np.int64)
+        raw.node_lines = np.array([card.line for card in self._cards], dtype=np.int64)
+        given = np.array([[card.real(position, 0.0) for position in (2, 3, 4)] for card in self._cards], dtype=float)
+        raw.coordinates = given.reshape(-1, 3)
+        for number, members in self._by_system(_CP).items():
+            frame = systems.frame(number, self._giver(self._cards[members[0]], _CP))
+            raw.coordinates[members] = frame.basic(raw.coordinates[members])
+
+    def _giver(self, card: BulkCard, field: int) -> BulkCard:
+        """The card that gives a field of a grid: its own, or the GRDSET where it is blank."""
+        return card if card.word(field) or self._defaults is None else self._defaults
+
+    def _system(self, card: BulkCard, field: int) -> int:
+        return self._giver(card, field).integer(field, 0)
+
+    def _by_system(self, field: int) -> dict[int, list[int]]:
+        """Positions of the grids by the number of their system CP or CD, those in the basic system left out."""
+        answer: dict[int, list[int]] = {}
+        for at, card in enumerate(self._cards):
+            number = self._system(card, field)
+            if number:
+                answer.setdefault(number, []).append(at)
+        return answer
+
+    def permanent_constraints(self) -> list[RawHeld]:
+        """What the field PS of each grid holds, whatever the case control selects; 0 is nothing."""
+        answer = []
+        for card in self._cards:
+            giver = self._giver(card, _PS)
+            if giver.word(_PS) not in ("", "0"):
+                answer.append(held_nodes(giver, giver.word(_PS), [card.integer(0)]))
+        return answer
+
+    def in_basic_directions(
+        self, raw: RawModel, held: Iterable[RawHeld], systems: Systems, solid_nodes: IntArray
+    ) -> list[RawHeld]:
+        """Constraints in basic x, y, z from those in the directions that CD gives each grid.
+
+        The components of all constraints of a grid are taken together: they can be told in x, y, z where the
+        directions that they hold span the same line, plane or space as some of x, y, z. Grids of no solid element have
+        no part in the model, so their CD is of no account. A message tells how many grids have a CD.
+
+        Raises ImportFileError for a CD that does not exist, and for constraints in other directions.
+        """
+        solid = set(solid_nodes.tolist())
+        frames: dict[int, tuple[int, Frame]] = {}  # label -> position, system
+        for number, members in self._by_system(_CD).items():
+            frame = systems.frame(number, self._giver(self._cards[members[0]], _CD))
+            labels = raw.node_labels[members].tolist()
+            frames |= {label: (at, frame) for label, at in zip(labels, members, strict=True) if label in solid}
+        if not frames:
+            return [*held]
+        raw.messages.append(
+            f"{len(frames)} grids have a coordinate system of displacements (CD), the first of them {min(frames)}: "
+            "their constraints are converted to x, y, z, in which all displacements are given here."
+        )
+        answer: list[RawHeld] = []
+        components: dict[int, set[int]] = {}
+        lines: dict[int, int] = {}
+        for entry in held:
+            turned = np.array([label in frames for label in entry.nodes.tolist()], dtype=bool)
+            for label in entry.nodes[turned].tolist():
+                components.setdefault(label, set()).update(entry.directions)
+                lines.setdefault(label, entry.line)
+            if not turned.all():
+                answer.append(RawHeld(entry.nodes[~turned], entry.directions, entry.line))
+        for label, found in components.items():
+            at, frame = frames[label]
+            directions = _basic_directions(frame, raw.coordinates[at], found)
+            if directions is None:
+                self._cards[at].fail(
+                    f"grid {label} has its displacements in the system {self._system(self._cards[at], _CD)} (CD), and "
+                    f"the constraint in {raw.where(lines[label])} holds {_words(found)} of them, not along x, y or z "
+                    "at this place. Hold 1, 2 and 3, or give the grid a CD with axes along x, y, z."
+                )
+            answer.append(RawHeld(np.array([label], dtype=np.int64), directions, lines[label]))
+        return answer
+
+
+def _basic_directions(frame: Frame, place: FloatArray, held: set[int]) -> tuple[int, ...] | None:
+    """Which of x, y, z (0, 1, 2) span what the directions ``held`` of a system span; None where none do."""
+    rows, lacking = frame.directions(place)
+    if lacking & held and not lacking <= held:
+        return None
+    axes = rows[sorted(held)]
+    projector = axes.T @ axes
+    whole = np.round(projector)
+    if not np.abs(projector - whole).max() <= _PARALLEL:
+        return None
+    return tuple(np.flatnonzero(np.diag(whole)).tolist())
+
+
+def _words(components: set[int]) -> str:
+    numbers = [str(each + 1) for each in sorted(components)]
+    return f"component{'s' if len(numbers) > 1 else ''} {' and '.join(numbers)}"
+
+
+def held_nodes(card: BulkCard, components: str, nodes: list[int]) -> RawHeld:
+    """Nodes held along the translations among ``components``, of 1 to 6, as a card names them.
+
+    Raises ImportFileError for other components, and where there are none or no nodes.
+    """
+    if not nodes or not components or set(components) - set("123456"):
+        card.fail(f'it needs components out of 1 to 6 and grids; found "{components[:12]}" and {len(nodes)} grids.')
+    solid = tuple(sorted({int(each) - 1 for each in components if each in "123"}))
+    return RawHeld(np.array(nodes, dtype=np.int64), solid, card.line)

@@ -1,0 +1,119 @@
+"""Nastran decks in several files: the text of each included file stands in the place of its INCLUDE."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+from stickslip.formats.meshes.bulk_data import ends_bulk
+from stickslip.formats.meshes.raw_model import DEEPEST_INCLUDE, LinePlaces, fail, read_text
+
+_INCLUDE = re.compile(r"\s*INCLUDE\b(?P<name>.*)", re.IGNORECASE)
+_LONGEST_STATEMENT = 10  # lines; beyond them the closing quote has been forgotten
+
+
+def join_files(source: Path) -> tuple[list[str], LinePlaces]:
+    """All lines of a deck and of the files that it includes, and the file and line of each.
+
+    ``INCLUDE name`` may stand anywhere up to ENDDATA, the name in single, double or no quotes; inside quotes it may go
+    on over several lines, whose blanks at both ends do not count. A name is relative to the folder of the file that
+    includes, then to that of ``source``.
+
+    Raises ImportFileError, which names file and line, for a statement without a name, a missing file, files that
+    include each other in a circle or more than ``DEEPEST_INCLUDE`` deep, and entries that follow an included ENDDATA.
+    """
+    joiner = _Joiner(source)
+    joiner.take(source, ())
+    return joiner.lines, joiner.places
+
+
+class _Joiner:
+    """Puts the lines of one file after the other."""
+
+    def __init__(self, top: Path) -> None:
+        self.lines: list[str] = []
+        self.places = LinePlaces()
+        self._top = top
+        self._end: tuple[Path, int] | None = None  # where ENDDATA stands
+
+    def take(self, source: Path, path: tuple[Path, ...]) -> None:
+        """Append a file; ``path`` holds those that include it, the first one being the deck itself."""
+        text = read_text(source)
+        path = (*path, source)
+        self.places.begin(len(self.lines) + 1, source, 1)
+        at = 0
+        while at < len(text):
+            line = text[at]
+            self._require_no_entry_after_the_end(source, line, at + 1)
+            match = None if self._end else _INCLUDE.match(line)
+            if match is None:
+                self.lines.append(line)
+                at += 1
+                if ends_bulk(line) and self._end is None:
+                    self._end = source, at
+                continue
+            name, count = _name_and_lines(source, match["name"], text, at)
+            self.take(self._found(name, path, at + 1), path)
+            at += count
+            self.places.begin(len(self.lines) + 1, source, at + 1)
+
+    def _require_no_entry_after_the_end(self, source: Path, line: str, number: int) -> None:
+        """What follows ENDDATA in its file is no part of a deck; in a file that includes it, it must be a mistake."""
+        if self._end is None or self._end[0] == source or ends_bulk(line):
+            return
+        if line.partition("$")[0].strip():
+            end, end_line = self._end
+            fail(
+                source,
+                f"entries follow, but ENDDATA in line {end_line} of the included file {end} ends the bulk data before. "
+                "Take ENDDATA out there.",
+                number,
+            )
+
+    def _found(self, name: str, path: tuple[Path, ...], number: int) -> Path:
+        """The file that INCLUDE in line ``number`` of the last file of ``path`` names."""
+        source = path[-1]
+        folders = dict.fromkeys((source.parent, self._top.parent))
+        spellings = dict.fromkeys((name, name.replace("\\", "/")))  # decks of Windows are read elsewhere, too
+        candidates = [folder / spelling for folder in folders for spelling in spellings]
+        found = next((each for each in candidates if os.path.isfile(each)), None)
+        if found is None:
+            fail(
+                source,
+                f"INCLUDE: there is no file '{name[:200]}' in {' or '.join(str(each) for each in folders)}. Put it "
+                "there, or correct the name (capitals count).",
+                number,
+            )
+        if found.resolve() in [each.resolve() for each in path]:
+            way = " includes ".join(str(each) for each in (*path, found))
+            fail(source, f"INCLUDE: files include each other in a circle: {way}. Take one INCLUDE out.", number)
+        if len(path) > DEEPEST_INCLUDE:
+            fail(source, f"INCLUDE: files include each other more than {DEEPEST_INCLUDE} deep.", number)
+        return found
+
+
+def _name_and_lines(source: Path, rest: str, text: list[str], at: int) -> tuple[str, int]:
+    """Name of the file, and number of lines, of a statement with ``rest`` behind the word INCLUDE in ``text[at]``."""
+    rest = rest.strip()
+    quote = rest[:1]
+    if quote not in ("'", '"'):
+        words = rest.partition("$")[0].split()
+        if len(words) != 1:
+            fail(source, f'INCLUDE: "{rest[:60]}" is no name of one file. Put the name in quotes.', at + 1)
+        return words[0], 1
+    pieces: list[str] = []
+    for count, line in enumerate([rest[1:], *text[at + 1 : at + _LONGEST_STATEMENT]], start=1):
+        piece, closing, after = line.partition(quote)
+        pieces.append(piece.strip())
+        if closing:
+            name = "".join(pieces)
+            if not name or after.partition("$")[0].strip():
+                fail(
+                    source,
+                    f'INCLUDE: one name of a file must stand in the quotes, nothing after; found "{name[:60]}'
+                    f'" and "{after.strip()[:60]}".',
+                    at + count,
+                )
+            return name, count
+    fail(source, f"INCLUDE: the quote that opens here is not closed within {_LONGEST_STATEMENT} lines.", at + 1)

@@ -1,0 +1,201 @@
+"""A model file as its reader finds it: labels and numbers of the file, with the place where each entry stands."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import NoReturn
+
+import numpy as np
+
+from stickslip.core.errors import ImportFileError
+from stickslip.core.validation import FloatArray
+from stickslip.structure.mesh import IntArray
+
+DEEPEST_INCLUDE = 5  # files that include each other
+LARGEST_LABEL = 2**31  # numbers of nodes and elements stay below
+
+
+@dataclass(frozen=True)
+class RawBlock:
+    """Solid elements of one kind: labels (m,), node labels (m, k) in VTK order, and lines (m,), 0 where unknown."""
+
+    kind: str
+    labels: IntArray
+    cells: IntArray
+    lines: IntArray
+
+
+@dataclass(frozen=True)
+class RawMaterial:
+    """Numbers of a material in the units of the file; None where the file gives none."""
+
+    young_modulus: float | None
+    poisson_ratio: float | None
+    density: float | None
+    line: int
+
+
+@dataclass(frozen=True)
+class RawBody:
+    """Elements (k,) by label that share a name and, where ``material`` is given, a material."""
+
+    name: str
+    elements: IntArray
+    material: str | None
+    line: int
+
+
+@dataclass(frozen=True)
+class RawSides:
+    """Sides of solids: ``side`` (0, 1, ...) of elements (k,), or every free side of them where it is None.
+
+    ``corners`` instead holds the corner nodes (k, 3 | 4) of sides, as shell elements or surface cells name them.
+    """
+
+    line: int
+    elements: IntArray | None = None
+    side: int | None = None
+    corners: IntArray | None = None
+
+
+@dataclass(frozen=True)
+class RawLoad:
+    """Nodes (k,) by label, direction 0, 1, 2, and the force on each in the unit of the file."""
+
+    nodes: IntArray
+    direction: int
+    value: float
+    line: int
+
+    def scaled(self, factor: float) -> RawLoad:
+        """The force times a factor."""
+        return replace(self, value=factor * self.value)
+
+
+@dataclass(frozen=True)
+class RawHeld:
+    """Nodes (k,) by label whose displacements along some directions 0, 1, 2 are zero."""
+
+    nodes: IntArray
+    directions: tuple[int, ...]
+    line: int
+
+    def scaled(self, factor: float) -> RawHeld:
+        """A displacement of zero stays one."""
+        return self
+
+
+@dataclass(frozen=True)
+class LinePlaces:
+    """File and line of each line of a text that was joined from several files.
+
+    ``starts`` are the numbers (from 1, rising) of the joined text's lines at which the lines of another file begin, or
+    those of the same file go on; ``files`` and ``lines`` say of which file, and at which of its lines.
+    """
+
+    starts: list[int] = field(default_factory=list)
+    files: list[Path] = field(default_factory=list)
+    lines: list[int] = field(default_factory=list)
+
+    def begin(self, start: int, file: Path, line: int) -> None:
+        """From line ``start`` of the joined text on stand the lines of ``file`` from ``line`` on."""
+        self.starts.append(start)
+        self.files.append(file)
+        self.lines.append(line)
+
+    def of(self, line: int) -> tuple[Path, int]:
+        """File, and line in it, of a line of the joined text."""
+        at = bisect_right(self.starts, line) - 1
+        return self.files[at], self.lines[at] + line - self.starts[at]
+
+    def words(self, line: int) -> str:
+        """The line for a sentence: "line 5", or "line 5 of blade.bdf" in another file than the first."""
+        file, own = self.of(line)
+        return f"line {own}" if file == self.files[0] else f"line {own} of {file}"
+
+    def fail(self, sentence: str, line: int) -> NoReturn:
+        """Raise ImportFileError with the file and its line, and the sentence."""
+        file, own = self.of(line)
+        fail(file, sentence, own)
+
+
+@dataclass(frozen=True)
+class LabelRange:
+    """Labels ``first`` to ``last`` that the file writes without ``offset``, after the name of an instance."""
+
+    first: int
+    last: int
+    offset: int
+    instance: str
+
+
+def shown_label(label: int, ranges: tuple[LabelRange, ...]) -> str:
+    """A node or element as the file writes it: 12, or Part-1.12 in an instance."""
+    for each in ranges:
+        if each.first <= label <= each.last:
+            return f"{each.instance}.{label - each.offset}" if each.instance else f"{label - each.offset}"
+    return f"{label}"
+
+
+@dataclass
+class RawModel:
+    """All that a reader found. Node and element labels are those of the file, or of the flat file that it means.
+
+    Lines are those of ``source``; where ``places`` is given, those of a text that was joined from several files.
+    """
+
+    source: Path
+    format: str
+    node_labels: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    coordinates: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
+    node_lines: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    blocks: list[RawBlock] = field(default_factory=list)
+    node_sets: dict[str, IntArray] = field(default_factory=dict)
+    element_sets: dict[str, IntArray] = field(default_factory=dict)
+    face_sets: dict[str, list[RawSides]] = field(default_factory=dict)
+    set_lines: dict[str, int] = field(default_factory=dict)
+    materials: dict[str, RawMaterial] = field(default_factory=dict)
+    bodies: list[RawBody] = field(default_factory=list)
+    held: list[RawHeld] = field(default_factory=list)
+    loads: list[RawLoad] = field(default_factory=list)
+    messages: list[str] = field(default_factory=list)
+    places: LinePlaces | None = None
+    label_ranges: tuple[LabelRange, ...] = ()
+
+    def shown(self, label: int) -> str:
+        """A node or element as the file writes it."""
+        return shown_label(label, self.label_ranges)
+
+    def fail(self, sentence: str, line: int = 0) -> NoReturn:
+        """Raise ImportFileError with the file, the line where one is known, and the sentence."""
+        if self.places is not None and line:
+            self.places.fail(sentence, line)
+        fail(self.source, sentence, line)
+
+    def where(self, line: int) -> str:
+        """A line for a sentence; its file is named where it is not ``source``."""
+        return self.places.words(line) if self.places is not None else f"line {line}"
+
+
+def fail(source: Path, sentence: str, line: int = 0) -> NoReturn:
+    """Raise ImportFileError with the file, the line where one is known, and the sentence."""
+    raise ImportFileError(f"{source}, line {line}: {sentence}" if line else f"{source}: {sentence}")
+
+
+def read_text(source: Path) -> list[str]:
+    """Lines of a text file. Raises ImportFileError where it cannot be read, is empty, or is no text."""
+    try:
+        content = source.read_bytes()
+    except OSError as error:
+        fail(source, f"the file cannot be read ({error.strerror}). Give the path of a model file.")
+    if not content.strip():
+        fail(source, "the file is empty.")
+    if b"\0" in content:
+        fail(source, "this is a binary file, but its name is that of a text format. Export the model as text.")
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = content.decode("latin-1")  # comments and names of older programs; every byte is a character
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")

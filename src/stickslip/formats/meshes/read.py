@@ -1,0 +1,84 @@
+"""Reading a model file of another program into SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from os import PathLike
+from pathlib import Path
+
+from stickslip.formats.meshes.abaqus import read_abaqus
+from stickslip.formats.meshes.build import build_model
+from stickslip.formats.meshes.imported_model import ImportedModel
+from stickslip.formats.meshes.meshio_files import read_gmsh, read_med, read_vtu
+from stickslip.formats.meshes.nastran import read_nastran
+from stickslip.formats.meshes.raw_model import RawModel, fail
+from stickslip.formats.meshes.unit_systems import find_unit_system
+
+_READERS: dict[str, Callable[[Path], RawModel]] = {
+    ".inp": read_abaqus,
+    ".bdf": read_nastran,
+    ".nas": read_nastran,
+    ".dat": read_nastran,
+    ".fem": read_nastran,
+    ".msh": read_gmsh,
+    ".vtu": read_vtu,
+    ".med": read_med,
+}
+# What to do with a file of another kind.
+_ADVICE = {
+    **dict.fromkeys(
+        (".stl", ".step", ".stp", ".iges", ".igs", ".brep", ".x_t", ".obj", ".ply"),
+        "It holds a shape without solid elements: mesh it first, for example with Gmsh, and give the .msh file",
+    ),
+    **dict.fromkeys(
+        (".odb", ".cae", ".op2", ".rst", ".db", ".cdb", ".frd", ".mph", ".hm", ".k", ".xdmf", ".vtk"),
+        "Export the model as .inp, .bdf or .vtu from the program that wrote it",
+    ),
+    **dict.fromkeys(
+        (".mtx", ".npz", ".npy", ".mat", ".op4", ".sti", ".mas", ".full", ".hb"),
+        'It holds matrices: name it in a study with structure.kind = "matrices" (docs/matrices.md)',
+    ),
+    **dict.fromkeys(
+        (".toml", ".yaml", ".yml"), "It is a study file: give the mesh file that it names, or use stickslip check"
+    ),
+}
+
+
+def read_model(path: str | PathLike[str], length_unit: str, unit_system: str | None = None) -> ImportedModel:
+    """Read a model into SI units: .inp (Abaqus, CalculiX), .bdf/.nas/.dat/.fem (Nastran), .msh (Gmsh), .vtu, .med.
+
+    Parameters
+    ----------
+    length_unit:
+        unit of the coordinates: m, dm, cm, mm, um, in, ft.
+    unit_system:
+        consistent system of moduli, densities and forces in the file, a key of ``UNIT_SYSTEMS``; by default newtons and
+        seconds with metric lengths (mm: MPa and t/mm3), pounds-force and seconds with inches and feet.
+
+    Raises
+    ------
+    ImportFileError
+        for a file that cannot be read, a format that is not known, and an entry that is wrong; it names file and line.
+    InputError
+        for a unit or system that does not exist or does not fit.
+    """
+    units = find_unit_system(length_unit, unit_system)
+    return build_model(read_raw(path), units)
+
+
+def read_raw(path: str | PathLike[str]) -> RawModel:
+    """The entries of a model file in its own units. Raises ImportFileError."""
+    source = Path(path)
+    if source.is_dir():
+        fail(source, "this is a folder. Give the path of a model file.")
+    ending = source.suffix.lower()
+    reader = _READERS.get(ending)
+    if reader is None:
+        advice = _ADVICE.get(ending, "Export the model in one of these, or give the file its usual ending")
+        fail(
+            source,
+            f"'{source.suffix}' is no model format that can be read; there are: {', '.join(_READERS)}. {advice}.",
+        )
+    if not source.is_file():
+        fail(source, "there is no such file.")
+    return reader(source)

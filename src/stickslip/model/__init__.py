@@ -1,0 +1,1 @@
+"""From a validated case to what the solver needs."""

@@ -1,0 +1,215 @@
+"""The joint of a study: preload, friction and stiffness of its contact pairs, face by face."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.contact.pairing.pairing import FacePairs
+from stickslip.contact.preload import area_share, face_sum
+from stickslip.contact.stiffness.fractal import (
+    ContactStiffness,
+    Roughness,
+    contact_stiffness,
+    pair_stiffness,
+    reduced_modulus,
+)
+from stickslip.contact.stiffness.surface import SurfaceStatistics, surface_statistics
+from stickslip.core.errors import InputError, concerning
+from stickslip.core.validation import FloatArray
+from stickslip.model.layout import Layout
+from stickslip.structure.elasticity import Material
+
+if TYPE_CHECKING:
+    from stickslip.case.case import Case
+
+
+# Pa; where the preload is solved, the iteration of the contact stiffness starts from it.
+STARTING_PRESSURE = 3e6
+
+
+@dataclass(frozen=True)
+class RoughFace:
+    """What the roughness says of one contact face under its preload."""
+
+    stiffness: ContactStiffness  # of ``reference_area`` under the mean pressure of the face
+    statistics: SurfaceStatistics
+    reference_area: float  # m2, roughness.reference_area or the area of the face
+
+
+@dataclass(frozen=True)
+class FaceSettings:
+    """Friction of one face, and its stiffness (normal, tangential) in N/m; None where it follows from a roughness."""
+
+    friction: float
+    stiffness: tuple[float, float] | None
+
+    @classmethod
+    def of_case(cls, case: Case) -> FaceSettings:
+        """The settings of [friction] and [contact_stiffness]."""
+        given = case.contact_stiffness
+        stiffness = None if given is None else (given.normal_stiffness, given.tangential_stiffness)
+        return cls(case.friction.coefficient, stiffness)
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Constants of the contact pairs before any reduction: they follow from geometry, roughness and load alone."""
+
+    layout: Layout
+    preload: FloatArray  # (n_pairs,) N
+    friction_coefficient: FloatArray  # (n_pairs,)
+    normal_stiffness: FloatArray  # (n_pairs,) N/m
+    tangential_stiffness: FloatArray  # (n_pairs,) N/m
+    rough_faces: tuple[RoughFace | None, ...]  # one for each face; None where the stiffness was given
+
+    @property
+    def face_pairs(self) -> FacePairs:
+        """The contact pairs."""
+        return self.layout.face_pairs
+
+    @property
+    def face_names(self) -> tuple[str, ...]:
+        """Name of each face."""
+        return self.layout.face_names
+
+    @property
+    def closed_at_rest(self) -> NDArray[np.bool_]:
+        """(n_pairs,) True where the preload presses the pair together."""
+        return self.preload > 0.0
+
+    @property
+    def resting_springs(self) -> FloatArray:
+        """(3 * n_pairs,) N/m: t1, t2, n of each pair that is closed at rest, stuck; 0 for a pair that is open there.
+
+        What :meth:`ContactPairs.resting_stiffness` gives the balance, for a joint that has no operator yet.
+        """
+        springs = np.column_stack([self.tangential_stiffness, self.tangential_stiffness, self.normal_stiffness])
+        return (springs * self.closed_at_rest[:, None]).ravel()
+
+    def face_sum(self, values: FloatArray) -> FloatArray:
+        """Sum of a value of the pairs for each face (n_faces,)."""
+        return face_sum(values, self.face_pairs.face)
+
+
+def make_joint(case: Case, layout: Layout, preload: FloatArray, settings: Sequence[FaceSettings]) -> Joint:
+    """Stiffness of each face from its settings, or from the roughness and the preload.
+
+    Raises RoughnessError where the roughness gives no usable contact.
+    """
+    pairs = layout.face_pairs
+    friction = np.array([each.friction for each in settings])[pairs.face]
+    rough_faces = describe_faces(case, layout, preload, settings)
+    normal, tangential = pair_springs(case, layout, preload, settings)
+    # A pair that stands apart closes when it has moved by its gap; no load is on it before. The pressure that a solved
+    # preload starts from is on all pairs, for the stiffness of rough faces alone.
+    unloaded = (preload == 0.0) | (case.preload.method == "solved")
+    preload = np.where((pairs.gap > 0.0) & unloaded, -normal * pairs.gap, preload)
+    return Joint(layout, preload, friction, normal, tangential, rough_faces)
+
+
+def describe_faces(
+    case: Case, layout: Layout, preload: FloatArray, settings: Sequence[FaceSettings]
+) -> tuple[RoughFace | None, ...]:
+    """What the roughness says of each face under its load; None for a face whose stiffness is given."""
+    pairs = layout.face_pairs
+    faces: list[RoughFace | None] = []
+    for face, own in enumerate(settings):
+        given, members = case.roughness, pairs.face == face
+        if own.stiffness is not None or given is None:
+            faces.append(None)
+            continue
+        area, load = float(pairs.area[members].sum()), float(np.maximum(preload[members], 0.0).sum())
+        reference = given.reference_area or area
+        with concerning(*_roughness_keys(case, layout.face_names[face])):
+            roughness = case_roughness(case, *layout.face_materials[face])
+            faces.append(
+                RoughFace(
+                    contact_stiffness(roughness, load * (reference / area), mode=given.mode, nominal_area=reference),
+                    surface_statistics(roughness, given.sample_length, given.shortest_length),
+                    reference,
+                )
+            )
+    return tuple(faces)
+
+
+def pair_springs(
+    case: Case, layout: Layout, preload: FloatArray, settings: Sequence[FaceSettings]
+) -> tuple[FloatArray, FloatArray]:
+    """Normal and tangential stiffness (n_pairs,) in N/m under the loads ``preload`` (n_pairs,) in N.
+
+    Raises RoughnessError where the roughness gives no usable contact.
+    """
+    pairs = layout.face_pairs
+    share = area_share(pairs.area, pairs.face)
+    normal, tangential = np.empty(pairs.n_pairs), np.empty(pairs.n_pairs)
+    for face, own in enumerate(settings):
+        members = pairs.face == face
+        if own.stiffness is not None:
+            normal[members], tangential[members] = (value * share[members] for value in own.stiffness)
+            continue
+        given = case.roughness
+        assert given is not None  # a case has a roughness wherever a face has no stiffness of its own
+        with concerning(*_roughness_keys(case, layout.face_names[face])):
+            normal[members], tangential[members] = pair_stiffness(
+                case_roughness(case, *layout.face_materials[face]),
+                pairs.area[members],
+                preload[members],
+                mode=given.mode,
+                allocation=given.allocation,
+                reference_area=given.reference_area,
+            )
+    return normal, tangential
+
+
+def _roughness_keys(case: Case, face_name: str) -> tuple[str, ...]:
+    """What the stiffness of a rough face follows from: the roughness, and where its load comes from."""
+    if case.preload.method == "solved":
+        load = "preload.method"
+    elif case.preload.values is not None:
+        load = "preload.values"
+    else:
+        load = "preload.centrifugal_force" if case.interfaces == {} else f"interfaces.{face_name}.normal_load"
+    return "roughness", load
+
+
+def case_material(case: Case) -> Material:
+    """The material of [material]. Raises InputError where a study of own structure has none."""
+    if case.material is None:
+        raise InputError("there is no section [material]. Give young_modulus, poisson_ratio and density.")
+    return Material(case.material.young_modulus, case.material.poisson_ratio, case.material.density)
+
+
+def case_roughness(case: Case, first: Material, second: Material) -> Roughness:
+    """Roughness of a case that has one, between two bodies."""
+    given = case.roughness
+    assert given is not None
+    return Roughness(
+        fractal_dimension=given.fractal_dimension,
+        fractal_roughness=given.fractal_roughness,
+        hardness=given.hardness,
+        reduced_modulus=reduced_modulus(
+            first.young_modulus, first.poisson_ratio, second.young_modulus, second.poisson_ratio
+        ),
+        poisson_ratio=_joint_poisson_ratio(first, second),
+        domain_extension=given.domain_extension,
+        sample_length=given.sample_length,
+        shortest_length=given.shortest_length,
+    )
+
+
+def _joint_poisson_ratio(first: Material, second: Material) -> float:
+    """The ratio nu for which equal bodies have the K_t / K_n of these two, so that the contact law serves both.
+
+    Mindlin: K_t / K_n = 4 G* / E*, 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, which is 2 (1 - nu)/(2 - nu) for equal bodies.
+    """
+    if first == second:
+        return first.poisson_ratio
+    compliance = sum(2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.young_modulus for m in (first, second))
+    modulus = reduced_modulus(first.young_modulus, first.poisson_ratio, second.young_modulus, second.poisson_ratio)
+    ratio = 4.0 / (compliance * modulus)
+    return 2.0 * (1.0 - ratio) / (2.0 - ratio)

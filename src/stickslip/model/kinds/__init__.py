@@ -1,0 +1,1 @@
+"""The kinds of structure that a study can have."""

@@ -1,0 +1,344 @@
+"""The study of kind "matrices": a superelement or sparse matrices of another program, joints between its nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stickslip.case.own_sections import GROUND, InterfaceSection, PortSection
+from stickslip.contact.pairing.face_pairs import FacePairs
+from stickslip.contact.pairing.local_axes import local_tangents, map_position
+from stickslip.core.errors import ImportFileError, InputError, concerning, keys_of_section
+from stickslip.core.validation import FloatArray
+from stickslip.formats.matrices.exchange import boundary_unknowns, read_superelement
+from stickslip.formats.matrices.model import MatrixModel
+from stickslip.formats.matrices.read import read_matrices
+from stickslip.formats.matrices.reduce import reduce_matrices
+from stickslip.model.joint import case_material
+from stickslip.model.kinds.own import port_sections
+from stickslip.model.layout import Layout, Port
+from stickslip.model.overlap import require_single_pairs
+from stickslip.structure.elasticity import Material
+from stickslip.structure.finite_element_mesh import AnyMesh
+from stickslip.structure.floating_parts import require_contact_bodies
+from stickslip.structure.mesh import IntArray
+from stickslip.structure.model_facts import matrix_warnings
+from stickslip.structure.superelement import Superelement
+
+if TYPE_CHECKING:
+    from stickslip.case.case import Case
+
+_COINCIDENT = 1e-6  # m between the nodes of a pair, unless search_distance says more
+_POINT_SHARE = 0.05  # of the size of the structure: how far a point may be from a node
+_MAP_STEP = 1e-3  # m between pairs on a map, where the matrices have no positions
+
+
+@dataclass(frozen=True)
+class _Book:
+    """Nodes of matrices that have x, y and z: their numbers (k,), where they are (k, 3) m or None, and named sets."""
+
+    labels: IntArray
+    positions: FloatArray | None
+    node_sets: Mapping[str, IntArray]
+
+    @classmethod
+    def of(cls, matrices: Superelement | MatrixModel) -> _Book:
+        """The nodes of matrices."""
+        if isinstance(matrices, Superelement):
+            return cls(matrices.boundary_nodes, matrices.positions, matrices.node_sets)
+        nodes, _ = boundary_unknowns(matrices)
+        return cls(nodes, matrices.positions_of(nodes), matrices.node_sets)
+
+
+@dataclass(frozen=True)
+class MatrixSetup:
+    """Matrices whose unknowns are known by node and direction, and how many modes a reduction of them keeps."""
+
+    matrices: Superelement | MatrixModel
+    layout: Layout
+    n_modes: int
+
+    def assemble(self) -> Superelement:
+        """A superelement as it is; sparse matrices reduced to the nodes of the layout and some modes.
+
+        Raises InputError where the stiffness is singular and rigid bodies with contact do not explain it.
+        """
+        contact = self.layout.face_pairs.nodes
+        if isinstance(self.matrices, Superelement):
+            with concerning("structure.file"):
+                require_contact_bodies(self.matrices, contact)
+            return self.matrices
+        places = [port.nodes for port in self.layout.ports.values()]
+        nodes = np.unique(np.concatenate([contact, *places]))
+        with concerning("structure.stiffness"), keys_of_section("reduction", {"n_modes": "modes"}):
+            return reduce_matrices(self.matrices, nodes, self.n_modes, contact_nodes=contact)
+
+    def sizes(self) -> tuple[tuple[str, str], ...]:
+        """Nodes with three displacements, other unknowns, mass, named sets."""
+        found, book = self.matrices, _Book.of(self.matrices)
+        nodes = book.labels.size
+        sets = ", ".join(f"{name} ({members.size})" for name, members in book.node_sets.items())
+        return (
+            ("nodes with x, y, z", f"{nodes}"),
+            ("other unknowns", f"{found.size - 3 * nodes}"),
+            ("mass that moves along x with all nodes", f"{_mass_along_x(found):.4g} kg"),
+            ("node sets", sets or "none"),
+        )
+
+    def write_places(self, folder: Path) -> tuple[Path, ...]:
+        """Nothing: there is no mesh."""
+        return ()
+
+
+def set_up(case: Case) -> MatrixSetup:
+    """Read the matrices, pair their nodes, and find the places of forces and responses.
+
+    Raises ImportFileError for a file; InputError that names the entry of the study file for what does not fit.
+    """
+    matrices = _read(case)
+    if matrices.damping is not None and case.damping.modal_damping_ratio is not None:
+        raise InputError(
+            f"damping.modal_damping_ratio = {case.damping.modal_damping_ratio:g} cannot come on top of the damping in "
+            "the matrix files. Set damping.rayleigh_alpha = 0 to take that of the files alone, or take theirs out.",
+            ("damping.modal_damping_ratio",),
+        )
+    book, pairs, messages = _Book.of(matrices), [], []
+    if not book.labels.size:
+        raise InputError(
+            "structure.unknown_map: no node of the matrices has unknowns along x, y and z, so no place can be named. "
+            "Give a file with the node and direction of each row.",
+            ("structure.unknown_map",),
+        )
+    for name, given in case.interfaces.items():
+        found, words = _pairs(book, name, given)
+        pairs.append(found)
+        messages += words
+    ports = {name: _port(book, name, given) for name, given in port_sections(case).items()}
+    materials = _face_materials(case)
+    joined = FacePairs.concatenate(pairs)
+    require_single_pairs(tuple(case.interfaces), joined)
+    layout = Layout(
+        joined,
+        tuple(case.interfaces),
+        materials,
+        ports,
+        messages=(*getattr(matrices, "messages", ()), *_unit_warnings(matrices, book), *messages),
+    )
+    return MatrixSetup(matrices, layout, case.reduction.modes)
+
+
+def find_layout(case: Case, mesh: AnyMesh) -> Layout:
+    """The layout of :func:`set_up`; matrices have no mesh."""
+    return set_up(case).layout
+
+
+def _read(case: Case) -> Superelement | MatrixModel:
+    """The matrices of the files. Raises ImportFileError, and InputError for a unit that is not known."""
+    given = case.structure
+    if given.file is not None:
+        with concerning("structure.file"):
+            return read_superelement(given.file)
+    assert given.stiffness is not None
+    assert given.mass is not None
+    assert given.length_unit is not None
+    with keys_of_section("structure"):
+        return read_matrices(
+            given.stiffness,
+            given.mass,
+            given.damping,
+            given.unknown_map,
+            given.node_positions,
+            length_unit=given.length_unit,
+            unit_system=given.unit_system,
+        )
+
+
+def _displacements(matrices: Superelement | MatrixModel, axis: int | None = None) -> IntArray:
+    """Positions of the unknowns along an axis (0, 1, 2) at a node, or along any."""
+    if isinstance(matrices, Superelement):
+        rows = np.arange(3 * matrices.boundary_nodes.size)
+        return rows if axis is None else rows[axis::3]
+    return np.flatnonzero(matrices.direction < 3 if axis is None else matrices.direction == axis)
+
+
+def _mass_along_x(matrices: Superelement | MatrixModel) -> float:
+    """kg that move when all nodes move along x."""
+    along_x = np.zeros(matrices.size)
+    along_x[_displacements(matrices, 0)] = 1.0
+    return float(along_x @ (matrices.mass @ along_x))
+
+
+def _unit_warnings(matrices: Superelement | MatrixModel, book: _Book) -> tuple[str, ...]:
+    """Sentences on what only wrong units can explain."""
+    rows = _displacements(matrices)
+    stiffness, mass = (np.asarray(each.diagonal())[rows] for each in (matrices.stiffness, matrices.mass))
+    return tuple(matrix_warnings(stiffness, mass, _mass_along_x(matrices), book.positions))
+
+
+def _face_materials(case: Case) -> tuple[tuple[Material, Material], ...]:
+    """The material of [material] on both sides; it serves the roughness alone, so faces with stiffness need none."""
+    rough = case.contact_stiffness is None and any(each.normal_stiffness is None for each in case.interfaces.values())
+    material = case_material(case) if rough or case.material is not None else Material()
+    return ((material, material),) * len(case.interfaces)
+
+
+def _nodes(book: _Book, entry: str, name: str) -> IntArray:
+    """Nodes of a set. Raises InputError that names the entry."""
+    if name not in book.node_sets:
+        known = ", ".join(book.node_sets) or "none"
+        raise InputError(f"{entry}: the matrices have no node set '{name}'; they have: {known}.", [entry])
+    nodes = np.asarray(book.node_sets[name], dtype=np.int64)
+    if not nodes.size:
+        raise InputError(f"{entry}: node set '{name}' is empty. Give it nodes, or take another set.", [entry])
+    return nodes
+
+
+def _pairs(book: _Book, name: str, given: InterfaceSection) -> tuple[FacePairs, list[str]]:
+    """Node to node pairs of an interface, or pairs of nodes and the ground; sentences on what was assumed."""
+    entry = f"interfaces.{name}"
+    messages: list[str] = []
+    first, second = _sides(book, entry, given)
+    count = first.size
+    weight = np.full((count, 1), 0.0 if second is None else 1.0)
+    second = first if second is None else second
+    assert given.normal is not None
+    assert given.area is not None
+    normal = np.tile(given.normal, (count, 1))
+    area = np.full(count, given.area / count)
+    places = _places(book, first)
+    points = np.zeros((count, 3)) if places is None else places
+    with concerning(f"{entry}.tangent"):
+        tangent1, tangent2 = local_tangents(points, normal, area, given.tangent)
+    if places is None:
+        position = np.column_stack([np.zeros(count), _MAP_STEP * np.arange(count)])
+        messages.append(
+            f"{entry}: the matrices do not say where their nodes are, so maps show the pairs in a row in their order."
+        )
+        if given.pairs is None and given.second != GROUND:
+            messages.append(f"{entry}: its nodes are paired in the order of the two sets, as positions are not known.")
+    else:
+        position = map_position(points, tangent1, tangent2, area)
+    pairs = FacePairs(
+        first[:, None], np.ones((count, 1)), second[:, None], weight, np.zeros(count), points, area, normal,
+        tangent1, tangent2, np.zeros(count, dtype=np.int64), position,
+    )  # fmt: skip
+    return pairs, messages
+
+
+def _sides(book: _Book, entry: str, given: InterfaceSection) -> tuple[IntArray, IntArray | None]:
+    """First and second node of each pair, from a file or from sets; None for the ground."""
+    if given.pairs is not None:
+        with concerning(f"{entry}.pairs"):
+            return _listed_pairs(book, entry, Path(given.pairs))
+    assert given.first is not None
+    assert given.second is not None
+    first = _nodes(book, f"{entry}.first", given.first)
+    if given.second == GROUND:
+        return first, None
+    others = _nodes(book, f"{entry}.second", given.second)
+    return first, _partners(book, entry, given, first, others)
+
+
+def _listed_pairs(book: _Book, entry: str, path: Path) -> tuple[IntArray, IntArray | None]:
+    """Pairs of a text file: two node numbers a line, or one for the ground. Raises ImportFileError with the line."""
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise ImportFileError(f"{entry}.pairs: {path} cannot be read ({error}). Give a text file.") from error
+    rows: list[list[int]] = []
+    for number, line in enumerate(lines, start=1):
+        words = line.partition("#")[0].replace(",", " ").split()
+        if not words:
+            continue
+        where = f"{entry}.pairs: {path}, line {number}:"
+        if not all(word.lstrip("-").isdecimal() for word in words) or len(words) != len(rows[0] if rows else words):
+            raise ImportFileError(f'{where} "{line}" must be two node numbers, or one in every line for the ground.')
+        rows.append([int(word) for word in words])
+        lone = np.setdiff1d(rows[-1], book.labels)
+        if len(words) > 2 or lone.size:
+            what = f"the matrices have no node {lone[0]} with x, y and z" if lone.size else "more than two numbers"
+            raise ImportFileError(f"{where} {what}.")
+    if not rows:
+        raise ImportFileError(f"{entry}.pairs: {path} holds no pair. Write two node numbers a line.")
+    table = np.array(rows, dtype=np.int64)
+    different, count = np.unique(table, axis=0, return_counts=True)
+    if count.max() > 1:
+        twice = ", ".join(map(str, different[count.argmax()]))
+        raise ImportFileError(
+            f"{entry}.pairs: {path} has the pair {twice} in {count.max()} lines. Name each pair once."
+        )
+    return table[:, 0], table[:, 1] if table.shape[1] == 2 else None
+
+
+def _places(book: _Book, nodes: IntArray) -> FloatArray | None:
+    """(k, 3) m of nodes, None where that is not known."""
+    if book.positions is None:
+        return None
+    order = np.argsort(book.labels)
+    found = order[np.searchsorted(book.labels, nodes, sorter=order)]
+    return np.asarray(book.positions)[found]
+
+
+def _partners(book: _Book, entry: str, given: InterfaceSection, first: IntArray, others: IntArray) -> IntArray:
+    """The partner of each first node: the node at its place, or, without positions, the one with its rank in the set.
+
+    Raises InputError for sets of different size, and for a node without a partner near enough.
+    """
+    if first.size != others.size:
+        raise InputError(
+            f"{entry}: '{given.first}' has {first.size} nodes and '{given.second}' has {others.size}; each node needs "
+            "one partner. Make the sets equal.",
+            (f"{entry}.first", f"{entry}.second"),
+        )
+    places, opposite = _places(book, first), _places(book, others)
+    if places is None or opposite is None:
+        return others  # _pairs tells that they are paired by their order
+    distance = np.linalg.norm(places[:, None] - opposite[None], axis=2)
+    nearest = distance.argmin(axis=1)
+    reach = given.search_distance or _COINCIDENT
+    smallest = distance[np.arange(first.size), nearest]
+    if smallest.max() > reach or np.unique(nearest).size != nearest.size:
+        worst = int(smallest.argmax())
+        raise InputError(
+            f"{entry}: node {first[worst]} of '{given.first}' is {1e3 * smallest[worst]:.4g} mm from the nearest node "
+            f"of '{given.second}' ({1e3 * reach:.4g} mm are allowed), or two nodes have the same partner. Check the "
+            "sets, or raise search_distance.",
+            (f"{entry}.first", f"{entry}.second"),
+        )
+    return np.asarray(others[nearest])
+
+
+def _port(book: _Book, name: str, given: PortSection) -> Port:
+    """The nodes of a place. Raises InputError that names the entry."""
+    if given.set is not None:
+        return Port.equal(_nodes(book, f"{name}.set", given.set))
+    if given.node is not None:
+        if given.node not in book.labels:
+            raise InputError(
+                f"{name}.node: the matrices have no node {given.node} with x, y and z among their "
+                f"{book.labels.size} such nodes.",
+                (f"{name}.node",),
+            )
+        return Port.single(given.node)
+    with concerning(f"{name}.point"):
+        return _nearest(book, name, np.array(given.point))
+
+
+def _nearest(book: _Book, name: str, point: FloatArray) -> Port:
+    """The node nearest to a point. Raises InputError where that is not known, far, or not a single one."""
+    places = _places(book, book.labels)
+    if places is None:
+        raise InputError(f"{name}.point: the matrices do not say where their nodes are. Give node or set.")
+    distance = np.linalg.norm(places - point, axis=1)
+    size = float(np.linalg.norm(np.ptp(places, axis=0)))
+    if distance.min() > _POINT_SHARE * size:
+        raise InputError(f"{name}.point: the nearest node is {1e3 * distance.min():.4g} mm away. Check the point.")
+    if np.sum(distance <= distance.min() + _COINCIDENT * size) > 1:
+        raise InputError(
+            f"{name}.point: several nodes lie at the place nearest to it, as on both sides of a joint. Give node."
+        )
+    return Port.single(int(book.labels[distance.argmin()]))

@@ -1,0 +1,353 @@
+"""The study of kind "mesh": bodies from a mesh file, several materials, joints between named faces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stickslip.case.own_sections import GROUND, InterfaceSection, PortSection
+from stickslip.case.template import bare_name
+from stickslip.contact.pairing.face_pairs import FacePairs
+from stickslip.contact.pairing.pairing import pair_surfaces, pair_with_ground
+from stickslip.contact.pairing.pairing_result import Pairing, write_pairs
+from stickslip.core.errors import InputError, concerning, keys_of_section
+from stickslip.core.validation import FloatArray
+from stickslip.formats.meshes.imported_model import ImportedModel
+from stickslip.formats.meshes.read import read_model
+from stickslip.model.kinds.own import port_sections
+from stickslip.model.layout import Derived, Layout, Port
+from stickslip.model.overlap import require_single_joints
+from stickslip.structure.body_load import centrifugal_load
+from stickslip.structure.elasticity import Hexahedron, Material, Structure, assemble_bodies
+from stickslip.structure.faces import face_geometry
+from stickslip.structure.finite_element_mesh import AnyMesh, FiniteElementMesh
+from stickslip.structure.mesh import IntArray
+from stickslip.structure.model_facts import body_volumes, bounding_box, plausibility_warnings
+from stickslip.structure.rigid_motions import part_motions
+
+if TYPE_CHECKING:
+    from stickslip.case.case import Case
+
+PAIRS_FILE = "contact_pairs.vtu"
+# A point of the study file may lie this share of the model's size from the nearest node.
+_POINT_SHARE = 0.05
+_CORNER = 1e-9  # share of the model's size below which two nodes are at one place
+
+
+@dataclass(frozen=True)
+class MeshSetup:
+    """A mesh with the material of each body and what is held, and the pairings of its interfaces."""
+
+    mesh: FiniteElementMesh
+    materials: tuple[Material, ...]
+    fixed_unknowns: IntArray
+    element: Hexahedron
+    layout: Layout
+    pairings: tuple[Pairing, ...]
+
+    def assemble(self) -> Structure:
+        """Matrices of all bodies."""
+        return assemble_bodies(self.mesh, self.materials, self.element, fixed_unknowns=self.fixed_unknowns)
+
+    def sizes(self) -> tuple[tuple[str, str], ...]:
+        """Elements, nodes, bodies with their material and mass, named sets."""
+        mesh, volumes = self.mesh, body_volumes(self.mesh)
+        kinds = ", ".join(dict.fromkeys(block.kind for block in mesh.blocks))
+        low, high = bounding_box(mesh.points)
+        box = " x ".join(f"{1e3 * size:.4g}" for size in high - low)
+        bodies = tuple(
+            (
+                f"body {name}",
+                f"{np.count_nonzero(mesh.body == number)} elements, {material.density * volume:.4g} kg, "
+                f"E {1e-9 * material.young_modulus:.4g} GPa, density {material.density:.4g} kg/m^3",
+            )
+            for number, (name, volume, material) in enumerate(
+                zip(mesh.body_names, volumes, self.materials, strict=True)
+            )
+        )
+        others = sorted(mesh.node_sets.keys() - mesh.face_sets.keys())
+        return (
+            ("elements", f"{mesh.n_cells} ({kinds})"),
+            ("nodes", f"{mesh.n_nodes}"),
+            ("bounding box", f"{box} mm"),
+            *bodies,
+            ("face sets", ", ".join(sorted(mesh.face_sets)) or "none"),
+            ("other sets", ", ".join(others) or "none"),
+            ("held displacements", f"{self.fixed_unknowns.size}"),
+        )
+
+    def write_places(self, folder: Path) -> tuple[Path, ...]:
+        """The pairs, and the places of their faces that found no partner."""
+        return (write_pairs(folder / PAIRS_FILE, self.pairings),)
+
+
+def set_up(case: Case) -> MeshSetup:
+    """Read the mesh, pair its faces and find the places of forces and responses.
+
+    Raises ImportFileError for the file; InputError that names the entry of the study file for a set that is missing or
+    empty, a material that is missing, faces that do not meet, and a body that nothing holds.
+    """
+    source = _source(case)
+    mesh, materials = source.mesh, body_materials(case, source)
+    odd_units = tuple(plausibility_warnings(mesh, dict(zip(mesh.body_names, materials, strict=True))))
+    with _suspecting(odd_units):
+        fixed = _fixed_unknowns(case, source)
+        pairings = tuple(_pairing(mesh, name, each) for name, each in case.interfaces.items())
+        require_single_joints(mesh, case.interfaces)
+        layout = _layout(case, source, materials, pairings, fixed, odd_units)
+    element = case.structure.element or "incompatible"
+    return MeshSetup(mesh, materials, fixed, element, layout, pairings)
+
+
+def find_layout(case: Case, mesh: AnyMesh) -> Layout:
+    """The layout on the mesh of the file; ``mesh`` must be that of :func:`set_up`."""
+    setup = set_up(case)
+    if not np.array_equal(setup.mesh.points, mesh.points):
+        raise InputError("the structure belongs to another mesh file than the case.")
+    return setup.layout
+
+
+def _source(case: Case) -> ImportedModel:
+    """The mesh file."""
+    given = case.structure
+    assert given.file is not None
+    assert given.length_unit is not None
+    with keys_of_section("structure"), concerning("file"):
+        return read_model(given.file, given.length_unit, given.unit_system)
+
+
+@contextmanager
+def _entry(name: str) -> Iterator[None]:
+    """Put the entry of the study file before the sentence of an InputError, whose keys are those of the entry."""
+    try:
+        with concerning(name):
+            yield
+    except InputError as error:
+        raise error.reworded(f"{name}: {error}") from error
+
+
+@contextmanager
+def _suspecting(odd_units: Sequence[str]) -> Iterator[None]:
+    """Add the first warning of units to an InputError: wrong units are what most likely caused it."""
+    try:
+        yield
+    except InputError as error:
+        if odd_units:
+            raise error.reworded(f"{error} Besides, {odd_units[0]}") from error
+        raise
+
+
+def body_materials(case: Case, source: ImportedModel) -> tuple[Material, ...]:
+    """Material of each body: of [bodies.NAME], else of the file, else of [material]. Raises InputError."""
+    names = source.mesh.body_names
+    unknown = [name for name in case.bodies if name not in names]
+    if unknown:
+        raise InputError(
+            f"[bodies.{bare_name(unknown[0])}] names no body of {source.source}; its bodies are: {', '.join(names)}.",
+            (f"bodies.{unknown[0]}",),
+        )
+    return tuple(_material(case, name, source) for name in names)
+
+
+def _material(case: Case, name: str, source: ImportedModel) -> Material:
+    sections = (case.bodies.get(name), source.materials.get(name), case.material)
+    keys = ("young_modulus", "poisson_ratio", "density")
+    values: dict[str, float] = {}
+    for key in keys:
+        found = [getattr(each, key) for each in sections if each is not None]
+        given = [value for value in found if value is not None]
+        if given:
+            values[key] = given[0]
+    missing = [key for key in keys if key not in values]
+    if missing:
+        # an incomplete material of the file is not taken in part
+        said = [words for words in source.messages if words.startswith("material ") and f"body '{name}'" in words]
+        section = f"[bodies.{bare_name(name)}]"
+        raise InputError(
+            f"body '{name}' has no {', no '.join(missing)}: neither {section}, nor the mesh file, nor [material] "
+            f"gives it.{' In the file, ' + said[0] if said else ''} Give a section {section} for this body, or "
+            "[material] for all bodies without one.",
+            (f"bodies.{name}" if name in case.bodies else "structure.file",),
+        )
+    return Material(**values)
+
+
+def _fixed_unknowns(case: Case, source: ImportedModel) -> IntArray:
+    """Positions among 3 * n_nodes that the file or structure.fixed holds at zero."""
+    held = [source.fixed_unknowns]
+    for name in case.structure.fixed:
+        with _entry("structure.fixed"):
+            held.append((3 * source.mesh.node_set(name)[:, None] + np.arange(3)).ravel())
+    return np.unique(np.concatenate(held)).astype(np.int64)
+
+
+def _pairing(mesh: FiniteElementMesh, name: str, given: InterfaceSection) -> Pairing:
+    points = given.points or "nodes"
+    assert given.first is not None
+    assert given.second is not None
+    with _entry(f"interfaces.{name}"), keys_of_section(f"interfaces.{name}"):
+        if given.second == GROUND:
+            serve_two = ("search_distance", "edge_tolerance", "gap_tolerance", "adjust")
+            wrong = [key for key in serve_two if getattr(given, key) is not None]
+            if wrong:
+                raise InputError(f"{wrong[0]} serves two faces; the ground follows the first face. Take it out.", wrong)
+            return pair_with_ground(mesh, given.first, points=points, gap=given.gap or 0.0, tangent=given.tangent)
+        if given.gap is not None:
+            raise InputError("gap belongs to the ground; between two faces it is measured. Take it out.", ["gap"])
+        return pair_surfaces(
+            mesh,
+            given.first,
+            given.second,
+            points=points,
+            search_distance=given.search_distance,
+            edge_tolerance=given.edge_tolerance,
+            gap_tolerance=given.gap_tolerance,
+            tangent=given.tangent,
+            adjust=given.adjust or "measured",
+        )
+
+
+def _layout(
+    case: Case,
+    source: ImportedModel,
+    materials: Sequence[Material],
+    pairings: Sequence[Pairing],
+    fixed: IntArray,
+    odd_units: tuple[str, ...],
+) -> Layout:
+    mesh, names = source.mesh, tuple(case.interfaces)
+    ports = {name: _port(source, name, given) for name, given in port_sections(case).items()}
+    pairs = FacePairs.concatenate([each.pairs for each in pairings])
+    body_load = None
+    if case.rotation is not None:
+        turn = case.rotation
+        body_load = centrifugal_load(mesh, materials, np.array(turn.axis), np.array(turn.point))
+    _require_held(mesh, pairs, fixed, source)
+    _require_free(dict(zip(names, pairings, strict=True)), ports, fixed, source)
+    messages = (
+        *source.messages,
+        *odd_units,
+        *_unused_forces(source),
+        *(f"interfaces.{name}: {words}" for name, each in zip(names, pairings, strict=True) for words in each.warnings),
+    )
+    return Layout(
+        pairs,
+        names,
+        tuple(_face_materials(mesh, materials, each) for each in pairings),
+        ports,
+        body_load,
+        tuple(_facts(names, pairings)),
+        messages,
+        mesh.body_names,
+        tuple((each.first,) if each.second == GROUND else (each.first, each.second) for each in pairings),
+    )
+
+
+def _facts(names: Sequence[str], pairings: Sequence[Pairing]) -> Iterator[Derived]:
+    for name, pairing in zip(names, pairings, strict=True):
+        for label, value, unit in pairing.summary():
+            yield f"{label[0].upper()}{label[1:]}, {name}", value, unit or "-", "how the faces were paired"
+
+
+def _unused_forces(source: ImportedModel) -> Iterator[str]:
+    if source.node_forces.any():
+        yield "the forces in the mesh file are not used; give them as [forces.NAME] or [static_loads.NAME]."
+
+
+def _face_materials(
+    mesh: FiniteElementMesh, materials: Sequence[Material], pairing: Pairing
+) -> tuple[Material, Material]:
+    """Materials of both sides; the ground is taken to be of the first side's."""
+    first = _body_of(mesh, pairing.first)
+    second = first if pairing.second == GROUND else _body_of(mesh, pairing.second)
+    return materials[first], materials[second]
+
+
+def _body_of(mesh: FiniteElementMesh, name: str) -> int:
+    """The body that most nodes of a set belong to."""
+    nodes = mesh.node_set(name)
+    members = [np.isin(nodes, mesh.nodes_of_body(body)).sum() for body in range(len(mesh.body_names))]
+    return int(np.argmax(members))
+
+
+def _port(source: ImportedModel, name: str, given: PortSection) -> Port:
+    """The nodes of a place with their shares. Raises InputError that names the entry."""
+    mesh = source.mesh
+    with _entry(name):
+        if given.node is not None:
+            with concerning(f"{name}.node"):
+                return Port.single(int(source.node_numbers(np.array([given.node]))[0]))
+        if given.point is not None:
+            with concerning(f"{name}.point"):
+                return Port.single(_nearest(mesh, np.array(given.point)))
+        assert given.set is not None
+        with concerning(f"{name}.set"):
+            if given.spread == "area":
+                nodes, area, _ = face_geometry(mesh, given.set)
+                return Port(nodes, area / area.sum())
+            return Port.equal(mesh.node_set(given.set))
+
+
+def _nearest(mesh: FiniteElementMesh, point: FloatArray) -> int:
+    """The node nearest to a point. Raises InputError where it is far, or where two nodes lie at one place."""
+    distance = np.linalg.norm(mesh.points - point, axis=1)
+    low, high = bounding_box(mesh.points)
+    size = float(np.linalg.norm(high - low))
+    order = np.argsort(distance)
+    x, y, z = 1e3 * mesh.points[order[0]]
+    if distance[order[0]] > _POINT_SHARE * size:
+        raise InputError(
+            f"the nearest node to the point is {1e3 * distance[order[0]]:.4g} mm away, at ({x:.4g}, {y:.4g}, {z:.4g}) "
+            f"mm; at most {1e3 * _POINT_SHARE * size:.4g} mm is allowed. Check the point and structure.length_unit."
+        )
+    if len(order) > 1 and np.linalg.norm(mesh.points[order[1]] - mesh.points[order[0]]) < _CORNER * size:
+        raise InputError(
+            f"two nodes lie at ({x:.4g}, {y:.4g}, {z:.4g}) mm, the nearest place to the point. Give a set or a node."
+        )
+    return int(order[0])
+
+
+def _require_free(
+    pairings: Mapping[str, Pairing], ports: Mapping[str, Port], fixed: IntArray, source: ImportedModel
+) -> None:
+    """Raise InputError for a contact pair, a force or a response on a node that is held."""
+    held = np.unique(fixed // 3)
+    for name, pairing in pairings.items():
+        wrong = np.intersect1d(pairing.pairs.nodes, held)
+        if wrong.size:
+            raise InputError(
+                f"interfaces.{name}: node {source.shown(source.node_labels[wrong[0]])} of the file is held by a "
+                f"constraint and is part of a contact pair ({wrong.size} nodes are). Take these nodes out of the "
+                "faces, or out of the constraint.",
+                (f"interfaces.{name}",),
+            )
+    for name, port in ports.items():
+        if np.isin(port.nodes, held).all() or (port.is_single and np.isin(port.nodes, held).any()):
+            raise InputError(
+                f"{name}: it is at nodes that are held, so nothing moves there. Choose another place.", [name]
+            )
+
+
+def _require_held(mesh: FiniteElementMesh, pairs: FacePairs, fixed: IntArray, source: ImportedModel) -> None:
+    """Raise InputError for a part that neither a constraint nor contact holds, and for a part with a hinge."""
+    for part in part_motions(mesh, fixed):
+        element = f"the part of the mesh with element {source.shown(source.element_labels[part.cells[0]])}"
+        bodies = ", ".join(mesh.body_names[body] for body in np.unique(mesh.body[part.cells]))
+        if part.is_hinged:
+            raise InputError(
+                f"{element} ({bodies}) consists of {part.n_regions} regions that hang together at nodes or edges only, "
+                "like hinges, so its stiffness is singular whatever holds it. Join their faces, or separate them.",
+                ("structure.file",),
+            )
+        in_contact = np.isin(pairs.nodes, mesh.nodes_of_cells(part.cells)).any()
+        if part.rigid and not in_contact:
+            raise InputError(
+                f"{element} ({bodies}) can move freely ({part.rigid} rigid-body motions): neither structure.fixed nor "
+                "a constraint of the file holds it, and no interface touches it. Hold it, pair it, or leave it out.",
+                ("structure.fixed",),
+            )

@@ -1,0 +1,125 @@
+"""What a study names, found on its structure: the same few data for every kind of structure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from stickslip.contact.pairing.pairing import FacePairs
+from stickslip.core.validation import FloatArray
+from stickslip.structure.elasticity import Material, Structure
+from stickslip.structure.mesh import IntArray
+from stickslip.structure.superelement import Superelement
+
+Direction = tuple[float, float, float]
+Derived = tuple[str, str | float | int, str, str]
+
+
+@dataclass(frozen=True)
+class Port:
+    """Where a force acts or a displacement is read: nodes (k,) and the share of each (k,), which add up to 1.
+
+    A force on a port is spread by the shares, a displacement is the mean with the shares. The node of a port with one
+    node keeps its displacements in a reduction, so what happens there is not approximated by modes; a port of several
+    nodes is projected on the reduced basis (:meth:`stickslip.structure.recovery.Recovery.project`).
+    """
+
+    nodes: IntArray
+    shares: FloatArray
+
+    @classmethod
+    def single(cls, node: int) -> Port:
+        """The port of one node."""
+        return cls(np.array([node], dtype=np.int64), np.ones(1))
+
+    @classmethod
+    def equal(cls, nodes: IntArray) -> Port:
+        """A port whose nodes have equal shares."""
+        return cls(nodes, np.full(nodes.size, 1.0 / nodes.size))
+
+    @property
+    def is_single(self) -> bool:
+        """Whether it is one node."""
+        return bool(self.nodes.size == 1)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Joints and ports of a study on its structure.
+
+    Parameters
+    ----------
+    face_pairs:
+        contact pairs of all faces, in the order of the faces.
+    face_names:
+        name of each face, as reports show it.
+    face_materials:
+        (first, second) material of each face; the roughness law needs both.
+    ports:
+        name -> place of a force or a response.
+    body_load:
+        (3 * n_nodes,) N of the whole mesh at a rotation of 1 rad/s, or None where nothing rotates.
+    facts:
+        (name, value, unit, explanation) of how the layout was found.
+    messages:
+        sentences that a user must see: what was skipped, what looks wrong.
+    body_names:
+        names of the bodies of the mesh, empty where there is none.
+    contact_sets:
+        for each face the sets of the mesh that meet there: two, or one where it meets the ground; empty without a mesh.
+    """
+
+    face_pairs: FacePairs
+    face_names: tuple[str, ...]
+    face_materials: tuple[tuple[Material, Material], ...]
+    ports: Mapping[str, Port]
+    body_load: FloatArray | None = None
+    facts: tuple[Derived, ...] = ()
+    messages: tuple[str, ...] = ()
+    body_names: tuple[str, ...] = ()
+    contact_sets: tuple[tuple[str, ...], ...] = ()
+
+    @cached_property
+    def boundary_nodes(self) -> IntArray:
+        """Nodes that keep their displacements in a reduction: those of contact pairs, and of ports of one node."""
+        single = [port.nodes for port in self.ports.values() if port.is_single]
+        return np.unique(np.concatenate([self.face_pairs.nodes, *single])).astype(np.int64)
+
+
+class Setup(Protocol):
+    """A structure before its matrices are made, with the layout of its study; a plain object that can be pickled."""
+
+    @property
+    def layout(self) -> Layout: ...
+
+    def assemble(self) -> Structure | Superelement:
+        """The matrices; a structure that is given by small matrices is a superelement at once. Raises InputError."""
+
+    def sizes(self) -> tuple[tuple[str, str], ...]:
+        """(name, value) rows on the size of the model."""
+
+    def write_places(self, folder: Path) -> tuple[Path, ...]:
+        """Write for ParaView where the joints are; returns the files. Raises InputError."""
+
+
+@dataclass(frozen=True)
+class PortForce:
+    """A force of ``amplitude`` N along a unit vector at a port; if it is harmonic, times ``sin(w t + phase)``, rad."""
+
+    port: str
+    direction: Direction
+    amplitude: float
+    phase: float = 0.0
+
+
+@dataclass(frozen=True)
+class Reading:
+    """The displacement of a port along a unit vector."""
+
+    port: str
+    direction: Direction

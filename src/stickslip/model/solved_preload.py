@@ -1,0 +1,185 @@
+"""The preload of a study that is solved from its static load: pressure, gaps and tractions of every pair at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.normal_law import FaceLaws, NormalLaw, PressureGapLaw, SpringLaw
+from stickslip.contact.stiffness.asperities import fully_plastic_load
+from stickslip.contact.stiffness.fractal import pair_stiffness
+from stickslip.core.errors import ConvergenceError
+from stickslip.core.validation import FloatArray
+from stickslip.model.joint import FaceSettings, Joint, case_roughness, describe_faces, pair_springs
+from stickslip.solve.static.load_ramp import StaticState
+from stickslip.solve.static.ramp_to_rest import static_preload
+from stickslip.structure.superelement import Superelement
+
+if TYPE_CHECKING:
+    from stickslip.case.case import Case
+
+# The stiffness of a pair no longer falls below this share of the mean pressure of its face, since the law vanishes at
+# zero pressure, nor below this multiple of the pressure at which all spots are plastic, where it vanishes already.
+LOWEST_PRESSURE = 0.01
+LOWEST_ABOVE_PLASTIC = 2.0
+SECANT_WARNING = (
+    'roughness.allocation = "pressure" with a solved preload takes the stiffness under the pressure of a pair as a '
+    "spring from zero, N = A kappa(p) closure. The curve of a rough face is flatter at first, so this concentrates the "
+    'load on few pairs. preload.normal_law = "pressure-gap" follows the whole curve.'
+)
+# The pressure-gap table reaches up to this multiple of the mean pressure of the face.
+HIGHEST_PRESSURE = 1e3
+
+
+@dataclass(frozen=True)
+class SolvedPreload:
+    """The state at rest with the tractions that the case asks for, and the other one for comparison.
+
+    ``other`` is None where it does not exist; ``why`` then says so.
+    """
+
+    state: StaticState
+    other: StaticState | None
+    why: str = ""
+
+
+def solve_preload(
+    case: Case,
+    joint: Joint,
+    settings: Sequence[FaceSettings],
+    superelement: Superelement,
+    static_load: FloatArray,
+) -> SolvedPreload:
+    """The joint at rest under ``static_load`` (n,) N, with friction and without. Raises ConvergenceError."""
+    operator = joint.face_pairs.operator(superelement)
+    kept = case.preload.residual_traction == "kept"
+    state = _state(case, joint, settings, superelement, operator, static_load, friction=kept)
+    try:
+        other = _state(case, joint, settings, superelement, operator, static_load, friction=not kept)
+    except ConvergenceError as error:
+        return SolvedPreload(state, None, str(error))
+    return SolvedPreload(state, other)
+
+
+def resting_joint(case: Case, joint: Joint, settings: Sequence[FaceSettings], state: StaticState) -> Joint:
+    """The joint with the forces, gaps and stiffness of a state at rest."""
+    faces = describe_faces(case, joint.layout, state.normal_force, settings)
+    layout = joint.layout
+    given, rough = case.roughness, any(own.stiffness is None for own in settings)
+    if given is not None and rough and given.allocation == "pressure" and case.preload.normal_law == "spring":
+        layout = replace(layout, messages=(*layout.messages, SECANT_WARNING))
+    return replace(
+        joint,
+        layout=layout,
+        preload=state.preload,
+        normal_stiffness=state.normal_stiffness,
+        tangential_stiffness=state.tangential_stiffness,
+        rough_faces=faces,
+    )
+
+
+def resting_pairs(joint: Joint, superelement: Superelement, state: StaticState, kept: bool) -> ContactPairs:
+    """Contact pairs about a state at rest."""
+    return state.pairs(joint.face_pairs.operator(superelement), joint.friction_coefficient, keep_traction=kept)
+
+
+def _state(
+    case: Case,
+    joint: Joint,
+    settings: Sequence[FaceSettings],
+    superelement: Superelement,
+    operator: FloatArray,
+    load: FloatArray,
+    friction: bool,
+) -> StaticState:
+    gap = joint.face_pairs.gap
+    pairs = ContactPairs(
+        operator,
+        joint.normal_stiffness,
+        joint.tangential_stiffness,
+        joint.friction_coefficient,
+        -joint.normal_stiffness * gap,
+    )
+    if all(own.stiffness is not None for own in settings):
+        return static_preload(superelement, pairs, load, friction=friction)
+
+    def local(normal_force: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return pair_springs(case, joint.layout, _with_floor(case, joint, normal_force), settings)
+
+    state = static_preload(superelement, pairs, load, friction=friction, local_stiffness=local)
+    if case.preload.normal_law == "spring":
+        return state
+    law = _pressure_gap_law(case, joint, settings, state)
+    start = ContactPairs(
+        operator,
+        state.normal_stiffness,
+        state.tangential_stiffness,
+        joint.friction_coefficient,
+        -state.normal_stiffness * gap,
+    )
+    return static_preload(superelement, start, load, friction=friction, local_stiffness=local, normal_law=law)
+
+
+def _mean_pressure(joint: Joint, normal_force: FloatArray) -> FloatArray:
+    """(n_faces,) Pa."""
+    pressure: FloatArray = joint.face_sum(normal_force) / joint.face_sum(joint.face_pairs.area)
+    return pressure
+
+
+def _lowest_pressure(case: Case, joint: Joint, normal_force: FloatArray) -> FloatArray:
+    """(n_faces,) Pa, below which the stiffness law of a pair is not followed; never above the mean pressure."""
+    mean = _mean_pressure(joint, normal_force)
+    lowest = LOWEST_PRESSURE * mean
+    for face, rough in enumerate(joint.rough_faces):
+        if rough is not None and case.roughness is not None and case.roughness.mode != "unloading":
+            load = fully_plastic_load(case_roughness(case, *joint.layout.face_materials[face]))
+            plastic = load / rough.reference_area
+            lowest[face] = min(max(lowest[face], LOWEST_ABOVE_PLASTIC * plastic), mean[face])
+    return lowest
+
+
+def _with_floor(case: Case, joint: Joint, normal_force: FloatArray) -> FloatArray:
+    """Normal forces (n_pairs,) for the stiffness law: where pairs follow their own pressure, none below the lowest.
+
+    Open pairs count as pressed by it too, so that their stiffness does not jump where they close.
+    """
+    pairs = joint.face_pairs
+    if case.roughness is None or case.roughness.allocation == "area":
+        return normal_force
+    least = _lowest_pressure(case, joint, normal_force)[pairs.face] * pairs.area
+    return np.maximum(normal_force, least)
+
+
+def _pressure_gap_law(case: Case, joint: Joint, settings: Sequence[FaceSettings], state: StaticState) -> NormalLaw:
+    """Each face's curve of pressure over closure, from its roughness; springs where its stiffness is given."""
+    pairs, mean = joint.face_pairs, _mean_pressure(joint, state.normal_force)
+    lowest = _lowest_pressure(case, joint, state.normal_force)
+    laws: list[NormalLaw] = []
+    for face, own in enumerate(settings):
+        members = pairs.face == face
+        area = pairs.area[members]
+        if own.stiffness is not None:
+            laws.append(SpringLaw(own.stiffness[0] * area / area.sum()))
+            continue
+        stiffness = _stiffness_over_pressure(case, joint, face)
+        highest = HIGHEST_PRESSURE * mean[face]
+        laws.append(PressureGapLaw.from_stiffness(area, stiffness, lowest[face], highest))
+    return FaceLaws(pairs.face, tuple(laws))
+
+
+def _stiffness_over_pressure(case: Case, joint: Joint, face: int) -> Callable[[FloatArray], FloatArray]:
+    """kappa (k,) in N/m3 at pressures (k,) in Pa of a rough face, with the reference area of its pairs' springs."""
+    given, rough = case.roughness, joint.rough_faces[face]
+    assert given is not None  # a face without a stiffness of its own has a roughness
+    assert rough is not None
+    roughness, mode = case_roughness(case, *joint.layout.face_materials[face]), given.mode
+
+    def kappa(pressure: FloatArray) -> FloatArray:
+        unit_areas = np.ones(pressure.size)
+        return pair_stiffness(roughness, unit_areas, pressure, mode, "pressure", reference_area=rough.reference_area)[0]
+
+    return kappa

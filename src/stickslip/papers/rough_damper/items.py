@@ -1,0 +1,119 @@
+"""What the items of the page share: their form, and which curves they are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from stickslip.case.case import Case
+from stickslip.papers.rough_damper.claims import CLAIMS, MICRO, Solutions, friction_energy
+from stickslip.papers.rough_damper.plan import BASE_CHOICE
+from stickslip.papers.rough_damper.records import Solved
+from stickslip.papers.rough_damper.tables import Table, columns
+from stickslip.papers.rough_damper.verdicts import Judgement
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure of the page: its name, what it shows in words, and the table with its numbers."""
+
+    name: str
+    words: str
+    table: str
+
+
+@dataclass(frozen=True)
+class Item:
+    """One item of the page; ``judgements`` are questions with their verdicts."""
+
+    anchor: str
+    title: str
+    statement: str
+    notes: tuple[str, ...] = ()
+    tables: tuple[Table, ...] = ()
+    figures: tuple[Picture, ...] = ()
+    judgements: tuple[tuple[str, Judgement], ...] = ()
+
+
+@dataclass(frozen=True)
+class ModelClaim:
+    """A claim that the model decides before any vibration.
+
+    statement, place:
+        the claim in our words, and the item of the page that judges it.
+    depends_on:
+        keys of the study file among the choices that can change its verdict.
+    reason:
+        why the other choices cannot.
+    judged:
+        the verdict for a case and curves of it.
+    """
+
+    statement: str
+    place: str
+    depends_on: frozenset[str]
+    reason: str
+    judged: Callable[[Case, Solutions], Judgement]
+
+
+def judged(solutions: Solutions, *names: str) -> tuple[tuple[str, Judgement], ...]:
+    """The statements of these claims with the verdicts of these curves."""
+    found = {claim.name: claim for claim in CLAIMS}
+    return tuple((found[name].statement, found[name].judged(solutions)) for name in names)
+
+
+def base(solutions: Solutions, law: str = "consistent") -> list[Solved]:
+    """The curves without a varied choice, under one law."""
+    return [one for one in solutions if one.setting.choice == BASE_CHOICE and one.setting.law == law]
+
+
+def peak_table(name: str, caption: str, solutions: Solutions) -> Table:
+    """Peak, frequency, states and energies of curves."""
+    rows = []
+    for one in solutions:
+        s, n = one.setting, one.numbers
+        rows.append(
+            (
+                s.choice,
+                s.excitation,
+                s.force,
+                s.load,
+                s.dimension,
+                s.scale,
+                s.law,
+                n["normal_stiffness"],
+                MICRO * n["peak_m"],
+                n["peak_hz"],
+                n["first_stuck_hz"],
+                n["second_stuck_hz"],
+                int(n["stuck"]),
+                int(n["stick_slip"]),
+                int(n["separating"]),
+                MICRO * friction_energy(one),
+                MICRO * n["viscous_energy_j"],
+            )
+        )
+    return Table(
+        name,
+        caption,
+        columns(
+            "choice||Choice",
+            "excitation||Excitation",
+            "force|N|Force",
+            "load|N|F_N",
+            "dimension||D",
+            "scale|m|G",
+            "law||Law",
+            "normal_stiffness|N/m|K_n of a face",
+            "peak|um|Peak",
+            "peak_frequency|Hz|at",
+            "first_stuck|Hz|Stuck mode 1",
+            "second_stuck|Hz|Stuck mode 2",
+            "stuck||Stuck",
+            "stick_slip||Stick-slip",
+            "separating||Separating",
+            "friction_energy|uJ|Friction energy",
+            "viscous_energy|uJ|Viscous energy",
+        ),
+        tuple(rows),
+    )

@@ -1,0 +1,226 @@
+"""What is kept of one curve: plain arrays and labels, in a small file that is written whole or not at all."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.contact.pairing.pairing import FacePairs
+from stickslip.core.errors import ResultsFileError
+from stickslip.core.validation import FloatArray
+from stickslip.model.model import ReducedModel
+from stickslip.papers.rough_damper.plan import Setting
+from stickslip.results.measures import half_power_damping, peaks, state_counts
+from stickslip.results.response import ForcedResponse
+from stickslip.structure.superelement import Superelement
+
+# Raise it when the content of the file changes, so that files of an older version are computed again.
+RECORD_VERSION = 1
+SHOWN_PLACES = ("lower edge", "middle", "upper edge")
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """One curve and its state at the highest peak of the tip's amplitude.
+
+    numbers:
+        name -> value, SI: peak_m, peak_hz, stuck_peak_m, stuck_hz, energies per cycle in J and so on.
+    frequency_hz, amplitude_m, energy_j, counts:
+        (n,), (n,), (n,), (n, 3): along the curve; friction energy per cycle, pairs stuck, stick-slip, separating.
+    pair_state, pair_energy_j, pair_position:
+        (n_pairs,), (n_pairs,), (n_pairs, 2) at the peak; m along the damper and up the slope.
+    pair_face:
+        (n_pairs,) 0 left, 1 right.
+    signals:
+        (3 places, 6, samples) of pairs at mid-length of the left face, lower edge, middle, upper edge: relative
+        displacement t1, t2, n in m, force T1, T2, N in N.
+    phase_state:
+        (3 places, samples) 0 stuck, 1 slipping, 2 open at each sample of those pairs.
+    sides:
+        (2, 3, samples) m, displacement x, y, z of the damper's middle nodes on its left and right face.
+    shares:
+        (3,) translation, rotation and deformation in the damper's motion, see ``rigid_shares``.
+    mode_table:
+        (10, 5) mode, Hz of the full and of the reduced model, difference in %, MAC.
+    warnings:
+        sentences of the solver and of the contact law.
+    """
+
+    setting: Setting
+    numbers: Mapping[str, float]
+    frequency_hz: FloatArray
+    amplitude_m: FloatArray
+    energy_j: FloatArray
+    counts: NDArray[Any]
+    pair_state: NDArray[Any]
+    pair_energy_j: FloatArray
+    pair_position: FloatArray
+    pair_face: NDArray[Any]
+    signals: FloatArray
+    phase_state: NDArray[Any]
+    sides: FloatArray
+    shares: FloatArray
+    mode_table: FloatArray
+    warnings: tuple[str, ...]
+
+    def peaks(self) -> list[tuple[float, float]]:
+        """(Hz, m) of every peak inside the curve that reaches 2 % of the highest, by frequency."""
+        found = [p for p in peaks(self.frequency_hz, self.amplitude_m) if p.bracketed]
+        return sorted((p.frequency_hz, p.amplitude) for p in found if p.amplitude > 0.02 * found[0].amplitude)
+
+    def to_bytes(self, key: str) -> bytes:
+        """The content of its file; ``key`` is the hash of the inputs."""
+        words = {
+            "version": RECORD_VERSION,
+            "key": key,
+            "setting": asdict(self.setting),
+            "numbers": dict(self.numbers),
+            "warnings": list(self.warnings),
+        }
+        stream = io.BytesIO()
+        np.savez_compressed(stream, words=json.dumps(words), **{name: getattr(self, name) for name in _arrays()})
+        return stream.getvalue()
+
+    @classmethod
+    def from_bytes(cls, content: bytes, key: str) -> Solved:
+        """Read it back. Raises ResultsFileError for a damaged file, or one of other inputs or an older version."""
+        try:
+            with np.load(io.BytesIO(content), allow_pickle=False) as data:
+                words = json.loads(str(data["words"]))
+                if (words["version"], words["key"]) != (RECORD_VERSION, key):
+                    raise ResultsFileError("the file answers other inputs or an older version.")
+                arrays = {name: data[name] for name in _arrays()}
+        except (zipfile.BadZipFile, KeyError, ValueError, OSError, EOFError) as error:
+            if isinstance(error, ResultsFileError):
+                raise
+            raise ResultsFileError(f"the file of the computation {key[:12]} is damaged ({error}).") from error
+        return cls(Setting(**words["setting"]), words["numbers"], warnings=tuple(words["warnings"]), **arrays)
+
+
+def _arrays() -> tuple[str, ...]:
+    return tuple(item.name for item in fields(Solved) if item.name not in ("setting", "numbers", "warnings"))
+
+
+def rigid_shares(points: FloatArray, motion: NDArray[Any]) -> FloatArray:
+    """(3,) shares of translation, rotation and deformation in a harmonic motion; they sum to 1.
+
+    ``u_i = t + w x (x_i - c) + e_i`` with ``t``, ``w`` complex by least squares over the points and c their centre;
+    then ``sum |u|^2 = sum |t|^2 + sum |w x (x - c)|^2 + sum |e|^2`` and the shares are the parts of this sum.
+    ``points`` (n, 3) m; ``motion`` (n, 3) complex amplitudes in m.
+    """
+    arm = points - points.mean(axis=0)
+    translation = motion.mean(axis=0)
+    about = motion - translation
+    # w x a = -a x w as a matrix on w
+    skew = np.zeros((len(arm), 3, 3))
+    skew[:, 0, 1], skew[:, 0, 2], skew[:, 1, 2] = arm[:, 2], -arm[:, 1], arm[:, 0]
+    skew -= skew.transpose(0, 2, 1)
+    matrix = skew.reshape(-1, 3).astype(complex)
+    turn, *_ = np.linalg.lstsq(matrix, about.reshape(-1), rcond=None)
+    rotated = matrix @ turn
+    parts = np.array(
+        [
+            len(points) * float(np.sum(np.abs(translation) ** 2)),
+            float(np.sum(np.abs(rotated) ** 2)),
+            float(np.sum(np.abs(about.reshape(-1) - rotated) ** 2)),
+        ]
+    )
+    total = parts.sum()
+    return parts / total if total > 0 else parts
+
+
+def record(
+    setting: Setting,
+    model: ReducedModel,
+    response: ForcedResponse,
+    mode_table: Sequence[Any],
+    warnings: Sequence[str],
+) -> Solved:
+    """What is kept of a solved case."""
+    tip = next(iter(model.outputs.values()))
+    amplitude = response.amplitude(tip)
+    peak = peaks(response.frequency_hz, amplitude)[0]
+    stuck = peaks(response.linear.frequency_hz, response.linear_amplitude(tip, "stuck"))[0]
+    face_pairs, point = model.joint.face_pairs, peak.point
+    energy, counts = response.friction_energy.sum(axis=1), state_counts(response.contact_state)
+    width = half_power_damping(response.frequency_hz, amplitude, peak)
+    stuck_hz = response.linear.stuck_frequency_hz
+    numbers = {
+        "peak_m": peak.amplitude,
+        "peak_hz": peak.frequency_hz,
+        "peak_inside": float(peak.bracketed),
+        "stuck_peak_m": stuck.amplitude,
+        "stuck_peak_hz": stuck.frequency_hz,
+        "first_stuck_hz": float(stuck_hz[0]),
+        "second_stuck_hz": float(stuck_hz[1]),
+        "width": float("nan") if width is None else width,
+        "friction_energy_j": float(energy[point]),
+        "viscous_energy_j": float(response.viscous_energy[point]),
+        "input_energy_j": float(response.input_energy[point]),
+        "normal_stiffness": float(model.joint.face_sum(model.joint.normal_stiffness)[0]),
+        "tangential_stiffness": float(model.joint.face_sum(model.joint.tangential_stiffness)[0]),
+        "stuck": float(counts[point][0]),
+        "stick_slip": float(counts[point][1]),
+        "separating": float(counts[point][2]),
+        "unknowns_reduced": float(model.superelement.size),
+    }
+    signals, phase = _pair_signals(response, point, _places(face_pairs))
+    sides = [
+        [response.signal(model.outputs[f"damper {side} {axis}"], point, response.samples) for axis in "xyz"]
+        for side in ("left", "right")
+    ]
+    return Solved(
+        setting=setting,
+        numbers=numbers,
+        frequency_hz=response.frequency_hz,
+        amplitude_m=amplitude,
+        energy_j=energy,
+        counts=counts,
+        pair_state=response.contact_state[point],
+        pair_energy_j=response.friction_energy[point],
+        pair_position=face_pairs.face_position[:, ::-1],
+        pair_face=face_pairs.face,
+        signals=signals,
+        phase_state=phase,
+        sides=np.array(sides),
+        shares=rigid_shares(face_pairs.points, _damper_motion(model.superelement, face_pairs, response, point)),
+        mode_table=np.array([[r.mode, r.full_hz, r.reduced_hz, r.difference_percent, r.mac] for r in mode_table]),
+        warnings=tuple(warnings),
+    )
+
+
+def _damper_motion(
+    superelement: Superelement, face_pairs: FacePairs, response: ForcedResponse, point: int
+) -> NDArray[np.complex128]:
+    """(n_pairs, 3) first harmonic of the damper's contact nodes."""
+    rows = np.array([superelement.unknowns_of(int(node)) for node in face_pairs.first_node])
+    coefficients = response.displacement[point][rows]
+    motion: NDArray[np.complex128] = coefficients[..., 1] - 1j * coefficients[..., 2]
+    return motion
+
+
+def _places(face_pairs: FacePairs) -> list[int]:
+    """Pairs of the left face at mid-length: lower edge, middle, upper edge."""
+    up, along = face_pairs.face_position.T
+    left = np.flatnonzero(face_pairs.face == 0)
+    column = left[np.abs(along[left]) <= np.abs(along[left]).min() + 1e-9]
+    column = column[np.argsort(up[column])]
+    return [int(column[0]), int(column[len(column) // 2]), int(column[-1])]
+
+
+def _pair_signals(response: ForcedResponse, point: int, pairs: list[int]) -> tuple[FloatArray, NDArray[Any]]:
+    cycle = response.pair_cycle(point)
+    motion = response.pair_displacement(point, response.samples)[:, pairs]
+    force, slider = cycle.force[:, pairs], cycle.slider[:, pairs]
+    signals = np.concatenate([motion, force], axis=2).transpose(1, 2, 0)
+    moved = np.abs(slider - np.roll(slider, 1, axis=0)).max(axis=2)
+    moving = moved > 1e-6 * np.abs(motion[..., :2]).max()
+    state = np.where(force[..., 2] <= 0.0, 2, np.where(moving, 1, 0))
+    return signals, state.T

@@ -1,0 +1,85 @@
+"""How figures of the pages look: axes, layout and lines as the plain data that plotly.js draws."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from stickslip.core.validation import FloatArray
+from stickslip.reporting.style import INK
+
+Figure = dict[str, Any]
+FREQUENCY = "Excitation frequency, Hz"
+_SMALLEST_MARK = 3.0
+_CLOSE_SHARE = 0.1  # of the pairs may have a neighbour that is nearer than the size of a mark
+_FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
+
+
+def axis_look(title: str, **options: Any) -> dict[str, Any]:
+    """An axis with its title; ``options`` of plotly win over the common look."""
+    look = {
+        "title": {"text": title, "font": {"size": 13}, "standoff": 8},
+        "showline": True,
+        "linecolor": "#9aa5b1",
+        "gridcolor": "#e8ecf0",
+        "zeroline": False,
+        "ticks": "outside",
+        "tickcolor": "#9aa5b1",
+        "automargin": True,
+    }
+    return look | options
+
+
+def figure_of(data: list[dict[str, Any]], height: int, **layout: Any) -> Figure:
+    """Traces with the common layout; ``layout`` wins over it. Height in px."""
+    look = {
+        "height": height,
+        "autosize": True,
+        "font": {"family": _FONT, "size": 12, "color": INK},
+        "paper_bgcolor": "rgba(0,0,0,0)",
+        "plot_bgcolor": "#ffffff",
+        "margin": {"l": 56, "r": 16, "t": 12, "b": 44},
+        "legend": {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom", "font": {"size": 12}},
+        "hoverlabel": {"font": {"family": _FONT}},
+        "dragmode": "zoom",
+    }
+    return {"data": data, "layout": look | layout}
+
+
+def line_trace(name: str, x: Any, y: Any, colour: str, dash: str = "solid", width: float = 2.0, **options: Any) -> Any:
+    """A line; ``options`` of plotly win over the common look."""
+    line = {"color": colour, "dash": dash, "width": width}
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "name": name,
+        "x": plain_list(x),
+        "y": plain_list(y),
+        "line": line,
+    } | options
+
+
+def plain_list(values: Any) -> list[float]:
+    """Numbers of an array with seven digits, for JSON."""
+    return [float(f"{value:.7g}") for value in np.asarray(values, dtype=float).ravel()]
+
+
+def map_range(position: FloatArray) -> FloatArray:
+    """(2, 2) first and last value of both axes of a map with marks at ``position`` (n, 2) in mm."""
+    pad = 0.06 * np.ptp(position, axis=0) + 0.4
+    return np.stack([position.min(axis=0) - pad, position.max(axis=0) + pad], axis=1)
+
+
+def mark_size(position: FloatArray, drawing: tuple[float, float], largest: float) -> float:
+    """Width of square marks at ``position`` (n, 2) in mm, so that nine in ten do not overlap, at most ``largest``.
+
+    ``drawing`` is the width and height of the map, in the unit of the answer (px or points).
+    """
+    if len(position) < 2:
+        return largest
+    places = position * np.array(drawing) / np.ptp(map_range(position), axis=1)
+    # squares of width s are apart where |dx| or |dy| is above s
+    nearest = KDTree(places).query(places, k=2, p=np.inf)[0][:, 1]
+    return float(np.clip(np.quantile(nearest, _CLOSE_SHARE), _SMALLEST_MARK, largest))

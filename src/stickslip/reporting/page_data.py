@@ -1,0 +1,141 @@
+"""The numbers behind the page, packed small: typed arrays in base64 that page.js unpacks.
+
+For the maps the page holds state and energy of each pair. For the loops it holds the displacement coefficients of each
+pair, and the friction force only of pairs that slip or separate, as 16-bit numbers: a stuck pair's force is that of its
+spring. Where all of that would be too much, maps and loops are held for fewer points, spread evenly along the curve and
+with the peak, and no loops at all where even those of the peak are too many; the page says so.
+"""
+
+from __future__ import annotations
+
+import base64
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.reporting.plots import group_labels
+from stickslip.reporting.style import MICRO, STATES
+from stickslip.reporting.view import View
+
+# Characters of numbers on a page; with plotly.js (4.8 million) and its words it stays below 15 MB.
+DATA_CHARACTERS = 9_000_000
+# What a pair and a point need on any page: labels, places and marks of a pair; curves at a point.
+PAIR_CHARACTERS = 350
+POINT_CHARACTERS = 150
+HEIGHT_CHARACTERS = 10  # of one height of a rough face
+LARGEST_MAP_SHARE = 0.5  # of the room for maps and loops
+MAP_BYTES = 5  # of a pair at a point: state and energy
+LOOP_SAMPLES = 128
+_FULL_SCALE = 32767
+
+
+def packed(array: NDArray[Any], kind: str) -> str:
+    """Base64 of an array in little-endian ``kind``: "i1", "i2", "i4" or "f4"."""
+    return base64.b64encode(np.ascontiguousarray(array, dtype=f"<{kind}").tobytes()).decode("ascii")
+
+
+def page_data(view: View, drawing_characters: int = 0) -> dict[str, Any]:
+    """Everything that page.js needs, ready for JSON. Lengths in µm, energies in ``view.energy_unit``.
+
+    ``drawing_characters`` of the page are taken by the drawing of the structure and leave less room for numbers.
+    """
+    response, study = view.response, view.study
+    n_coefficients = 2 * response.harmonics + 1
+    signals = {name: packed(MICRO * response.coefficients(study.outputs[name]), "f4") for name in _signal_names(view)}
+    room = _room(view, drawing_characters + sum(len(text) for text in signals.values()))
+    held = _points_with_maps(view, room)
+    room -= held.size * MAP_BYTES * response.pairs.n_pairs
+    return {
+        "points": response.n_points,
+        "nPairs": response.pairs.n_pairs,
+        "coefficients": n_coefficients,
+        "point": view.point,
+        "pair": view.pair,
+        "frequency": response.frequency_hz.round(6).tolist(),
+        "amplitude": [float(f"{value:.7g}") for value in view.amplitude_um],
+        "energyUnit": view.energy_unit,
+        "energyTotal": [float(f"{value:.7g}") for value in view.energy_factor * response.friction_energy.sum(axis=1)],
+        "mapPoints": held.tolist(),
+        "states": packed(response.contact_state[held], "i1"),
+        "energy": packed(view.energy_factor * response.friction_energy[held], "f4"),
+        "stateStyles": [{"name": s.name, "colour": s.colour, "symbol": s.plotly_symbol} for s in STATES],
+        "faces": len(study.face_names),
+        "pairFace": study.pair_face.tolist(),
+        "pairPosition": (1e3 * study.pair_position).round(4).tolist(),
+        "pairLabel": [view.pair_label(pair) for pair in range(response.pairs.n_pairs)],
+        "springs": packed(np.column_stack([response.pairs.tangential_springs, response.pairs.normal_stiffness]), "f4"),
+        "friction": packed(response.pairs.friction_coefficient, "f4"),
+        "preload": packed(response.pairs.preload, "f4"),
+        "groups": [list(names) for names in study.signal_groups.values()],
+        "groupLabels": [list(group_labels(names)) for names in study.signal_groups.values()],
+        "signals": signals,
+        "loops": _loops(view, held, room),
+    }
+
+
+def _signal_names(view: View) -> list[str]:
+    return sorted({name for names in view.study.signal_groups.values() for name in names})
+
+
+def _room(view: View, taken: int) -> int:
+    """Bytes for maps and loops, which take four characters for three bytes; ``taken`` are characters of others."""
+    response = view.response
+    taken += PAIR_CHARACTERS * response.pairs.n_pairs + POINT_CHARACTERS * response.n_points
+    if view.study.rough_patch is not None:
+        taken += HEIGHT_CHARACTERS * view.study.rough_patch.height.size
+    return max(0, (DATA_CHARACTERS - taken) * 3 // 4)
+
+
+def _points_with_maps(view: View, room: int) -> NDArray[np.int64]:
+    """Points whose states and energies are held: all, or as many as fit into their share of the room."""
+    response = view.response
+    size = np.full(response.n_points, MAP_BYTES * response.pairs.n_pairs)
+    found = _points_within(size, np.arange(response.n_points), view.point, int(LARGEST_MAP_SHARE * room))
+    return found if found.size else np.array([view.point])
+
+
+def _loops(view: View, held: NDArray[np.int64], room: int) -> dict[str, Any]:
+    """Loops at points among those ``held`` with maps, in ``room`` bytes."""
+    response = view.response
+    stride = max(1, round(response.samples / LOOP_SAMPLES))
+    times = np.arange(0, response.samples, stride)
+    # The page draws stuck released pairs itself; where tractions at rest are kept it needs all forces.
+    moving = (response.contact_state != 0) | (not response.pairs.released)
+    relative_size = response.pairs.n_pairs * (3 * (2 * response.harmonics + 1) * 4 + 4)  # and the slots of forces
+    size = relative_size + moving.sum(axis=1) * (2 * times.size * 2 + 4)  # and their scales
+    points = _points_within(size, held, view.point, room)
+    slots = np.full((points.size, response.pairs.n_pairs), -1)
+    forces: list[NDArray[np.float64]] = []
+    scales: list[NDArray[np.float64]] = []
+    coefficients = []
+    for position, point in enumerate(points):
+        coefficients.append(MICRO * response.pair_coefficients(int(point)))
+        active = np.flatnonzero(moving[point])
+        if not active.size:
+            continue
+        force = response.pair_cycle(int(point)).force[times][:, active, :2]
+        scale = np.maximum(np.abs(force).max(axis=(0, 2)), 1e-30) / _FULL_SCALE
+        slots[position, active] = sum(held.size for held in scales) + np.arange(active.size)
+        scales.append(scale)
+        forces.append(np.rint(force / scale[None, :, None]).transpose(1, 2, 0))
+    return {
+        "points": points.tolist(),
+        "times": (times / response.samples).tolist(),
+        "relative": packed(np.array(coefficients), "f4"),
+        "slots": packed(slots, "i4"),
+        "scales": packed(np.concatenate(scales) if scales else np.empty(0), "f4"),
+        "forces": packed(np.concatenate(forces) if forces else np.empty(0), "i2"),
+    }
+
+
+def _points_within(size: NDArray[np.int64], candidates: NDArray[np.int64], always: int, room: int) -> NDArray[np.int64]:
+    """Points among ``candidates``, evenly thinned until their sizes fit, with ``always``; none if it alone is too much.
+
+    ``size`` (n_points,) bytes of each point.
+    """
+    for step in range(1, candidates.size + 1):
+        points = np.union1d(candidates[::step], [always])
+        if size[points].sum() <= room:
+            return points
+    return np.array([always] if size[always] <= room else [], dtype=np.int64)

@@ -1,0 +1,344 @@
+"""Figures of a sweep's page: curves over each other, peaks against each key, damper performance, maps of two keys."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.core.validation import FloatArray
+from stickslip.reporting.look import FREQUENCY, Figure, axis_look, figure_of, line_trace, plain_list
+from stickslip.reporting.style import BLUE, MICRO, ORANGE, VERMILLION
+from stickslip.reporting.sweep_view import (
+    COLOURS,
+    DASHES,
+    LOAD_KEY,
+    Group,
+    SweepView,
+    axis_title,
+    is_logarithmic,
+    short_name,
+)
+from stickslip.reporting.thinning import Thinned, thinned
+from stickslip.results.sweep_table import SweptKey
+
+DRAWN_POINTS = 200_000
+LEGEND_ENTRIES = 12
+SEPARATE_CURVES = 300
+SHADES = 60
+LARGEST_MAP_COUNT = 12
+# Cividis without its palest end, which white paper swallows.
+SCALE = ((0.0, "#00224e"), (0.25, "#35456c"), (0.5, "#666970"), (0.75, "#948e77"), (1.0, "#c8b866"))
+
+
+def thinned_curves(view: SweepView) -> Thinned:
+    """Points that the figure of all curves draws."""
+    shown = [(curve.frequency_hz, MICRO * curve.amplitude_m) for curve in view.curves if curve is not None]
+    return thinned(shown, DRAWN_POINTS)
+
+
+def all_curves(view: SweepView, points: Thinned) -> Figure:
+    """Every amplitude curve; colour tells the first key, dash the second one.
+
+    Browsers are slow with very many lines, so above SEPARATE_CURVES those of like colour are one line with gaps.
+    """
+    first = view.table.keys[0]
+    rows = [row for row, curve in enumerate(view.curves) if curve is not None]
+    apart = len(rows) <= SEPARATE_CURVES
+    colours = _colours(first)
+    batches: dict[tuple[str, str], list[_Drawn]] = {}
+    for row, kept in zip(rows, points.kept, strict=True):
+        curve, place = view.curves[row], view.positions[row]
+        assert curve is not None  # rows without a curve were left out above
+        dash = DASHES[int(place[1]) % len(DASHES)] if place.size > 1 else "solid"
+        drawn = _Drawn(row, int(place[0]), curve.frequency_hz[kept], MICRO * curve.amplitude_m[kept])
+        batches.setdefault((colours[place[0]], f"{dash} {row if apart else ''}"), []).append(drawn)
+    traces = [_curve_trace(view, colour, dash.split()[0], batch) for (colour, dash), batch in batches.items()]
+    few = len(first.values) <= LEGEND_ENTRIES
+    _tell_once(traces, few)
+    if not few and first.shown:
+        traces.append(_colour_bar(first))
+    return figure_of(
+        traces,
+        460,
+        xaxis=axis_look(FREQUENCY),
+        yaxis=axis_look("Amplitude, 0-to-peak, µm", rangemode="tozero"),
+        hovermode="closest",
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    """A curve as it is drawn: its row, the place of its first key's value, Hz and µm."""
+
+    row: int
+    place: int
+    x: FloatArray
+    y: FloatArray
+
+
+def _curve_trace(view: SweepView, colour: str, dash: str, batch: Sequence[_Drawn]) -> dict[str, Any]:
+    """One line for curves of one colour and dash, with a gap between them."""
+    key = view.table.keys[0]
+    first, last = batch[0], batch[-1]
+    if len(batch) == 1:
+        label = view.label(first.row) + ("" if view.table.rows[first.row].converged else " (not followed to its end)")
+    else:
+        ends = dict.fromkeys((key.labels[first.place], key.labels[last.place]))
+        label = f"{short_name(key)} {' to '.join(ends)}"
+    x, y = ([each for drawn in batch for each in (*plain_list(getattr(drawn, axis)), None)][:-1] for axis in "xy")
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "name": key.labels[first.place],
+        "legendgroup": str(first.place),
+        "x": x,
+        "y": y,
+        "line": {"color": colour, "dash": dash, "width": 1.6},
+        "hovertemplate": f"{label}<br>%{{x:.2f}} Hz<br>%{{y:.4g}} µm<extra></extra>",
+    }
+
+
+def _colours(key: SweptKey) -> list[str]:
+    """A colour for each value: distinct ones for choices and few values, else a scale over the numbers."""
+    if key.is_choice or len(key.values) <= len(COLOURS):
+        return [COLOURS[place % len(COLOURS)] for place in range(len(key.values))]
+    low, high = min(key.shown), max(key.shown)
+    # whole steps of the scale, so that neighbours among very many values share a colour
+    return [_scale_colour(round(SHADES * (number - low) / (high - low)) / SHADES) for number in key.shown]
+
+
+def _scale_colour(share: float) -> str:
+    upper = next(i for i in range(1, len(SCALE)) if share <= SCALE[i][0] + 1e-12)
+    (start, dark), (stop, light) = SCALE[upper - 1], SCALE[upper]
+    part = (share - start) / (stop - start)
+    channels = zip(bytes.fromhex(dark[1:]), bytes.fromhex(light[1:]), strict=True)
+    return "#" + "".join(f"{round(a + part * (b - a)):02x}" for a, b in channels)
+
+
+def _colour_bar(key: SweptKey) -> dict[str, Any]:
+    """A trace without points that shows what the colours mean."""
+    bar = {"title": {"text": axis_title(key), "side": "right"}, "thickness": 12, "outlinewidth": 0}
+    marker = {
+        "color": [min(key.shown)],
+        "cmin": min(key.shown),
+        "cmax": max(key.shown),
+        "colorscale": [list(stop) for stop in SCALE],
+        "showscale": True,
+        "colorbar": bar,
+    }
+    return {"type": "scatter", "mode": "markers", "x": [None], "y": [None], "marker": marker, "showlegend": False}
+
+
+def against_key(view: SweepView, place: int) -> Figure:
+    """Peak amplitude (above) and its frequency (below) against one key; a line for each combination of the others."""
+    key = view.table.keys[place]
+    inside, usable = view.inside(), view.usable()
+    traces: list[dict[str, Any]] = []
+    groups = list(view.groups((place,)))
+    for number, group in enumerate(groups):
+        rows = group.members[usable[group.members]]
+        x = _coordinates(view, place, rows)
+        for column, factor, axis, shown in (
+            ("peak_amplitude_m", MICRO, "y", "%{y:.4g} µm"),
+            ("peak_frequency_hz", 1.0, "y2", "%{y:.2f} Hz"),
+        ):
+            hover = f"{group.label or short_name(key)}<br>%{{x}}<br>{shown}<extra></extra>"
+            look = {"xaxis": "x", "yaxis": axis, "hovertemplate": hover}
+            traces += _group_lines(number, group.label, x, factor * view.number(column)[rows], inside[rows], look)
+    _tell_once(traces, len(groups) > 1)
+    kind = {"type": "category"} if key.is_choice else _number_axis(np.array(key.shown))
+    return figure_of(
+        traces,
+        460,
+        xaxis=axis_look(axis_title(key), anchor="y2", **kind),
+        yaxis=axis_look("Peak, µm", domain=[0.54, 1], rangemode="tozero"),
+        yaxis2=axis_look("Peak frequency, Hz", domain=[0, 0.46]),
+        hovermode="closest",
+    )
+
+
+def _coordinates(view: SweepView, place: int, rows: Any) -> list[float] | list[str]:
+    key, positions = view.table.keys[place], view.positions[rows, place]
+    if key.is_choice:
+        return [key.labels[position] for position in positions]
+    return [key.shown[position] for position in positions]
+
+
+def _number_axis(values: FloatArray) -> dict[str, Any]:
+    # plotly draws the digits between two powers of ten at three quarters of the size: 15 px keep them readable
+    return {"type": "log", "tickfont": {"size": 15}} if is_logarithmic(values) else {}
+
+
+def _group_lines(
+    number: int, label: str, x: Sequence[float | str], y: FloatArray, inside: NDArray[np.bool_], look: dict[str, Any]
+) -> Iterator[dict[str, Any]]:
+    """A line through the peaks that lie inside their range; the others as open circles that no line joins."""
+    colour, dash = COLOURS[number % len(COLOURS)], DASHES[number // len(COLOURS) % len(DASHES)]
+    common = {"type": "scatter", "name": label or "peak", "legendgroup": str(number)} | look
+    yield common | {
+        "mode": "lines+markers",
+        "x": [value for value, kept in zip(x, inside, strict=True) if kept],
+        "y": plain_list(y[inside]),
+        "line": {"color": colour, "dash": dash, "width": 2.0},
+        "marker": {"size": 8, "color": colour},
+    }
+    if not inside.all():
+        yield common | {
+            "mode": "markers",
+            "x": [value for value, kept in zip(x, inside, strict=True) if not kept],
+            "y": plain_list(y[~inside]),
+            "marker": {"size": 9, "color": colour, "symbol": "circle-open", "line": {"width": 2}},
+            "showlegend": False,
+        }
+
+
+def _tell_once(traces: list[dict[str, Any]], shown: bool = True) -> None:
+    """Leave the first line of each legend group in the legend, or none; more groups than fit show none."""
+    groups = list(dict.fromkeys(trace["legendgroup"] for trace in traces if "lines" in trace["mode"]))
+    told = set() if shown and len(groups) <= LEGEND_ENTRIES else set(groups)
+    for trace in traces:
+        trace.setdefault("showlegend", trace["legendgroup"] not in told)
+        told.add(trace["legendgroup"])
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """The lowest peak over the load of one group: its ``row``, and whether it is at an end of the loads."""
+
+    label: str
+    row: int
+    at_end: bool
+
+
+def optima(view: SweepView) -> list[Optimum]:
+    """The best load of each group whose cases differ in the load only; none where no peak lies inside its range."""
+    place = view.place_of(LOAD_KEY)
+    if place is None:
+        return []
+    inside, peak = view.inside(), view.number("peak_amplitude_m")
+    found = []
+    for group in view.groups((place,)):
+        rows = group.members[inside[group.members]]
+        if rows.size:
+            best = int(rows[peak[rows].argmin()])
+            found.append(Optimum(group.label, best, best in (int(rows[0]), int(rows[-1]))))
+    return found
+
+
+def performance(view: SweepView, by_ratio: bool) -> Figure:
+    """Peak against the load F_N, or against force / F_N; with the optimum and the linear limits of each group.
+
+    Where the force varies too, peaks are divided by it: a joint answers alike to the same force / F_N.
+    """
+    place = view.place_of(LOAD_KEY)
+    assert place is not None  # the page asks only where the load is varied
+    load = np.array([float(row.values[place]) for row in view.table.rows])
+    one_force = np.unique(view.force_n).size == 1
+    scale = MICRO * np.ones_like(load) if one_force else MICRO / view.force_n
+    unit = "µm" if one_force else "µm/N"
+    x = view.force_n / load if by_ratio else load
+    inside, usable = view.inside(), view.usable()
+    best = {optimum.row for optimum in optima(view)}
+    groups = list(view.groups((place,)))
+    traces: list[dict[str, Any]] = []
+    for number, group in enumerate(groups):
+        rows = group.members[usable[group.members]]
+        rows = rows[np.argsort(x[rows], kind="stable")]
+        peak = scale * view.number("peak_amplitude_m")
+        look = {"hovertemplate": f"{group.label or 'peak'}<br>%{{x:.5g}}<br>%{{y:.4g}} {unit}<extra></extra>"}
+        traces += _group_lines(number, group.label, plain_list(x[rows]), peak[rows], inside[rows], look)
+        traces += _limits(view, rows, x, scale, unit)
+        traces += [_optimum_mark(x[row], peak[row], unit) for row in rows if row in best]
+    _tell_once(traces)
+    words = "Excitation force / F_N" if by_ratio else "F_N: centrifugal force of the damper, N"
+    return figure_of(
+        traces,
+        400,
+        xaxis=axis_look(words, **({} if by_ratio else _number_axis(x))),
+        yaxis=axis_look(f"Peak amplitude{'' if one_force else ' per force'}, {unit}", rangemode="tozero"),
+        hovermode="closest",
+    )
+
+
+def _limits(view: SweepView, rows: Any, x: FloatArray, scale: FloatArray, unit: str) -> Iterator[Any]:
+    for limit, words, colour, dash in (
+        ("stuck", "stuck (pairs closed at rest)", BLUE, "dash"),
+        ("free", "no contact", ORANGE, "dot"),
+    ):
+        heights = (scale * view.number(f"{limit}_peak_amplitude_m"))[rows]
+        known = ~np.isnan(heights)
+        if known.any():
+            hover = f"linear, {words}<br>%{{x:.5g}}<br>%{{y:.4g}} {unit}<extra></extra>"
+            yield line_trace(
+                f"linear, {words}",
+                x[rows][known],
+                heights[known],
+                colour,
+                dash,
+                1.6,
+                legendgroup=limit,
+                hovertemplate=hover,
+            )
+
+
+def _optimum_mark(x: float, y: float, unit: str) -> dict[str, Any]:
+    look = {"symbol": "star", "size": 16, "color": VERMILLION, "line": {"color": "white", "width": 1}}
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "name": "optimum",
+        "legendgroup": "optimum",
+        "x": plain_list([x]),
+        "y": plain_list([y]),
+        "marker": look,
+        "hovertemplate": f"optimum<br>%{{x:.5g}}<br>%{{y:.4g}} {unit}<extra></extra>",
+    }
+
+
+def maps(view: SweepView) -> list[tuple[str, Figure]]:
+    """(words, figure) of peak and peak frequency over the first two keys, for each combination of the others."""
+    figures = []
+    for group in list(view.groups((0, 1)))[:LARGEST_MAP_COUNT]:
+        for column, factor, words, digits in (
+            ("peak_amplitude_m", MICRO, "Peak amplitude, µm", ".4g"),
+            ("peak_frequency_hz", 1.0, "Peak frequency, Hz", ".2f"),
+        ):
+            heading = f"{words}{'; ' + group.label if group.label else ''}"
+            figures.append((heading, _map(view, group, factor * view.number(column), digits)))
+    return figures
+
+
+def _map(view: SweepView, group: Group, numbers: FloatArray, digits: str) -> Figure:
+    first, second = view.table.keys[:2]
+    shape = len(first.values), len(second.values)
+    rows = group.members.reshape(shape)
+    values = np.where(view.usable(), numbers, np.nan)[rows]
+    cells = [[None if np.isnan(value) else float(f"{value:.7g}") for value in line] for line in values.T]
+    open_ends = (view.usable() & ~view.inside())[rows]
+    positions = view.positions
+    labels = (
+        [first.labels[positions[row, 0]] for row in rows[:, 0]],
+        [second.labels[positions[row, 1]] for row in rows[0]],
+    )
+    trace = {
+        "type": "heatmap",
+        "x": labels[0],
+        "y": labels[1],
+        "z": cells,
+        "text": [["at an end" if open_end else "" for open_end in line] for line in open_ends.T],
+        "texttemplate": "%{text}",
+        "colorscale": [list(stop) for stop in SCALE],
+        "colorbar": {"thickness": 12, "outlinewidth": 0},
+        "hoverongaps": False,
+        "hovertemplate": f"{short_name(first)} %{{x}}<br>{short_name(second)} %{{y}}<br>%{{z:{digits}}}<extra></extra>",
+    }
+    return figure_of(
+        [trace],
+        360,
+        xaxis=axis_look(short_name(first).capitalize(), type="category", showgrid=False),
+        yaxis=axis_look(short_name(second).capitalize(), type="category", showgrid=False),
+    )

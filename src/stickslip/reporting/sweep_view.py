@@ -1,0 +1,102 @@
+"""What the figures of a sweep share: its table as arrays, and how its cases fall into lines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.core.validation import FloatArray
+from stickslip.reporting.style import BLUE, GREEN, INK, ORANGE, PURPLE, VERMILLION
+from stickslip.results.sweep_table import SweepCurve, SweepTable, SweptKey
+
+COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, INK)
+DASHES = ("solid", "dash", "dot", "dashdot", "longdash")
+LOAD_KEY = "preload.centrifugal_force"
+
+
+@dataclass(frozen=True)
+class Group:
+    """Cases that differ in one key only: ``members`` (n,) rows in the order of that key, and words for the others."""
+
+    label: str
+    members: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class SweepView:
+    """A table, the curve of each row, and the excitation force of each row in N."""
+
+    table: SweepTable
+    curves: tuple[SweepCurve | None, ...]
+    force_n: FloatArray
+
+    def number(self, column: str) -> FloatArray:
+        """(n_rows,) a measure, NaN where there is none."""
+        return np.array(self.table.column(column), dtype=float)
+
+    def usable(self) -> NDArray[np.bool_]:
+        """(n_rows,) rows whose curve was followed to its end."""
+        return np.array([row.converged for row in self.table.rows], dtype=bool)
+
+    def inside(self) -> NDArray[np.bool_]:
+        """(n_rows,) usable rows whose peak lies inside the computed range."""
+        inside: NDArray[np.bool_] = self.usable() & (self.number("peak_bracketed") == 1.0)
+        return inside
+
+    def place_of(self, name: str) -> int | None:
+        """Number of a key among the swept ones."""
+        names = [key.name for key in self.table.keys]
+        return names.index(name) if name in names else None
+
+    @cached_property
+    def positions(self) -> NDArray[np.int64]:
+        """(n_rows, n_keys) number of each row's value among the values of the key."""
+        sizes = [len(key.values) for key in self.table.keys]
+        return np.stack(np.unravel_index(np.arange(len(self.table.rows)), sizes), axis=1)
+
+    def label(self, row: int, without: tuple[int, ...] = ()) -> str:
+        """Words for a row: each key's last name and value, without some keys."""
+        positions = self.positions[row]
+        return ", ".join(
+            f"{short_name(key)} {key.labels[positions[place]]}"
+            for place, key in enumerate(self.table.keys)
+            if place not in without
+        )
+
+    def groups(self, places: tuple[int, ...]) -> Iterator[Group]:
+        """The rows in groups that differ only in the keys ``places``, in the order of their values."""
+        positions = self.positions
+        others = [place for place in range(len(self.table.keys)) if place not in places]
+        _, first, member_of = np.unique(positions[:, others], axis=0, return_index=True, return_inverse=True)
+        for number, row in enumerate(first):
+            members = np.flatnonzero(member_of.ravel() == number)
+            order = np.lexsort([_rank(self.table.keys[place])[positions[members, place]] for place in reversed(places)])
+            yield Group(self.label(int(row), places), members[order])
+
+
+def _rank(key: SweptKey) -> NDArray[np.int64]:
+    """(n_values,) place of each value by size; choices keep their order."""
+    return np.argsort(np.argsort(key.shown)) if key.shown else np.arange(len(key.values))
+
+
+def short_name(key: SweptKey) -> str:
+    """Last part of the name of a key, in words."""
+    return key.name.split(".", 1)[1].replace(".", " ").replace("_", " ")
+
+
+def axis_title(key: SweptKey) -> str:
+    """Name of a key as in the study file, and its unit."""
+    return f"{key.name}{', ' + key.shown_unit if key.shown_unit else ''}"
+
+
+def is_logarithmic(values: FloatArray) -> bool:
+    """Whether values are spaced by a factor rather than by a step."""
+    ordered = np.unique(values)
+    if ordered.size < 3 or ordered[0] <= 0:
+        return False
+    steps, factors = np.diff(ordered), np.diff(np.log(ordered))
+    return bool(steps.std() / steps.mean() > 2.0 * factors.std() / factors.mean() + 1e-3)

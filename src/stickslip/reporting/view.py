@@ -1,0 +1,90 @@
+"""What every figure of one run needs, computed once: amplitude, summary, the peak, the pair to look at first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.core.validation import FloatArray
+from stickslip.reporting.style import MICRO, energy_unit
+from stickslip.results.measures import Summary, summary
+from stickslip.results.record import StudyRecord
+from stickslip.results.response import ForcedResponse
+
+
+@dataclass(frozen=True)
+class View:
+    """A response and its study, with the arrays that several figures draw.
+
+    ``amplitude_um`` (n_points,), ``stuck_um`` and ``free_um`` (n_linear,) are 0-to-peak in µm; ``point`` is the
+    computed point at the peak and ``pair`` the one that dissipates most there; energies times ``energy_factor`` are in
+    ``energy_unit``.
+    """
+
+    response: ForcedResponse
+    study: StudyRecord
+    summary: Summary
+    amplitude_um: FloatArray
+    stuck_um: FloatArray
+    free_um: FloatArray
+    point: int
+    pair: int
+    energy_factor: float
+    energy_unit: str
+
+    @classmethod
+    def of(cls, response: ForcedResponse, study: StudyRecord) -> View:
+        """Raises InputError if the study does not belong to the response."""
+        study.require_fit(response)
+        row = study.outputs[study.response_output]
+        measures = summary(response, row)
+        point = measures.peak.point
+        factor, unit = energy_unit(max(measures.peak_energy, float(response.input_energy.max())))
+        return cls(
+            response=response,
+            study=study,
+            summary=measures,
+            amplitude_um=MICRO * response.amplitude(row),
+            stuck_um=MICRO * response.linear_amplitude(row, "stuck"),
+            free_um=MICRO * response.linear_amplitude(row, "free"),
+            point=point,
+            pair=int(response.friction_energy[point].argmax()),
+            energy_factor=factor,
+            energy_unit=unit,
+        )
+
+    @property
+    def window_hz(self) -> tuple[float, float]:
+        """Frequency range to show: the computed curve and the linear peaks inside their range, with a margin."""
+        shown = [float(self.response.frequency_hz.min()), float(self.response.frequency_hz.max())]
+        shown += [p.frequency_hz for p in (self.summary.stuck_peak, self.summary.free_peak) if p.bracketed]
+        margin = 0.04 * (max(shown) - min(shown))
+        return min(shown) - margin, max(shown) + margin
+
+    @property
+    def stuck_words(self) -> str:
+        """Name of the linear stuck curve, which leaves pairs open that are open at rest."""
+        return (
+            "linear, all stuck" if self.response.pairs.closed_at_rest.all() else "linear, stuck (pairs closed at rest)"
+        )
+
+    @property
+    def rest_pressure_mpa(self) -> FloatArray:
+        """(n_pairs,) MPa at rest; not a number for a pair that is open there."""
+        pressure = 1e-6 * self.response.pairs.preload / self.study.pair_area
+        return np.where(self.response.pairs.closed_at_rest, pressure, np.nan)
+
+    @property
+    def rest_is_uneven(self) -> bool:
+        """Whether the pressure at rest differs within a face, so that a map of it tells something."""
+        pressure = np.nan_to_num(self.rest_pressure_mpa)
+        faces = (pressure[self.study.pair_face == face] for face in range(len(self.study.face_names)))
+        return any(np.ptp(here) > 1e-6 * float(pressure.max()) for here in faces)
+
+    def pair_label(self, pair: int) -> str:
+        """Name of a pair for a reader: face, number in that face from 1, place in mm."""
+        face = int(self.study.pair_face[pair])
+        number = int((self.study.pair_face[:pair] == face).sum()) + 1
+        along, across = 1e3 * self.study.pair_position[pair]
+        return f"{self.study.face_names[face]}, pair {number} ({along:.1f}, {across:.1f} mm)".replace("-", "−")

@@ -1,0 +1,1 @@
+"""The harmonic balance of a structure with contact."""

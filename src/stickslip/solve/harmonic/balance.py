@@ -1,0 +1,186 @@
+"""The balance of one frequency: R(x) = x - r(w) + A(w) d(x), and its Newton system reduced to the moving pairs.
+
+``x`` holds the Fourier coefficients of the relative displacements of all pairs, ``r`` those of the linear structure
+with every contact stuck, ``d`` the deviation of the contact force from ``preload + k x``. A pair that sticks through
+the whole period has ``d = 0``, and its normal row has ``d = 0`` until it opens; a pair that is open at rest
+has no ``k``, and ``d = 0`` until it closes. So with ``D = dd/dx``
+
+    (I + A D) dx = -R   <=>   (I + D A) dd = -D R,   dx = -R - A dd
+
+needs only the rows of ``dd`` that are not zero: two tangential rows for each pair that moves, and the normal row where
+the pair separates or was open at rest. Everything else follows by back substitution; nothing is approximated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb import HarmonicForce, Update, harmonic_force, harmonic_tangent
+from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.compliance import Compliance
+
+SEPARATING = 2
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A trial solution and what follows from it; coefficients (2H+1, m) with m = 3 * n_pairs rows t1, t2, n."""
+
+    omega: float
+    load: float
+    relative: FloatArray
+    deviation: FloatArray
+    contact: HarmonicForce
+    amplitude: FloatArray  # (2H, n) modal amplitudes of the structure under the force and the deviation
+    residual: FloatArray
+    error: float  # norm of the residual relative to that of the relative displacement, see Balance.evaluate
+
+
+def _share(part: FloatArray, whole: FloatArray) -> float:
+    """Norm of a part over that of the whole; the norm itself where the whole is zero."""
+    size, scale = float(np.linalg.norm(part)), float(np.linalg.norm(whole))
+    return size / scale if scale > 0.0 else size
+
+
+@dataclass(frozen=True)
+class ActiveRows:
+    """Rows of the contact coefficients that the reduced Newton system keeps."""
+
+    pairs: NDArray[np.int64]  # pairs that move
+    inputs: NDArray[np.int64]  # their 3 rows each: what the force depends on
+    outputs: NDArray[np.int64]  # rows where the deviation is not zero
+    output_position: NDArray[np.int64]  # position of each output among 3 * len(pairs) rows
+
+    @classmethod
+    def of(cls, contact: HarmonicForce, pairs: ContactPairs) -> ActiveRows:
+        """Two tangential rows of every pair that moves, the normal row of those that separate or were open at rest."""
+        moving = np.flatnonzero(contact.deviates)
+        keep = np.ones((moving.size, 3), dtype=bool)
+        keep[:, 2] = (contact.state[moving] == SEPARATING) | ~pairs.closed_at_rest[moving]
+        inputs = (3 * moving[:, None] + np.arange(3)).ravel()
+        position = np.flatnonzero(keep.ravel())
+        return cls(moving, inputs, inputs[position], position)
+
+
+class Balance:
+    """One structure, one joint, one excitation: residuals and Newton systems at any frequency.
+
+    Parameters
+    ----------
+    compliance:
+        answer of the stuck structure (m rows, n unknowns).
+    pairs:
+        contact pairs.
+    force:
+        (2H+1, n) N, coefficients of the external force.
+    samples:
+        time samples per period for the friction law.
+    update:
+        "tractrix" or "radial".
+    """
+
+    def __init__(
+        self,
+        compliance: Compliance,
+        pairs: ContactPairs,
+        force: FloatArray,
+        samples: int,
+        update: Update,
+    ) -> None:
+        self.compliance = compliance
+        self.pairs = pairs
+        self.force = force
+        self.samples = samples
+        self.update = update
+        self.harmonics = compliance.harmonics
+        # Springs of a stuck pair, (2H+1, m). On the mean a stuck pair has no traction: its slider sits at the mean.
+        springs = pairs.resting_stiffness().reshape(-1, 3)
+        self._springs = np.repeat(springs.reshape(1, -1), 2 * self.harmonics + 1, axis=0)
+        if pairs.released:
+            self._springs[0] = (springs * np.array([0.0, 0.0, 1.0])).ravel()
+        self._external = compliance.external(force)
+
+    @property
+    def rows(self) -> int:
+        """Number m of rows of relative displacement."""
+        return 3 * self.pairs.n_pairs
+
+    def linear(self, omega: float, load: float = 1.0) -> FloatArray:
+        """Relative displacement (2H+1, m) with every contact stuck, under ``load`` times the force."""
+        still, external = np.zeros((2 * self.harmonics + 1, self.rows)), self._external.times(load)
+        return self.compliance.relative(self.compliance.amplitude(omega, external, still), external, still)
+
+    def evaluate(self, relative: FloatArray, omega: float, load: float = 1.0) -> Trial:
+        """Contact force, deviation and residual; what no force depends on follows from the forces (:meth:`acting`)."""
+        coefficients = np.ascontiguousarray(relative.T).reshape(self.pairs.n_pairs, 3, -1)
+        contact = harmonic_force(coefficients, self.pairs, self.samples, self.update)
+        deviation = contact.force.reshape(self.rows, -1).T - self._springs * relative
+        # Where the pair sticks the tangential deviation is zero by definition, where it never opens the normal one is:
+        # round-off must not enter.
+        still, closed = ~contact.deviates, self.pairs.closed_at_rest & (contact.state != SEPARATING)
+        deviation[:, 0::3][:, still] = 0.0
+        deviation[:, 1::3][:, still] = 0.0
+        deviation[:, 2::3][:, closed] = 0.0
+        external = self._external.times(load)
+        amplitude = self.compliance.amplitude(omega, external, deviation)
+        answer = self.compliance.relative(amplitude, external, deviation)
+        residual = self.acting(relative - answer)
+        if self.pairs.released:
+            relative = relative.copy()
+            relative[0].reshape(-1, 3)[:, :2] = answer[0].reshape(-1, 3)[:, :2]
+        error = max(_share(residual, self.acting(relative)), self._closing_error(residual, contact))
+        return Trial(omega, load, relative, deviation, contact, amplitude, residual, error)
+
+    def _closing_error(self, residual: FloatArray, contact: HarmonicForce) -> float:
+        """Share of the contact force that the residual means in pairs with a gap that close.
+
+        Their springs are not in the compliance, so a residual that is small beside the motion of an open pair can be a
+        large force where it closes.
+        """
+        closing = np.flatnonzero(contact.deviates & ~self.pairs.closed_at_rest)
+        if not closing.size:
+            return 0.0
+        springs = self.pairs.stuck_stiffness().reshape(-1, 3)[closing]
+        force = springs[:, :, None] * residual.T.reshape(self.pairs.n_pairs, 3, -1)[closing]
+        return _share(force, contact.force)
+
+    def acting(self, relative: FloatArray) -> FloatArray:
+        """A copy (2H+1, m) without what no contact force depends on: the mean tangential displacements if released.
+
+        The slider of a released pair starts at the mean of its motion, so these means only follow from the forces.
+        Where friction alone holds a body they are huge and mean nothing; no norm and no constraint may contain them.
+        """
+        part = relative.copy()
+        if self.pairs.released:
+            part[0].reshape(-1, 3)[:, :2] = 0.0
+        return part
+
+    def displacement(self, trials: Sequence[Trial]) -> FloatArray:
+        """All unknowns (n_trials, 2H+1, n) of trials of the same load."""
+        amplitude = np.array([trial.amplitude for trial in trials])
+        deviation = np.array([trial.deviation for trial in trials])
+        return self.compliance.displacement(amplitude, self._external.times(trials[0].load), deviation)
+
+    def amplitude_slope(self, trial: Trial) -> FloatArray:
+        """Derivative (2H, n) of the modal amplitudes by ``omega`` at fixed deviation."""
+        return self.compliance.gain.slope(trial.omega, trial.amplitude)
+
+    def frequency_slope(self, trial: Trial) -> FloatArray:
+        """dR/dw (2H+1, m) at fixed x."""
+        still = np.zeros_like(trial.relative)
+        return -self.compliance.relative(self.amplitude_slope(trial), None, still)
+
+    def deviation_tangent(self, active: ActiveRows, trial: Trial) -> FloatArray:
+        """D (n_moving, 3, 2H+1, 3, 2H+1): derivative of the deviation of the moving pairs."""
+        coefficients = np.ascontiguousarray(trial.relative.T).reshape(self.pairs.n_pairs, 3, -1)
+        tangent = harmonic_tangent(coefficients, self.pairs, self.samples, active.pairs, self.update, trial.contact)
+        springs = self._springs.T.reshape(self.pairs.n_pairs, 3, -1)[active.pairs]
+        width = 2 * self.harmonics + 1
+        diagonal = np.einsum("paqaq->paq", tangent.reshape(-1, 3, width, 3, width))
+        diagonal -= springs
+        return tangent

@@ -1,0 +1,300 @@
+"""How the structure with its contacts stuck answers to forces on the pairs, harmonic by harmonic.
+
+``k`` holds the springs of the pairs that are closed at rest; pairs that are open there have none until they close. With
+``Kbar = K + B^T k B`` and ``Z_h(w) = Kbar - (h w)^2 M + i h w C`` the compliance of the pairs is
+``A_h(w) = B Z_h^-1 B^T`` and the linear stuck response ``r_h = B Z_h^-1 P_h``. All of it goes through the modes of the
+stuck structure (:mod:`stickslip.solve.harmonic.gain`). The mean (h = 0) is different where sliders are released: a stuck pair
+then carries no mean traction (its slider sits at the mean displacement), so ``k`` holds only the normal springs there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.damping import (
+    diagonal_modal_damping,
+    modal_basis,
+    modal_damping,
+    modal_damping_matrix,
+    stuck_stiffness_matrix,
+)
+from stickslip.solve.harmonic.gain import ComplexArray, CoupledGain, DiagonalGain, ModalGain, times_gain
+from stickslip.structure.superelement import Superelement
+
+IndexArray = NDArray[np.int64]
+
+# A body that only friction holds (a free damper along its axis) has no unique mean position. A spring of this fraction
+# of the tangential contact stiffness, on the mean alone, holds it; results do not depend on it (docs/theory.md).
+MEAN_RESTRAINT = 1e-6
+# Reciprocal condition number below which the scaled mean system counts as singular.
+SINGULAR_MEAN = 1e-11
+# Newton's matrix takes modes beyond this multiple of the highest harmonic as springs: an error of 1/30^2 of their share
+# in the matrix alone, which costs no accuracy (the residual takes all modes exactly) and hardly an iteration.
+NEAR_RANGE = 30.0
+
+
+@dataclass(frozen=True)
+class ExternalForce:
+    """The external force as the stuck structure sees it."""
+
+    modal: FloatArray  # (2H, n) modal forces of the harmonics
+    mean: FloatArray  # (n,) N, on the unknowns
+    mean_relative: FloatArray  # (m,) m, relative displacement that the mean force causes
+
+    def times(self, factor: float) -> ExternalForce:
+        """The force with another size."""
+        return ExternalForce(factor * self.modal, factor * self.mean, factor * self.mean_relative)
+
+
+@dataclass(frozen=True)
+class StaticFactor:
+    """Static answers of the structure with springs on its pairs: a Cholesky factor of ``K + B^T k B``, scaled."""
+
+    _scale: FloatArray
+    _factor: Any
+
+    @classmethod
+    def build(cls, superelement: Superelement, pairs: ContactPairs, springs: FloatArray) -> StaticFactor:
+        """The factor with ``springs`` (n_pairs, 3) N/m along t1, t2, n. Raises InputError where it is singular."""
+        held = cls.attempt(superelement, pairs, springs)
+        if held is None:
+            raise InputError(
+                "the structure with all contacts closed and stuck is singular to working accuracy: some body can move "
+                "freely, or the contact is many orders stiffer than the structure. Fix the body somewhere, check that "
+                "the contact operator couples it to the rest, or lower the contact stiffness: a joint a thousand times "
+                "stiffer than what it joins is rigid."
+            )
+        return held
+
+    @classmethod
+    def attempt(cls, superelement: Superelement, pairs: ContactPairs, springs: FloatArray) -> StaticFactor | None:
+        """As :meth:`build`, or None where the structure is singular to working accuracy."""
+        matrix = superelement.stiffness + pairs.operator.T @ (springs.reshape(-1, 1) * pairs.operator)
+        scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+        matrix *= scale
+        matrix *= scale[:, None]
+        norm = float(np.abs(matrix).sum(axis=0).max())
+        factor, failure = scipy.linalg.lapack.dpotrf(matrix, lower=1, clean=0)
+        if failure or scipy.linalg.lapack.dpocon(factor, norm, uplo="L")[0] <= SINGULAR_MEAN:
+            return None
+        return cls(scale, (factor, True))
+
+    def solve(self, force: FloatArray) -> FloatArray:
+        """Static displacement under forces (n,) or (n, k)."""
+        scale = self._scale if force.ndim == 1 else self._scale[:, None]
+        return np.asarray(scale * scipy.linalg.cho_solve(self._factor, scale * force))
+
+
+def mean_factor(superelement: Superelement, pairs: ContactPairs) -> tuple[StaticFactor, float]:
+    """The answer to mean forces, and the restraint in it: normal springs only if released, else all springs.
+
+    A body that only friction holds gets ``MEAN_RESTRAINT`` on the mean, also where residual tractions are kept: slip of
+    all its pairs forgets them. Raises InputError if the structure stays singular.
+    """
+    springs = pairs.resting_stiffness().reshape(-1, 3)
+    without_friction = StaticFactor.attempt(superelement, pairs, springs * np.array([0.0, 0.0, 1.0]))
+    restraint = MEAN_RESTRAINT if without_friction is None else 0.0
+    if pairs.released and without_friction is not None:
+        return without_friction, restraint
+    tangential = restraint if pairs.released else 1.0 + restraint
+    return StaticFactor.build(superelement, pairs, springs * np.array([tangential, tangential, 1.0])), restraint
+
+
+def _require_held_at_rest(superelement: Superelement, pairs: ContactPairs) -> None:
+    """Raise InputError for a body that only pairs with a gap could hold: it has no state at rest."""
+    closed = pairs.closed_at_rest
+    if closed.all():
+        return
+    springs = pairs.resting_stiffness().reshape(-1, 3)
+    if StaticFactor.attempt(superelement, pairs, springs) is None:
+        raise InputError(
+            f"preload is zero or negative (a gap) at {int((~closed).sum())} of {closed.size} pairs, and the others do "
+            "not hold every body: displacements count from a state at rest that does not exist. Press at least some "
+            "pairs of each body together, or fix it elsewhere.",
+            ("preload",),
+        )
+
+
+@dataclass(frozen=True)
+class NewtonCompliance:
+    """``A`` for the Newton matrix: all m rows, and the columns on which the deviation can change (k of them).
+
+    Modes far above the excitation are springs here (see NEAR_RANGE).
+    """
+
+    mean: FloatArray  # (k, m)
+    far: FloatArray  # (k, m) static compliance of the far modes
+    left: FloatArray  # (m, p) near modes at all rows
+    right: FloatArray  # (k, p) near modes at the columns
+    gain: ComplexArray  # (H, p) or (H, p, p)
+
+    def apply(self, deviation: FloatArray) -> FloatArray:
+        """A @ deviation: (2H+1, m) from (2H+1, k)."""
+        answer = np.empty((deviation.shape[0], self.far.shape[1]))
+        answer[0] = deviation[0] @ self.mean
+        near = times_gain(self.gain, deviation[1:] @ self.right)
+        np.matmul(deviation[1:], self.far, out=answer[1:])
+        answer[1:] += near @ self.left.T
+        return answer
+
+    def apply_transposed(self, weights: FloatArray) -> FloatArray:
+        """A^T @ weights: (2H+1, k) from (2H+1, m). Each A_h is complex symmetric: the sines change sign twice."""
+        flipped = weights.copy()
+        flipped[2::2] *= -1.0
+        answer = np.empty((weights.shape[0], self.far.shape[0]))
+        answer[0] = self.mean @ flipped[0]
+        near = times_gain(self.gain, flipped[1:] @ self.left)
+        answer[1:] = flipped[1:] @ self.far.T + near @ self.right.T
+        answer[2::2] *= -1.0
+        return answer
+
+    def block(self, order: int, rows: IndexArray) -> ComplexArray:
+        """``A_h`` (rows, k) of harmonic ``order`` >= 1."""
+        gain, left = self.gain[order - 1], self.left[rows]
+        real, imaginary = (left @ part if part.ndim == 2 else left * part for part in (gain.real, gain.imag))
+        return np.asarray(real @ self.right.T + self.far[:, rows].T + 1j * (imaginary @ self.right.T))
+
+
+class Compliance:
+    """The stuck structure's answers; m = 3 * n_pairs rows t1, t2, n of each pair, n unknowns and as many modes.
+
+    Coefficients are (2H+1, ...) in the order mean, cos 1, sin 1, ...; ``amplitude`` (2H, n) are those of the modes,
+    without mean. The modes are mass-normalised: the Euclidean norm of an amplitude is the mass norm of its motion.
+    """
+
+    def __init__(self, stuck: StuckStructure, gain: ModalGain) -> None:
+        self.harmonics = gain.harmonics
+        self._restraint = stuck.mean_restraint * stuck.pairs.resting_stiffness().reshape(-1, 3)[:, :2]
+        self.gain = gain
+        self._modes = stuck.modes
+        self._operator = stuck.pairs.operator
+        self._mean = stuck.mean
+        self._contact_modes, self._mean_contact = stuck.contact_modes, stuck.mean_contact
+        far = self._contact_modes[:, gain.near_modes :]
+        self._far = (far / stuck.circular_frequency[gain.near_modes :] ** 2) @ far.T
+        self._near_contact = np.ascontiguousarray(self._contact_modes[:, : gain.near_modes])
+        self._kept: tuple[bytes, FloatArray, FloatArray] | None = None
+
+    def restraint_force(self, mean_relative: FloatArray) -> FloatArray:
+        """(..., n_pairs, 2) N along t1, t2 that the restraint takes at mean relative displacements (..., 3 n_pairs)."""
+        shape = (*mean_relative.shape[:-1], -1, 3)
+        return np.asarray(self._restraint * mean_relative.reshape(shape)[..., :2])
+
+    def external(self, force: FloatArray) -> ExternalForce:
+        """What a force (2H+1, n) does, computed once."""
+        mean = self._operator @ self._mean.solve(force[0]) if force[0].any() else np.zeros(len(self._operator))
+        return ExternalForce(force[1:] @ self._modes, force[0], mean)
+
+    def amplitude(self, omega: float, external: ExternalForce | None, deviation: FloatArray) -> FloatArray:
+        """Modal amplitudes (2H, n) under an external force and ``-B^T deviation``, deviation (2H+1, m)."""
+        columns = np.flatnonzero(deviation[1:].any(axis=0))
+        if 2 * columns.size < deviation.shape[1]:
+            force = -(deviation[1:, columns] @ self._contact_modes[columns])
+        else:
+            force = -(deviation[1:] @ self._contact_modes)
+        if external is not None:
+            force += external.modal
+        return self.gain.answer(omega, force)
+
+    def relative(self, amplitude: FloatArray, external: ExternalForce | None, deviation: FloatArray) -> FloatArray:
+        """``B u`` (2H+1, m) of amplitudes, with the mean under the same forces."""
+        answer = np.empty((amplitude.shape[0] + 1, len(self._operator)))
+        answer[0] = -(self._mean_contact @ deviation[0]) if deviation[0].any() else 0.0
+        if external is not None:
+            answer[0] += external.mean_relative
+        np.matmul(amplitude, self._contact_modes.T, out=answer[1:])
+        return answer
+
+    def displacement(self, amplitude: FloatArray, external: ExternalForce, deviation: FloatArray) -> FloatArray:
+        """All unknowns (..., 2H+1, n) of amplitudes (..., 2H, n) and deviations (..., 2H+1, m)."""
+        shape = amplitude.shape
+        answer = np.empty((*shape[:-2], shape[-2] + 1, shape[-1]))
+        force = external.mean - deviation[..., 0, :] @ self._operator
+        answer[..., 0, :] = self._mean.solve(force.T).T
+        answer[..., 1:, :] = (amplitude.reshape(-1, shape[-1]) @ self._modes.T).reshape(shape)
+        return answer
+
+    def newton(self, omega: float, columns: IndexArray) -> NewtonCompliance:
+        """A for the Newton matrix at ``omega``, for deviations on ``columns``."""
+        key = columns.tobytes()
+        if self._kept is None or self._kept[0] != key:
+            self._kept = key, self._mean_contact[columns], self._far[columns]
+        _, mean, far = self._kept
+        return NewtonCompliance(mean, far, self._near_contact, self._near_contact[columns], self.gain.near(omega))
+
+
+@dataclass(frozen=True)
+class StuckStructure:
+    """The structure with every contact that is closed at rest stuck, ready for balances with any harmonics."""
+
+    pairs: ContactPairs
+    mean: StaticFactor
+    mean_restraint: float
+    circular_frequency: FloatArray  # (n,) rad/s, ascending
+    modes: FloatArray  # (n, n), mass-normalised
+    modal_damping: FloatArray  # (n,) if the modes diagonalise the damping, else (n, n)
+    damping: FloatArray  # (n, n) N s/m, also where modal ratios were given
+    highest_omega: float  # rad/s
+
+    @cached_property
+    def contact_modes(self) -> FloatArray:
+        """(m, n) relative displacements of the modes, for every number of harmonics."""
+        return np.asarray(self.pairs.operator @ self.modes)
+
+    @cached_property
+    def mean_contact(self) -> FloatArray:
+        """(m, m) compliance of the pairs on the mean."""
+        return np.asarray(self.pairs.operator @ self.mean.solve(self.pairs.operator.T))
+
+    def compliance(self, harmonics: int) -> Compliance:
+        """The compliance for a number of harmonics."""
+        near = int(np.searchsorted(self.circular_frequency, NEAR_RANGE * harmonics * self.highest_omega))
+        kind = DiagonalGain if self.modal_damping.ndim == 1 else CoupledGain
+        gain = kind(self.circular_frequency, self.modal_damping, harmonics, near)
+        return Compliance(self, gain)
+
+
+def stuck_structure(
+    superelement: Superelement,
+    pairs: ContactPairs,
+    highest_omega: float,
+    modal_damping_ratio: float | None,
+) -> StuckStructure:
+    """Modes, damping and static answer of the stuck structure.
+
+    ``modal_damping_ratio`` gives the stuck modes one ratio (see :func:`stickslip.solve.harmonic.damping.modal_damping`;
+    ``highest_omega`` in rad/s is the highest excitation); None uses ``superelement.damping`` (zero if absent).
+    Raises InputError for an operator of another size, for both kinds of damping at once, or a singular structure.
+    """
+    n = superelement.size
+    if pairs.operator.shape[1] != n:
+        raise InputError(
+            f"operator has {pairs.operator.shape[1]} columns, but the superelement has {n} unknowns; "
+            "operator must have shape (3 * n_pairs, n)."
+        )
+    if modal_damping_ratio is not None and superelement.damping is not None:
+        raise InputError("give either a damping matrix in the superelement or modal_damping_ratio, not both.")
+    _require_held_at_rest(superelement, pairs)
+    mean, restraint = mean_factor(superelement, pairs)
+    frequency, modes = modal_basis(superelement.mass, stuck_stiffness_matrix(superelement, pairs))
+    modal: FloatArray | None
+    if modal_damping_ratio is not None:
+        modal = modal_damping(frequency, modal_damping_ratio, highest_omega)
+        damping = modal_damping_matrix(superelement.mass, modes, modal)
+    elif superelement.damping is None:
+        damping, modal = np.zeros((n, n)), np.zeros(n)
+    else:
+        damping = superelement.damping
+        modal = diagonal_modal_damping(damping, modes)
+        if modal is None:
+            modal = modes.T @ damping @ modes
+    return StuckStructure(pairs, mean, restraint, frequency, modes, modal, damping, highest_omega)

@@ -1,0 +1,82 @@
+"""Viscous damping: modal ratios, Rayleigh, or a full matrix, and which of them the stuck modes diagonalise."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, finite_array
+from stickslip.structure.superelement import Superelement
+
+# Modal damping ratios hold up to this many times the highest excitation frequency.
+DAMPED_RANGE = 20.0
+
+
+def stuck_stiffness_matrix(superelement: Superelement, pairs: ContactPairs) -> FloatArray:
+    """``K + B^T diag(k_t1, k_t2, k_n) B`` (n, n): every pair that is closed at rest is stuck, the others stay open."""
+    operator = pairs.operator
+    return superelement.stiffness + operator.T @ (pairs.resting_stiffness()[:, None] * operator)
+
+
+def modal_basis(mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """All modes of ``(K - w^2 M) phi = 0``: ``w`` (n,) rad/s ascending and mass-normalised ``phi`` (n, n).
+
+    Slightly negative eigenvalues of rigid-body modes (round-off) become zero. Raises InputError for a mass matrix that
+    is not positive definite, or a stiffness matrix with a clearly negative eigenvalue.
+    """
+    try:
+        squares, modes = scipy.linalg.eigh(stiffness, mass)
+    except scipy.linalg.LinAlgError as error:
+        raise InputError(
+            "the mass matrix is not positive definite, so the structure has no vibration modes. "
+            "Look for unknowns without mass and condense them, or for a wrong sign."
+        ) from error
+    largest = float(np.abs(squares).max())
+    if squares[0] < -1e-8 * largest:
+        raise InputError(
+            f"the stiffness matrix has the negative eigenvalue {squares[0]:.3g} (rad/s)^2; a structure at rest must be "
+            "positive semi-definite. Look for a wrong sign or for unknowns in another order than in the mass matrix."
+        )
+    return np.sqrt(np.maximum(squares, 0.0)), modes
+
+
+def modal_damping(circular_frequency: FloatArray, ratio: float, highest_omega: float) -> FloatArray:
+    """``2 ratio w`` (n,) for the stuck modes up to DAMPED_RANGE times the highest excitation, zero above.
+
+    Modes far above the excitation only deform the joint and its surroundings. Damping them would put a dashpot across
+    the joint that also works while it slips or is open, and that grows with the contact stiffness.
+    """
+    return np.where(circular_frequency <= DAMPED_RANGE * highest_omega, 2.0 * ratio * circular_frequency, 0.0)
+
+
+def modal_damping_matrix(mass: FloatArray, modes: FloatArray, modal: FloatArray) -> FloatArray:
+    """``C = M phi diag(modal) phi^T M`` (n, n) N s/m for mass-normalised ``phi``."""
+    weighted = mass @ modes
+    return np.asarray((weighted * modal) @ weighted.T)
+
+
+def rayleigh_damping_matrix(superelement: Superelement, mass_factor: float, stiffness_factor: float) -> FloatArray:
+    """``C = mass_factor M + stiffness_factor K`` (n, n) N s/m; the springs of the contact are not in K.
+
+    ``mass_factor`` in 1/s and ``stiffness_factor`` in s, both not negative; InputError otherwise.
+    """
+    factors = finite_array("Rayleigh damping factors", [mass_factor, stiffness_factor])
+    if (factors < 0).any():
+        raise InputError(
+            f"Rayleigh damping factors must not be negative, found mass_factor = {mass_factor:g} 1/s and "
+            f"stiffness_factor = {stiffness_factor:g} s."
+        )
+    return mass_factor * superelement.mass + stiffness_factor * superelement.stiffness
+
+
+def diagonal_modal_damping(damping: FloatArray, modes: FloatArray, tolerance: float = 1e-9) -> FloatArray | None:
+    """Diagonal (n,) of ``phi^T C phi``, or None if the modes do not diagonalise ``damping`` to ``tolerance``."""
+    projected = modes.T @ damping @ modes
+    diagonal = np.diag(projected).copy()
+    scale = np.sqrt(np.outer(np.abs(diagonal), np.abs(diagonal))) + np.abs(diagonal).max(initial=0.0) * 1e-12
+    coupling = np.abs(projected - np.diag(diagonal))
+    if (coupling <= tolerance * scale + 1e-300).all():
+        return diagonal
+    return None

@@ -1,0 +1,98 @@
+"""What is kept of converged points: displacement, energies per cycle, and the residual of the equation of motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.compliance import StuckStructure
+from stickslip.structure.superelement import Superelement
+
+Orders = NDArray[np.int64]
+
+# Points that are measured together, for long matrix products.
+CHUNK = 32
+
+
+@dataclass(frozen=True)
+class CurveMeasures:
+    """What is kept of the points of a curve; the first axis counts the points."""
+
+    displacement: FloatArray  # (n_points, 2H+1, n) m
+    dissipated_energy: FloatArray  # (n_points, n_pairs) J per cycle
+    normal_work: FloatArray  # (n_points, n_pairs) of it by the normal forces, an error of sampling
+    input_energy: FloatArray  # (n_points,)
+    viscous_energy: FloatArray  # (n_points,)
+    residual: FloatArray  # (n_points,)
+
+
+def measure_curve(
+    trials: Sequence[Trial], balance: Balance, superelement: Superelement, stuck: StuckStructure
+) -> CurveMeasures:
+    """Displacement, energies per cycle, and the residual of the equation of motion itself, of points of one load."""
+    parts = [
+        _measure(trials[first : first + CHUNK], balance, superelement, stuck) for first in range(0, len(trials), CHUNK)
+    ]
+    return CurveMeasures(
+        np.concatenate([part.displacement for part in parts]),
+        np.concatenate([part.dissipated_energy for part in parts]),
+        np.concatenate([part.normal_work for part in parts]),
+        np.concatenate([part.input_energy for part in parts]),
+        np.concatenate([part.viscous_energy for part in parts]),
+        np.concatenate([part.residual for part in parts]),
+    )
+
+
+def _measure(
+    trials: Sequence[Trial], balance: Balance, superelement: Superelement, stuck: StuckStructure
+) -> CurveMeasures:
+    displacement = balance.displacement(trials)
+    omega = np.array([trial.omega for trial in trials])
+    order = np.arange(1, balance.harmonics + 1)[:, None]
+    contact = np.array([trial.contact.force.reshape(balance.rows, -1).T for trial in trials])
+    # Work of a force on a motion in one period: pi * sum_h h (s_h . fc_h - c_h . fs_h).
+    by_direction = _work(order, np.array([trial.relative for trial in trials]), contact).reshape(len(trials), -1, 3)
+    by_direction[np.array([trial.contact.state for trial in trials]) == 0] = 0.0
+    quadratic = balance.compliance.gain.viscous_form(np.array([trial.amplitude for trial in trials]))
+    viscous = np.pi * omega * ((quadratic[:, 0::2] + quadratic[:, 1::2]) * order[:, 0] ** 2).sum(axis=1)
+    residual = _equation_residuals(trials, displacement, contact, balance, superelement, stuck)
+    # The input is the work of the force; its sign convention makes it positive where energy goes in.
+    given = _work(order, displacement, balance.force).sum(axis=1)
+    return CurveMeasures(displacement, by_direction.sum(axis=2), by_direction[:, :, 2], given, viscous, residual)
+
+
+def _work(order: Orders, motion: FloatArray, force: FloatArray) -> FloatArray:
+    """Work (n_points, m) in one period of coefficients ``force`` on ``motion``, both (n_points, 2H+1, m)."""
+    product = motion[:, 2::2] * force[..., 1::2, :] - motion[:, 1::2] * force[..., 2::2, :]
+    return np.asarray(np.pi * (order * product).sum(axis=1))
+
+
+def _equation_residuals(
+    trials: Sequence[Trial],
+    displacement: FloatArray,
+    contact: FloatArray,
+    balance: Balance,
+    superelement: Superelement,
+    stuck: StuckStructure,
+) -> FloatArray:
+    """``|Z u + B^T f - p| / (|p| + |B^T f|)`` of each point over all harmonics, in the unknowns of the superelement."""
+    means = np.array([trial.relative[0] for trial in trials])
+    contact = contact.copy()
+    contact[:, 0].reshape(len(trials), -1, 3)[:, :, :2] += balance.compliance.restraint_force(means)
+    joint = contact @ balance.pairs.operator
+    load = np.array([trial.load for trial in trials])[:, None, None]
+    order = np.arange(1, balance.harmonics + 1)[:, None] * np.array([trial.omega for trial in trials])[:, None, None]
+    size = displacement.shape[-1]
+    flat = displacement.reshape(-1, size)
+    left = (flat @ superelement.stiffness).reshape(displacement.shape) + joint - load * balance.force
+    inertia = (flat @ superelement.mass).reshape(displacement.shape)[:, 1:]
+    viscous = (flat @ stuck.damping).reshape(displacement.shape)[:, 1:]
+    left[:, 1::2] += -(order**2) * inertia[:, 0::2] + order * viscous[:, 1::2]
+    left[:, 2::2] += -(order**2) * inertia[:, 1::2] - order * viscous[:, 0::2]
+    scale = np.linalg.norm(balance.force) + np.linalg.norm(joint, axis=(1, 2))
+    return np.asarray(np.linalg.norm(left, axis=(1, 2)) / scale)

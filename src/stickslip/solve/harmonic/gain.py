@@ -1,0 +1,158 @@
+"""Amplitudes of the stuck modes under harmonic forces: one complex gain a mode, or damping that couples the modes.
+
+In mass-normalised modes of the stuck structure harmonic h obeys ``Z_h q = f`` with the modal damping matrix C and
+``Z_h = diag(w_j^2 - (h w)^2) + i h w C``. Coefficients are real, (2H, n) in the order cos 1, sin 1, cos 2, ...; complex
+amplitudes are ``c - i s`` of ``c cos + s sin``.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from stickslip.core.validation import FloatArray
+
+ComplexArray = NDArray[np.complex128]
+
+# Coupled damping: the iteration over the coupling ends at this relative change, or gives way to a factor.
+COUPLING_TOLERANCE = 1e-13
+COUPLING_ITERATIONS = 60
+
+
+def to_complex(coefficients: FloatArray) -> ComplexArray:
+    """Complex amplitudes ``c - i s`` (H, m) of coefficients without mean (2H, m)."""
+    return np.asarray(coefficients[0::2] - 1j * coefficients[1::2])
+
+
+def to_real(amplitudes: ComplexArray) -> FloatArray:
+    """Coefficients without mean (2H, m) from complex amplitudes (H, m)."""
+    coefficients = np.empty((2 * amplitudes.shape[0], amplitudes.shape[1]))
+    coefficients[0::2] = amplitudes.real
+    coefficients[1::2] = -amplitudes.imag
+    return coefficients
+
+
+def times_gain(gain: ComplexArray, coefficients: FloatArray) -> FloatArray:
+    """Coefficients (2H, m) after complex gains (H, m), or after gain matrices (H, m, m) that couple the columns."""
+    if gain.ndim == 3:
+        return to_real(np.matmul(gain, to_complex(coefficients)[:, :, None])[:, :, 0])
+    answer = np.empty_like(coefficients)
+    cosine, sine = coefficients[0::2], coefficients[1::2]
+    answer[0::2] = gain.real * cosine + gain.imag * sine
+    answer[1::2] = gain.real * sine - gain.imag * cosine
+    return answer
+
+
+class ModalGain(Protocol):
+    """How modal amplitudes follow modal forces at a circular frequency (rad/s)."""
+
+    harmonics: int
+    near_modes: int
+
+    def answer(self, omega: float, force: FloatArray) -> FloatArray:
+        """Modal amplitudes (2H, n) under modal forces (2H, n)."""
+
+    def slope(self, omega: float, amplitude: FloatArray) -> FloatArray:
+        """Derivative (2H, n) by ``omega`` of the amplitudes (2H, n) that :meth:`answer` gave at fixed force."""
+
+    def near(self, omega: float) -> ComplexArray:
+        """Gains of the lowest ``near_modes`` modes alone, for :func:`times_gain`."""
+
+    def viscous_form(self, amplitude: FloatArray) -> FloatArray:
+        """``q C q`` of each row of amplitudes (..., n)."""
+
+
+class DiagonalGain:
+    """Damping that the modes diagonalise: ``q_j = f_j / (w_j^2 - (h w)^2 + i h w c_j)``."""
+
+    def __init__(self, circular_frequency: FloatArray, damping: FloatArray, harmonics: int, near_modes: int) -> None:
+        self.harmonics = harmonics
+        self.near_modes = near_modes
+        self._squares = circular_frequency**2
+        self._damping = damping
+        self._order = np.arange(1, harmonics + 1)[:, None]
+        self._kept: tuple[float, ComplexArray] | None = None
+
+    def _gain(self, omega: float) -> ComplexArray:
+        """(H, n) gains, kept for the frequency asked last."""
+        if self._kept is None or self._kept[0] != omega:
+            x = self._order * omega
+            self._kept = omega, np.asarray(1.0 / (self._squares - x**2 + 1j * x * self._damping))
+        return self._kept[1]
+
+    def answer(self, omega: float, force: FloatArray) -> FloatArray:
+        return times_gain(self._gain(omega), force)
+
+    def slope(self, omega: float, amplitude: FloatArray) -> FloatArray:
+        change = 2.0 * self._order**2 * omega - 1j * self._order * self._damping
+        return times_gain(self._gain(omega) * change, amplitude)
+
+    def near(self, omega: float) -> ComplexArray:
+        return self._gain(omega)[:, : self.near_modes]
+
+    def viscous_form(self, amplitude: FloatArray) -> FloatArray:
+        return np.asarray(amplitude**2 @ self._damping)
+
+
+class CoupledGain:
+    """Damping ``C`` (n, n) that couples the modes.
+
+    The lowest modes are solved together, the others by an iteration over their coupling: above the excitation their
+    damping is a small part of their stiffness. Where the iteration does not settle the whole system is factored.
+    """
+
+    def __init__(self, circular_frequency: FloatArray, damping: FloatArray, harmonics: int, near_modes: int) -> None:
+        self.harmonics = harmonics
+        self._squares = circular_frequency**2
+        self._damping = damping
+        self.near_modes = near_modes
+        far = damping.copy()
+        far[:near_modes, :near_modes] = 0.0
+        far[np.arange(near_modes, len(far)), np.arange(near_modes, len(far))] = 0.0
+        self._coupling = far
+        self._order = np.arange(1, harmonics + 1)[:, None]
+        self._kept: tuple[float, ComplexArray, ComplexArray] | None = None
+
+    def _inner(self, omega: float) -> tuple[ComplexArray, ComplexArray]:
+        """Inverse (H, p, p) of the near block and gains (H, n - p) of the far diagonal, kept for the last frequency."""
+        if self._kept is None or self._kept[0] != omega:
+            x, p = self._order * omega, self.near_modes
+            block = 1j * x[:, :, None] * self._damping[:p, :p]
+            block[:, np.arange(p), np.arange(p)] += self._squares[:p] - x**2
+            far: ComplexArray = np.asarray(1.0 / (self._squares[p:] - x**2 + 1j * x * np.diag(self._damping)[p:]))
+            self._kept = (omega, np.asarray(np.linalg.inv(block), dtype=complex), far)
+        return self._kept[1], self._kept[2]
+
+    def _solve(self, omega: float, force: ComplexArray) -> ComplexArray:
+        near, far = self._inner(omega)
+        x, p = self._order * omega, self.near_modes
+
+        def inner(load: ComplexArray) -> ComplexArray:
+            return np.hstack([np.matmul(near, load[:, :p, None])[:, :, 0], far * load[:, p:]])
+
+        amplitude = inner(force)
+        for _ in range(COUPLING_ITERATIONS):
+            improved = inner(force - 1j * x * (amplitude @ self._coupling.T))
+            change = np.linalg.norm(improved - amplitude)
+            amplitude = improved
+            if change <= COUPLING_TOLERANCE * np.linalg.norm(amplitude):
+                return amplitude
+        matrices = 1j * x[:, :, None] * self._damping + np.eye(len(self._squares)) * (self._squares - x**2)[:, None, :]
+        return np.array([scipy.linalg.solve(matrix, load) for matrix, load in zip(matrices, force, strict=True)])
+
+    def answer(self, omega: float, force: FloatArray) -> FloatArray:
+        return to_real(self._solve(omega, to_complex(force)))
+
+    def slope(self, omega: float, amplitude: FloatArray) -> FloatArray:
+        motion = to_complex(amplitude)
+        change = 2.0 * self._order**2 * omega * motion - 1j * self._order * (motion @ self._damping.T)
+        return to_real(self._solve(omega, change))
+
+    def near(self, omega: float) -> ComplexArray:
+        return self._inner(omega)[0]
+
+    def viscous_form(self, amplitude: FloatArray) -> FloatArray:
+        return np.asarray(((amplitude @ self._damping) * amplitude).sum(axis=-1))

@@ -1,0 +1,106 @@
+"""The two linear limits of a joint: every contact that is closed at rest stuck, and no contact at all."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg
+
+from stickslip.core.validation import FloatArray
+from stickslip.results.response import LinearCurves
+from stickslip.solve.harmonic.damping import modal_basis
+from stickslip.solve.harmonic.gain import ComplexArray, to_complex
+from stickslip.structure.superelement import RIGID_BODY_HZ
+
+
+class LinearLimit:
+    """Harmonic response of ``M u'' + C u' + K u = p`` for many frequencies from one eigen-decomposition.
+
+    ``C`` may couple the modes: with the projected ``C = D + O`` (diagonal and rest) the modal amplitudes solve
+    ``(w^2 - x^2 + i x D) q = f - i x O q``, iterated to 1e-10; where the iteration does not settle the full complex
+    system is solved.
+    """
+
+    def __init__(self, circular_frequency: FloatArray, modes: FloatArray, modal_damping: FloatArray) -> None:
+        """From mass-normalised modes (n, n); ``modal_damping`` (n,) if they diagonalise the damping, else (n, n)."""
+        self.circular_frequency, self._modes = circular_frequency, modes
+        if modal_damping.ndim == 1:
+            self._diagonal, self._rest = modal_damping, None
+        else:
+            self._diagonal = np.diag(modal_damping).copy()
+            self._rest = modal_damping - np.diag(self._diagonal)
+
+    @classmethod
+    def of_matrices(cls, mass: FloatArray, stiffness: FloatArray, damping: FloatArray) -> LinearLimit:
+        """The limit of a structure given by its matrices (n, n)."""
+        circular_frequency, modes = modal_basis(mass, stiffness)
+        return cls(circular_frequency, modes, modes.T @ damping @ modes)
+
+    @property
+    def natural_hz(self) -> FloatArray:
+        """(n,) natural frequencies."""
+        return self.circular_frequency / (2.0 * np.pi)
+
+    def damping_ratio(self, window_hz: tuple[float, float]) -> float | None:
+        """Largest modal damping ratio of the modes inside a window; None without modes there."""
+        low, high = min(window_hz), max(window_hz)
+        inside = (self.natural_hz >= low) & (self.natural_hz <= high)
+        if not inside.any():
+            return None
+        return float((self._diagonal[inside] / (2.0 * self.circular_frequency[inside])).max())
+
+    def response(self, omega: FloatArray, force: FloatArray) -> FloatArray:
+        """Displacement coefficients (n_frequencies, n, 2H+1) under ``force`` (2H+1, n); the mean is left at zero."""
+        amplitudes = to_complex(force[1:])
+        answer = np.zeros((omega.size, force.shape[1], force.shape[0]))
+        for order in np.flatnonzero(np.abs(amplitudes).any(axis=1)) + 1:
+            motion = _product(self._modes, self._modal(order * omega, self._modes.T @ amplitudes[order - 1]))
+            answer[:, :, 2 * order - 1] = motion.real.T
+            answer[:, :, 2 * order] = -motion.imag.T
+        return answer
+
+    def _modal(self, x: FloatArray, force: ComplexArray) -> ComplexArray:
+        """Modal amplitudes (n_modes, n_frequencies), complex."""
+        gain = 1.0 / (self.circular_frequency[:, None] ** 2 - x**2 + 1j * x * self._diagonal[:, None])
+        modal = gain * force[:, None]
+        if self._rest is None:
+            return modal
+        for _ in range(40):
+            improved = gain * (force[:, None] - 1j * x * _product(self._rest, modal))
+            change = np.abs(improved - modal).max(axis=0)
+            modal = improved
+            if (change <= 1e-10 * np.abs(modal).max(axis=0)).all():
+                return modal
+        for k in np.flatnonzero(~(change <= 1e-10 * np.abs(modal).max(axis=0))):
+            matrix = np.diag(1.0 / gain[:, k]) + 1j * x[k] * self._rest
+            modal[:, k] = scipy.linalg.solve(matrix, force)
+        return modal
+
+
+def _product(matrix: FloatArray, amplitudes: ComplexArray) -> ComplexArray:
+    """``matrix @ amplitudes`` without a complex copy of the real matrix, which would double the work."""
+    return np.asarray(matrix @ amplitudes.real + 1j * (matrix @ amplitudes.imag))
+
+
+def linear_curves(
+    stuck: LinearLimit, free: LinearLimit, force: FloatArray, window_hz: tuple[float, float], shown_modes: int = 12
+) -> LinearCurves:
+    """Stuck and free response to ``force`` (2H+1, n) over the window, refined around their natural frequencies."""
+    frequency_hz = _refined_grid(window_hz, np.concatenate([stuck.natural_hz, free.natural_hz]))
+    omega = 2.0 * np.pi * frequency_hz
+    return LinearCurves(
+        frequency_hz=frequency_hz,
+        stuck=stuck.response(omega, force),
+        free=free.response(omega, force),
+        stuck_frequency_hz=stuck.natural_hz[:shown_modes],
+        free_frequency_hz=free.natural_hz[free.natural_hz > RIGID_BODY_HZ][:shown_modes],
+    )
+
+
+def _refined_grid(window_hz: tuple[float, float], natural_hz: FloatArray, uniform: int = 121) -> FloatArray:
+    """A uniform grid with extra points that crowd towards each natural frequency inside the window."""
+    low, high = min(window_hz), max(window_hz)
+    # Not the natural frequency itself: without damping the response has no bound there.
+    offsets = np.concatenate([-np.geomspace(2e-2, 2e-5, 18), np.geomspace(2e-5, 2e-2, 18)])
+    inside = natural_hz[(natural_hz > low) & (natural_hz < high)]
+    grid = np.concatenate([np.linspace(low, high, uniform), *(centre * (1.0 + offsets) for centre in inside)])
+    return np.unique(grid[(grid >= low) & (grid <= high)])

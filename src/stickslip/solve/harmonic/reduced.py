@@ -1,0 +1,169 @@
+"""Solve the reduced Newton system (I + D A) dd = -D R, bordered by the frequency and one scalar constraint.
+
+A small system is factored. A large one is solved by GMRES without ever forming the matrix: A is a static compliance
+plus a few modes, D works pair by pair. The structure around a joint is stiff compared with what friction lets go, so
+I + D A is well conditioned (170 on the two-blade model with all pairs slipping) and a dozen iterations give the digits
+that one Newton step can use; where they do not, the matrix is formed and factored.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+from scipy.sparse.linalg import LinearOperator, gmres
+
+from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.balance import ActiveRows, Balance, Trial
+
+# Below this size a factor costs less than some tens of iterations.
+DIRECT_SIZE = 300
+MAX_ITERATIONS = 120
+
+
+@dataclass(frozen=True)
+class Step:
+    """A solution of the Newton system: changes of x, of the deviation (both (2H+1, m)) and of the frequency."""
+
+    relative: FloatArray
+    deviation: FloatArray
+    omega: float
+
+
+class NewtonSystem:
+    """The Newton equations of a trial: unknowns ``dd`` on the rows where the deviation can change, (2H+1, outputs)."""
+
+    def __init__(self, balance: Balance, trial: Trial) -> None:
+        self.active = ActiveRows.of(trial.contact, balance.pairs)
+        self.columns = 2 * balance.harmonics + 1
+        self.rows = balance.rows
+        self.tangent = balance.deviation_tangent(self.active, trial)
+        self.compliance = balance.compliance.newton(trial.omega, self.active.outputs)
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return self.columns * self.active.outputs.size
+
+    def deviation_change(self, relative: FloatArray) -> FloatArray:
+        """D @ relative: (size,) from (2H+1, m)."""
+        active, width = self.active, 3 * self.columns
+        local = relative[:, active.inputs].reshape(self.columns, active.pairs.size, 3)
+        local = local.transpose(1, 2, 0).reshape(active.pairs.size, width, 1)
+        force = (self.tangent.reshape(active.pairs.size, width, width) @ local).reshape(-1, self.columns)
+        return np.asarray(force[active.output_position].T).ravel()
+
+    def comply(self, unknowns: FloatArray) -> FloatArray:
+        """A @ unknowns: (2H+1, m) from (size,)."""
+        return self.compliance.apply(unknowns.reshape(self.columns, -1))
+
+    def scatter(self, unknowns: FloatArray) -> FloatArray:
+        """(2H+1, m) with the unknowns (size,) in their rows."""
+        full = np.zeros((self.columns, self.rows))
+        full[:, self.active.outputs] = unknowns.reshape(self.columns, -1)
+        return full
+
+    def apply(self, unknowns: FloatArray) -> FloatArray:
+        """(I + D A) @ unknowns."""
+        return np.asarray(unknowns + self.deviation_change(self.comply(unknowns)))
+
+    def matrix(self) -> FloatArray:
+        """I + D A (size, size)."""
+        active, compliance = self.active, self.compliance
+        n_pairs, n_out, n_col = active.pairs.size, active.outputs.size, self.columns
+        product = np.empty((n_pairs, 3 * n_col, n_col, n_out))
+        tangent = self.tangent.reshape(n_pairs, 3 * n_col, 3, n_col)
+        mean = compliance.mean[:, active.inputs].T.reshape(n_pairs, 3, n_out)
+        np.matmul(tangent[:, :, :, 0], mean, out=product[:, :, 0])
+        for order in range(1, n_col // 2 + 1):
+            block = compliance.block(order, active.inputs).reshape(n_pairs, 3, n_out)
+            cosine, sine = 2 * order - 1, 2 * order
+            # Complex amplitudes are c - i s, so x_c = a d_c + b d_s and x_s = a d_s - b d_c for A = a + i b.
+            both = np.concatenate([tangent[:, :, :, cosine], tangent[:, :, :, sine]], axis=2)
+            real, imaginary = block.real, block.imag
+            product[:, :, cosine] = both @ np.concatenate([real, -imaginary], axis=1)
+            product[:, :, sine] = both @ np.concatenate([imaginary, real], axis=1)
+        matrix = product.reshape(n_pairs * 3, n_col, n_col, n_out)[active.output_position]
+        matrix = np.ascontiguousarray(matrix.transpose(1, 0, 2, 3)).reshape(n_col * n_out, n_col * n_out)
+        matrix[np.diag_indices(matrix.shape[0])] += 1.0
+        return matrix
+
+
+class BorderedSystem:
+    """A Newton system with one border: ``R_x dx + R_w dw = -R`` and ``weights . dx + weight dw = constraint``.
+
+    With ``dx = -R - R_w dw - A dd`` the unknowns are ``dd`` and ``dw``. The border is scaled to unit length, so that
+    one tolerance serves for all rows.
+    """
+
+    def __init__(self, system: NewtonSystem, slope: FloatArray, weights: FloatArray, weight: float) -> None:
+        self.system = system
+        self._slope, self._weights = slope, weights
+        column = system.deviation_change(slope)
+        row = -system.compliance.apply_transposed(weights).ravel()
+        corner = weight - float((weights * slope).sum())
+        size = float(np.linalg.norm(column))
+        self._column_scale = 1.0 / size if size > 0.0 else 1.0
+        length = float(np.hypot(np.linalg.norm(row), self._column_scale * corner))
+        self._row_scale = 1.0 / length if length > 0.0 else 1.0
+        self._column = self._column_scale * column
+        self._row = self._row_scale * row
+        self._corner = self._row_scale * self._column_scale * corner
+        self._factor: Any = None
+
+    def solve(self, residual: FloatArray, constraint: float, tolerance: float) -> Step:
+        """The step for a residual (2H+1, m) and a value of the constraint, to a relative ``tolerance``."""
+        system = self.system
+        right = np.append(
+            -system.deviation_change(residual),
+            self._row_scale * (constraint + float((self._weights * residual).sum())),
+        )
+        answer = None
+        if system.size > DIRECT_SIZE and self._factor is None:
+            answer = self._iterated(right, tolerance)
+        if answer is None:
+            answer = self._factored(right)
+        omega = self._column_scale * float(answer[-1])
+        relative = -residual - self._slope * omega - system.comply(answer[:-1])
+        return Step(relative, system.scatter(answer[:-1]), omega)
+
+    def _apply(self, unknowns: FloatArray) -> FloatArray:
+        """The bordered matrix @ unknowns (size + 1,)."""
+        inner, border = unknowns[:-1], float(unknowns[-1])
+        answer = np.empty_like(unknowns)
+        answer[:-1] = self.system.apply(inner) + border * self._column
+        answer[-1] = float(self._row @ inner) + self._corner * border
+        return answer
+
+    def _iterated(self, right: FloatArray, tolerance: float) -> FloatArray | None:
+        """The solution by GMRES, or None if it was not reached."""
+        if not right.any():
+            return np.zeros_like(right)
+        operator = LinearOperator((right.size, right.size), matvec=lambda v: self._apply(v.ravel()), dtype=float)
+        answer, failure = gmres(operator, right, rtol=tolerance, atol=0.0, restart=MAX_ITERATIONS, maxiter=2)
+        return None if failure else np.asarray(answer)
+
+    def _factored(self, right: FloatArray) -> FloatArray:
+        """The solution by a factor of the bordered matrix, which is kept."""
+        if self._factor is None:
+            size = self.system.size
+            bordered = np.empty((size + 1, size + 1))
+            bordered[:size, :size] = self.system.matrix()
+            bordered[:size, size] = self._column
+            bordered[size, :size] = self._row
+            bordered[size, size] = self._corner
+            # A singular matrix gives a step that is not finite; Newton ends there and says so.
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", scipy.linalg.LinAlgWarning)
+                self._factor = scipy.linalg.lu_factor(bordered, overwrite_a=True, check_finite=False)
+        return np.asarray(scipy.linalg.lu_solve(self._factor, right, check_finite=False))
+
+
+def bordered_system(
+    balance: Balance, trial: Trial, slope: FloatArray, weights: FloatArray, weight: float
+) -> BorderedSystem:
+    """The Newton system of ``trial`` bordered by dR/dw = ``slope`` and the row ``weights . dx + weight dw``."""
+    return BorderedSystem(NewtonSystem(balance, trial), slope, weights, weight)

@@ -1,0 +1,1 @@
+"""Following a curve of solutions; knows neither friction nor hertz."""

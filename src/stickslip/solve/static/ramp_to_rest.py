@@ -1,0 +1,154 @@
+"""The state at rest under a static load: unilateral contact with friction, reached by a load ramp.
+
+    K u + B^T f = load,   N = N(closure) >= 0,   |T| <= mu N,   closure = B_n u - gap
+
+Friction remembers: the load grows in steps from zero, and in each the traction follows the friction law from the last
+step (:mod:`stickslip.solve.static.load_ramp`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.normal_law import NormalLaw, SpringLaw
+from stickslip.core.errors import ConvergenceError, InputError
+from stickslip.core.progress import ProgressCallback
+from stickslip.core.validation import FloatArray, finite_array, whole_number
+from stickslip.solve.static.load_ramp import LoadRamp, StaticState
+from stickslip.structure.superelement import Superelement
+
+# Local stiffness is iterated until normal forces and stiffness change by less than this share of the largest.
+STIFFNESS_TOLERANCE = 1e-4
+STIFFNESS_ITERATIONS = 200
+# With gaps the load steps are multiplied until no traction changes by more than this share of the largest limit.
+PATH_TOLERANCE = 0.01
+MORE_STEPS, MOST_STEPS = 4, 64
+
+# Normal and tangential stiffness (n_pairs,) of pairs under normal forces (n_pairs,).
+LocalStiffness = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+
+
+def static_preload(
+    superelement: Superelement,
+    pairs: ContactPairs,
+    load: ArrayLike,
+    *,
+    friction: bool = True,
+    local_stiffness: LocalStiffness | None = None,
+    normal_law: NormalLaw | None = None,
+    steps: int = 4,
+    progress: ProgressCallback | None = None,
+) -> StaticState:
+    """Normal forces, gaps, tractions and states of the pairs under a static load that grows from zero.
+
+    Parameters
+    ----------
+    superelement:
+        the structure; only its stiffness is used. Bodies that contact alone holds may be free.
+    pairs:
+        the joint before the load: ``preload`` is 0 for pairs that just touch, ``-k_n gap`` for a gap, above 0 for an
+        interference. Equal tangential stiffness in both directions.
+    load:
+        (n,) N; it may be zero where an interference presses.
+    friction:
+        False gives the state without traction, the rest state of released sliders.
+    local_stiffness:
+        if given, the stiffness of each pair is found anew from its own normal force until both agree.
+    normal_law:
+        a law instead of springs, such as :class:`PressureGapLaw`; ``local_stiffness`` then sets the tangential springs
+        alone. The gaps are those of ``pairs``.
+    steps:
+        load steps to begin with; a step that does not converge is cut. Pairs with a gap, an interference or a
+        pressure-gap law slip along bent lines, so with friction the steps are multiplied by four until no traction
+        changes by more than 1 % of the largest friction limit, at most to 64; the message says how much they still
+        changed.
+
+    Raises
+    ------
+    InputError
+        for a wrong shape, a load of zero, or unequal tangential springs.
+    ConvergenceError
+        where no equilibrium was found; the message says how much of the load the joint carried.
+    """
+    force = _checked_load(load, superelement, pairs)
+    steps = whole_number("steps", steps, 1)
+    told = progress or (lambda fraction, detail: None)
+    gap = -pairs.preload / pairs.normal_stiffness
+    law = normal_law or SpringLaw(pairs.normal_stiffness)
+    ramp = LoadRamp(superelement, pairs, force, law, gap, friction)
+    state = ramp.run(steps)
+    bent = friction and (gap.any() or normal_law is not None)
+    if bent:
+        state, steps, path = _settled(ramp, pairs, state, steps)
+    if local_stiffness is None:
+        return replace(state, message=state.message + (path if bent else ""))
+    for iteration in range(STIFFNESS_ITERATIONS):
+        told(iteration / STIFFNESS_ITERATIONS, f"local stiffness, iteration {iteration + 1}")
+        normal, tangential = local_stiffness(state.normal_force)
+        # Half a step in the logarithm: stiffness grows nearly with the load, and a full step would overshoot.
+        normal = np.sqrt(normal * state.normal_stiffness) if normal_law is None else state.normal_stiffness
+        tangential = np.sqrt(tangential * state.tangential_stiffness)
+        local = ContactPairs(pairs.operator, normal, tangential, pairs.friction_coefficient, -normal * gap)
+        previous = state
+        law = normal_law or SpringLaw(normal)
+        ramp = LoadRamp(superelement, local, force, law, gap, friction)
+        state = ramp.run(steps)
+        # The stiffness too: forces that equilibrium alone determines do not tell whether it has reached its law.
+        change = max(
+            _change(state.normal_force, previous.normal_force),
+            _change(state.normal_stiffness, previous.normal_stiffness) if normal_law is None else 0.0,
+            _change(state.tangential_stiffness, previous.tangential_stiffness),
+        )
+        if change <= STIFFNESS_TOLERANCE:
+            words = f" Local stiffness after {iteration + 1} iterations."
+            if bent:
+                state, _, path = _settled(ramp, pairs, state, steps)
+                words = path + words
+            return replace(state, message=state.message + words)
+    raise ConvergenceError(
+        f"the stiffness of the pairs under their own pressure did not settle in {STIFFNESS_ITERATIONS} iterations; the "
+        f"normal forces or stiffness still change by {change:.1e} of the largest. Use a pressure-gap law, or one "
+        "stiffness a face."
+    )
+
+
+def _change(new: FloatArray, old: FloatArray) -> float:
+    """Largest change as a share of the largest value."""
+    return float(np.abs(new - old).max() / max(old.max(), 1e-300))
+
+
+def _settled(ramp: LoadRamp, pairs: ContactPairs, state: StaticState, steps: int) -> tuple[StaticState, int, str]:
+    """The state from so many load steps that more do not change its tractions, their number, and a sentence on it."""
+    while True:
+        finer = ramp.run(MORE_STEPS * steps)
+        limit = max(float((pairs.friction_coefficient * finer.normal_force).max()), 1e-300)
+        change = float(np.abs(finer.traction - state.traction).max()) / limit
+        state, steps = finer, MORE_STEPS * steps
+        if change <= PATH_TOLERANCE or MORE_STEPS * steps > MOST_STEPS:
+            sentence = f" Tractions change by {100.0 * change:.2g} % of the largest friction limit"
+            return state, steps, f"{sentence} when the load steps become {MORE_STEPS} times as many."
+
+
+def _checked_load(load: ArrayLike, superelement: Superelement, pairs: ContactPairs) -> FloatArray:
+    force = finite_array("load", load)
+    if force.shape != (superelement.size,):
+        raise InputError(f"load must have shape ({superelement.size},), N on each unknown; found {force.shape}.")
+    if not force.any() and not (pairs.preload > 0.0).any():
+        raise InputError("load is zero everywhere, so nothing presses the pairs together. Give a static load.")
+    if pairs.operator.shape[1] != superelement.size:
+        raise InputError(
+            f"operator has {pairs.operator.shape[1]} columns, but the superelement has {superelement.size} unknowns."
+        )
+    springs = pairs.tangential_springs
+    unequal = np.flatnonzero(springs[:, 0] != springs[:, 1])
+    if unequal.size:
+        raise InputError(
+            f"tangential_stiffness[{unequal[0]}] differs along t1 and t2; a static load ramp takes pairs that are "
+            "equally stiff in both directions."
+        )
+    return force

@@ -1,0 +1,1 @@
+"""Time integration, written apart as an independent check."""

@@ -1,0 +1,1 @@
+"""One case from study file to report."""

@@ -1,0 +1,171 @@
+"""What follows from a case before anything is solved, in words and numbers: for `check` and for the report."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stickslip.contact.law.coulomb_kernel import OPEN, SLIP
+from stickslip.core.validation import FloatArray
+from stickslip.model.joint import Joint
+from stickslip.model.layout import Derived, Setup
+from stickslip.results.measures import hertz, summary
+from stickslip.results.response import ForcedResponse
+from stickslip.structure.elasticity import Structure
+from stickslip.structure.superelement import Superelement
+
+if TYPE_CHECKING:
+    from stickslip.case.case import Case
+    from stickslip.model.model import ReducedModel
+
+
+def derived_quantities(case: Case, joint: Joint) -> tuple[Derived, ...]:
+    """(name, value, unit, explanation) of preload, stiffness and roughness of each face, and of its pairs."""
+    return (*_faces(joint), *_roughness(case, joint), *joint.layout.facts)
+
+
+def _faces(joint: Joint) -> Iterator[Derived]:
+    area = joint.face_sum(joint.face_pairs.area)
+    load = joint.face_sum(np.maximum(joint.preload, 0.0))  # a gap carries nothing
+    normal, tangential = joint.face_sum(joint.normal_stiffness), joint.face_sum(joint.tangential_stiffness)
+    open_pairs = joint.face_sum(np.where(joint.closed_at_rest, 0.0, 1.0))
+    for face, name in enumerate(joint.face_names):
+        pressure = load[face] / area[face]
+        held = "all pairs of the face, "
+        if open_pairs[face]:
+            held += f"as if the {int(open_pairs[face])} open ones were "
+        yield f"Normal load, {name}", float(load[face]), "N", "sum of the preload of its pairs"
+        yield f"Mean pressure, {name}", float(1e-6 * pressure), "MPa", "normal load over nominal area"
+        yield f"Normal stiffness, {name}", float(normal[face]), "N/m", f"{held}closed"
+        yield f"Tangential stiffness, {name}", float(tangential[face]), "N/m", f"{held}stuck"
+        yield (
+            f"Normal stiffness per unit area, {name}",
+            float(1e-9 * normal[face] / area[face]),
+            "N/mm³",
+            "as contact stiffness is often given",
+        )
+
+
+def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
+    rough = [face for face in joint.rough_faces if face is not None]
+    if not rough or case.roughness is None:
+        return
+    given, first = case.roughness, rough[0]
+    yield "Fractal dimension D", given.fractal_dimension, "-", "of the surface; share of fine-scale content"
+    yield "Fractal roughness G", given.fractal_roughness, "m", "scale of the heights"
+    yield "Sq", float(1e6 * first.statistics.sq), "µm", "root mean square height between the longest and shortest wave"
+    yield "Sdq", float(first.statistics.sdq), "-", "root mean square slope"
+    yield (
+        "Critical spot area",
+        float(1e6 * first.stiffness.critical_area),
+        "mm²",
+        "smaller spots are plastic, larger ones elastic",
+    )
+    area, where = first.reference_area, "of one face under its preload"
+    if given.reference_area is not None:
+        where = "of the reference area under the mean pressure of one face"
+        yield "Reference area", float(1e6 * area), "mm²", "on which the contact law takes the pressure of a pair"
+    yield "Largest spot area", float(1e6 * first.stiffness.largest_area), "mm²", where
+    yield "Real over nominal area", float(first.stiffness.real_area / area), "-", "of one face"
+    yield "Load on plastic spots", float(100.0 * first.stiffness.plastic_load_share), "%", "share of the preload"
+
+
+def resting_state(model: ReducedModel) -> tuple[Derived, ...]:
+    """What a solved preload says of each face at rest; empty where the preload was prescribed.
+
+    Where tractions are released the state was found without friction, so no pair is on a friction limit there.
+    """
+    if model.preload is None:
+        return ()
+    joint, state = model.joint, model.preload.state
+    pressure = 1e-6 * state.normal_force / joint.face_pairs.area
+    rows: list[Derived] = []
+    for face, name in enumerate(joint.face_names):
+        here = joint.face_pairs.face == face
+        opened = int((state.state[here] == OPEN).sum())
+        traction = float(np.linalg.norm(state.traction[here].sum(axis=0)))
+        largest = float(pressure[here].max())
+        words = "none: with released tractions the state at rest is that without friction"
+        rows.append((f"Pairs open at rest, {name}", opened, "-", f"of {int(here.sum())}; solved from the static load"))
+        if not model.pairs.released:
+            limit, words = int((state.state[here] == SLIP).sum()), "resultant of the tractions of its pairs"
+            meaning = "moved further the same way, they slip at once"
+            rows.append((f"Pairs on the friction limit at rest, {name}", limit, "-", meaning))
+        rows += [
+            (f"Largest pressure at rest, {name}", largest, "MPa", "normal force over area of a pair"),
+            (f"Friction force at rest, {name}", traction, "N", words),
+        ]
+    rows.append(("Balance of forces at rest", state.residual, "-", state.message))
+    return tuple(rows)
+
+
+def compared_tractions(
+    case: Case, response: ForcedResponse, other: ForcedResponse | str, output: FloatArray
+) -> tuple[Derived, ...]:
+    """The peak with the traction at rest kept and released: one of them is the study's, ``other`` the other one's.
+
+    ``other`` may also be the sentence that says why there is no such curve.
+    """
+    names = ("kept", "released") if case.preload.residual_traction == "kept" else ("released", "kept")
+    own = summary(response, output)
+    label = f"Peak with tractions at rest {names[1]}"
+    if isinstance(other, str):
+        return ((label, "not found", "-", other),)
+    there = summary(other, output)
+    change = 100.0 * (there.peak.amplitude / own.peak.amplitude - 1.0)
+    energy = 100.0 * (there.friction_energy / own.friction_energy - 1.0) if own.friction_energy > 0.0 else math.nan
+    shift = there.peak.frequency_hz - own.peak.frequency_hz
+    words = f"this study's tractions are {names[0]}; {change:+.2f} % against it"
+    if not other.converged:
+        words += f"; that curve is not complete: {other.message}"
+    return (
+        (label, float(1e6 * there.peak.amplitude), "µm", words),
+        (
+            f"{label}: frequency",
+            there.peak.frequency_hz,
+            "Hz",
+            f"{'+' if shift >= 0.0 else ''}{hertz(shift)} Hz against this study",
+        ),
+        (f"{label}: friction energy", float(1e6 * there.friction_energy), "µJ", f"per cycle, {energy:+.1f} %"),
+    )
+
+
+def natural_frequencies_found(response: ForcedResponse, count: int = 4) -> tuple[Derived, ...]:
+    """The first natural frequencies of the two linear limits of this study, as the curves show them."""
+    limits = {
+        "contacts that are closed at rest stuck": ("stuck", response.linear.stuck_frequency_hz),
+        "no contact; rigid-body motions left out": ("free", response.linear.free_frequency_hz),
+    }
+    return tuple(
+        (f"Natural frequencies, {name}", ", ".join(f"{f:.2f}" for f in values[:count]), "Hz", words)
+        for words, (name, values) in limits.items()
+    )
+
+
+def study_warnings(joint: Joint) -> tuple[str, ...]:
+    """What the input and the roughness law say against their use here, each sentence once."""
+    sentences = dict.fromkeys(message for face in joint.rough_faces if face for message in face.stiffness.messages)
+    return (*joint.layout.messages, *sentences)
+
+
+def sizes(case: Case, setup: Setup, structure: Structure | Superelement, joint: Joint) -> tuple[tuple[str, str], ...]:
+    """What would run: elements, nodes, unknowns before and after reduction, pairs, and unknowns of the balance."""
+    pairs, faces = joint.face_pairs, len(joint.face_names)
+    columns = 2 * case.solver.harmonics + 1
+    if isinstance(structure, Superelement):
+        unknowns = [("unknowns", f"{structure.size}")]
+    else:
+        boundary, modes = 3 * joint.layout.boundary_nodes.size, case.reduction.modes
+        unknowns = [
+            ("unknowns of the full model", f"{structure.stiffness.shape[0]} free of {3 * structure.mesh.n_nodes}"),
+            ("unknowns after reduction", f"{boundary + modes} ({boundary} of boundary nodes, {modes} modes)"),
+        ]
+    return (
+        *setup.sizes(),
+        *unknowns,
+        ("contact pairs", f"{pairs.area.size} on {faces} face{'s' if faces > 1 else ''}"),
+        ("unknowns of the balance", f"up to {3 * pairs.area.size * columns} ({case.solver.harmonics} harmonics)"),
+    )

@@ -1,0 +1,153 @@
+"""The single figures of a study, drawn in a second process while the first one solves and writes its other files.
+
+Importing and drawing with matplotlib takes as long as solving. The second process starts with the study, imports what
+it needs beside the solver, and draws while the results file, the page and the shapes are written. It receives pickled
+data through its standard input and answers through its standard output; it never runs a user's script.
+"""
+
+from __future__ import annotations
+
+import pickle
+import signal
+import subprocess
+import sys
+import traceback
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from stickslip.contact.stiffness.surface import draw_phases, fractal_surface, frequency_count, sdq, sq
+from stickslip.core.errors import StickslipError
+from stickslip.model.model import kind_of
+from stickslip.results.record import StudyRecord
+from stickslip.results.response import ForcedResponse
+from stickslip.results.rough_patch import RoughPatch
+
+if TYPE_CHECKING:
+    from stickslip.case.case import Case
+
+FIGURE_GRID = (98, 420)  # points across and along, of the single figure
+PAGE_GRID = (40, 140)  # of the page, which holds every height
+
+
+def rough_patch(case: Case, grid: tuple[int, int]) -> RoughPatch | None:
+    """Heights of one rough face of a case from its roughness, ridges and seed, on a grid of points across and along.
+
+    None where the case has no roughness. Raises InputError for a roughness that gives no surface.
+    """
+    given = case.roughness
+    if given is None:
+        return None
+    spectrum = given.fractal_dimension, given.fractal_roughness, given.sample_length
+    along, across = kind_of(case).rough_face_size(case)
+    x, y = np.meshgrid(np.linspace(0.0, along, grid[1]), np.linspace(0.0, across, grid[0]))
+    phases = draw_phases(given.seed, given.ridges, frequency_count(given.sample_length, given.shortest_length))
+    return RoughPatch(
+        along,
+        across,
+        fractal_surface(x, y, *spectrum, given.ridges, phases),
+        sq=sq(*spectrum, given.shortest_length),
+        sdq=sdq(*spectrum, given.shortest_length),
+    )
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """The figures of a case, written into a folder in the formats of the case."""
+
+    folder: Path
+    case: Case
+
+    def of_response(self, response: ForcedResponse, record: StudyRecord) -> list[Path]:
+        """Write every figure of a response; returns the files. Raises InputError."""
+        formats = self.case.output.figure_formats
+        if not formats:
+            return []
+        from stickslip.reporting.figures import save_all
+
+        self.folder.mkdir(parents=True, exist_ok=True)
+        return save_all(self.folder, response, record, formats)
+
+    def of_roughness(self) -> list[Path]:
+        """Write a picture of one rough face: heights from the roughness, its ridges and its seed. Raises InputError."""
+        formats = self.case.output.figure_formats
+        patch = rough_patch(self.case, FIGURE_GRID) if formats else None
+        if patch is None:
+            return []
+        from stickslip.reporting.figures import save, surface
+
+        self.folder.mkdir(parents=True, exist_ok=True)
+        figure = surface(*np.meshgrid(patch.along, patch.across), patch.height)
+        return [save(figure, self.folder / f"rough_face.{ending}") for ending in formats]
+
+
+class SecondProcess:
+    """A process that draws the rough face at once, and the rest when it gets the response.
+
+    Leaving the ``with`` block ends it.
+    """
+
+    def __init__(self, drawing: Drawing) -> None:
+        self._drawing = drawing
+
+    def __enter__(self) -> SecondProcess:
+        self._process = subprocess.Popen(
+            [sys.executable, "-c", "from stickslip.study.figure_process import serve; serve()"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+        )
+        self._send(self._drawing)
+        return self
+
+    def start(self, response: ForcedResponse, record: StudyRecord) -> None:
+        """Hand over what is to be drawn, and go on."""
+        self._send((response, record))
+
+    def _send(self, data: object) -> None:
+        stream = cast(IO[bytes], self._process.stdin)
+        try:
+            pickle.dump(data, stream)
+            stream.flush()
+        except BrokenPipeError:
+            return  # it died; files() says so
+
+    def files(self) -> list[Path]:
+        """Wait for the figures; returns the files. Raises what the drawing raised, RuntimeError if the process died."""
+        answer = cast(IO[bytes], self._process.stdout).read()
+        code = self._process.wait()
+        if not answer:
+            raise RuntimeError(f"the process that draws the figures ended with code {code} and no answer.")
+        outcome = pickle.loads(answer)
+        if isinstance(outcome, StickslipError):
+            raise outcome
+        if isinstance(outcome, str):
+            raise RuntimeError(f"the figures could not be drawn:\n{outcome}")
+        return cast("list[Path]", outcome)
+
+    def __exit__(self, *details: object) -> None:
+        self._process.kill()
+        for stream in (self._process.stdin, self._process.stdout):
+            if stream is not None:
+                stream.close()
+        self._process.wait()
+
+
+def serve() -> None:
+    """What the second process does: read a drawing, draw the rough face, read a response, draw it, answer."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process decides what an interrupt means
+    answer: Any
+    try:
+        drawing = pickle.load(sys.stdin.buffer)
+        files = drawing.of_roughness()
+        response, record = pickle.load(sys.stdin.buffer)
+        answer = [*drawing.of_response(response, record), *files]
+    except EOFError:
+        return  # the study ended without a response
+    except StickslipError as error:
+        answer = error
+    except Exception:  # whatever it is, the first process raises it again: see files()
+        answer = traceback.format_exc()
+    pickle.dump(answer, sys.stdout.buffer)
+    sys.stdout.buffer.flush()

@@ -1,0 +1,105 @@
+"""What the report's picture of a structure shows, as plain arrays of its mesh and of what the study names on it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stickslip.contact.pairing.face_pairs import FacePairs
+from stickslip.core.validation import FloatArray
+from stickslip.model.layout import Layout, PortForce, Reading
+from stickslip.model.model import Model, kind_of
+from stickslip.results.sketch import Sketch
+from stickslip.structure.elasticity import Structure
+from stickslip.structure.finite_element_mesh import AnyMesh
+from stickslip.structure.mesh import IntArray
+from stickslip.structure.outer_surface import coarsened, outer_surface
+
+if TYPE_CHECKING:
+    from stickslip.case.case import Case
+
+# Outer sides that a sketch keeps: with both views of it a page grows by less than 1.5 MB, even if all are seen.
+MOST_SIDES = 22_000
+
+
+def sketch_of(case: Case, model: Model) -> Sketch | None:
+    """The sketch of a study; None where matrices say nothing of a shape."""
+    if not isinstance(model.structure, Structure):
+        return None
+    kind, structure = kind_of(case), model.structure
+    return make_sketch(
+        structure.mesh,
+        model.joint.layout,
+        structure.fixed_unknowns,
+        kind.forces(case),
+        kind.static_forces(case),
+        kind.outputs(case)[0],
+    )
+
+
+def make_sketch(
+    mesh: AnyMesh,
+    layout: Layout,
+    fixed_unknowns: IntArray,
+    forces: tuple[PortForce, ...],
+    static_forces: tuple[PortForce, ...],
+    readings: Mapping[str, Reading],
+) -> Sketch:
+    """Outer sides of a mesh, at most ``MOST_SIDES``, which of them carry as contact, and the places of a layout on it.
+
+    A load of no force is left out; a place of several nodes is marked at their mean; responses that are read at one
+    place share a mark. ``fixed_unknowns`` are positions among the 3 * n_nodes displacements. Raises InputError where a
+    set of the layout is not of the mesh.
+    """
+    carrying = [_carrying_nodes(layout.face_pairs, face) for face in range(len(layout.face_names))]
+    whole = outer_surface(mesh, layout.contact_sets, carrying)
+    shown = coarsened(whole, MOST_SIDES)
+    held = np.isin(shown.node, fixed_unknowns // 3)
+    acting = [(force, constant) for group, constant in ((forces, False), (static_forces, True)) for force in group]
+    acting = [(force, constant) for force, constant in acting if force.amplitude != 0.0]
+    at_port: dict[str, list[str]] = {}
+    for name, reading in readings.items():
+        at_port.setdefault(reading.port, []).append(name)
+    return Sketch(
+        points=shown.points,
+        held=held,
+        sides=shown.sides,
+        body=shown.body,
+        face=shown.face,
+        body_names=layout.body_names,
+        load_names=tuple(_name_of(force.port) for force, _ in acting),
+        load_places=_places(mesh, layout, [force.port for force, _ in acting]),
+        loads=np.array([np.multiply(force.amplitude, force.direction) for force, _ in acting]).reshape(-1, 3),
+        constant=np.array([constant for _, constant in acting], dtype=bool),
+        response_names=tuple(_joined(names) for names in at_port.values()),
+        response_places=_places(mesh, layout, list(at_port)),
+        mesh_sides=len(whole.sides),
+    )
+
+
+def _carrying_nodes(pairs: FacePairs, face: int) -> IntArray:
+    """Nodes on both sides of the pairs of a face."""
+    here = pairs.face == face
+    both = ((pairs.first_nodes, pairs.first_weights), (pairs.second_nodes, pairs.second_weights))
+    return np.unique(np.concatenate([nodes[here][weights[here] != 0.0] for nodes, weights in both]))
+
+
+def _places(mesh: AnyMesh, layout: Layout, ports: list[str]) -> FloatArray:
+    """(k, 3) m, the middle of each port."""
+    middles = [layout.ports[name].shares @ mesh.points[layout.ports[name].nodes] for name in ports]
+    return np.array(middles, dtype=float).reshape(-1, 3)
+
+
+def _name_of(port: str) -> str:
+    """The name that a user gave a load, or the words of a port of the two blades."""
+    return port.partition(".")[2] or port.replace("_", " ")
+
+
+def _joined(names: list[str]) -> str:
+    """Names of one place: "left x, y, z" for "left x", "left y" and "left z"."""
+    starts = {name.rpartition(" ")[0] for name in names}
+    if len(names) > 1 and len(starts) == 1 and "" not in starts:
+        return f"{starts.pop()} {', '.join(name.rpartition(' ')[2] for name in names)}"
+    return ", ".join(names)

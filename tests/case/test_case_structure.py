@@ -1,0 +1,139 @@
+"""Study files about structures of the user's own: what belongs together, what is refused, and that they read back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from own_cases import EXAMPLE, mesh_case
+from stickslip.case.case import Case, load_case
+from stickslip.case.examples import EXAMPLES
+from stickslip.cli.main import app
+from stickslip.core.errors import InputError, StudyFileError
+from stickslip.sweeps.axes import swept_keys
+from stickslip.sweeps.plan import case_hashes
+
+MESH = (EXAMPLE / "study.toml").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("kind", EXAMPLES)
+def test_new_writes_a_file_of_each_kind_that_reads_back(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    result = CliRunner().invoke(app, ["new", str(path), "--kind", kind])
+    assert result.exit_code == 0, result.output
+    text = path.read_text(encoding="utf-8")
+    assert max(map(len, text.splitlines())) <= 120
+    case = Case.from_text(text)
+    assert case == Case.from_mapping(EXAMPLES[kind])
+    assert Case.from_mapping(case.to_dict()) == case
+    assert ("\n[geometry]" in text) == (kind == "two-blade")
+    assert ("length_unit" in text) == (kind != "two-blade")
+
+
+def test_new_of_another_kind_is_refused(tmp_path: Path) -> None:
+    result = CliRunner().invoke(app, ["new", str(tmp_path / "study.toml"), "--kind", "shell"])
+    assert result.exit_code == 2
+    assert "two-blade, mesh, matrices" in result.stderr
+
+
+def test_values_are_si_and_file_names_absolute() -> None:
+    case = load_case(EXAMPLE / "study.toml")
+    assert Path(case.structure.file) == EXAMPLE.resolve() / "beam_and_block.inp"
+    assert case.responses["block"].point == pytest.approx((0.048, 0.00367, 0.014))
+    assert case.interfaces["lid"].normal_stiffness == 1e6
+    assert case.forces["push"].phase == 0.0
+    assert (case.geometry, case.mesh, case.excitation, case.material) == (None, None, None, None)
+
+
+def test_equal_cases_have_one_hash() -> None:
+    assert len({mesh_case(), mesh_case(), Case(), Case()}) == 2
+
+
+def test_a_key_of_a_named_entry_is_replaced_and_swept() -> None:
+    case = mesh_case(interfaces__sole__friction=0.6)
+    assert case.interfaces["sole"].friction == 0.6
+    assert case.interfaces["lid"] == mesh_case().interfaces["lid"]
+    (key,) = swept_keys({"interfaces.sole.normal_load": "10:40:3"})
+    assert (key.values, key.unit) == ((10.0, 25.0, 40.0), "N")
+    with pytest.raises(StudyFileError, match=r"no \[interfaces\.soul\].*sole, lid"):
+        case.replace({"interfaces.soul.friction": 0.5})
+    with pytest.raises(InputError, match=r"interfaces\.friction is not a key.*friction\.|NAME"):
+        swept_keys({"interfaces.friction": "0.1,0.2"})
+
+
+def test_hashes_tell_what_changes_the_structure(tmp_path: Path) -> None:
+    base = case_hashes(mesh_case())
+    for key, value, shared in (
+        ("interfaces.sole.friction", 0.6, True),
+        ("forces.push.amplitude", "1 N", True),
+        ("interfaces.sole.points", "quadrature", False),
+        ("bodies.damper.density", 8300, False),
+    ):
+        other = case_hashes(mesh_case().replace({key: value}))
+        assert other[0] != base[0], key
+        assert (other[1] == base[1]) == shared, key
+    deck = tmp_path / "deck.inp"
+    copy = mesh_case().replace({"structure.file": str(deck)})
+    deck.write_text((EXAMPLE / "beam_and_block.inp").read_text(encoding="utf-8"), encoding="utf-8")
+    before = case_hashes(copy)
+    deck.write_text(deck.read_text(encoding="utf-8").replace("7.85e-09", "7.9e-09"), encoding="utf-8")
+    assert all(one != other for one, other in zip(before, case_hashes(copy), strict=True))
+
+
+WRONG = {
+    "kind": (MESH.replace('kind = "mesh"', 'kind = "mash"'), ['structure.kind = "mash"', 'Did you mean "mesh"?']),
+    "two-blade section": (MESH + '[geometry]\nwidth = "1 mm"\n', ["geometry does not belong", '"mesh"', "two-blade"]),
+    "own section of two blades": ('[interfaces.a]\nfirst = "x"\nsecond = "y"\n', ["interfaces does not belong"]),
+    "file of two blades": ('[structure]\nfile = "x.inp"\n', ["line 2", 'kind "two-blade"']),
+    "no unit of length": (MESH.replace('length_unit = "mm"', ""), ["structure.length_unit is missing"]),
+    "no file": (MESH.replace('file = "beam_and_block.inp"', ""), ["structure.file is missing"]),
+    "near key": (MESH.replace("normal_load =", "normal_laod =", 1), ["interfaces.sole.normal_laod", "normal_load?"]),
+    "range": (MESH.replace("friction = 0.2", "friction = -1"), ["line 18", "interfaces.sole.friction = -1", "above 0"]),
+    "unit": (MESH.replace('"0.2 N"', '"0.2 mm"'), ["forces.push.amplitude", "a unit of length", "force is needed"]),
+    "no direction": (
+        MESH.replace("direction = [0, 0, 1]", "", 1),
+        ["forces.push.direction is missing", "[forces.push]"],
+    ),
+    "two places": (MESH.replace('spread = "area"', "node = 3"), ["line 27", "forces.push", "set and node"]),
+    "no interface": (MESH.replace("[interfaces.", "[static_loads."), ["static_loads.sole"]),
+    "no side": (MESH.replace('second = "ground"', ""), ["interfaces.lid.second is missing", "ground"]),
+    "no load": (MESH.replace('normal_load = "40 N"', "", 1), ["interfaces.sole.normal_load is missing"]),
+    "one stiffness": (
+        MESH.replace('tangential_stiffness = "8e5 N/m"', ""),
+        ["interfaces.lid.tangential_stiffness is missing"],
+    ),
+    "wedge": (MESH + "[preload]\ncentrifugal_force = 5\n", ["preload.centrifugal_force", "normal_load"]),
+    "half a material": (MESH + "[material]\ndensity = 7800\n", ["material.young_modulus is missing"]),
+    "area of a mesh": (MESH.replace("friction = 0.2", 'area = "1 mm^2"'), ["interfaces.sole.area belongs to matrices"]),
+    "entry without name": (MESH + "[bodies]\ndensity = 3\n", ["bodies"]),
+    "speed": (MESH + '[rotation]\nspeed = "50 Hz"\naxis = [0, 0, 1]\n', ["rotation.speed", "rpm"]),
+    "matrices without units": (
+        '[structure]\nkind = "matrices"\nstiffness = "k.mtx"\nmass = "m.mtx"\n',
+        ["structure.length_unit is missing"],
+    ),
+    "matrices without normal": (
+        '[structure]\nkind = "matrices"\nfile = "a.npz"\n[interfaces.a]\nfirst = "x"\nsecond = "ground"\n'
+        "normal_load = 3\n",
+        ["interfaces.a.normal is missing"],
+    ),
+    "two sources of the load": (
+        MESH + "\n[preload]\nvalues = [1.0, 2.0]\n",
+        ["interfaces.sole.normal_load and preload.values are both given"],
+    ),
+    "friction of the wedge": (
+        MESH + "\n[preload]\nfriction_coefficient_at_assembly = 0.2\n",
+        ["friction_coefficient_at_assembly is the wedge damper's"],
+    ),
+}
+
+
+@pytest.mark.parametrize(("text", "parts"), WRONG.values(), ids=WRONG.keys())
+def test_wrong_study_file(text: str, parts: list[str], tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text(text, encoding="utf-8")
+    result = CliRunner().invoke(app, ["check", str(path)])
+    assert result.exit_code == 2
+    assert "Traceback" not in result.stderr
+    assert [part for part in parts if part not in result.stderr] == []

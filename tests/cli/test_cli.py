@@ -1,0 +1,319 @@
+"""The command line with a stand-in for the study module: files, exit codes, sentences, and what is printed where."""
+
+import os
+import stat
+import subprocess
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+import stickslip
+from stickslip.case.case import Case
+from stickslip.cli import errors as cli_errors
+from stickslip.cli import main as cli
+from stickslip.core.errors import ConvergenceError, ResultsFileError, RoughnessError
+from stickslip.core.progress import Progress, SilentProgress, terminal_progress
+
+
+@dataclass
+class Outcome:
+    """Stand-in for study.StudyOutcome."""
+
+    files: tuple[Path, ...] = (Path("results.nc"), Path("report.html"))
+    converged: bool = True
+    message: str = "The curve has 61 points."
+    response: Any = None
+
+
+@dataclass
+class Study:
+    """Stand-in for the study module; notes the calls, and raises ``error`` if it has one."""
+
+    outcome: Outcome = field(default_factory=Outcome)
+    error: BaseException | None = None
+    calls: list[tuple[Any, ...]] = field(default_factory=list)
+
+    def run(self, case: Case, out_dir: Path, progress: Progress, threads: int | None) -> Outcome:
+        """Two stages, then the outcome."""
+        self.threads = threads
+        self.calls.append(("run", case, out_dir))
+        progress.update("Mesh", 1.0, "5005 nodes")
+        progress.update("Curve", 0.5, "484 Hz")
+        if self.error:
+            raise self.error
+        return self.outcome
+
+    def check(self, case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
+        """Two sections."""
+        if self.error:
+            raise self.error
+        return [("Sizes", [("nodes", "5005"), ("contact pairs", "110")]), ("Warnings", [])]
+
+    def report(self, folder: Path) -> tuple[Path, ...]:
+        """One file."""
+        if self.error:
+            raise self.error
+        return (folder / "report.html",)
+
+
+@pytest.fixture
+def study(monkeypatch: pytest.MonkeyPatch) -> Study:
+    """The stand-in, installed as stickslip.study.run."""
+    fake = Study()
+    module = ModuleType("stickslip.study.run")
+    vars(module).update(run=fake.run, check=fake.check, report=fake.report)
+    monkeypatch.setitem(sys.modules, "stickslip.study.run", module)
+    monkeypatch.setattr(stickslip, "study", module, raising=False)
+    return fake
+
+
+@pytest.fixture
+def study_file(tmp_path: Path) -> Path:
+    """A study file with every default."""
+    path = tmp_path / "study.toml"
+    path.write_text(Case().to_text(), encoding="utf-8")
+    return path
+
+
+def invoke(*arguments: object) -> Any:
+    """Run the command line in this process."""
+    return CliRunner().invoke(cli.app, [str(each) for each in arguments])
+
+
+def test_new_writes_a_file_that_check_accepts(study: Study, tmp_path: Path) -> None:
+    path = tmp_path / "folder" / "blade.toml"
+    assert invoke("new", path).exit_code == 0
+    assert path.read_text(encoding="utf-8") == Case().to_text()
+    assert invoke("check", path).exit_code == 0
+
+
+def test_new_refuses_to_overwrite_unless_forced(study_file: Path) -> None:
+    study_file.write_text("precious", encoding="utf-8")
+    result = invoke("new", study_file)
+    assert result.exit_code == 2
+    assert "exists already" in result.stderr
+    assert "--force" in result.stderr
+    assert study_file.read_text(encoding="utf-8") == "precious"
+    assert invoke("new", study_file, "--force").exit_code == 0
+    assert study_file.read_text(encoding="utf-8") == Case().to_text()
+
+
+def test_new_into_a_place_that_cannot_be_written(study_file: Path) -> None:
+    result = invoke("new", study_file / "blade.toml")
+    assert result.exit_code == 2
+    assert "cannot be written" in result.stderr
+
+
+def test_check_prints_the_sections(study: Study, study_file: Path) -> None:
+    result = invoke("check", study_file)
+    assert result.exit_code == 0
+    assert result.stdout == "\nSizes\n  nodes          5005\n  contact pairs  110\n\nWarnings\n"
+    assert result.stderr == ""
+
+
+def test_defaults_that_were_used_are_named(study: Study, tmp_path: Path) -> None:
+    path = tmp_path / "short.toml"
+    path.write_text("[friction]\ncoefficient = 0.2\n[preload]\ncentrifugal_force = 20\n", encoding="utf-8")
+    result = invoke("check", path)
+    assert "default is used: [study], [geometry]" in result.stderr
+    assert "preload.friction_coefficient_at_assembly" in result.stderr
+    assert "[friction]" not in result.stderr
+
+
+def test_run_passes_the_case_and_names_the_files(study: Study, study_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "a" / "b"
+    result = invoke("run", study_file, "--out", out)
+    assert result.exit_code == 0
+    assert study.calls == [("run", Case.from_text(Case().to_text()), out)]
+    assert out.is_dir()
+    assert list(out.iterdir()) == []
+    assert result.stdout == "Wrote results.nc\nWrote report.html\nThe curve has 61 points.\n"
+    assert result.stderr.splitlines() == ["Mesh ...", "Mesh: 5005 nodes", "Curve ..."]
+
+
+def test_quiet_run_prints_nothing(study: Study, study_file: Path, tmp_path: Path) -> None:
+    result = invoke("run", study_file, "--out", tmp_path / "out", "--quiet")
+    assert (result.exit_code, result.stdout, result.stderr) == (0, "", "")
+
+
+def test_not_converged_keeps_and_names_the_results(study: Study, study_file: Path, tmp_path: Path) -> None:
+    study.outcome = Outcome(converged=False, message="The step became too small at 482 Hz.")
+    result = invoke("run", study_file, "--out", tmp_path / "out", "--quiet")
+    assert result.exit_code == 3
+    assert "482 Hz" in result.stderr
+    assert "kept in: results.nc, report.html" in result.stderr
+    assert result.stdout == ""
+
+
+def test_no_first_point_is_exit_3(study: Study, study_file: Path, tmp_path: Path) -> None:
+    study.error = ConvergenceError("No first point at 440 Hz. Take a start further from the peak.")
+    result = invoke("run", study_file, "--out", tmp_path / "out")
+    assert result.exit_code == 3
+    assert "Error: No first point at 440 Hz." in result.stderr
+
+
+@pytest.mark.parametrize("command", ["run", "check"])
+def test_input_error_from_the_computation(study: Study, study_file: Path, tmp_path: Path, command: str) -> None:
+    study.error = RoughnessError("The contact is fully plastic, its stiffness zero. Raise the load.")
+    result = invoke(command, study_file, *(["--out", tmp_path / "out"] if command == "run" else []))
+    assert result.exit_code == 2
+    assert "fully plastic" in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_fault_writes_its_traceback_into_the_folder(study: Study, study_file: Path, tmp_path: Path) -> None:
+    study.error = ZeroDivisionError("division by zero")
+    out = tmp_path / "out"
+    result = invoke("run", study_file, "--out", out)
+    log = out / cli_errors.LOG_NAME
+    assert result.exit_code == 1
+    assert "Traceback" not in result.stderr
+    assert str(log) in result.stderr
+    assert "report it" in result.stderr
+    assert "ZeroDivisionError: division by zero" in log.read_text(encoding="utf-8")
+
+
+def test_fault_without_folder_points_to_debug(study: Study, study_file: Path) -> None:
+    study.error = ZeroDivisionError("division by zero")
+    result = invoke("check", study_file)
+    assert result.exit_code == 1
+    assert "--debug" in result.stderr
+    assert "Traceback" not in result.stderr
+    assert "Traceback" in invoke("check", study_file, "--debug").stderr
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "part"),
+    [
+        (OSError(28, "No space left on device"), 1, "No space left on device"),
+        (MemoryError(), 2, "fewer elements"),
+        (KeyboardInterrupt(), 130, "Interrupted"),
+    ],
+)
+def test_troubles_of_the_machine(
+    study: Study, study_file: Path, tmp_path: Path, error: BaseException, code: int, part: str
+) -> None:
+    study.error = error
+    result = invoke("run", study_file, "--out", tmp_path / "out")
+    assert result.exit_code == code
+    assert part in result.stderr
+    assert "Fault" not in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_output_folder_that_cannot_be_made(study: Study, study_file: Path) -> None:
+    result = invoke("run", study_file, "--out", study_file / "out")
+    assert result.exit_code == 2
+    assert str(study_file / "out") in result.stderr
+    assert "cannot be written" in result.stderr
+    assert study.calls == []
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write everywhere")
+def test_output_folder_that_cannot_be_written(study: Study, study_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "locked"
+    out.mkdir()
+    out.chmod(stat.S_IRUSR | stat.S_IXUSR)
+    result = invoke("run", study_file, "--out", out)
+    assert result.exit_code == 2
+    assert "cannot be written" in result.stderr
+    assert study.calls == []
+
+
+def test_output_folder_that_refuses_files(
+    study: Study, study_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(**_: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("tempfile.TemporaryFile", refuse)
+    result = invoke("run", study_file, "--out", tmp_path)
+    assert result.exit_code == 2
+    assert "Permission denied" in result.stderr
+    assert study.calls == []
+
+
+def test_report_names_its_files(study: Study, tmp_path: Path) -> None:
+    result = invoke("report", tmp_path)
+    assert (result.exit_code, result.stdout) == (0, f"Wrote {tmp_path / 'report.html'}\n")
+
+
+def test_report_of_another_version(study: Study, tmp_path: Path) -> None:
+    study.error = ResultsFileError("results.nc was written by version 9 of the format; this program reads 1.")
+    result = invoke("report", tmp_path)
+    assert result.exit_code == 2
+    assert "version 9" in result.stderr
+
+
+def test_report_of_no_folder(study: Study, tmp_path: Path) -> None:
+    result = invoke("report", tmp_path / "nowhere")
+    assert result.exit_code == 2
+    assert "nowhere" in result.stderr
+    assert not (tmp_path / "nowhere").exists()
+
+
+def test_threads_reach_the_study(study: Study, study_file: Path, tmp_path: Path) -> None:
+    assert invoke("run", study_file, "--out", tmp_path / "out").exit_code == 0
+    assert study.threads is None
+    assert invoke("run", study_file, "--out", tmp_path / "out", "--threads", "2").exit_code == 0
+    assert study.threads == 2
+    assert invoke("run", study_file, "--out", tmp_path / "out", "--threads", "0").exit_code == 2
+
+
+def test_real_process_refuses_bad_input_without_traceback(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text("[material]\ndensity = -1\n", encoding="utf-8")
+    result = _stickslip("run", str(path), "--out", str(tmp_path / "out"))
+    assert result.returncode == 2
+    assert result.stdout == ""
+    assert result.stderr == (
+        f"Error: {path}: 1 error.\n  line 2: material.density = -1 is not allowed: a value above 0 kg/m^3 is needed.\n"
+    )
+    assert not (tmp_path / "out").exists()
+
+
+def test_help_and_version() -> None:
+    text = _stickslip("--help").stdout
+    for command in ("new", "check", "run", "report"):
+        assert f"\n  {command} " in text
+    assert _stickslip("--version").stdout == f"stickslip {stickslip.__version__}\n"
+
+
+@pytest.mark.parametrize("quiet", [True, False])
+def test_progress_goes_to_stderr(quiet: bool, capsys: pytest.CaptureFixture[str]) -> None:
+    with terminal_progress(quiet) as progress:
+        progress.update("Curve", 0.0)
+        progress.update("Curve", 0.5, "484 Hz [bold]")
+        progress.update("Curve", 1.0)
+        progress.update("Curve", 1.0)
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err == ("" if quiet else "Curve ...\nCurve: done\n")
+
+
+def test_progress_on_a_terminal_shows_the_time_left(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("COLUMNS", "120")
+    with terminal_progress() as progress:
+        progress.update("Curve", 0.25, "484 Hz [bold]")
+    text = capsys.readouterr().err
+    assert "Curve" in text
+    assert "left" in text
+    assert "484 Hz [bold]" in text
+
+
+def test_silent_progress_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    SilentProgress().update("Curve", 0.5, "484 Hz")
+    assert capsys.readouterr() == ("", "")
+
+
+def _stickslip(*arguments: str) -> subprocess.CompletedProcess[str]:
+    code = "from stickslip.cli.main import main; main()"
+    return subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=False)

@@ -1,0 +1,111 @@
+"""stickslip import FILE."""
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from stickslip.cli.main import app
+
+MODELS = Path(__file__).parent / "data" / "models"
+
+
+def run(*words):
+    return CliRunner().invoke(app, ["import", *map(str, words)])
+
+
+def test_what_is_in_a_model():
+    result = run(MODELS / "cubes.inp", "--length-unit", "mm")
+    assert result.exit_code == 0, result.output
+    for words in ("Abaqus/CalculiX", "lower", "0.00785", "contact", "base", "mm-t-s", "has 6 rigid-body motions"):
+        assert words in result.output
+    assert "free faces" in result.output
+    (contact,) = [line for line in result.output.splitlines() if line.startswith("│ contact")]
+    assert [word.strip() for word in contact.split("│")[1:-1]] == ["contact", "1", "4", "100", "lower"]
+    assert "(lower) has" not in result.output, "the clamped body has no rigid-body motions"
+    assert "Warning" not in result.output
+
+
+def test_a_deck_as_abaqus_cae_writes_it():
+    result = run(MODELS / "cubes_of_parts.inp", "--length-unit", "mm")
+    assert result.exit_code == 0, result.output
+    table = [[word.strip() for word in line.split("│")[1:-1]] for line in result.output.splitlines()]
+    assert ["Cube-2", "1", "8", "6", "hexahedron"] in table
+    assert ["Cube-2", "1000", "0.00785", "210", "7850"] in table
+    assert ["Cube-2.Top", "1", "4", "100", "Cube-2"] in table
+    assert ["Skin", "3", "10", "300", "Cube-1, Cube-2"] in table
+    assert ["x", "-10", "10", "20"] in table
+    output = " ".join(result.output.split())
+    for words in (
+        "instance 'Cube-1' as in the deck, instance 'Cube-2' + 1000",
+        "(Cube-2) has 4 rigid-body motions",
+        "The file holds 14 displacements of 6 nodes at zero.",
+        "Forces act on 5 nodes; their sum is (2, 0, -2.5) N.",
+    ):
+        assert words in output
+    assert "Warning" not in output
+
+
+def test_a_bad_part_ends_with_2(tmp_path):
+    text = (MODELS / "cubes_of_parts.inp").read_text(encoding="utf-8")
+    (tmp_path / "bad.inp").write_text(text.replace("*End Part", "", 1), encoding="utf-8")
+    result = run(tmp_path / "bad.inp", "--length-unit", "mm")
+    assert result.exit_code == 2
+    assert "bad.inp, line 32: *PART: it stands inside of the part 'Cube' (line 7)" in " ".join(result.output.split())
+
+
+def test_without_a_unit_one_is_asked_for():
+    result = run(MODELS / "gmsh_4.1_text.msh")
+    assert result.exit_code == 0, result.output
+    assert "15 x 10 x 10 m with --length-unit m, and 15 x 10 x 10 mm with --length-unit mm" in result.output
+    assert "mass" not in result.output
+    assert "left face" in result.output
+
+
+def test_wrong_units_are_warned_of():
+    assert "Warning: body 'lower' has the density" in run(MODELS / "cubes.inp", "--length-unit", "m").output
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--length-unit", "yard"], "length_unit is 'yard'"),
+        (["--unit-system", "SI"], "needs --length-unit"),
+        (["--length-unit", "mm", "--unit-system", "SI"], "Systems with mm"),
+    ],
+)
+def test_bad_options_end_with_2(options, words):
+    result = run(MODELS / "cubes.inp", *options)
+    assert result.exit_code == 2
+    assert words in result.output
+
+
+def test_a_bad_file_ends_with_2(tmp_path):
+    (tmp_path / "bad.inp").write_text("*NODE\n1, 0, 0, nothing\n", encoding="utf-8")
+    result = run(tmp_path / "bad.inp", "--length-unit", "mm")
+    assert result.exit_code == 2
+    assert 'bad.inp, line 2: *NODE: "nothing" is no number' in result.output
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("part.stl", "mesh it first"),
+        ("job.odb", "Export the model as .inp, .bdf or .vtu"),
+        ("k.mtx", 'structure.kind = "matrices"'),
+        ("study.toml", "It is a study file"),
+        ("notes.txt", "'.txt' is no model format that can be read; there are: .inp, .bdf"),
+        ("folder.inp", "this is a folder"),
+        ("binary.inp", "this is a binary file"),
+        ("text.msh", "are not those of a Gmsh file of version 2.2, 4.0 or 4.1"),
+    ],
+)
+def test_files_of_another_kind_end_with_2_and_advice(tmp_path, name, words):
+    path = tmp_path / name
+    if name.startswith("folder"):
+        path.mkdir()
+    else:
+        path.write_bytes(b"\0\1\2" if name.startswith("binary") else b"hello\n")
+    result = run(path, "--length-unit", "mm")
+    assert result.exit_code == 2
+    assert words in result.output

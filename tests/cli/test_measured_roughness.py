@@ -1,0 +1,109 @@
+"""The command ``stickslip roughness``: what it prints and writes, and what it refuses."""
+
+from __future__ import annotations
+
+import csv
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from stickslip.case.case import Case
+from stickslip.cli.main import app
+from stickslip.contact.stiffness.fractal import ContactStatus, contact_stiffness
+from stickslip.model.joint import case_material, case_roughness
+
+PROFILE = Path(__file__).parents[1] / "examples" / "data" / "profile.csv"
+
+
+def invoke(*arguments: object) -> Any:
+    """Run ``stickslip roughness``."""
+    return CliRunner().invoke(app, ["roughness", *map(str, arguments)])
+
+
+def test_prints_lines_that_a_study_file_accepts_and_writes_files(tmp_path: Path) -> None:
+    result = invoke(PROFILE, "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    for words in ("1500 at 2 um, 3 mm long", "Sq ", "Sdq", "mean straight line", "4 um to 300 um"):
+        assert words in result.stdout
+    section = result.stdout.split("For the study file:\n")[1]
+    given = Case.from_text(section).roughness
+    assert given is not None
+    assert 2.3 < given.fractal_dimension < 2.5
+    low, high = re.search(r"G .*95 %: (\S+) to (\S+) m\)", result.stdout).groups()
+    assert float(low) < 1e-9 < float(high)
+    assert float(low) < given.fractal_roughness < float(high)
+    assert {path.name for path in tmp_path.iterdir()} == {f"structure_function.{end}" for end in ("svg", "png", "csv")}
+    with (tmp_path / "structure_function.csv").open(encoding="utf-8", newline="") as stream:
+        table = list(csv.DictReader(stream))
+    lag = np.array([float(row["lag_m"]) for row in table])
+    assert lag[[0, -1]] == pytest.approx([4e-6, 3e-4])
+    heights = 1e-6 * np.loadtxt(PROFILE, delimiter=",", skiprows=2)[:, 1]
+    along = np.arange(heights.size)
+    flat = heights - np.polyval(np.polyfit(along, heights, 1), along)
+    assert float(table[0]["structure_function_m2"]) == pytest.approx(np.mean((flat[2:] - flat[:-2]) ** 2), rel=1e-6)
+
+
+def test_options_reach_the_fit() -> None:
+    result = invoke(PROFILE, "--scales", "10 um", "0.2 mm", "--longest-wave", "60 mm")
+    assert result.exit_code == 0, result.output
+    assert "10 um to 200 um" in result.stdout
+
+
+def test_a_profile_without_d_ends_with_a_sentence(tmp_path: Path) -> None:
+    along = np.arange(400)
+    np.savetxt(tmp_path / "smooth.txt", np.column_stack([along, 1e-4 * (along / 100.0) ** 4]))
+    result = invoke(tmp_path / "smooth.txt", "--unit", "um")
+    assert result.exit_code == 2
+    assert "no D and G for a study file" in result.stderr
+    assert "D out of 2..3" in result.stdout
+    assert "[roughness]" not in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--unit", "um"), "states the position in mm, but um"),
+        (("--scales", "4", "0.2 mm"), 'the scale "4" has no unit'),
+        (("--scales", "4 um", "0.2 N"), 'the scale "0.2 N"'),
+        (("--scales", "4 um", "9 mm"), "half the length"),
+        (("--longest-wave", "-1 mm"), "longest wave"),
+        (("--hardness", "3"), "roughness.hardness"),
+        (("--hardness", "3 mm"), "roughness.hardness"),
+    ],
+)
+def test_bad_options_are_refused(arguments: tuple[str, ...], words: str) -> None:
+    result = invoke(PROFILE, *arguments)
+    assert result.exit_code == 2
+    assert result.stderr.startswith("Error: ")
+    assert words in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_missing_file_is_named(tmp_path: Path) -> None:
+    result = invoke(tmp_path / "none.txt", "--unit", "um")
+    assert result.exit_code == 2
+    assert "none.txt" in result.stderr
+
+
+@pytest.mark.parametrize("hardness", ["1 GPa", "3 GPa"])
+def test_the_load_that_is_told_parts_plastic_from_elastic_contact(hardness: str) -> None:
+    result = invoke(PROFILE, "--hardness", hardness)
+    assert result.exit_code == 0, result.output
+    sentence, section = result.stdout.split("For the study file:\n")
+    assert f"With hardness {hardness} spots" in sentence
+    case = Case.from_text(section)
+    roughness = case_roughness(case, *[case_material(case)] * 2)
+    least = float(re.search(r"less than (\S+) N", sentence).group(1))
+    assert contact_stiffness(roughness, 0.99 * least).status is ContactStatus.FULLY_PLASTIC
+    assert contact_stiffness(roughness, 0.99 * least).normal == 0.0
+    assert contact_stiffness(roughness, 1.01 * least).normal > 0.0
+    area = float(re.search(r"critical area (\S+) m2", sentence).group(1))
+    assert area == pytest.approx(contact_stiffness(roughness, least).critical_area, rel=5e-3)
+
+
+def test_without_a_hardness_that_of_a_new_study_file_is_told() -> None:
+    assert "With the default hardness 3 GPa" in invoke(PROFILE).stdout

@@ -1,0 +1,45 @@
+"""Constants of the pairs: the traction at rest must be admissible."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.core.errors import InputError
+
+
+def pairs_with(traction: object, preload: object = 2.0) -> ContactPairs:
+    return ContactPairs(np.zeros((6, 1)), 1.0, 3.0, 0.4, preload, traction)  # type: ignore[arg-type]
+
+
+def test_released_pairs_rest_without_traction() -> None:
+    pairs = pairs_with(None)
+    assert pairs.released
+    assert not pairs.resting_traction.any()
+
+
+def test_round_off_beyond_the_limit_is_cut() -> None:
+    pairs = pairs_with([[0.8 * (1.0 + 1e-9), 0.0], [0.0, 0.1]])
+    assert not pairs.released
+    np.testing.assert_allclose(pairs.resting_traction, [[0.8, 0.0], [0.0, 0.1]], rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("traction", "preload", "message"),
+    [
+        ([0.1, 0.2], 2.0, r"shape \(2, 2\)"),
+        ([[0.0, 0.0], [0.7, 0.7]], 2.0, r"residual_traction\[1\] is 0.9899 N, but friction holds only 0.8 N"),
+        ([[0.1, 0.0], [0.0, 0.0]], [-1.0, 2.0], r"residual_traction\[0\].*only 0 N"),
+        ([[np.nan, 0.0], [0.0, 0.0]], 2.0, r"residual_traction\[0, 0\] is nan"),
+    ],
+)
+def test_tractions_that_friction_cannot_hold_are_refused(traction: object, preload: object, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        pairs_with(traction, preload)
+
+
+def test_springs_at_rest_leave_gaps_out() -> None:
+    pairs = pairs_with(None, [-1.0, 2.0])
+    np.testing.assert_array_equal(pairs.closed_at_rest, [False, True])
+    np.testing.assert_array_equal(pairs.resting_stiffness(), [0.0, 0.0, 0.0, 3.0, 3.0, 1.0])

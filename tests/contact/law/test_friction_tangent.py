@@ -1,0 +1,143 @@
+"""The tangent of the periodic state against central differences, regime by regime and over random pairs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from friction_cases import kept_case, make_pairs, random_case
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb import Update, harmonic_force, harmonic_tangent
+from stickslip.core.validation import FloatArray
+
+SAMPLES = 64
+UPDATES: list[Update] = ["tractrix", "radial"]
+
+
+def coefficients(**entries: list[float]) -> FloatArray:
+    """(1, 3, 7) from lists for t1, t2, n; the rest is zero."""
+    array = np.zeros((1, 3, 7))
+    for row, name in enumerate(("t1", "t2", "n")):
+        values = entries.get(name, [])
+        array[0, row, : len(values)] = values
+    return array
+
+
+def differences(x: FloatArray, pairs: ContactPairs, update: Update, step: float) -> FloatArray:
+    """Central differences of harmonic_force, all pairs at once."""
+    n_pairs, rows, width = x.shape
+    tangent = np.zeros((n_pairs, rows, width, rows, width))
+    for b in range(rows):
+        for q in range(width):
+            shift = np.zeros_like(x)
+            shift[:, b, q] = step
+            plus, minus = (harmonic_force(x + s * shift, pairs, SAMPLES, update).force for s in (1.0, -1.0))
+            tangent[:, :, :, b, q] = (plus - minus) / (2.0 * step)
+    return tangent
+
+
+def relative(first: FloatArray, second: FloatArray, scale: FloatArray) -> FloatArray:
+    error: FloatArray = np.abs(first - second).max(axis=(1, 2, 3, 4)) / scale
+    return error
+
+
+# name: (coefficients, keyword arguments of the pair, state, deviates)
+REGIMES: dict[str, tuple[FloatArray, dict[str, object], int, bool]] = {
+    "stuck": (coefficients(t1=[0.2, 0.1, 0.05], t2=[0.0, 0.02], n=[0.1, 0.3]), {}, 0, False),
+    "stick-slip, one direction": (coefficients(t1=[0.3, 1.1, 0.13, 0.05]), {}, 1, True),
+    "stick-slip, two directions": (
+        coefficients(t1=[0.0, 0.9, 0.1, 0.05], t2=[0.4, 0.2, 0.3, 0.0, 0.1], n=[0.1, 0.5, 0.61]), {}, 1, True,
+    ),
+    "always slipping": (coefficients(t1=[0.0, 1.1, 0.02], t2=[0.0, 0.0, 1.1], n=[0.0, 0.1]), {}, 1, True),
+    "shakedown, one-sided slip": (
+        coefficients(t1=[0.1, 0.2, 0.01, 0.1], t2=[0.0, 0.02, 0.03], n=[0.0, -0.21, 0.1]), {}, 0, True,
+    ),
+    "shakedown from the start": (coefficients(t1=[0.0, 0.25, 0.02], n=[0.0, -0.3, 0.1]), {}, 0, True),
+    "microslip": (coefficients(t1=[0.0, 0.28, 0.01], t2=[0.0, 0.03, 0.04], n=[0.0, 0.02, 0.07]), {}, 1, True),
+    "slip, separation, touchdown": (
+        coefficients(t1=[0.0, 1.1, 0.1], t2=[0.1, 0.0, 0.4, 0.1], n=[0.0, 2.2, 1.1]), {}, 2, True,
+    ),
+    "stick after touchdown": (coefficients(t1=[0.0, 0.06, 0.03], t2=[0.0, 0.01], n=[0.0, 2.2, 1.3]), {}, 2, True),
+    "gap at rest": (
+        coefficients(t1=[0.0, 0.8, 0.1], t2=[0.0, 0.1, 0.3], n=[0.13, 2.2, 0.4]), {"preload": -0.5}, 2, True,
+    ),
+    "mostly open": (
+        coefficients(t1=[0.0, 0.8, 0.1], t2=[0.0, 0.1, 0.3], n=[0.0, 2.2, 0.4]), {"preload": -2.0}, 2, True,
+    ),
+    "always open": (coefficients(t1=[0.0, 0.8, 0.1], n=[0.0, 1.0]), {"preload": -2.0}, 2, False),
+    "unequal stiffness, slip": (
+        coefficients(t1=[0.0, 0.9, 0.1], t2=[0.0, 0.2, 0.7], n=[0.1, 0.5, 0.6]),
+        {"tangential_stiffness": np.array([[3.0, 1.3]])}, 1, True,
+    ),
+    "unequal stiffness, separation": (
+        coefficients(t1=[0.0, 0.9, 0.1], t2=[0.0, 0.2, 0.7], n=[0.1, 2.5, 0.6]),
+        {"tangential_stiffness": np.array([[1.0, 4.0]])}, 2, True,
+    ),
+    "unequal stiffness, shakedown": (
+        coefficients(t1=[0.1, 0.2, 0.01, 0.1], t2=[0.0, 0.02, 0.03], n=[0.0, -0.21, 0.1]),
+        {"tangential_stiffness": np.array([[3.0, 2.0]])}, 0, True,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("update", UPDATES)
+@pytest.mark.parametrize("name", REGIMES)
+def test_tangent_of_each_regime(name: str, update: Update) -> None:
+    x, constants, state, deviates = REGIMES[name]
+    pairs = make_pairs(1, **constants)  # type: ignore[arg-type]
+    found = harmonic_force(x, pairs, SAMPLES, update)
+    assert (found.state[0], found.deviates[0]) == (state, deviates)
+    tangent = harmonic_tangent(x, pairs, SAMPLES, [0], update)
+    expected = differences(x, pairs, update, 1e-6)
+    scale = np.abs(expected).max() + np.full(1, 1e-300)
+    assert relative(tangent, expected, scale)[0] < 1e-6
+
+
+@pytest.mark.parametrize("update", UPDATES)
+@pytest.mark.parametrize("seed", [1, 2])
+def test_tangent_of_random_pairs(seed: int, update: Update) -> None:
+    """Pairs whose two differences disagree have a sample on a switch within the step and are left out, not many."""
+    x, pairs = random_case(seed, 250)
+    tangent = harmonic_tangent(x, pairs, SAMPLES, np.arange(250), update)
+    scale = np.maximum(np.abs(tangent).max(axis=(1, 2, 3, 4)), 1e-300)
+    first, second = differences(x, pairs, update, 1e-6), differences(x, pairs, update, 2.3e-6)
+    smooth = relative(first, second, scale) < 1e-6
+    assert smooth.mean() > 0.9
+    assert relative(tangent, first, scale)[smooth].max() < 1e-6
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+def test_tangent_with_kept_traction(seed: int) -> None:
+    """The mean tangential displacement counts where the start is remembered: stuck and shaken-down pairs."""
+    x, pairs = kept_case(seed, 250)
+    tangent = harmonic_tangent(x, pairs, SAMPLES, np.arange(250))
+    scale = np.maximum(np.abs(tangent).max(axis=(1, 2, 3, 4)), 1e-300)
+    first = differences(x, pairs, "tractrix", 1e-6)
+    smooth = relative(first, differences(x, pairs, "tractrix", 2.3e-6), scale) < 1e-6
+    assert smooth.mean() > 0.9
+    assert relative(tangent, first, scale)[smooth].max() < 1e-6
+    by_mean = np.abs(tangent[:, :2, :, :2, 0]).max(axis=(1, 2, 3))
+    stuck = ~harmonic_force(x, pairs, SAMPLES).deviates & pairs.closed_at_rest
+    assert stuck.sum() > 10
+    np.testing.assert_allclose(by_mean[stuck], pairs.tangential_springs[stuck].max(axis=1))
+    assert (by_mean[~stuck] > 1e-3 * scale[~stuck]).any()  # shaken down: the mean is remembered
+
+
+def test_tangent_of_selected_pairs() -> None:
+    x, pairs = random_case(3, 20)
+    everything = harmonic_tangent(x, pairs, SAMPLES, np.arange(20))
+    mask = np.zeros(20, dtype=bool)
+    mask[[4, 11]] = True
+    np.testing.assert_array_equal(harmonic_tangent(x, pairs, SAMPLES, [4, 11]), everything[[4, 11]])
+    np.testing.assert_array_equal(harmonic_tangent(x, pairs, SAMPLES, mask), everything[[4, 11]])
+    assert harmonic_tangent(x, pairs, SAMPLES, np.zeros(20, dtype=bool)).shape == (0, 3, 7, 3, 7)
+
+
+def test_stuck_tangent_is_the_springs() -> None:
+    x, constants, _, _ = REGIMES["stuck"]
+    tangent = harmonic_tangent(x, make_pairs(1, **constants), SAMPLES, [0])[0]  # type: ignore[arg-type]
+    expected = np.zeros((3, 7, 3, 7))
+    for row, spring in enumerate((3.0, 3.0, 1.0)):
+        expected[row, :, row, :] = spring * np.eye(7)
+    expected[0, 0, 0, 0] = expected[1, 0, 1, 0] = 0.0  # the slider follows the mean
+    np.testing.assert_allclose(tangent, expected, atol=1e-14)

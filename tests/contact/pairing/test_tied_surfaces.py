@@ -1,0 +1,72 @@
+"""Faces whose meshes do not match, tied or stuck, in the full structure and in the reduced one."""
+
+import numpy as np
+import pytest
+from touching_blocks import STEEL, stacked
+
+from stickslip.contact.pairing.pairing import FacePairs, pair_surfaces, pair_with_ground
+from stickslip.core.errors import InputError
+from stickslip.structure.craig_bampton import craig_bampton, reduction_table
+from stickslip.structure.elasticity import assemble_bodies
+from stickslip.structure.joined import joined_modes
+
+
+def held(mesh):
+    return assemble_bodies(mesh, [STEEL, STEEL], fixed_nodes=mesh.node_set("base"))
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return stacked((3, 2, 2), (4, 3, 2))
+
+
+@pytest.fixture(scope="module")
+def tied(mesh):
+    return joined_modes(held(mesh), pair_surfaces(mesh, "bottom", "top").pairs, 6)
+
+
+def test_tied_faces_move_together(mesh, tied):
+    pairs = pair_surfaces(mesh, "bottom", "top").pairs
+    _, modes = tied
+    assert np.abs(pairs.mesh_operator(mesh.n_nodes) @ modes).max() < 1e-12 * np.abs(modes).max()
+
+
+def test_tied_frequencies_are_near_those_of_a_matching_mesh(tied):
+    matching = stacked((4, 3, 2), (4, 3, 2))
+    expected, _ = joined_modes(held(matching), pair_surfaces(matching, "bottom", "top").pairs, 6)
+    np.testing.assert_allclose(tied[0], expected, rtol=0.02)
+
+
+def test_stiff_springs_at_integration_points_are_near_the_tie(mesh, tied):
+    pairs = pair_surfaces(mesh, "bottom", "top", points="quadrature").pairs
+    stuck, _ = joined_modes(held(mesh), pairs, 6, pairs.springs(1e14, 1e14))
+    # Rigid springs hold the faces together at every point, ties at the nodes alone: the joint is somewhat stiffer.
+    np.testing.assert_allclose(stuck, tied[0], rtol=0.02)
+    assert (stuck > tied[0]).all()
+
+
+@pytest.mark.parametrize("points", ["nodes", "quadrature"])
+def test_the_reduced_structure_has_the_same_stuck_modes(mesh, points):
+    structure, pairs = held(mesh), pair_surfaces(mesh, "bottom", "top", points=points).pairs
+    superelement = craig_bampton(structure, pairs.nodes, n_modes=20)
+    table = reduction_table(structure, superelement, pairs, 3, pairs.springs(1e12, 1e12))
+    assert max(abs(row.difference_percent) for row in table) < 0.1
+    assert min(row.mac for row in table) > 0.999
+    if points == "nodes":
+        table = reduction_table(structure, superelement, pairs, 3)
+        assert max(abs(row.difference_percent) for row in table) < 0.1
+
+
+def test_integration_points_cannot_be_tied(mesh):
+    pairs = pair_surfaces(mesh, "bottom", "top", points="quadrature").pairs
+    with pytest.raises(InputError, match=r"integration points cannot be tied.*Give springs"):
+        joined_modes(held(mesh), pairs, 2)
+
+
+def test_a_face_tied_to_the_ground_is_held(mesh):
+    free = assemble_bodies(mesh, [STEEL, STEEL])
+    joint = pair_surfaces(mesh, "bottom", "top").pairs
+    on_ground = FacePairs.concatenate([joint, pair_with_ground(mesh, "base").pairs])
+    frequency_hz, _ = joined_modes(free, on_ground, 4)
+    expected, _ = joined_modes(held(mesh), joint, 4)
+    np.testing.assert_allclose(frequency_hz, expected, rtol=1e-9)

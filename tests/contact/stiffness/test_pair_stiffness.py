@@ -1,0 +1,92 @@
+"""Stiffness spread over contact pairs: by area, by pressure, face by face, and refusals."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from rough_faces import MINDLIN, NOMINAL_AREA, rough
+
+from stickslip.contact.stiffness.fractal import contact_stiffness, pair_stiffness
+from stickslip.core.errors import RoughnessError
+
+
+def face_of(columns: int, rows: int) -> np.ndarray:
+    """Areas of the pairs of a grid on the nominal face; edge pairs have half a cell."""
+    along, across = np.ones(columns), np.ones(rows)
+    along[[0, -1]] = across[[0, -1]] = 0.5
+    cells = np.outer(along, across).ravel()
+    return NOMINAL_AREA * cells / cells.sum()
+
+
+@pytest.mark.parametrize("mode", ["consistent", "paper", "unloading"])
+@pytest.mark.parametrize("scale", [1e-8, 1e-10])
+def test_uniform_pressure_makes_both_allocations_equal(mode: str, scale: float) -> None:
+    area = face_of(11, 5)
+    preload, face = 500.0 * area / area.sum(), rough(2.4, scale, shortest_length=1e-6)
+    by_area = pair_stiffness(face, area, preload, mode=mode, allocation="area")
+    by_pressure = pair_stiffness(face, area, preload, mode=mode, allocation="pressure")
+    whole = contact_stiffness(face, 500.0, mode)
+    for first, second, total in zip(by_area, by_pressure, (whole.normal, whole.tangential), strict=True):
+        np.testing.assert_allclose(first, second, rtol=1e-11)
+        assert first.sum() == pytest.approx(total, rel=1e-12)
+        np.testing.assert_allclose(first / first.sum(), area / area.sum(), rtol=1e-12)
+
+
+@pytest.mark.parametrize("allocation", ["area", "pressure"])
+def test_splitting_every_pair_leaves_the_sum(allocation: str) -> None:
+    area, random = face_of(11, 5), np.random.default_rng(3)
+    preload = 500.0 * area / area.sum() * random.uniform(0.5, 1.5, area.size)
+    parts = random.uniform(0.2, 0.8, area.size)
+    coarse = pair_stiffness(rough(), area, preload, allocation=allocation)
+    split = [np.concatenate([parts * values, (1 - parts) * values]) for values in (area, preload)]
+    fine = pair_stiffness(rough(), *split, allocation=allocation)
+    for first, second in zip(coarse, fine, strict=True):
+        np.testing.assert_allclose(second[: area.size] + second[area.size :], first, rtol=1e-10)
+
+
+def test_refining_the_mesh_under_a_pressure_field_converges() -> None:
+    def total(columns: int, rows: int) -> float:
+        area = face_of(columns, rows)
+        x = np.repeat(np.linspace(0, 1, columns), rows)
+        return float(
+            pair_stiffness(rough(), area, 500.0 * area / area.sum() * (0.6 + 0.8 * x), allocation="pressure")[0].sum()
+        )
+
+    coarse, fine, finest = total(11, 5), total(21, 9), total(81, 5)
+    assert coarse == pytest.approx(finest, rel=1e-3)
+    assert abs(fine - finest) < 0.4 * abs(coarse - finest)
+
+
+def test_pressure_shifts_the_stiffness_to_the_loaded_pairs() -> None:
+    area = np.full(4, NOMINAL_AREA / 4)
+    normal, _ = pair_stiffness(rough(), area, [50.0, 100.0, 150.0, 200.0], allocation="pressure")
+    assert np.all(np.diff(normal) > 0)
+    expected = [contact_stiffness(rough(), load).normal / 4 for load in (200.0, 400.0, 600.0, 800.0)]
+    np.testing.assert_allclose(normal, expected, rtol=1e-12)
+
+
+def test_each_face_has_its_own_load() -> None:
+    area = np.array([1.0, 3.0, 2.0, 2.0]) * 1e-5
+    normal, tangential = pair_stiffness(rough(), area, [100.0, 300.0, 150.0, 50.0], face=[7, 7, 2, 2])
+    left, right = contact_stiffness(rough(), 400.0), contact_stiffness(rough(), 200.0)
+    np.testing.assert_allclose(normal, [left.normal / 4, left.normal * 0.75, right.normal / 2, right.normal / 2])
+    np.testing.assert_allclose(tangential, MINDLIN * normal)
+
+
+def test_open_pairs_get_the_stiffness_of_the_mean_pressure() -> None:
+    area = np.full(4, NOMINAL_AREA / 4)
+    normal, _ = pair_stiffness(rough(), area, [200.0, 200.0, 100.0, -30.0], allocation="pressure")
+    assert normal[3] == pytest.approx(contact_stiffness(rough(), 500.0).normal / 4, rel=1e-12)
+    assert normal[0] == pytest.approx(contact_stiffness(rough(), 800.0).normal / 4, rel=1e-12)
+
+
+def test_a_pair_under_too_little_pressure_is_refused() -> None:
+    area = np.full(4, NOMINAL_AREA / 4)
+    with pytest.raises(RoughnessError, match=r"1 of 4 contact pairs \(first: pair 2\).*allocation \"area\""):
+        pair_stiffness(rough(), area, [200.0, 100.0, 1.0, 50.0], allocation="pressure")
+    assert np.all(pair_stiffness(rough(), area, [200.0, 100.0, 1.0, 50.0], allocation="area")[0] > 0)
+
+
+def test_a_face_without_preload_is_refused() -> None:
+    with pytest.raises(RoughnessError, match=r"2 of 4 .*preload of their face is 0 N"):
+        pair_stiffness(rough(), np.ones(4), [1e3, 1e3, 0.0, -5.0], face=[0, 0, 1, 1])

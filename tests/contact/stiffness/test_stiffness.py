@@ -1,0 +1,399 @@
+"""Contact stiffness of a rough face: closed forms against quadrature, tabulated values, and its spread over pairs."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable
+from itertools import pairwise
+from math import exp, inf, log, pi, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rough_faces import MINDLIN, NOMINAL_AREA, RATIO, REDUCED_MODULUS, rough
+
+from stickslip.contact.stiffness.asperities import (
+    SpotPopulation,
+    domain_extension_factor,
+    fully_plastic_load,
+    log_critical_area,
+    spots_under_load,
+)
+from stickslip.contact.stiffness.fractal import (
+    ContactStatus,
+    Roughness,
+    contact_stiffness,
+    pair_stiffness,
+    reduced_modulus,
+)
+from stickslip.core.errors import InputError
+
+TABLE = Path(__file__).parents[1] / "data" / "fractal_stiffness.csv"
+quick = settings(max_examples=60, deadline=None, derandomize=True)
+
+
+def table() -> list[dict[str, float]]:
+    """Rows of the tabulated values."""
+    with TABLE.open(encoding="utf-8") as lines:
+        next(lines)
+        return [{name: float(text) for name, text in row.items()} for row in csv.DictReader(lines)]
+
+
+class SpotBySpot:
+    """A twin of the closed forms that knows one spot at a time and adds the spots up by quadrature in u = ln a'."""
+
+    def __init__(self, roughness: Roughness, smallest: float, largest: float) -> None:
+        self.roughness, self.smallest, self.largest = roughness, smallest, largest
+        self.d = roughness.fractal_dimension - 1
+
+    def interference(self, area: float) -> float:
+        """delta of equation (6), with d."""
+        r, d = self.roughness, self.d
+        return 2 * r.fractal_roughness ** (d - 1) * sqrt(log(RATIO)) * (2 * sqrt(area / pi)) ** (2 - d)
+
+    def curvature_radius(self, area: float) -> float:
+        return area / pi / (2 * self.interference(area))
+
+    def elastic_load(self, area: float) -> float:
+        """Hertz in load and interference."""
+        root = sqrt(self.curvature_radius(area))
+        return 4 / 3 * self.roughness.reduced_modulus * root * self.interference(area) ** 1.5
+
+    def is_plastic(self, area: float) -> bool:
+        return self.elastic_load(area) > self.roughness.hardness * area
+
+    def fixed_curvature_stiffness(self, area: float) -> float:
+        """dF/ddelta of Hertz at constant R."""
+        return 2 * self.roughness.reduced_modulus * sqrt(self.curvature_radius(area) * self.interference(area))
+
+    def family_stiffness(self, area: float) -> float:
+        """(dF/da') / (ddelta/da') along the family of spots, by central differences."""
+        step = 1e-5 * area
+        load = self.elastic_load(area + step) - self.elastic_load(area - step)
+        return load / (self.interference(area + step) - self.interference(area - step))
+
+    def count(self, area: float) -> float:
+        """n(a') a', the number of spots for each step of ln a'."""
+        d, psi = self.d, self.roughness.domain_extension
+        return d / 2 * psi ** ((2 - d) / 2) * (self.largest / area) ** (d / 2)
+
+    def total(
+        self, plastic: Callable[[float], float], elastic: Callable[[float], float], largest: float = inf
+    ) -> float:
+        """Sum over all spots up to ``largest``, Gauss quadrature in panels that end at the critical area."""
+        log_high = log(min(self.largest, largest))
+        log_low = log(self.smallest) if self.smallest else log_high - 400
+        cut = min(max(self.critical_log_area(), log_low), log_high)
+        nodes, weights = np.polynomial.legendre.leggauss(30)
+        result = 0.0
+        for law, low, high in ((plastic, log_low, cut), (elastic, cut, log_high)):
+            for start, end in pairwise(np.linspace(low, high, 41)):
+                areas = np.exp(0.5 * (start + end) + 0.5 * (end - start) * nodes)
+                values = [law(area) * self.count(area) for area in areas]
+                result += 0.5 * (end - start) * float(weights @ values)
+        return result
+
+    def critical_log_area(self) -> float:
+        """Where Hertz's load meets H a', by bisection."""
+        low, high = -200.0, 50.0
+        for _ in range(200):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self.is_plastic(exp(middle)) else (low, middle)
+        return 0.5 * (low + high)
+
+
+@pytest.mark.parametrize(
+    ("dimension", "scale", "smallest", "largest", "psi"),
+    [
+        (2.3, 1e-9, 0.0, 1.1e-7, 1.0),
+        (2.4, 1e-8, 0.0, 1e-7, 2.0848507806760166),
+        (2.49, 1e-8, 7.85e-13, 1.3e-7, 1.0),
+        (2.5, 1e-8, 0.0, 1.4e-7, 1.0),
+        (2.5, 1e-8, 7.85e-13, 1.4e-7, 1.5),
+        (2.5 + 1e-12, 1e-8, 0.0, 1.4e-7, 1.0),
+        (2.7, 1e-8, 1e-14, 1e-7, 1.0),
+        (2.4, 1e-8, 1e-8, 1e-7, 1.0),  # a_s' above a_c': no plastic spots
+        (2.3, 1e-8, 7.85e-13, 9e-8, 1.0),  # a_l' below a_c': only plastic spots
+    ],
+)
+def test_closed_forms_equal_quadrature(
+    dimension: float, scale: float, smallest: float, largest: float, psi: float
+) -> None:
+    face = rough(dimension, scale, domain_extension=psi)
+    twin = SpotBySpot(face, smallest, largest)
+    spots = SpotPopulation(face, log(smallest) if smallest else -inf, log(largest))
+    zero = lambda area: 0.0  # noqa: E731
+    hardness, modulus = face.hardness, face.reduced_modulus
+    assert log_critical_area(face) == pytest.approx(twin.critical_log_area(), abs=1e-10)
+    assert spots.plastic_load == pytest.approx(twin.total(lambda area: hardness * area, zero), rel=1e-9, abs=1e-30)
+    assert spots.elastic_load == pytest.approx(twin.total(zero, twin.elastic_load), rel=1e-9, abs=1e-30)
+    assert spots.real_area == pytest.approx(twin.total(lambda area: area, lambda area: 0.5 * area), rel=1e-9)
+    exponent = (2 - dimension) / 2
+    elastic = sqrt(2 / pi) * modulus * spots.elastic_moment(exponent)
+    assert elastic == pytest.approx(twin.total(zero, twin.fixed_curvature_stiffness), rel=1e-9, abs=1e-30)
+    if smallest:
+        plastic = 2 / sqrt(pi) * modulus * spots.plastic_moment(exponent)
+        expected = twin.total(lambda area: 2 * modulus * sqrt(area / pi), zero)
+        assert plastic == pytest.approx(expected, rel=1e-9, abs=1e-30)
+    median = exp(spots.log_median_area)
+    part = twin.total(lambda area: hardness * area, twin.elastic_load, largest=median)
+    assert part == pytest.approx(0.5 * spots.load, rel=1e-9)
+
+
+@pytest.mark.parametrize("dimension", [2.3, 2.4, 2.49, 2.5, 2.7])
+def test_stiffness_equals_quadrature_over_single_spots(dimension: float) -> None:
+    face = rough(dimension)
+    load = 4 * max(fully_plastic_load(face), 100.0)
+    found, printed = contact_stiffness(face, load), contact_stiffness(face, load, "paper")
+    twin = SpotBySpot(face, 0.0, found.largest_area)
+    zero = lambda area: 0.0  # noqa: E731
+    assert found.normal == pytest.approx(twin.total(zero, twin.fixed_curvature_stiffness), rel=1e-9)
+    # The printed equation (8) is the derivative along the family of spots, whose curvature changes with the spot.
+    assert printed.normal == pytest.approx(twin.total(zero, twin.family_stiffness), rel=1e-7)
+    assert twin.total(lambda area: face.hardness * area, twin.elastic_load) == pytest.approx(load, rel=1e-9)
+
+
+@pytest.mark.parametrize("row", table(), ids=lambda row: "D{:g} G{:g} {:g}N".format(*list(row.values())[:3]))
+def test_tabulated_values(row: dict[str, float]) -> None:
+    face = rough(row["fractal_dimension"], row["fractal_roughness_m"])
+    found = contact_stiffness(face, row["load_n"], nominal_area=NOMINAL_AREA)
+    printed = contact_stiffness(face, row["load_n"], mode="paper")
+    four_digits = {"rel": 6e-4}
+    assert found.critical_area == pytest.approx(row["critical_area_m2"], **four_digits)
+    assert found.largest_area == pytest.approx(row["largest_area_m2"], **four_digits)
+    assert found.plastic_load_share == pytest.approx(row["plastic_load_share"], **four_digits)
+    assert found.real_area / NOMINAL_AREA == pytest.approx(row["real_area_share"], **four_digits)
+    assert found.normal == pytest.approx(row["normal_consistent"], **four_digits)
+    assert found.tangential == pytest.approx(row["tangential"], **four_digits)
+    assert printed.normal == pytest.approx(row["normal_paper"], **four_digits)
+    assert printed.tangential == found.tangential
+    assert (found.status == ContactStatus.FULLY_PLASTIC) == (row["normal_consistent"] == 0.0)
+
+
+def test_the_table_is_whole() -> None:
+    rows = table()
+    assert len(rows) == 48
+    assert sum(row["normal_consistent"] == 0.0 for row in rows) == 20
+
+
+@pytest.mark.parametrize(
+    ("shortest", "dimension", "normal"),
+    [
+        (1e-5, 2.2, 27e7),
+        (1e-5, 2.3, 32e7),
+        (1e-5, 2.4, 44e7),
+        (1e-5, 2.49, 74e7),
+        (1e-6, 2.2, 56e7),
+        (1e-6, 2.3, 76e7),
+        (1e-6, 2.4, 130e7),
+        (1e-6, 2.49, 250e7),
+    ],
+)
+def test_unloading_stiffness(shortest: float, dimension: float, normal: float) -> None:
+    found = contact_stiffness(rough(dimension, shortest_length=shortest), 500.0, "unloading")
+    assert found.normal == pytest.approx(normal, rel=0.02)  # two digits
+    assert found.tangential == pytest.approx(MINDLIN * found.normal, rel=1e-14)
+
+
+def test_unloading_needs_a_shortest_wave() -> None:
+    with pytest.raises(InputError, match="shortest_length"):
+        contact_stiffness(rough(), 500.0, "unloading")
+
+
+@pytest.mark.parametrize(
+    ("dimension", "ratio", "factor"),
+    [(2.2, 0.549, 1.5), (2.3, 0.508, 1.619), (2.4, 0.463, 1.778), (2.49, 0.417, 1.974)],
+)
+def test_printed_stiffness_against_consistent(dimension: float, ratio: float, factor: float) -> None:
+    face = rough(dimension, 1e-11)
+    found, printed = contact_stiffness(face, 2000.0), contact_stiffness(face, 2000.0, "paper")
+    assert found.tangential / found.normal == pytest.approx(0.823529, abs=1e-6)
+    assert printed.tangential / printed.normal == pytest.approx(ratio, abs=1e-3)
+    assert printed.normal / found.normal == pytest.approx(factor, abs=6e-4)
+
+
+@pytest.mark.parametrize(
+    ("dimension", "load", "slope"), [(2.4, 500.0, 0.869), (2.49, 500.0, 0.950), (2.2, 200.0, 1.83), (2.2, 2000.0, 0.92)]
+)
+def test_load_exponent(dimension: float, load: float, slope: float) -> None:
+    face = rough(dimension, 1e-11)
+    up, down = contact_stiffness(face, 1.01 * load).normal, contact_stiffness(face, load / 1.01).normal
+    assert log(up / down) / (2 * log(1.01)) == pytest.approx(slope, abs=0.006)
+
+
+@pytest.mark.parametrize(("dimension", "limit"), [(2.2, 1.2 / 1.8), (2.4, 0.875), (2.45, 1.45 / 1.55), (2.8, 1.0)])
+def test_load_exponent_of_elastic_contact(dimension: float, limit: float) -> None:
+    face = rough(dimension, 1e-22 if dimension < 2.3 else 1e-15)  # a_c' is far below every spot that carries load
+    load = 1e-6 if dimension > 2.5 else 1e3
+    up, down = contact_stiffness(face, 1.01 * load).normal, contact_stiffness(face, load / 1.01).normal
+    assert log(up / down) / (2 * log(1.01)) == pytest.approx(limit, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("dimension", "psi"), [(2.2, 2.3013675), (2.3, 2.1837146), (2.4, 2.0848508), (2.49, 2.0085564)]
+)
+def test_domain_extension_factor(dimension: float, psi: float) -> None:
+    found, d = domain_extension_factor(dimension), dimension - 1
+    assert found == pytest.approx(psi, abs=5e-8)
+    assert found ** ((2 - d) / 2) - (1 + found ** (-d / 2)) ** (-(2 - d) / d) == pytest.approx((2 - d) / d, abs=1e-14)
+
+
+def test_domain_extension_matters_only_near_full_plasticity() -> None:
+    def change(face: Roughness, load: float) -> float:
+        extended = rough(
+            face.fractal_dimension,
+            hardness=face.hardness,
+            domain_extension=domain_extension_factor(face.fractal_dimension),
+        )
+        return contact_stiffness(extended, load).normal / contact_stiffness(face, load).normal - 1
+
+    assert abs(change(rough(2.4), 500.0)) < 0.04
+    assert abs(change(rough(2.49), 500.0)) < 0.04
+    harder = rough(2.3, hardness=4e9)
+    assert change(harder, 500.0) == pytest.approx(-0.7, abs=0.03)
+
+
+def test_reduced_modulus() -> None:
+    assert reduced_modulus(197e9, 0.3, 197e9, 0.3) == pytest.approx(REDUCED_MODULUS, rel=1e-9)
+    assert reduced_modulus(200e9, 0.3, 1e30, 0.3) == pytest.approx(200e9 / 0.91, rel=1e-12)
+    with pytest.raises(InputError, match="second_young_modulus is -1"):
+        reduced_modulus(1.0, 0.3, -1.0, 0.3)
+    with pytest.raises(InputError, match=r"first_poisson_ratio is 0\.7"):
+        reduced_modulus(1.0, 0.7, 1.0, 0.3)
+
+
+faces = st.builds(
+    lambda dimension, exponent, psi: rough(dimension, 10.0**exponent, domain_extension=psi),
+    st.one_of(st.just(2.5), st.floats(2.15, 2.9)),
+    st.floats(-12, -6),
+    st.floats(1.0, 2.6),
+)
+
+
+@quick
+@given(faces, st.floats(-20, 3), st.floats(0.01, 3), st.one_of(st.just(-inf), st.floats(-35, -20)))
+def test_load_rises_with_the_largest_spot(
+    face: Roughness, log_largest: float, step: float, log_smallest: float
+) -> None:
+    smaller = SpotPopulation(face, log_smallest, log_largest)
+    larger = SpotPopulation(face, log_smallest, log_largest + step)
+    assert larger.load > smaller.load
+    assert larger.real_area > smaller.real_area
+
+
+@quick
+@given(faces, st.floats(-3, 5), st.one_of(st.just(-inf), st.floats(-35, -20)))
+def test_the_spots_carry_the_load(face: Roughness, log_load: float, log_smallest: float) -> None:
+    load = 10.0**log_load
+    spots = spots_under_load(face, load, log_smallest)
+    assert spots.load == pytest.approx(load, rel=1e-11)
+    assert spots.log_largest >= log_smallest
+
+
+@quick
+@given(faces, st.floats(-2, 4), st.sampled_from(["consistent", "paper"]))
+def test_stiffness_is_never_negative_and_rises_with_load(face: Roughness, log_load: float, mode: str) -> None:
+    load = 10.0**log_load
+    lower, upper = contact_stiffness(face, load, mode), contact_stiffness(face, 1.5 * load, mode)
+    assert 0.0 <= lower.normal <= upper.normal
+    assert 0.0 <= lower.tangential <= upper.tangential
+    assert 0.0 <= lower.plastic_load_share <= 1.0
+    assert (lower.normal == 0.0) == (load <= fully_plastic_load(face))
+
+
+def test_load_is_continuous_where_elastic_spots_begin() -> None:
+    face = rough(2.3)
+    threshold = fully_plastic_load(face)
+    assert contact_stiffness(face, threshold * (1 - 1e-9)).normal == 0.0
+    above = contact_stiffness(face, threshold * (1 + 1e-6))
+    assert above.normal > 0.0
+    assert above.largest_area == pytest.approx(exp(log_critical_area(face)), rel=1e-5)
+
+
+@pytest.mark.parametrize("load", [0.0, -3.0])
+def test_no_load_no_stiffness(load: float) -> None:
+    found = contact_stiffness(rough(), load)
+    assert (found.normal, found.tangential, found.largest_area, found.real_area) == (0.0, 0.0, 0.0, 0.0)
+    assert found.status == "no contact"
+
+
+@pytest.mark.parametrize(
+    ("face", "load", "status", "words"),
+    [
+        (rough(2.2), 500.0, ContactStatus.FULLY_PLASTIC, "no spot is elastic"),
+        (rough(2.49, 1e-12), 9e3, ContactStatus.REAL_AREA_ABOVE_NOMINAL, "above the nominal area"),
+        (rough(2.49, 1e-11), 2e3, ContactStatus.LARGE_REAL_AREA, "neighbouring spots merge"),
+        (rough(2.8, 1e-15), 1e5, ContactStatus.REAL_AREA_ABOVE_NOMINAL, "does not fit"),
+        (rough(sample_length=0.028, shortest_length=1e-7), 500.0, ContactStatus.STEEP_SURFACE, "Sdq = "),
+        (rough(2.49, shortest_length=1e-8), 500.0, ContactStatus.SHORTEST_WAVE_BELOW_ROUGHNESS, "steeper than 1"),
+        (rough(shortest_length=1e-4), 500.0, ContactStatus.NO_PLASTIC_SPOTS, "no spot is plastic"),
+        (rough(2.3), 2000.0, ContactStatus.STEEP_ASPERITIES, "of their radius"),
+        (rough(2.97), 500.0, ContactStatus.STEEP_ASPERITIES, "within 0.05 of its limit 3"),
+        (rough(2.03, 1e-30), 500.0, ContactStatus.FULLY_PLASTIC, "within 0.05 of its limit 2"),
+    ],
+)
+def test_every_doubtful_regime_has_a_sentence(face: Roughness, load: float, status: str, words: str) -> None:
+    found = contact_stiffness(face, load, nominal_area=NOMINAL_AREA)
+    assert any(words in message for message in found.messages), (found.status, found.messages)
+    assert found.status == status  # the worst of what was found
+
+
+def test_the_slope_is_that_of_the_spot_that_halves_the_load() -> None:
+    face = rough(2.3)
+    median = exp(spots_under_load(face, 2000.0).log_median_area)
+    slope = SpotBySpot(face, 0.0, 1.0).interference(median) / sqrt(median / pi)
+    assert f"interference is {slope:.2g} of their radius" in contact_stiffness(face, 2000.0).messages[0]
+
+
+def test_the_status_is_the_worst_finding() -> None:
+    valid = contact_stiffness(rough(), 500.0, nominal_area=NOMINAL_AREA)
+    assert (valid.status, valid.messages) == (ContactStatus.VALID, ())
+    several = contact_stiffness(rough(2.2, sample_length=0.028, shortest_length=1e-6), 500.0)
+    assert several.status == ContactStatus.FULLY_PLASTIC == "fully plastic"
+    assert [words in message for words, message in zip(("Fully", "Sdq", "radius"), several.messages, strict=True)] == [
+        True
+    ] * 3
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"fractal_dimension": 2.0}, "between 2 and 3"),
+        ({"fractal_dimension": 3.0}, "between 2 and 3"),
+        ({"fractal_dimension": 1.4}, r"1\.4 is the dimension of a profile"),
+        ({"fractal_dimension": float("nan")}, "fractal_dimension is nan"),
+        ({"fractal_roughness": 0.0}, "fractal_roughness is 0, but it must be above 0 m"),
+        ({"fractal_roughness": float("inf")}, "fractal_roughness is inf"),
+        ({"hardness": -1.0}, "hardness is -1, but it must be above 0 Pa"),
+        ({"reduced_modulus": 0.0}, "reduced_modulus is 0"),
+        ({"poisson_ratio": 0.6}, r"poisson_ratio is 0\.6"),
+        ({"domain_extension": 0.5}, r"domain_extension is 0\.5"),
+        ({"frequency_ratio": 1.0}, "frequency_ratio is 1, but it must be above 1"),
+        ({"shortest_length": 0.0}, "shortest_length is 0"),
+        ({"sample_length": 1e-6, "shortest_length": 1e-3}, "below sample_length"),
+        ({"fractal_dimension": 2.001}, "take D farther from 2"),
+    ],
+)
+def test_roughness_out_of_range(changes: dict[str, float], words: str) -> None:
+    values = {"fractal_dimension": 2.4, "fractal_roughness": 1e-8, "hardness": 3e9, "reduced_modulus": 1e11}
+    with pytest.raises(InputError, match=words):
+        Roughness(**(values | {"poisson_ratio": 0.3} | changes))
+
+
+def test_arguments_out_of_range() -> None:
+    with pytest.raises(InputError, match="mode is 'printed', but it must be one of: consistent, paper, unloading"):
+        contact_stiffness(rough(), 1.0, "printed")
+    with pytest.raises(InputError, match="load is nan"):
+        contact_stiffness(rough(), float("nan"))
+    with pytest.raises(InputError, match="nominal_area is 0"):
+        contact_stiffness(rough(), 1.0, nominal_area=0.0)
+    with pytest.raises(InputError, match="allocation is 'pair'"):
+        pair_stiffness(rough(), np.ones(2), 1.0, allocation="pair")
+    with pytest.raises(InputError, match=r"area\[1\] is 0"):
+        pair_stiffness(rough(), [1.0, 0.0], 1.0)
+    with pytest.raises(InputError, match="preload must be one number or an array of shape"):
+        pair_stiffness(rough(), [1.0, 1.0], [1.0, 1.0, 1.0])
+    with pytest.raises(InputError, match=r"face\[0\] is 0\.5"):
+        pair_stiffness(rough(), [1.0, 1.0], 1.0, face=[0.5, 1.0])

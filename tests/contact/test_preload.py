@@ -1,0 +1,81 @@
+"""Preload of the contact pairs: the wedge under centrifugal force, and prescribed values."""
+
+from __future__ import annotations
+
+from math import cos, pi, radians, sin
+
+import numpy as np
+import pytest
+
+from stickslip.contact.preload import area_share, prescribed_preload, uniform_preload
+from stickslip.core.errors import InputError
+
+AREA = np.array([1.0, 3.0, 2.0, 2.0, 4.0]) * 1e-6
+FACE = np.array([0, 0, 1, 1, 1])
+
+
+@pytest.mark.parametrize(("friction", "fraction"), [(0.0, 0.57735), (0.3, 0.49211)])
+def test_wedge_at_thirty_degrees(friction: float, fraction: float) -> None:
+    preload = uniform_preload(500.0, radians(30), AREA, FACE, friction_coefficient=friction)
+    np.testing.assert_allclose(np.bincount(FACE, weights=preload), 500.0 * fraction, rtol=1e-5)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.2, 0.5, 1.2])
+@pytest.mark.parametrize("friction", [0.0, 0.1, 0.6])
+def test_the_two_faces_balance_the_centrifugal_force(angle: float, friction: float) -> None:
+    preload = uniform_preload(800.0, angle, AREA, FACE, friction)
+    normal = np.bincount(FACE, weights=preload)
+    assert (normal * (cos(angle) + friction * sin(angle))).sum() == pytest.approx(800.0, rel=1e-14)
+    assert normal[0] == pytest.approx(normal[1], rel=1e-14)
+    pressure = preload / AREA
+    np.testing.assert_allclose(pressure[FACE == 0], pressure[0], rtol=1e-14)
+    np.testing.assert_allclose(pressure[FACE == 1], pressure[2], rtol=1e-14)
+
+
+def test_area_share_adds_up_on_each_face() -> None:
+    share = area_share(AREA, [9, 9, -4, -4, -4])
+    np.testing.assert_allclose(share, [0.25, 0.75, 0.25, 0.25, 0.5], rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"centrifugal_force": 0.0}, r"centrifugal_force is 0, but it must be above 0 N \(total over both ends\)"),
+        ({"centrifugal_force": float("inf")}, "centrifugal_force is inf"),
+        ({"platform_angle": 30.0}, "platform_angle is 30, .*radians"),
+        ({"platform_angle": pi / 2}, "platform_angle"),
+        ({"platform_angle": -0.1}, "platform_angle"),
+        ({"friction_coefficient": -0.1}, r"friction_coefficient is -0\.1"),
+        ({"friction_coefficient": float("nan")}, "friction_coefficient is nan"),
+        ({"area": [1.0, 1.0, 1.0, 0.0, 1.0]}, r"area\[3\] is 0"),
+        ({"area": []}, "area must have the shape"),
+        ({"area": AREA.reshape(1, 5)}, "area must have the shape"),
+        ({"face": [0, 1]}, "face must be one number or an array of shape"),
+        ({"face": [0, 0, 1, 1, 1.5]}, r"face\[4\] is 1\.5"),
+    ],
+)
+def test_values_out_of_range(changes: dict[str, object], words: str) -> None:
+    arguments = {"centrifugal_force": 500.0, "platform_angle": 0.5, "area": AREA, "face": FACE}
+    with pytest.raises(InputError, match=words):
+        uniform_preload(**(arguments | changes))
+
+
+def test_prescribed_preload_is_a_checked_copy() -> None:
+    values = np.array([1.0, -2.0, 3.0])
+    preload = prescribed_preload(values, 3)
+    assert preload.tolist() == [1.0, -2.0, 3.0]
+    assert not np.shares_memory(preload, values)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ((1.0, 2.0), r"shape \(2,\), but it must be \(3,\)"),
+        (5.0, r"shape \(\), but it must be \(3,\)"),
+        ((1.0, float("nan"), 2.0), r"preload\[1\] is nan"),
+        (("a", 1.0, 2.0), "real numbers"),
+    ],
+)
+def test_prescribed_preload_of_the_wrong_form(values: object, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        prescribed_preload(values, 3)

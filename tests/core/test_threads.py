@@ -1,0 +1,55 @@
+"""How many threads: given, from the environment, or the usable cores; and work shared among them."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+
+from stickslip.core.errors import InputError
+from stickslip.core.threads import FEWEST_ROWS, MOST_BY_DEFAULT, blas_threads, in_threads, thread_count, usable_cores
+
+
+def test_the_argument_wins_over_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("STICKSLIP_THREADS", "3")
+    assert thread_count() == 3
+    assert thread_count(2) == 2
+    monkeypatch.delenv("STICKSLIP_THREADS")
+    assert thread_count() == min(MOST_BY_DEFAULT, usable_cores())
+
+
+@pytest.mark.parametrize("text", ["0", "-1", "two", "1.5"])
+def test_an_environment_that_makes_no_sense_is_refused(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("STICKSLIP_THREADS", text)
+    with pytest.raises(InputError, match=f"STICKSLIP_THREADS is '{text}', but it must be a whole number"):
+        thread_count()
+
+
+@pytest.mark.parametrize("threads", [0, -2, 1.5, True])
+def test_a_count_that_makes_no_sense_is_refused(threads: int) -> None:
+    with pytest.raises(InputError, match="threads is"):
+        thread_count(threads)
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_every_item_is_worked_on_once(threads: int) -> None:
+    done: list[int] = []
+    names: set[str] = set()
+
+    def work(item: int) -> None:
+        done.append(item)
+        names.add(threading.current_thread().name)
+
+    in_threads(work, range(40), threads)
+    assert sorted(done) == list(range(40))
+    assert all(name.startswith("stickslip") for name in names) == (threads > 1)
+
+
+def test_an_error_in_a_thread_is_raised() -> None:
+    with pytest.raises(ZeroDivisionError):
+        in_threads(lambda item: item // 0, [1, 2], 2)
+
+
+def test_small_products_get_one_thread() -> None:
+    assert blas_threads(FEWEST_ROWS - 1, 4) == 1
+    assert blas_threads(FEWEST_ROWS, 4) == 4

@@ -1,0 +1,119 @@
+"""Values with units: conversion to SI, ranges, and sentences about what cannot be read."""
+
+import math
+import re
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stickslip.core.errors import InputError
+from stickslip.core.units import Count, Quantity
+
+LENGTH = Quantity("length", shown="mm", above=0.0, at_most=3.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "expected"),
+    [
+        ("length", "36.7 mm", 0.0367),
+        ("length", "2 µm", 2e-6),
+        ("length", "1e-8m", 1e-8),
+        ("pressure", "197 GPa", 197e9),
+        ("pressure", "3 kN/mm^2", 3e9),
+        ("density", "7.8 g/cm^3", 7800.0),
+        ("density", "7800 kg m^-3", 7800.0),
+        ("stiffness", "130 N/um", 1.3e8),
+        ("frequency", "0.44 kHz", 440.0),
+        ("angle", "30 deg", math.radians(30.0)),
+        ("pure number", "0.1 %", 0.001),
+        ("pure number", "0.3", 0.3),
+        ("rate", "2 1/ms", 2000.0),
+        ("time", "1 us", 1e-6),
+        ("force", "-0.5 kN", -500.0),
+    ],
+)
+def test_text_with_unit_becomes_si(kind: str, text: str, expected: float) -> None:
+    assert Quantity(kind).parse(text) == pytest.approx(expected, rel=1e-14)
+
+
+def test_prefix_leaves_no_round_off() -> None:
+    assert LENGTH.parse("36.7 mm") == 0.0367
+
+
+def test_plain_number_is_si() -> None:
+    assert LENGTH.parse(0.145) == 0.145
+    assert Quantity("force").parse(500) == 500.0
+
+
+@pytest.mark.parametrize(
+    ("quantity", "value", "parts"),
+    [
+        (LENGTH, "145 N", ["N", "force", "length"]),
+        (LENGTH, "145", ["no unit"]),
+        (LENGTH, "145 foo", ["unknown unit", "foo"]),
+        (LENGTH, "12 mm((", ["unknown unit"]),
+        (LENGTH, "four mm", ["number"]),
+        (LENGTH, "", ["number"]),
+        (LENGTH, True, ["number"]),
+        (LENGTH, [1.0], ["number"]),
+        (LENGTH, 145, ["at most 3", '"145 mm"']),
+        (LENGTH, "0 mm", ["above 0"]),
+        (LENGTH, math.nan, ["finite"]),
+        (LENGTH, "inf m", ["finite"]),
+        (LENGTH, "1e400 m", ["finite"]),
+        (LENGTH, 10**400, ["finite"]),
+        (Quantity("frequency"), "60 rpm", ["rpm", "60"]),
+        (Quantity("frequency"), "60 rad/s", ["rad/s", "2 pi"]),
+        (Quantity("pure number"), "3 N", ["force", "pure number"]),
+    ],
+)
+def test_refusal_is_a_sentence(quantity: Quantity, value: object, parts: list[str]) -> None:
+    with pytest.raises(InputError) as caught:
+        quantity.parse(value)
+    assert all(part in str(caught.value) for part in parts)
+
+
+def test_open_bounds_are_refused_and_closed_ones_allowed() -> None:
+    dimension = Quantity("pure number", above=2.0, below=3.0)
+    for value in (2, 3.0, 1.9):
+        with pytest.raises(InputError, match="above 2 and below 3"):
+            dimension.parse(value)
+    assert Quantity("pure number", at_least=0.0, at_most=1.0).parse(0) == 0.0
+    assert Quantity("pure number", at_least=0.0, at_most=1.0).parse(1) == 1.0
+
+
+def test_required_unit() -> None:
+    roughness = Quantity("length", unit_required="Papers leave it out.")
+    with pytest.raises(InputError, match=re.escape("no unit. Papers leave it out. Write the unit that you mean")):
+        roughness.parse(1e-8)
+    assert roughness.parse("1e-8 m") == 1e-8
+    assert roughness.parse("1e-8 mm") == 1e-11
+
+
+def test_count() -> None:
+    elements = Count(at_least=1, at_most=10)
+    assert elements.parse(10) == 10
+    for value in (0, 11, 3.0, "3", True, None):
+        with pytest.raises(InputError, match="whole number of at least 1 and at most 10"):
+            elements.parse(value)
+
+
+@given(st.floats(min_value=1e-12, max_value=3.0))
+def test_stored_value_is_read_back_exactly(value: float) -> None:
+    assert LENGTH.parse(LENGTH.stored(value)) == value
+
+
+@given(st.floats(min_value=1e-12, max_value=3.0))
+def test_shown_value_is_read_back_to_15_digits(value: float) -> None:
+    assert LENGTH.parse(LENGTH.text(value).strip('"')) == pytest.approx(value, rel=1e-14)
+
+
+@settings(max_examples=300)
+@given(st.text(max_size=12) | st.text("mNkgs*/^-+12 nafiNAF%µ(", max_size=8))
+def test_any_text_is_read_or_refused(text: str) -> None:
+    try:
+        value = LENGTH.parse(f"1 {text}")
+    except InputError:
+        return
+    assert 0.0 < value <= 3.0

@@ -1,0 +1,83 @@
+"""The checks of single values that all modules share: what passes, and the sentence for what does not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from stickslip.contact.law.closed_forms import mindlin_stiffness
+from stickslip.core.errors import InputError
+from stickslip.core.threads import thread_count
+from stickslip.core.validation import positive_number, real_number, require_allowed, require_choice, whole_number
+from stickslip.model.kinds.two_blade_mesh import BladePairElements
+from stickslip.structure.elasticity import Material
+
+
+@pytest.mark.parametrize("value", ["2.4", "1e-8 m", None, True, 1j, [2.4], np.array([2.4, 2.5]), 10**400])
+def test_what_is_no_number_is_named(value: object) -> None:
+    for check in (real_number, positive_number):
+        with pytest.raises(InputError, match=r"^some_name is .*must be one number, without a unit"):
+            check("some_name", value)
+    assert real_number("some_name", np.float32(2.5)) == 2.5
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -np.inf])
+def test_numbers_are_finite(value: float) -> None:
+    with pytest.raises(InputError, match=rf"^some_name is {value}, but it must be a finite number\.$"):
+        positive_number("some_name", value, "m")
+
+
+def test_positive_numbers_are_above_zero() -> None:
+    assert positive_number("load", np.int64(3), "N") == 3.0
+    for value in (0, -0.5):
+        with pytest.raises(InputError, match=rf"^load is {value}, but it must be above 0 N\.$"):
+            positive_number("load", value, "N")
+        with pytest.raises(InputError, match=rf"^ratio is {value}, but it must be above 0\.$"):
+            positive_number("ratio", value)
+
+
+@pytest.mark.parametrize("value", [0, -3, 2.0, 2.5, True, "2", None, np.float64(2.0)])
+def test_whole_numbers_have_a_least(value: object) -> None:
+    with pytest.raises(InputError, match=r"^steps is .*, but it must be a whole number of at least 1\.$"):
+        whole_number("steps", value, 1)
+
+
+def test_whole_numbers_become_integers() -> None:
+    found = [whole_number("seed", value, 0) for value in (0, np.int32(7))]
+    assert found == [0, 7]
+    assert [type(each) for each in found] == [int, int]
+
+
+def test_choices_are_listed() -> None:
+    require_choice("mode", "paper", ("consistent", "paper"))
+    for value in ("Paper", None, ["paper"]):
+        with pytest.raises(InputError, match=r"^mode is .*, but it must be one of: consistent, paper\.$"):
+            require_choice("mode", value, ("consistent", "paper"))  # type: ignore[arg-type]
+
+
+def test_the_allowed_range_is_said() -> None:
+    require_allowed("angle", 45.0, True, "between 0 and 90 degrees")
+    with pytest.raises(InputError, match=r"^angle is 95, but it must be between 0 and 90 degrees\.$"):
+        require_allowed("angle", 95.0, False, "between 0 and 90 degrees")
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: Material(young_modulus=0.0), "young_modulus is 0, but it must be above 0 Pa"),
+        (lambda: Material(density=[7800.0, 7800.0]), "density is .*one number"),
+        (lambda: Material(poisson_ratio=0.5), r"poisson_ratio is 0\.5, but it must be between -1 and 0\.5"),
+        (lambda: BladePairElements(chordwise=2.5), r"chordwise is 2\.5, but it must be a whole number"),
+        (lambda: thread_count("two"), "threads is 'two', but it must be a whole number"),
+        (
+            lambda: mindlin_stiffness(1e-3, 1e11, 0.6),
+            r"poisson_ratio is 0\.6, but it must be above -1 and at most 0\.5",
+        ),
+        (lambda: mindlin_stiffness(0.0, 1e11, 0.3), r"contact_radius is 0, but it must be above 0"),
+    ],
+)
+def test_modules_use_them(call: Callable[[], object], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        call()

@@ -1,0 +1,106 @@
+"""The exchange format comes back as written, in any order of unknowns; wrong arrays are refused by a sentence."""
+
+import numpy as np
+import pytest
+
+from stickslip.core.errors import ImportFileError, InputError
+from stickslip.formats.matrices.exchange import read_superelement, write_superelement
+from stickslip.formats.matrices.model import MatrixModel
+from stickslip.structure.superelement import Superelement
+
+
+def arrays(**changed):
+    """The arrays of a file with two nodes, in the order 9, 4, and a mode."""
+    rows = np.array([9, 9, 9, 4, 4, 4, -1])
+    good = {
+        "format": np.array("stickslip superelement"),
+        "format_version": np.array(1),
+        "mass": np.diag(np.arange(1.0, 8.0)),
+        "stiffness": np.diag(np.arange(2.0, 9.0)),
+        "node": rows,
+        "direction": np.array([0, 1, 2, 0, 1, 2, 6]),
+    }
+    return {name: value for name, value in (good | changed).items() if value is not None}
+
+
+def test_what_is_written_comes_back(tmp_path, small):
+    element = Superelement(
+        mass=small[1][:8, :8],
+        stiffness=small[0][:8, :8],
+        damping=1e-6 * small[0][:8, :8],
+        boundary_nodes=np.array([70, 3]),
+        positions=np.array([[1.0, 2.0, 3.0], [0.5, 0.0, -1.0]]),
+        node_sets={"face": np.array([3])},
+    )
+    assert write_superelement(tmp_path, element) == tmp_path / "superelement.npz"
+    found = read_superelement(tmp_path)
+    for name in ("mass", "stiffness", "damping", "boundary_nodes", "positions"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(element, name))
+    assert {name: part.tolist() for name, part in found.node_sets.items()} == {"face": [3]}
+
+
+def test_rows_in_any_order_come_out_node_by_node(tmp_path):
+    order = np.array([6, 4, 0, 2, 5, 1, 3])
+    plain = arrays()
+    shuffled = {name: plain[name][np.ix_(order, order)] for name in ("mass", "stiffness")}
+    np.savez(tmp_path / "a.npz", **arrays(**shuffled, node=plain["node"][order], direction=plain["direction"][order]))
+    found = read_superelement(tmp_path / "a.npz")
+    np.testing.assert_array_equal(found.boundary_nodes, [4, 9])
+    np.testing.assert_array_equal(found.mass.diagonal(), [4.0, 5.0, 6.0, 1.0, 2.0, 3.0, 7.0])
+
+
+@pytest.mark.parametrize(
+    ("changed", "parts"),
+    [
+        ({"format": None}, ["format", "stickslip superelement"]),
+        ({"format_version": np.array(2)}, ["format_version 2", "reads 1"]),
+        ({"mass": None}, ['lacks the array "mass"', "stiffness"]),
+        ({"mass": np.eye(3)}, ["mass", "(3, 3)", "7 rows"]),
+        ({"mass": np.full((7, 7), np.nan)}, ["mass[0, 0] is nan"]),
+        ({"stiffness": np.ones(7)}, ["(7,)"]),
+        ({"damping": np.triu(np.ones((7, 7))) + 2 * np.tril(np.ones((7, 7)))}, ["damping", "symmetric"]),
+        ({"node": np.zeros(7)}, ["node", "whole numbers", "float64"]),
+        ({"node": np.array([9, 9, 9, 9, 4, 4, -1])}, ["node 9", "x in 2 rows"]),
+        ({"direction": np.array([0, 1, 2, 0, 1, 7, 6])}, ["direction[5] is 7"]),
+        ({"position": np.ones((2, 3))}, ["position", "node_labels"]),
+        ({"position": np.ones((1, 3)), "node_labels": np.array([9])}, ["position of node 4"]),
+        ({"position": np.ones((2, 2)), "node_labels": np.array([9, 4])}, ["position", "(2, 2)"]),
+        ({"set_tip": np.array([5])}, ["'tip'", "node 5"]),
+    ],
+)
+def test_wrong_arrays(tmp_path, changed, parts):
+    path = tmp_path / "bad.npz"
+    np.savez(path, **arrays(**changed))
+    with pytest.raises(ImportFileError) as caught:
+        read_superelement(path)
+    assert [part for part in ["bad.npz", *parts] if part not in str(caught.value)] == []
+
+
+def test_no_file_and_no_folder(tmp_path):
+    with pytest.raises(ImportFileError, match=r"none\.npz.*could not be opened"):
+        read_superelement(tmp_path / "none.npz")
+    with pytest.raises(ImportFileError, match="could not be written"):
+        write_superelement(tmp_path / "no" / "such.npz", Superelement(np.eye(3), np.eye(3)))
+
+
+@pytest.mark.parametrize(
+    ("options", "fragment"),
+    [
+        ({"boundary_nodes": np.array([1, 2, 3])}, "9 unknowns, but the matrices have 6"),
+        ({"boundary_nodes": np.array([1, 1])}, "node 1 2 times"),
+        ({"boundary_nodes": np.array([1, 2]), "positions": np.ones((1, 3))}, r"positions must have shape \(2, 3\)"),
+        ({"boundary_nodes": np.array([1]), "node_sets": {"a": np.array([2])}}, "'a' names node 2"),
+    ],
+)
+def test_nodes_that_do_not_fit_a_superelement(options, fragment):
+    with pytest.raises(InputError, match=fragment):
+        Superelement(np.eye(6), np.eye(6), **options)
+
+
+def test_a_model_finds_the_unknowns_of_its_nodes():
+    model = MatrixModel(np.eye(4), np.eye(4), node=np.array([7, 7, 7, 2]), direction=np.array([2, 0, 1, 0]))
+    np.testing.assert_array_equal(model.unknowns_of([7]), [[1, 2, 0]])
+    with pytest.raises(InputError, match="node 2 must have unknowns along x, y and z, but it has x"):
+        model.unknowns_of([7, 2])
+    with pytest.raises(InputError, match=r"node 3 .* no unknowns"):
+        model.unknowns_of([3])

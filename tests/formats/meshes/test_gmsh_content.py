@@ -1,0 +1,83 @@
+"""What Gmsh itself writes beyond the common case is read, or refused with the option that helps."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stickslip.core.errors import ImportFileError
+from stickslip.formats.meshes.read import read_model
+
+MODELS = Path(__file__).parents[2] / "data" / "models"
+PLAIN = MODELS / "gmsh_4.1_text.msh"
+
+
+def changed(folder, old, new, name="gmsh_4.1_text.msh"):
+    content = (MODELS / name).read_bytes()
+    assert content.count(old) >= 1
+    path = folder / "changed.msh"
+    path.write_bytes(content.replace(old, new, 1))
+    return path
+
+
+def require_same_model(path, reference=PLAIN):
+    plain, model = (read_model(each, "mm") for each in (reference, path))
+    assert model.mesh.body_names == plain.mesh.body_names
+    assert {k: sum(map(len, v)) for k, v in model.mesh.face_sets.items()} == {
+        k: sum(map(len, v)) for k, v in plain.mesh.face_sets.items()
+    }
+    assert set(model.mesh.node_sets) == set(plain.mesh.node_sets)
+    np.testing.assert_allclose(model.mesh.points, plain.mesh.points, atol=1e-15)
+    for block, other in zip(model.mesh.blocks, plain.mesh.blocks, strict=True):
+        np.testing.assert_array_equal(block.cells, other.cells)
+
+
+@pytest.mark.parametrize("name", ["gmsh_4.1_all_text.msh", "gmsh_4.1_all_binary.msh"])
+def test_entities_without_a_group(name):
+    require_same_model(MODELS / name)
+
+
+def test_version_4_0(tmp_path):
+    plain, model = (read_model(each, "mm").mesh for each in (PLAIN, MODELS / "gmsh_4.0_text.msh"))
+    assert model.body_names == plain.body_names
+    np.testing.assert_allclose(model.points, plain.points, atol=1e-15)
+    for side, other in zip(model.sides("left face"), plain.sides("left face"), strict=True):
+        np.testing.assert_array_equal(side, other)
+    with pytest.raises(ImportFileError, match=r"several physical groups.* version 4\.1"):
+        read_model(changed(tmp_path, b" 1 3 4 -1 ", b" 2 3 4 4 -1 ", "gmsh_4.0_text.msh"), "mm")
+
+
+@pytest.mark.parametrize("name", ["gmsh_4.1_text.msh", "gmsh_4.1_binary.msh", "gmsh_2.2_text.msh"])
+def test_comments_before_the_header(tmp_path, name):
+    comments = b"$Comments\nmade by hand\n$EndComments\n" * 2
+    require_same_model(changed(tmp_path, b"$MeshFormat", comments + b"$MeshFormat", name), MODELS / name)
+
+
+def test_solids_without_a_group_are_told(tmp_path):
+    """Gmsh saves them with Mesh.SaveAll; they have no body, so no material."""
+    path = changed(tmp_path, b" 1 2 6 ", b" 0 6 ", "gmsh_4.1_all_text.msh")
+    with pytest.raises(ImportFileError, match="group 'plate' is empty"):
+        read_model(path, "mm")
+
+
+def test_parametric_nodes_and_huge_numbers(tmp_path):
+    head = b"$Nodes\n"
+    content = PLAIN.read_bytes()
+    first = content[content.index(head) + len(head) :].split(b"\n")[:3]  # sizes, first block, first node number
+    dimension, tag, _, count = first[1].split()
+    parametric = b" ".join([dimension, tag, b"1", count])
+    with pytest.raises(ImportFileError, match=r"Mesh\.SaveParametric = 0"):
+        read_model(changed(tmp_path, head + first[0] + b"\n" + first[1], head + first[0] + b"\n" + parametric), "mm")
+    whole = head + b"\n".join(first)
+    with pytest.raises(ImportFileError, match="there is a node 20000000; numbers up to 10000000"):
+        read_model(changed(tmp_path, whole + b"\n", head + b"\n".join([*first[:2], b"20000000"]) + b"\n"), "mm")
+    with pytest.raises(ImportFileError, match=r"Mesh\.SaveParametric = 0"):
+        read_model(changed(tmp_path, head, b"$ParametricNodes\n", "gmsh_2.2_text.msh"), "mm")
+
+
+def test_damaged_entities_are_named(tmp_path):
+    content = PLAIN.read_bytes()
+    start = content.index(b"$Entities\n") + len(b"$Entities\n")
+    counts = content[start:].split(b"\n", 1)[0]
+    with pytest.raises(ImportFileError, match=r"\$Entities section does not hold what it announces"):
+        read_model(changed(tmp_path, b"$Entities\n" + counts, b"$Entities\n9999 1 1 1"), "mm")

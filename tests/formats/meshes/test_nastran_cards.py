@@ -1,0 +1,92 @@
+"""Nastran: combined sets of constraints and loads, coordinate systems, constraints at grids, cards that are refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stickslip.core.errors import ImportFileError
+from stickslip.formats.meshes.read import read_model
+
+CUBES = Path(__file__).parents[2] / "data" / "models" / "cubes.bdf"
+GRID = "GRID,2,,10,0,0\n"
+
+
+def cubes(tmp_path, cards="", case="SPC = 1", **changes):
+    """The two cubes with more bulk data, another case control, and GRID 2 as given."""
+    text = CUBES.read_text(encoding="utf-8").replace("SPC = 1", case).replace("ENDDATA", cards + "\nENDDATA")
+    assert GRID in text
+    path = tmp_path / "cubes.bdf"
+    path.write_text(text.replace(GRID, changes.get("grid", GRID)), encoding="utf-8")
+    return read_model(path, "mm")
+
+
+def test_added_constraints_hold_what_each_set_holds(tmp_path):
+    model = cubes(tmp_path, "SPCADD,9,1,2\nSPC1,2,3,16\nSPC1,3,1,15", "SPC = 9 $ both")
+    assert model.fixed_unknowns.tolist() == [*range(12), 3 * 15 + 2]
+
+
+def test_combined_loads_have_their_factors(tmp_path):
+    cards = "LOAD,7,2.0,3.0,4,-0.5,5\nFORCE,4,16,,1.,0.,0.,1.\nFORCE,5,15,,4.,1.,0.,0.\nFORCE,6,15,,9.,1.,0.,0."
+    model = cubes(tmp_path, cards, "SPC = 1\n  LOAD = 7")
+    assert model.node_forces[15].tolist() == [0.0, 0.0, 6.0]
+    assert model.node_forces[14].tolist() == [-4.0, 0.0, 0.0]
+    assert np.count_nonzero(model.node_forces) == 2
+
+
+@pytest.mark.parametrize(
+    ("cards", "case", "words"),
+    [
+        ("", "SPC = 3", r"cubes.bdf: the case control selects SPC = 3, but there are no SPC or SPC1 entries of set 3"),
+        ("SPCADD,9,1,4", "SPC = 9", r"line \d+: SPCADD 9 names the set 4, but there are no SPC or SPC1 entries of set"),
+        ("SPCADD,9", "SPC = 9", "SPCADD: it names no set"),
+        ("SPCADD,9,1\nSPCADD,9,1", "SPC = 9", "SPCADD: set 9 is defined twice"),
+        ("LOAD,9,x,1.,4", "LOAD = 9", 'LOAD: field 3 is "x", not a number'),
+        ("RBE2,50,1,123,2", "SPC = 1", r"line \d+: RBE2: it ties nodes .* hold, load or pair the set"),
+        ("MPC,5,1,1,1.,2,1,-1.", "SPC = 1\nMPC = 5", "MPC: it ties nodes.* select no MPC"),
+        ("BEGIN SUPER=1", "SPC = 1", r'line \d+: "BEGIN SUPER=1" begins a second part of bulk data'),
+    ],
+)
+def test_what_cannot_be_resolved_is_refused(tmp_path, cards, case, words):
+    with pytest.raises(ImportFileError, match=words):
+        cubes(tmp_path, cards, case)
+
+
+def test_what_does_not_act_is_told(tmp_path):
+    model = cubes(tmp_path, "MPC,5,1,1,1.,2,1,-1.")
+    assert any("MPC" in message and "not read" in message for message in model.messages)
+    model = cubes(tmp_path, "LOAD,7,1.0,1.0,4", "LOAD = 7")
+    assert any("LOAD 7 names the set 4, but there are no FORCE entries" in message for message in model.messages)
+    assert any("selects no SPC, so the entries of all 1 sets (1) are taken" in message for message in model.messages)
+    model = cubes(tmp_path, "SPC1,2,1,15", "SUBCASE 1\nSPC = 1\nSUBCASE 2\nSPC = 2")
+    assert any("SPC = 1, 2 in several subcases; 1 is taken" in message for message in model.messages)
+
+
+def test_a_grid_in_a_turned_system(tmp_path):
+    """System 4 is turned by 90 degrees about x of system 3, which lies at (10, 0, 0)."""
+    systems = "CORD2R,4,3,0.,0.,0.,0.,-1.,0.,+\n+,1.,0.,0.\nCORD2R,3,,10.,0.,0.,10.,0.,1.,+\n+,11.,0.,0."
+    model = cubes(tmp_path, systems, grid="GRID,2,4,0.,0.,0.\n")
+    np.testing.assert_allclose(model.mesh.points[1], [0.01, 0.0, 0.0], atol=1e-15)
+    # z of system 4 is -y, x stays, y is z
+    model = cubes(tmp_path, systems, grid="GRID,2,4,1.,2.,3.\n")
+    np.testing.assert_allclose(model.mesh.points[1], [0.011, -0.003, 0.002], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("system", "words"),
+    [
+        ("CORD2R,4,,0.,0.,0.,0.,0.,1.,+\n+,0.,0.,2.", "CORD2R: its three points lie in one line"),
+        ("CORD2R,4,4,0.,0.,0.,0.,0.,1.,+\n+,1.,0.,2.", "CORD2R: the system 4 is given in itself"),
+        ("CORD3R,4,1,2,3", "GRID: there is no coordinate system 4. Read are CORD1R, CORD1C"),
+    ],
+)
+def test_systems_that_give_no_axes(tmp_path, system, words):
+    with pytest.raises(ImportFileError, match=words):
+        cubes(tmp_path, system, grid="GRID,2,4,0.,0.,0.\n")
+
+
+def test_permanent_constraints_of_a_grid_act(tmp_path):
+    model = cubes(tmp_path, grid="GRID,2,,10.,0.,0.,,3456\n", case="")
+    assert 5 in model.fixed_unknowns
+    model = cubes(tmp_path, grid="GRID,2,,10.,0.,0.,,456\n", case="SPC = 1")
+    assert model.fixed_unknowns.size == 12

@@ -1,0 +1,159 @@
+"""Nastran: forces (CID) and constraints (CD) in directions of cylindrical, spherical and turned systems."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stickslip.core.errors import ImportFileError
+from stickslip.formats.meshes.read import read_model
+
+CUBES = (Path(__file__).parents[2] / "data" / "models" / "cubes.bdf").read_text(encoding="utf-8")
+CYLINDER = "CORD2C,5,,0.,0.,0.,0.,0.,1.,+\n+,1.,0.,0.\n"  # about z
+SPHERE = "CORD2S,5,,0.,0.,0.,0.,0.,1.,+\n+,1.,0.,0.\n"
+PERMUTED = "CORD2R,5,,0.,0.,0.,1.,0.,0.,+\n+,0.,1.,0.\n"  # axes 1, 2, 3 are y, z, x
+TURNED = "CORD2R,5,,0.,0.,0.,0.,0.,1.,+\n+,1.,{},0.\n"
+OWN_SPC = "SPC1,1,123,1\nSPC1,1,123,2\nSPC1,1,123,3\nSPC1,1,123,4\n"
+
+
+def cubes(tmp_path, cards="", grids=None, constraints=OWN_SPC):
+    """The two cubes with more cards, CD of some grids (in lines 5 to 20) by label, and other constraints."""
+    text = CUBES.replace(OWN_SPC, constraints).replace("ENDDATA", f"{cards}ENDDATA")
+    assert constraints in text
+    for label, system in (grids or {}).items():
+        at = next(line for line in text.splitlines() if line.startswith(f"GRID,{label},"))
+        text = text.replace(f"{at}\n", f"{at},{system}\n")
+    path = tmp_path / "cubes.bdf"
+    path.write_text(text, encoding="utf-8")
+    return read_model(path, "mm")
+
+
+@pytest.mark.parametrize(
+    ("system", "label", "force", "wanted"),
+    [
+        # grid 16 is at (0, 10, 20): r is y and theta is -x; grid 14 at (10, 0, 20): x and y
+        (CYLINDER, 16, "2.,1.,3.,4.", (-6.0, 2.0, 8.0)),
+        (CYLINDER, 14, "2.,1.,3.,4.", (2.0, 6.0, 8.0)),
+        (CYLINDER, 13, "2.,0.,0.,4.", (0.0, 0.0, 8.0)),  # on the axis, along it
+        # r is (0, 1, 2) / root 5, theta (0, 2, -1) / root 5, phi -x
+        (SPHERE, 16, "2.236067977499790,1.,0.,0.", (0.0, 1.0, 2.0)),
+        (SPHERE, 16, "2.236067977499790,0.,1.,0.", (0.0, 2.0, -1.0)),
+        (SPHERE, 16, "3.,0.,0.,1.", (-3.0, 0.0, 0.0)),
+        (SPHERE, 13, "3.,1.,0.,0.", (0.0, 0.0, 3.0)),
+        (PERMUTED, 16, "2.,1.,3.,4.", (8.0, 2.0, 6.0)),
+        (PERMUTED, 1, "2.,1.,3.,4.", (8.0, 2.0, 6.0)),
+    ],
+)
+def test_forces_in_a_system(tmp_path, system, label, force, wanted):
+    model = cubes(tmp_path, f"FORCE,3,{label},5,{force}\n{system}")
+    np.testing.assert_allclose(model.node_forces[label - 1], wanted, atol=1e-14)
+    assert np.count_nonzero(np.abs(model.node_forces).sum(axis=1)) == 1
+
+
+@pytest.mark.parametrize(
+    ("cards", "words"),
+    [
+        ("FORCE,3,16,5,2.,1.\n", r"cubes.bdf, line 39: FORCE: there is no coordinate system 5"),
+        (f"FORCE,3,99,5,2.,1.\n{CYLINDER}", "line 39: FORCE: grid 99, on which it acts, is not defined"),
+        (
+            f"FORCE,3,13,5,2.,1.\n{CYLINDER}",
+            "line 39: FORCE: grid 13 is on the axis of the system 5, .* components 1, 2",
+        ),
+        (f"FORCE,3,13,5,2.,,1.\n{SPHERE}", "FORCE: grid 13 is on the axis of the system 5, .* components 2, 3"),
+        (f"FORCE,3,1,5,2.,1.\n{SPHERE}", "FORCE: grid 1 is on the axis of the system 5, .* components 1, 2, 3"),
+        (f"FORCE,3,16,5,1+200,1+200\n{CYLINDER}", "line 39: the force on node 16 is too large for a number"),
+        # no warning of numpy on the way to a sentence
+        (
+            f"FORCE,3,99,5,1.,1.\nGRID,99,,1+200,1.,0.\n{SPHERE}",
+            r"line 40: node 99 has the coordinates 1e\+200, .*finite",
+        ),
+        (f"FORCE,3,99,5,1.,1.\nGRID,99,5,1+308,45.,0.\n{SPHERE}", r"line 40: node 99 has the coordinates .*finite"),
+    ],
+)
+def test_forces_that_have_no_direction(tmp_path, cards, words):
+    with pytest.raises(ImportFileError, match=words):
+        cubes(tmp_path, cards)
+
+
+@pytest.mark.parametrize(
+    ("system", "grids", "constraints", "held"),
+    [
+        # all three at once, or in two sets, in any directions
+        (CYLINDER, {2: 5, 3: 5}, "SPC1,1,123,2,3\n", [3, 4, 5, 6, 7, 8]),
+        (TURNED.format(0.3), {3: 5}, "SPC1,1,12,3\nSPC,1,3,3456,0.\n", [6, 7, 8]),
+        (SPHERE, {1: 5}, "SPC1,1,123,1\n", [0, 1, 2]),
+        # grid 2 at (10, 0, 0): r is x; grid 4 at (0, 10, 0): r is y; grid 3 at (10, 10, 0)
+        (CYLINDER, {2: 5, 4: 5}, "SPC1,1,1,2,3,4\n", [3, 6, 10]),
+        (CYLINDER, {2: 5, 4: 5}, "SPC1,1,2,2,4\n", [4, 9]),
+        (CYLINDER, {3: 5}, "SPC1,1,12,3\n", [6, 7]),
+        (CYLINDER, {3: 5}, "SPC1,1,3,3\n", [8]),
+        (CYLINDER, {5: 5}, "SPC1,1,12456,5\n", [12, 13]),  # on the axis: the plane across it
+        (SPHERE, {4: 5}, "SPC1,1,2,4\n", [11]),  # theta is -z there
+        (SPHERE, {3: 5}, "SPC1,1,13,3\n", [6, 7]),
+        (PERMUTED, {1: 5, 3: 5}, "SPC1,1,3,1,3\nSPC1,1,1,3\n", [0, 6, 7]),
+        (TURNED.format(1e-11), {3: 5}, "SPC1,1,1,3\n", [6]),
+        # rotations of solid grids are nothing
+        (TURNED.format(0.3), {3: 5}, "SPC1,1,456,3\nSPC1,1,1,2\n", [3]),
+        # sets that do not act
+        (TURNED.format(0.3), {3: 5}, "SPC1,2,1,3\nSPC1,1,1,2\n", [3]),
+    ],
+)
+def test_constraints_that_hold_basic_directions(tmp_path, system, grids, constraints, held):
+    model = cubes(tmp_path, system, grids, constraints)
+    assert model.fixed_unknowns.tolist() == held
+    (message,) = [words for words in model.messages if "(CD)" in words]
+    assert message.startswith(f"{len(grids)} grids have a coordinate system of displacements (CD), the first of them ")
+
+
+@pytest.mark.parametrize(
+    ("system", "grids", "constraints", "words"),
+    [
+        (
+            CYLINDER,
+            {3: 5},
+            "$\nSPC1,1,1,3\n",
+            r"cubes.bdf, line 7: GRID: grid 3 has its displacements in the system 5 \(CD\), and the constraint in "
+            r"line 35 holds component 1 of them, not along x, y or z .* Hold 1, 2 and 3",
+        ),
+        (
+            CYLINDER,
+            {3: 5},
+            "SPC1,1,1,3\nSPC1,1,3,3\n",
+            r"line 7: GRID: grid 3 .*line 34 holds components 1 and 3 of them",
+        ),
+        (CYLINDER, {5: 5}, "SPC1,1,2,5\n", r"line 9: GRID: grid 5 .* holds component 2"),  # on the axis
+        (SPHERE, {5: 5}, "SPC1,1,13,5\n", r"line 9: GRID: grid 5 .* holds components 1 and 3"),
+        (SPHERE, {1: 5}, "SPC1,1,12,1\n", r"line 5: GRID: grid 1 .* holds components 1 and 2"),
+        (SPHERE, {8: 5}, "SPC1,1,1,8\n", r"line 12: GRID: grid 8 .* holds component 1"),
+        (TURNED.format(1e-8), {3: 5}, "SPC1,1,1,3\n", r"line 7: GRID: grid 3"),
+        (
+            TURNED.format(0.3),
+            {3: "5,1"},
+            "SPC1,1,2,2\n",
+            r"line 7: GRID: grid 3 .*constraint in line 7 holds component 1",
+        ),
+        (
+            "GRDSET,,,,,,5\n" + CYLINDER,
+            {},
+            "SPC1,1,1,3\n",
+            r"line 7: GRID: grid 3 has its displacements in the system 5",
+        ),
+        ("", {16: 5}, "SPC1,1,1,3\n", r"line 20: GRID: there is no coordinate system 5"),
+        ("", {16: "x"}, "SPC1,1,1,3\n", r'line 20: GRID: field 7 is "x"'),
+    ],
+)
+def test_constraints_in_other_directions_are_refused(tmp_path, system, grids, constraints, words):
+    with pytest.raises(ImportFileError, match=words):
+        cubes(tmp_path, system, grids, constraints)
+
+
+def test_directions_of_a_grid_outside_of_solids_do_not_matter(tmp_path):
+    model = cubes(tmp_path, f"{TURNED.format(0.3)}GRID,50,,1.,2.,3.,5\n", {}, "SPC1,1,1,2,50\n")
+    assert model.fixed_unknowns.tolist() == [3]
+    assert model.messages == ()
+
+
+def test_permanent_constraints_stay_out_of_the_named_set(tmp_path):
+    model = cubes(tmp_path, "", {16: ",3"}, "SPC1,1,1,2\n")
+    assert model.fixed_unknowns.tolist() == [3, 47]
+    assert model.mesh.node_set("SPC 1").tolist() == [1]

@@ -1,0 +1,173 @@
+"""Nastran decks in several files: what is found where, and whose line an error names."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stickslip.core.errors import ImportFileError
+from stickslip.formats.meshes.nastran_include import join_files
+from stickslip.formats.meshes.read import read_model
+
+CUBES = (Path(__file__).parents[2] / "data" / "models" / "cubes.bdf").read_text(encoding="utf-8")
+GRIDS = "".join(line for line in CUBES.splitlines(keepends=True) if line.startswith("GRID"))
+REST = CUBES.split("BEGIN BULK\n")[1].replace(GRIDS, "").replace("ENDDATA\n", "")
+
+
+def write(folder, **files):
+    """Files by their stem; two underscores stand for a folder."""
+    for name, text in files.items():
+        path = folder / f"{name.replace('__', '/')}.bdf"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return folder / "deck.bdf"
+
+
+def same_as_in_one_file(path):
+    whole = path.parent / "whole.bdf"
+    whole.write_text(CUBES, encoding="utf-8")
+    found, wanted = read_model(path, "mm"), read_model(whole, "mm")
+    np.testing.assert_array_equal(found.mesh.points, wanted.mesh.points)
+    assert found.fixed_unknowns.tolist() == wanted.fixed_unknowns.tolist()
+    assert found.mesh.body_names == wanted.mesh.body_names == ("lower", "upper")
+    assert found.mesh.node_sets.keys() == wanted.mesh.node_sets.keys()
+    assert found.materials.keys() == wanted.materials.keys()
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "INCLUDE 'parts/grids.bdf'",
+        'include "parts/grids.bdf" $ all of them',
+        "  Include parts/grids.bdf $ without quotes",
+        "INCLUDE'parts\\grids.bdf'",
+        "INCLUDE 'parts/   \n        gri\n   ds.bdf'   $ in three lines",
+    ],
+)
+def test_every_way_to_write_the_statement(tmp_path, statement):
+    deck = (
+        f"SOL 103\nCEND\nSPC = 1\nBEGIN BULK\n$ INCLUDE 'comment.bdf'\n{statement}\n{REST}ENDDATA\nINCLUDE 'no.bdf'\n"
+    )
+    same_as_in_one_file(write(tmp_path, deck=deck, parts__grids=GRIDS))
+
+
+def test_executive_and_case_control_are_included_too(tmp_path):
+    path = write(
+        tmp_path,
+        deck="INCLUDE executive.bdf\nCEND\nINCLUDE case.bdf\nINCLUDE 'bulk.bdf'",
+        executive="SOL 103\n",
+        case="SPC = 1\nBEGIN BULK\n",
+        bulk=f"{GRIDS}SPC1,2,123,9\n{REST}ENDDATA\n",
+    )
+    assert read_model(path, "mm").fixed_unknowns.tolist() == [*range(12)]
+
+
+def test_names_are_relative_to_the_including_file_then_to_the_deck(tmp_path):
+    nested = "INCLUDE 'inner.bdf'\nINCLUDE 'parts/outer.bdf'\n"
+    path = write(
+        tmp_path,
+        deck=f"SOL 103\nCEND\nSPC = 1\nBEGIN BULK\nINCLUDE 'parts/all.bdf'\n{REST}\nENDDATA\n",
+        inner="RBE2,1,2,3,4\n",  # is refused if it is read
+        parts__inner=GRIDS[: GRIDS.index("GRID,7")],
+        parts__outer=GRIDS[GRIDS.index("GRID,7") :],
+        parts__all=nested,
+    )
+    same_as_in_one_file(path)
+    (tmp_path / "parts" / "inner.bdf").unlink()
+    with pytest.raises(ImportFileError, match=r"[\\/]inner.bdf, line 1: RBE2: it ties nodes"):
+        read_model(path, "mm")
+
+
+def test_every_joined_line_knows_its_file_and_line(tmp_path):
+    path = write(
+        tmp_path,
+        deck="a\nINCLUDE 'one.bdf'\nb\nINCLUDE\t'o\n ne.bdf'\nc",
+        one="d\nINCLUDE 'two.bdf'\nINCLUDE two.bdf\ne",
+        two="f",
+    )
+    lines, places = join_files(path)
+    assert lines == [*"adffebdffec"]
+    found = [(file.stem, line) for file, line in map(places.of, range(1, 12))]
+    inner = [("one", 1), ("two", 1), ("two", 1), ("one", 4)]
+    assert found == [("deck", 1), *inner, ("deck", 3), *inner, ("deck", 6)]
+    assert places.words(6) == "line 3"
+    assert places.words(3) == f"line 1 of {tmp_path / 'two.bdf'}"
+
+
+HEAD = "SOL 103\nCEND\nSPC = 1\nBEGIN BULK\n"
+
+
+@pytest.mark.parametrize(
+    ("files", "words"),
+    [
+        (
+            {"deck": f"{HEAD}INCLUDE 'a.bdf'"},
+            r"deck.bdf, line 5: INCLUDE: there is no file 'a.bdf' in .*capitals count",
+        ),
+        ({"deck": f"{HEAD}INCLUDE '{'a' * 5000}'"}, r"deck.bdf, line 5: INCLUDE: there is no file 'a{200}' in"),
+        ({"deck": f"{HEAD}INCLUDE '.'"}, r"deck.bdf, line 5: INCLUDE: there is no file '.' in"),
+        ({"deck": f"{HEAD}INCLUDE"}, r'deck.bdf, line 5: INCLUDE: "" is no name of one file. Put the name in quotes'),
+        ({"deck": f"{HEAD}INCLUDE ''"}, "deck.bdf, line 5: INCLUDE: one name of a file must stand in the quotes"),
+        ({"deck": f"{HEAD}INCLUDE my grids.bdf"}, r'deck.bdf, line 5: INCLUDE: "my grids.bdf" is no name of one file'),
+        ({"deck": f"{HEAD}INCLUDE 'a.bdf' b"}, r'deck.bdf, line 5: .*nothing after; found "a.bdf" and "b"'),
+        ({"deck": f"{HEAD}INCLUDE 'a.bdf\n{GRIDS}"}, "deck.bdf, line 5: INCLUDE: the quote .* not closed within 10 li"),
+        (
+            {"deck": f"{HEAD}INCLUDE deck.bdf"},
+            r"deck.bdf, line 5: INCLUDE: files include each other in a circle: .*Take",
+        ),
+        (
+            {"deck": f"{HEAD}INCLUDE a.bdf", "a": "$\nINCLUDE b.bdf", "b": "$\n$\nINCLUDE 'a.bdf'"},
+            r"b.bdf, line 3: INCLUDE: .*: .*deck.bdf includes .*a.bdf includes .*b.bdf includes .*a.bdf. Take one",
+        ),
+        (
+            {"deck": f"{HEAD}INCLUDE a0.bdf", **{f"a{n}": f"INCLUDE a{n + 1}.bdf" for n in range(6)}, "a6": "$"},
+            "a4.bdf, line 1: INCLUDE: files include each other more than 5 deep",
+        ),
+        ({"deck": f"{HEAD}INCLUDE a.bdf", "a": " \n"}, "a.bdf: the file is empty"),
+        ({"deck": f"{HEAD}INCLUDE a.bdf", "a": "$\0"}, "a.bdf: this is a binary file"),
+        (
+            {"deck": f"{HEAD}INCLUDE a.bdf\n$\n{REST}", "a": f"{GRIDS}ENDDATA\n"},
+            r"deck.bdf, line 7: entries follow, but ENDDATA in line 17 of the included file .*a.bdf ends the bulk data",
+        ),
+        (
+            {"deck": f"{HEAD}INCLUDE a.bdf\n{REST}", "a": f"$\nBEGIN BULK\n{GRIDS}"},
+            r'a.bdf, line 2: "BEGIN BULK" begins a second part of bulk data',
+        ),
+        (
+            {"deck": f"{HEAD}INCLUDE a.bdf\n{REST}", "a": f"$\n{GRIDS}GRID,9,,x\n"},
+            r'a.bdf, line 18: GRID: field 4 is "x", not a number',
+        ),
+        (
+            {"deck": f"{HEAD}INCLUDE a.bdf\n{REST}", "a": f"{GRIDS}$\nGRID,9,,0,0,0\n"},
+            r"a.bdf, line 18: node 9 is defined twice \(first in line 9 of .*a.bdf\)",
+        ),
+        (
+            {"deck": f"{HEAD}INCLUDE a.bdf\n{GRIDS}{REST}", "a": "$\nGRID,9,,0,0,0\n"},
+            r"deck.bdf, line 14: node 9 is defined twice \(first in line 2 of .*a.bdf\)",
+        ),
+        (
+            {"deck": f"{HEAD}{GRIDS}INCLUDE a.bdf\n", "a": f"$\n$\n{REST.replace('13      14', '14      13')}"},
+            r"a.bdf, line 5: element 2 \(hexahedron\) is flat or folded",
+        ),
+        (
+            {"deck": f"{HEAD}{GRIDS}INCLUDE a.bdf\nSET1,7,99\n", "a": REST.replace("MAT1,7", "MAT1,8")},
+            r"a.bdf, line 10: body 'lower' has the material '7', which the file does not define",
+        ),
+        (
+            {"deck": f"{HEAD}{GRIDS}INCLUDE a.bdf\n", "a": f"{REST}$\nSPC1,1,123,99\n"},
+            r"a.bdf, line 20: node 99 does not exist",
+        ),
+        ({"deck": f"{HEAD}INCLUDE a.bdf\n{REST}", "a": "+,1,2\n"}, "a.bdf, line 1: a continuation line stands before"),
+    ],
+)
+def test_what_is_wrong_is_told_with_its_file_and_line(tmp_path, files, words):
+    path = write(tmp_path, **files)
+    with pytest.raises(ImportFileError, match=words):
+        read_model(path, "mm")
+
+
+def test_entries_that_are_not_read_are_told_with_their_file(tmp_path):
+    path = write(tmp_path, deck=f"{HEAD}{GRIDS}CONM2,1,1\nINCLUDE a.bdf\n{REST}", a="$\nCELAS2,1,1.\n")
+    (message,) = [words for words in read_model(path, "mm").messages if "without effect" in words]
+    assert re.search(r"CONM2 \(line 21\), CELAS2 \(line 2 of .*a.bdf\)", message)

@@ -1,0 +1,232 @@
+"""A study of matrices: the same structure as a mesh gives the same joint; files, sets, lists of pairs, refusals."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.io
+import scipy.sparse
+from typer.testing import CliRunner
+
+from own_cases import QUICK, mesh_case, write_matrices
+from stickslip.case.case import Case, load_case
+from stickslip.cli.main import app
+from stickslip.core.errors import InputError
+from stickslip.formats.matrices.exchange import read_superelement, write_superelement
+from stickslip.model.model import build_model, load_joint, set_up
+from stickslip.results.storage import load_results
+from stickslip.structure.floating_parts import parts_of
+from stickslip.structure.joined import joined_modes
+
+STUDY = """\
+[structure]
+kind = "matrices"
+file = "superelement.npz"
+[interfaces.lid]
+first = "lid"
+second = "ground"
+normal = [0, 0, 1]
+area = "160 mm^2"
+normal_load = "40 N"
+normal_stiffness = "2e7 N/m"
+tangential_stiffness = "1.6e7 N/m"
+[forces.push]
+set = "lid"
+direction = [1, 0, 0]
+amplitude = "8 N"
+[responses.block]
+point = ["48 mm", "3.67 mm", "14 mm"]
+direction = [1, 0, 0]
+[solver]
+frequency_start = "1 kHz"
+frequency_stop = "9 kHz"
+harmonics = 1
+samples = 64
+[output]
+figure_formats = []
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("matrices")
+    write_matrices(folder, mesh_case())
+    (folder / "study.toml").write_text(STUDY, encoding="utf-8")
+    return folder
+
+
+def changed(folder: Path, **changes: Any) -> Case:
+    return load_case(folder / "study.toml").replace(
+        QUICK | {key.replace("__", "."): value for key, value in changes.items()}
+    )
+
+
+def test_run_writes_report_and_results(folder: Path) -> None:
+    result = CliRunner().invoke(app, ["run", str(folder / "study.toml"), "--out", str(folder / "out")])
+    assert result.exit_code == 0, result.output
+    saved = load_results(folder / "out" / "results.nc")
+    assert saved.study is not None
+    assert saved.study.title == "Vibration of superelement"
+    assert saved.study.mode_table == ()
+    assert (saved.response.contact_state > 0).any(), "nothing moves: raise the force of this test"
+    page = (folder / "out" / "report.html").read_text(encoding="utf-8")
+    assert "Contact states, lid" in page
+    assert "Natural frequencies, contact" not in page
+    assert saved.study.sketch is None  # matrices have no shape
+    assert 'id="structure"' not in page
+
+
+def test_mesh_and_matrices_agree(folder: Path) -> None:
+    """The lid of the mesh study and that of its own reduced matrices: places, directions, operator rows."""
+    mesh, matrices = mesh_case(), changed(folder)
+    lid = set_up(mesh).layout.face_pairs
+    lid_rows = np.flatnonzero(lid.face == 1)
+    setup = set_up(matrices)
+    pairs = setup.layout.face_pairs
+    order = np.argsort(pairs.first_node)
+    expected = lid_rows[np.argsort(lid.first_node[lid_rows])]
+    for name in ("points", "normal", "tangent1", "tangent2"):
+        assert getattr(pairs, name)[order] == pytest.approx(getattr(lid, name)[expected], abs=1e-12)
+    assert pairs.area.sum() == pytest.approx(160e-6)
+    model = build_model(matrices, setup.assemble(), load_joint(matrices, setup.layout))
+    assert model.force_sin.sum() == pytest.approx(8.0)
+    assert model.joint.preload.sum() == pytest.approx(40.0)
+
+
+def test_separate_files_and_a_list_of_pairs_give_the_same_frequencies(folder: Path, tmp_path: Path) -> None:
+    found = read_superelement(folder)
+    for name in ("stiffness", "mass"):
+        scipy.io.mmwrite(tmp_path / f"{name}.mtx", scipy.sparse.coo_matrix(getattr(found, name)), precision=17)
+    nodes = found.boundary_nodes
+    rows = [f"{node}, {axis + 1}" for node in nodes for axis in range(3)]
+    rows += [f"{10_000 + mode}, other" for mode in range(found.size - 3 * nodes.size)]
+    (tmp_path / "unknowns.csv").write_text("\n".join([*rows, ""]), encoding="utf-8")
+    (tmp_path / "pairs.csv").write_text("\n".join([*map(str, found.node_sets["lid"]), ""]), encoding="utf-8")
+    text = STUDY.replace(
+        'file = "superelement.npz"',
+        'stiffness = "stiffness.mtx"\nmass = "mass.mtx"\nunknown_map = "unknowns.csv"\nlength_unit = "m"',
+    ).replace('first = "lid"\nsecond = "ground"', 'pairs = "pairs.csv"')
+    text = text.replace('set = "lid"', f"node = {nodes[0]}").replace(
+        'point = ["48 mm", "3.67 mm", "14 mm"]', f"node = {nodes[-1]}"
+    )
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+    setup = set_up(load_case(tmp_path / "study.toml"))
+    superelement = setup.assemble()
+    assert superelement.size < found.size, "matrix files are reduced to the nodes of the study"
+    joint = load_joint(changed(folder), setup.layout)
+    stuck_hz, _ = joined_modes(superelement, setup.layout.face_pairs, 4, joint.resting_springs)
+    whole_hz, _ = joined_modes(found, setup.layout.face_pairs, 4, joint.resting_springs)
+    assert stuck_hz == pytest.approx(whole_hz, rel=1e-3)
+    one, other = (each.layout.face_pairs for each in (setup, set_up(changed(folder))))
+    assert np.array_equal(one.first_nodes, other.first_nodes)
+    assert not one.second_weights.any()
+    assert any("do not say where their nodes are" in words for words in setup.layout.messages)
+    (tmp_path / "pairs.csv").write_text("1, 2\n3\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"interfaces\.lid\.pairs: .*pairs\.csv, line [12]"):
+        set_up(load_case(tmp_path / "study.toml"))
+
+
+WRONG = {
+    "set": ({"interfaces.lid.first": "sole"}, r"interfaces\.lid\.first: .*no node set 'sole'.*lid"),
+    "node": ({"forces.push.set": None, "forces.push.node": 1_000_000}, r"forces\.push\.node: .*no node 1000000"),
+    "point": ({"responses.block.point": [9, 9, 9]}, r"responses\.block\.point: the nearest node is .* mm away"),
+}
+
+
+@pytest.mark.parametrize(("changes", "message"), WRONG.values(), ids=WRONG.keys())
+def test_what_does_not_fit_is_named(folder: Path, changes: dict[str, Any], message: str) -> None:
+    data = changed(folder).to_dict()
+    for path, value in changes.items():
+        section, entry, key = path.split(".")
+        if value is None:
+            data[section][entry].pop(key)
+        else:
+            data[section][entry][key] = value
+    with pytest.raises(InputError, match=message):
+        set_up(Case.from_mapping(data))
+
+
+def test_roughness_needs_a_material(folder: Path) -> None:
+    data = changed(folder).to_dict()
+    for key in ("normal_stiffness", "tangential_stiffness"):
+        data["interfaces"]["lid"].pop(key)
+    with pytest.raises(InputError, match=r"no section \[material\]"):
+        set_up(Case.from_mapping(data))
+
+
+def test_damping_of_the_files_is_taken_and_never_doubled(folder: Path, tmp_path: Path) -> None:
+    found = read_superelement(folder)
+    damped = replace(found, damping=2e-7 * found.stiffness)
+    write_superelement(tmp_path, damped)
+    case = changed(folder, structure__file=str(tmp_path / "superelement.npz"))
+    with pytest.raises(InputError, match=r"modal_damping_ratio = 0\.001 cannot come on top.*rayleigh_alpha = 0"):
+        set_up(case)
+    data = case.to_dict()
+    data["damping"] = {"rayleigh_alpha": 3}
+    both = Case.from_mapping(data)
+    setup = set_up(both)
+    model = build_model(both, setup.assemble(), load_joint(both, setup.layout))
+    assert model.superelement.damping == pytest.approx(2e-7 * found.stiffness + 3.0 * found.mass, rel=1e-12, abs=1e-9)
+
+
+def test_a_body_without_contact_that_nothing_holds_is_refused(folder: Path, tmp_path: Path) -> None:
+    """The lid's name given to nodes of the clamped beam: contact then leaves the block alone."""
+    found = read_superelement(folder)
+    part = parts_of(found.stiffness)[: 3 * found.boundary_nodes.size : 3]
+    block = part[np.isin(found.boundary_nodes, found.node_sets["lid"])]
+    beam = found.boundary_nodes[part != block[0]]
+    write_superelement(tmp_path, replace(found, node_sets={"lid": beam[:4]}, recovery=None))
+    text = STUDY.replace('"superelement.npz"', f'"{tmp_path / "superelement.npz"}"')
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+    result = CliRunner().invoke(app, ["check", str(tmp_path / "study.toml")])
+    assert result.exit_code == 2
+    words = " ".join(result.output.split())
+    assert "stiffness is singular: the connected part with" in words
+    assert "can move in 6 ways without strain, and it has no contact that could hold it" in words
+
+
+def test_wrong_units_are_a_warning(folder: Path, tmp_path: Path) -> None:
+    found = read_superelement(folder)
+    write_superelement(tmp_path, replace(found, positions=1e6 * found.positions, mass=1e-9 * found.mass, recovery=None))
+    far = {"responses__block__point": ["48 km", "3.67 km", "14 km"]}
+    layout = set_up(changed(folder, structure__file=str(tmp_path / "superelement.npz"), **far)).layout
+    assert any("nodes of the matrices span" in words and "length_unit" in words for words in layout.messages)
+    assert any("the matrices hold the mass" in words for words in layout.messages)
+    assert set_up(changed(folder)).layout.messages == ()
+
+
+def test_a_pair_that_stands_twice_in_a_list_is_refused(folder: Path, tmp_path: Path) -> None:
+    nodes = read_superelement(folder).node_sets["lid"]
+    (tmp_path / "pairs.csv").write_text(f"{nodes[0]}\n{nodes[1]}\n{nodes[0]}", encoding="utf-8")
+    data = changed(folder).to_dict()
+    lid = data["interfaces"]["lid"]
+    data["interfaces"]["lid"] = {key: lid[key] for key in lid if key not in ("first", "second")}
+    data["interfaces"]["lid"]["pairs"] = str(tmp_path / "pairs.csv")
+    with pytest.raises(InputError, match=rf"has the pair {nodes[0]} in 2 lines"):
+        set_up(Case.from_mapping(data))
+    (tmp_path / "pairs.csv").write_text(f"{nodes[0]}\n{nodes[1]}", encoding="utf-8")
+    assert set_up(Case.from_mapping(data)).layout.face_pairs.n_pairs == 2
+
+
+def test_a_joint_that_stands_twice_is_refused(folder: Path) -> None:
+    data = changed(folder).to_dict()
+    data["interfaces"]["again"] = {**data["interfaces"]["lid"], "normal": [0, 0, -1]}
+    with pytest.raises(InputError, match=r"interfaces\.lid and interfaces\.again join the same \d+ node pairs"):
+        set_up(Case.from_mapping(data))
+
+
+def test_a_file_of_another_kind_and_a_missing_map_are_told(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "model.inp").write_text("*NODE\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r'model\.inp" is no superelement.*structure\.kind = "mesh"'):
+        set_up(changed(folder, structure__file=str(tmp_path / "model.inp")))
+    found = read_superelement(folder)
+    for name in ("stiffness", "mass"):
+        scipy.io.mmwrite(tmp_path / f"{name}.mtx", scipy.sparse.coo_matrix(getattr(found, name)), precision=17)
+    files = 'stiffness = "stiffness.mtx"\nmass = "mass.mtx"\nlength_unit = "m"'
+    (tmp_path / "study.toml").write_text(STUDY.replace('file = "superelement.npz"', files), encoding="utf-8")
+    with pytest.raises(InputError, match=r"structure\.unknown_map: no node of the matrices has unknowns along"):
+        set_up(load_case(tmp_path / "study.toml"))

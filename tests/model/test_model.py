@@ -1,0 +1,123 @@
+"""From a case to the solver's input: sizes, loads, stiffness, forces and outputs of the two-blade model."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stickslip.case.case import Case
+from stickslip.contact.stiffness.fractal import contact_stiffness
+from stickslip.core.errors import InputError, RoughnessError
+from stickslip.model.joint import case_roughness
+from stickslip.model.model import Model, build_joint, build_model, build_structure
+from stickslip.structure.elasticity import Structure
+from stickslip.study.facts import derived_quantities
+
+
+@pytest.fixture(scope="module")
+def structure() -> Structure:
+    return build_structure(Case())
+
+
+@pytest.fixture(scope="module")
+def model(structure: Structure) -> Model:
+    case = Case()
+    return build_model(case, structure, build_joint(case, structure))
+
+
+def test_default_sizes(model: Model) -> None:
+    assert model.structure.mesh.n_nodes == 5005
+    assert model.superelement.size == 699
+    assert model.pairs.n_pairs == 110
+    assert model.pairs.operator.shape == (330, 699)
+
+
+def test_both_faces_carry_the_centrifugal_force(structure: Structure) -> None:
+    """Equilibrium of the damper: the vertical parts of both normal forces add up to F_N."""
+    joint = build_joint(Case(), structure)
+    upward = (joint.preload[:, None] * joint.face_pairs.normal).sum(axis=0)
+    assert upward[2] == pytest.approx(500.0, rel=1e-12)
+    assert abs(upward[0]) < 1e-9
+    assert joint.face_sum(joint.preload) == pytest.approx([250.0 / np.cos(np.pi / 6)] * 2)
+
+
+def test_both_allocations_agree_under_uniform_pressure(structure: Structure) -> None:
+    by_area = build_joint(Case(), structure)
+    by_pressure = build_joint(Case().replace({"roughness.allocation": "pressure"}), structure)
+    assert np.allclose(by_area.normal_stiffness, by_pressure.normal_stiffness, rtol=1e-9)
+    assert np.allclose(by_area.tangential_stiffness, by_pressure.tangential_stiffness, rtol=1e-9)
+
+
+@pytest.mark.parametrize("reference", [50e-6, 364e-6])
+def test_pairs_follow_one_law_of_a_reference_area(structure: Structure, reference: float) -> None:
+    """k_i = A_i kappa(p_i), kappa(p) = K(p A_ref) / A_ref, under a pressure that differs from pair to pair."""
+    changes = {
+        "roughness.allocation": "pressure",
+        "roughness.reference_area": f"{1e6 * reference} mm^2",
+        "preload.values": [3.0 + 0.02 * number for number in range(110)],
+    }
+    joint = build_joint(
+        Case.from_mapping({"preload": {"values": changes.pop("preload.values")}}).replace(changes), structure
+    )
+    area, (face, _) = joint.face_pairs.area, joint.rough_faces
+    material = joint.layout.face_materials[0]
+    roughness = case_roughness(Case(), *material)
+    law = [contact_stiffness(roughness, load) for load in joint.preload / area * reference]
+    np.testing.assert_allclose(joint.normal_stiffness, [k.normal / reference for k in law] * area, rtol=1e-12)
+    np.testing.assert_allclose(joint.tangential_stiffness, [k.tangential / reference for k in law] * area, rtol=1e-12)
+    assert face is not None
+    load = joint.face_sum(joint.preload)[0] / joint.face_sum(area)[0] * reference
+    assert face.stiffness.real_area == pytest.approx(contact_stiffness(roughness, load).real_area)
+    rows = {name: value for name, value, _, _ in derived_quantities(Case().replace(changes), joint)}
+    assert rows["Reference area"] == pytest.approx(1e6 * reference)
+    assert rows["Real over nominal area"] == pytest.approx(face.stiffness.real_area / reference)
+
+
+def test_given_stiffness_is_spread_by_area(structure: Structure) -> None:
+    case = Case.from_mapping(
+        {"contact_stiffness": {"normal_stiffness": "3e8 N/m", "tangential_stiffness": "2.5e8 N/m"}}
+    )
+    joint = build_joint(case, structure)
+    assert joint.face_sum(joint.normal_stiffness) == pytest.approx([3e8, 3e8])
+    assert joint.face_sum(joint.tangential_stiffness) == pytest.approx([2.5e8, 2.5e8])
+    assert joint.rough_faces == (None, None)
+
+
+def test_a_face_without_stiffness_is_refused_with_advice(structure: Structure) -> None:
+    case = Case().replace({"roughness.fractal_dimension": 2.2})
+    with pytest.raises(RoughnessError, match="unloading"):
+        build_joint(case, structure)
+
+
+def test_wrong_number_of_preloads_is_refused(structure: Structure) -> None:
+    case = Case.from_mapping({"preload": {"values": [2.5, 2.5, 2.5]}})
+    with pytest.raises(InputError, match="110"):
+        build_joint(case, structure)
+
+
+@pytest.mark.parametrize(("mode", "right"), [("single", 0.0), ("same", 300.0), ("opposite", -300.0)])
+def test_excitation_modes(structure: Structure, model: Model, mode: str, right: float) -> None:
+    case = Case().replace({"excitation.mode": mode})
+    force = build_model(case, structure, model.joint).force_sin
+    sets = structure.mesh.node_sets
+    found = [
+        force[model.superelement.unknowns_of(int(sets[name][0]))] for name in ("excitation_left", "excitation_right")
+    ]
+    assert np.allclose(found, [[300.0, 0, 0], [right, 0, 0]])
+    assert np.count_nonzero(force) == (1 if mode == "single" else 2)
+
+
+def test_outputs_read_the_full_mesh(model: Model) -> None:
+    """A rigid shift of the boundary reads as itself, in each output's direction."""
+    recovered = model.superelement.recovery
+    node = int(model.structure.mesh.node_sets["response"][0])
+    generator = np.random.default_rng(0)
+    motion = generator.normal(size=model.superelement.size)
+    assert model.outputs["blade tip A"] @ motion == pytest.approx((recovered @ motion)[3 * node])
+    assert len(model.outputs) == 7
+
+
+def test_rayleigh_damping_goes_into_the_superelement(structure: Structure, model: Model) -> None:
+    case = Case.from_mapping({"damping": {"rayleigh_alpha": "3 1/s", "rayleigh_beta": "1e-7 s"}})
+    damped = build_model(case, structure, model.joint).superelement
+    assert np.allclose(damped.damping, 3.0 * damped.mass + 1e-7 * damped.stiffness, rtol=1e-9, atol=1e-9)

@@ -1,0 +1,189 @@
+"""A study whose preload is solved from its static load: equilibrium, stiffness laws, refusals, and the report."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stickslip.case.case import Case
+from stickslip.contact.stiffness.asperities import fully_plastic_load
+from stickslip.contact.stiffness.fractal import contact_stiffness
+from stickslip.core.errors import StudyFileError
+from stickslip.model.joint import case_roughness
+from stickslip.model.model import Model, build_model, load_joint, set_up
+from stickslip.results.storage import load_results
+from stickslip.study import run as study
+from sweep_cases import COARSE_MESH
+
+SOLVED = {**COARSE_MESH, "preload.method": "solved"}
+FACE_ANGLE = np.pi / 6
+
+
+@cache
+def model(**changes: str) -> Model:
+    """The coarse two-blade model; keys of changes have two underscores for the point."""
+    case = Case().replace(SOLVED | {key.replace("__", "."): value for key, value in changes.items()})
+    setup = set_up(case)
+    return build_model(case, setup.assemble(), load_joint(case, setup.layout))
+
+
+def force_on_damper(found: Model) -> np.ndarray:
+    """Resultant (3,) of the contact on the damper at rest."""
+    assert found.preload is not None
+    state, pairs = found.preload.state, found.joint.face_pairs
+    return -(
+        state.normal_force[:, None] * pairs.normal
+        + state.traction[:, :1] * pairs.tangent1
+        + state.traction[:, 1:] * pairs.tangent2
+    ).sum(axis=0)
+
+
+def test_contact_carries_the_centrifugal_force_with_and_without_friction() -> None:
+    for traction in ("released", "kept"):
+        found = model(preload__residual_traction=traction)
+        np.testing.assert_allclose(force_on_damper(found), [0.0, 0.0, -500.0], atol=5e-3)
+        assert found.pairs.released == (traction == "released")
+    face = model().joint.face_sum(np.maximum(model().joint.preload, 0.0))
+    assert face == pytest.approx([250.0 / np.cos(FACE_ANGLE)] * 2, rel=2e-3)
+    kept = model(preload__residual_traction="kept")
+    assert kept.preload is not None
+    # The damper slips up both faces, so friction takes its full part.
+    face = kept.joint.face_sum(kept.preload.state.normal_force)
+    assert face == pytest.approx([250.0 / (np.cos(FACE_ANGLE) + 0.3 * np.sin(FACE_ANGLE))] * 2, rel=2e-3)
+
+
+def test_the_pressure_is_far_from_uniform() -> None:
+    """The platforms turn under the load: the low edge carries most, and stiff contact opens at the upper one."""
+    joint = model(roughness__fractal_roughness="1e-10 m").joint
+    pressure = joint.preload / joint.face_pairs.area
+    assert pressure.max() > 3.0 * pressure.mean()
+    assert (pressure < 0.0).any()
+
+
+def test_stiffness_follows_the_solved_load_of_the_face() -> None:
+    """Iterated: the stiffness of each face is that of the normal force it ends with."""
+    found = model(preload__residual_traction="kept")
+    expected = [face.stiffness.normal for face in found.joint.rough_faces if face is not None]
+    assert found.joint.face_sum(found.joint.normal_stiffness) == pytest.approx(expected, rel=1e-3)
+    without_friction = [face.stiffness.normal for face in model().joint.rough_faces if face is not None]
+    assert expected[0] < 0.95 * without_friction[0]
+
+
+def test_local_stiffness_concentrates_the_load_that_the_pressure_gap_law_spreads() -> None:
+    local, curve = model(roughness__allocation="pressure"), model(preload__normal_law="pressure-gap")
+    for found in (local, curve):
+        np.testing.assert_allclose(force_on_damper(found), [0.0, 0.0, -500.0], atol=5e-3)
+        per_area = found.joint.normal_stiffness / found.joint.face_pairs.area
+        pressure = found.joint.preload / found.joint.face_pairs.area
+        closed = pressure > 0.1 * pressure.max()
+        # A pair that is pressed harder is stiffer: the law of the rough face, not a constant.
+        assert np.corrcoef(np.log(per_area[closed]), np.log(pressure[closed]))[0, 1] > 0.95
+    # N = A kappa(p) closure takes the slope of the curve as its secant, which concentrates the load: it is told.
+    shares = [np.sort(found.joint.preload)[-5:].sum() / found.joint.preload.sum() for found in (local, curve)]
+    assert shares[0] > 2.0 * shares[1]
+    assert [any("normal_law" in words for words in found.joint.layout.messages) for found in (local, curve)] == [
+        True,
+        False,
+    ]
+
+
+@pytest.mark.parametrize("normal_law", ["spring", "pressure-gap"])
+@pytest.mark.parametrize("reference", [20e-6, 2000e-6])
+def test_solved_pressure_and_springs_share_the_reference_area(normal_law: str, reference: float) -> None:
+    """Both laws, and the tangential springs beside them, follow kappa(p) = K(p A_ref) / A_ref.
+
+    With the small area all spots are plastic up to a third of the mean pressure, so the least pressure knows it too.
+    """
+    joint = model(
+        roughness__allocation="pressure",
+        roughness__reference_area=f"{reference} m^2",
+        preload__normal_law=normal_law,
+    ).joint
+    pressure = joint.preload / joint.face_pairs.area
+    roughness = case_roughness(Case(), *joint.layout.face_materials[0])
+    followed = pressure > max(0.1 * pressure.max(), 2.0 * fully_plastic_load(roughness) / reference)
+    assert followed.sum() >= 4
+    law = [contact_stiffness(roughness, load) for load in pressure[followed] * reference]
+    per_area = [
+        values[followed] / joint.face_pairs.area[followed]
+        for values in (joint.normal_stiffness, joint.tangential_stiffness)
+    ]
+    np.testing.assert_allclose(per_area[0], [k.normal / reference for k in law], rtol=5e-3)
+    np.testing.assert_allclose(per_area[1], [k.tangential / reference for k in law], rtol=5e-3)
+    of_the_face = contact_stiffness(roughness, float(pressure.max()) * 182e-6)
+    assert abs(of_the_face.normal / 182e-6 / per_area[0].max() - 1.0) > 0.05
+
+
+def test_rotation_loads_the_damper_with_its_mass() -> None:
+    found = model(rotation__speed="3000 rpm", rotation__axis=(0, 1, 0), rotation__point=("0 m", "0 m", "-300 mm"))  # type: ignore[arg-type]
+    assert found.preload is not None
+    setup = set_up(Case().replace(SOLVED))
+    mesh = found.structure.mesh
+    assert set(setup.layout.ports) >= {"damper_front_edge", "damper_back_edge"}
+    damper = mesh.cells[mesh.body == 2]
+    centre = mesh.points[np.unique(damper)].mean(axis=0)
+    volume = 0.0114 / 7800.0
+    expected = (100.0 * np.pi) ** 2 * 7800.0 * volume * (0.3 + centre[2])
+    assert -force_on_damper(found)[2] == pytest.approx(expected, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"preload.method": "guessed"}, "preload.method.*prescribed.*solved"),
+        ({"preload.residual_traction": "kept"}, 'belongs to method = "solved"'),
+        ({"preload.normal_law": "pressure-gap"}, 'belongs to method = "solved"'),
+        ({"rotation.speed": "3000 rpm", "rotation.axis": [0, 1, 0]}, 'rotation is used by preload.method = "solved"'),
+        (
+            {"preload.method": "solved", "preload.friction_coefficient_at_assembly": 0.2},
+            r"takes \[friction\]",
+        ),
+        (
+            {
+                "preload.method": "solved",
+                "preload.centrifugal_force": "500 N",
+                "rotation.speed": "3000 rpm",
+                "rotation.axis": [0, 1, 0],
+            },
+            "would load the damper twice",
+        ),
+        ({"preload.method": "solved", "preload.values": [1.0]}, 'are what method = "solved" finds'),
+    ],
+)
+def test_what_does_not_fit_is_refused_in_the_file(changes: dict[str, object], words: str) -> None:
+    with pytest.raises(StudyFileError, match=words):
+        Case().replace(changes)
+
+
+def test_the_report_shows_the_rest_and_the_other_tractions(tmp_path: Path) -> None:
+    case = Case().replace(
+        SOLVED
+        | {
+            "geometry.excitation_height": "9 mm",
+            "excitation.amplitude": "30 N",
+            "preload.residual_traction": "kept",
+            "roughness.fractal_roughness": "1e-9 m",
+            "solver.harmonics": 3,
+            "solver.samples": 128,
+            "output.deflected_shape_frames": 0,
+            "output.figure_formats": ["png"],
+        }
+    )
+    outcome = study.run(case, tmp_path)
+    assert outcome.converged, outcome.message
+    assert (tmp_path / "figures" / "rest_pressure.png").stat().st_size > 0
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert re.search(r"<h2>Pressure at rest</h2>.*pairs open", page)
+    assert 'id="rest-map-1"' in page
+    saved = load_results(tmp_path / "results.nc")
+    assert saved.study is not None
+    assert saved.response.pairs.residual_traction is not None
+    rows = {name: value for name, value, _, _ in saved.study.derived}
+    assert rows["Peak with tractions at rest released"] == pytest.approx(
+        1e6 * saved.response.amplitude(saved.study.outputs["blade tip A"]).max(), rel=0.2
+    )
+    assert rows["Balance of forces at rest"] < 1e-8

@@ -1,0 +1,48 @@
+"""Rigid-body shares of known motions, and the file of a curve."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from paper_curves import curve
+from stickslip.core.errors import ResultsFileError
+from stickslip.papers.rough_damper.records import Solved, rigid_shares
+from stickslip.results.response import same_content
+
+POINTS = np.random.default_rng(3).normal(size=(20, 3)) * 1e-2
+
+
+def test_pure_motions() -> None:
+    shift = np.tile([1.0 + 1.0j, 2.0, 0.0], (20, 1))
+    turn = np.cross([0.3, -0.2j, 0.5], POINTS - POINTS.mean(axis=0))
+    stretch = np.zeros((20, 3), dtype=complex)
+    stretch[:, 0] = (POINTS - POINTS.mean(axis=0))[:, 0]
+    assert rigid_shares(POINTS, shift) == pytest.approx([1.0, 0.0, 0.0], abs=1e-12)
+    assert rigid_shares(POINTS, turn) == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)
+    assert rigid_shares(POINTS, stretch)[2] > 0.5
+    both = rigid_shares(POINTS, shift + turn)
+    assert both.sum() == pytest.approx(1.0)
+    assert both[1] == pytest.approx(np.sum(np.abs(turn) ** 2) / np.sum(np.abs(shift + turn) ** 2))
+    assert rigid_shares(POINTS, np.zeros((20, 3))).tolist() == [0.0, 0.0, 0.0]
+
+
+def test_file_is_read_back_whole() -> None:
+    one = curve({"dimension": 2.45}, peak_hz=451.0)
+    assert same_content(Solved.from_bytes(one.to_bytes("key"), "key"), one)
+
+
+@pytest.mark.parametrize("content", [b"", b"no file", curve().to_bytes("key")[:500]])
+def test_damaged_file_is_refused(content: bytes) -> None:
+    with pytest.raises(ResultsFileError, match="damaged"):
+        Solved.from_bytes(content, "key")
+
+
+def test_file_of_other_inputs_is_refused() -> None:
+    with pytest.raises(ResultsFileError, match="other inputs"):
+        Solved.from_bytes(curve().to_bytes("key"), "another")
+
+
+def test_peaks_leave_out_small_ones_and_ends() -> None:
+    one = curve(peaks=((450.0, 1e-5), (480.0, 2e-6), (510.0, 1e-7)))
+    assert [frequency for frequency, _ in one.peaks()] == pytest.approx([450.0, 480.0], abs=0.1)

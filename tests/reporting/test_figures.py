@@ -1,0 +1,122 @@
+"""Figures for files: they draw what the response holds, and are written in the formats promised."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from stickslip.contact.stiffness.roughness_fit import RoughnessFit
+from stickslip.core.errors import InputError
+from stickslip.reporting import figures
+from stickslip.reporting.style import STATES, energy_unit, number
+from synthetic import synthetic_response, synthetic_study
+
+
+@pytest.fixture(scope="module")
+def case():
+    return synthetic_response(), synthetic_study()
+
+
+def test_amplitude_frequency_draws_three_curves_and_the_peak(case):
+    axes = figures.amplitude_frequency(*case).axes[0]
+    labels = [line.get_label() for line in axes.lines]
+    assert labels[:3] == ["linear, all stuck", "linear, no contact", "with friction"]
+    amplitude = 1e6 * case[0].amplitude(case[1].outputs[case[1].response_output])
+    np.testing.assert_allclose(axes.lines[2].get_ydata(), amplitude)
+    assert axes.lines[3].get_ydata()[0] >= amplitude.max() * 0.999
+    assert "Hz" in axes.get_xlabel()
+    assert "0-to-peak, µm" in axes.get_ylabel()
+
+
+def test_contact_states_put_every_pair_once_with_its_shape(case):
+    response, study = case
+    for point in (0, 25):
+        panels = figures.contact_states(response, study, point).axes
+        drawn = [[len(dots.get_offsets()) for dots in axes.collections] for axes in panels]
+        for face in range(2):
+            states = response.contact_state[point, study.pair_face == face]
+            assert drawn[face] == [int((states == code).sum()) for code in range(3)]
+    assert [text.get_text() for text in panels[0].get_legend().get_texts()] == ["stuck", "stick-slip", "separating"]
+    assert len({state.matplotlib_marker for state in STATES}) == len({state.plotly_symbol for state in STATES}) == 3
+
+
+def test_loop_encloses_the_energy_of_its_pair(case):
+    response, study = case
+    point = int(response.dissipated_energy.sum(axis=1).argmax())
+    pair = int(response.dissipated_energy[point].argmax())
+    lines = figures.hysteresis_loop(response, study, point, pair).axes[0].lines
+    area = 0.0
+    for line in lines:
+        x, y = 1e-6 * line.get_xdata(), line.get_ydata()
+        area += 0.5 * np.sum((y[1:] + y[:-1]) * np.diff(x))
+    assert area == pytest.approx(response.dissipated_energy[point, pair], rel=0.03)
+    with pytest.raises(InputError, match="numbered 0 to 109"):
+        figures.hysteresis_loop(response, study, pair=110)
+
+
+def test_structure_function_draws_measurement_and_fit_of_each_direction():
+    lag = np.array([1e-6, 2e-6, 4e-6, 1e-6, 3e-6])
+    values = {field.name: 1.0 for field in dataclasses.fields(RoughnessFit)}
+    values |= {"lag": lag, "structure_function": lag**1.2, "fitted": 1.1 * lag**1.2, "points_along_x": 3}
+    lines = figures.structure_function(RoughnessFit(**values)).axes[0].lines
+    np.testing.assert_allclose(lines[0].get_xdata(), [1.0, 2.0, 4.0])
+    np.testing.assert_allclose(lines[2].get_ydata(), 1e12 * lag[3:] ** 1.2)
+    np.testing.assert_allclose(lines[1].get_ydata(), 1.1 * lines[0].get_ydata())
+    assert [line.get_label() for line in lines[:3:2]] == ["measured along x", "measured along y"]
+    one = figures.structure_function(RoughnessFit(**(values | {"points_along_x": 5}))).axes[0].lines
+    assert [line.get_label() for line in one] == ["measured", "D = 1.000, G = 1 m"]
+
+
+def test_all_figures_are_written(case, tmp_path):
+    written = figures.save_all(tmp_path, *case, formats=("svg",))
+    assert {path.name for path in written} == {
+        f"{name}.svg"
+        for name in (
+            "amplitude_frequency",
+            "contact_states",
+            "energy_map",
+            "hysteresis_loop",
+            "energy_curve",
+            "mode_comparison",
+            "rest_pressure",
+        )
+    }
+    assert all(path.read_text().startswith("<?xml") for path in written)
+
+
+def test_png_pdf_and_refused_endings(case, tmp_path):
+    figure = figures.energy_curve(*case)
+    assert figures.save(figure, tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    assert figures.save(figure, tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
+    with pytest.raises(InputError, match=r"must end in one of \.svg"):
+        figures.save(figure, tmp_path / "a.xyz")
+    with pytest.raises(InputError, match="could not be written"):
+        figures.save(figure, tmp_path / "none" / "a.png")
+
+
+def test_mode_comparison_says_inferred_and_needs_the_paper(case):
+    axes = figures.mode_comparison(case[1]).axes[0]
+    assert "inferred" in axes.get_title()
+    assert axes.patches[6].get_height() == pytest.approx(100 * (3534.42 / 3559.8 - 1))
+    with pytest.raises(InputError, match="nothing to compare"):
+        figures.mode_comparison(dataclasses.replace(case[1], mode_table=({"mode": 1, "full_hz": 507.0},)))
+
+
+def test_surface_shows_heights_about_their_mean():
+    x, y = np.meshgrid(np.linspace(0, 0.028, 40), np.linspace(0, 0.0065, 20))
+    figure = figures.surface(x, y, 3e-6 + 1e-6 * np.sign(x - 0.014))
+    assert "Sq = 1 µm" in figure.axes[0].get_title()
+    with pytest.raises(InputError, match="share one shape"):
+        figures.surface(x[0], y[:, 0], x)
+
+
+def test_numbers_and_units_for_readers():
+    assert number(-0.57031, 3) == "−0.57"
+    assert number(5.4e-5) == "5.4 × 10⁻⁵"
+    assert number(2.0e7) == "2 × 10⁷"
+    assert number(0.0) == "0"
+    assert number(1234.567) == "1235"
+    assert number(110) == "110"
+    assert energy_unit(3e-4) == (1e6, "µJ")
+    assert energy_unit(0.02) == (1e3, "mJ")
+    assert energy_unit(0.0) == (1e9, "nJ")

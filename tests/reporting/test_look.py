@@ -1,0 +1,38 @@
+"""The marks of a map: as large as asked for on a coarse grid, apart on a fine or scattered one."""
+
+import numpy as np
+import pytest
+
+from stickslip.reporting.look import map_range, mark_size
+
+DRAWING = (400.0, 160.0)
+
+
+def grid(along: int, across: int) -> np.ndarray:
+    x, y = np.meshgrid(np.linspace(-14.0, 14.0, along), np.linspace(-3.0, 3.0, across))
+    return np.column_stack([x.ravel(), y.ravel()])
+
+
+def test_a_coarse_grid_takes_the_largest_mark():
+    assert mark_size(grid(11, 5), DRAWING, 17.0) == 17.0
+    assert mark_size(np.zeros((1, 2)), DRAWING, 17.0) == 17.0
+
+
+def test_marks_of_a_fine_grid_touch_and_do_not_overlap():
+    position = grid(41, 11)
+    size = mark_size(position, DRAWING, 17.0)
+    spacing = 0.7 * 400.0 / np.ptp(map_range(position)[0])
+    assert size == pytest.approx(spacing)
+
+
+def test_nine_in_ten_of_scattered_marks_are_apart():
+    position = np.random.default_rng(1).uniform([-14.0, -3.0], [14.0, 3.0], (130, 2))
+    size = mark_size(position, DRAWING, 17.0)
+    assert 3.0 <= size < 17.0
+    places = position * np.array(DRAWING) / np.ptp(map_range(position), axis=1)
+    distance = np.abs(places[:, None] - places).max(axis=2) + 1e9 * np.eye(len(places))
+    assert (distance.min(axis=1) < size).mean() <= 0.1 or size == 3.0
+
+
+def test_marks_stay_visible_in_a_crowd():
+    assert mark_size(grid(400, 100), DRAWING, 17.0) == 3.0

@@ -1,0 +1,270 @@
+"""The page in a real browser: no error, no request, every plot drawn, and it answers to the reader."""
+
+import dataclasses
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from browser_pages import LARGEST_PAGE, WIDTHS, opened_page, require_readable, tab_stops
+from helpers import opened_browser
+from large_results import large_result
+from sketches import stacked_boxes
+from stickslip.reporting.page import write_page
+from stickslip.reporting.style import VERMILLION
+from synthetic import synthetic_response, synthetic_study
+
+PLOTS = 2 + 2 + 4 + 2 + 2 + 1
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator:
+    with opened_browser() as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    write_page(path, synthetic_response(), synthetic_study())
+    return path
+
+
+@pytest.fixture
+def width() -> int:
+    """Width of the window in px."""
+    return 1280
+
+
+@pytest.fixture
+def page(browser, report, width) -> Iterator:
+    with opened_page(browser, report, width) as opened:
+        yield opened
+
+
+def colours(page, plot: str) -> list:
+    return page.evaluate(f"Array.from(document.getElementById('{plot}').data[0].marker.color)")
+
+
+def loop(page) -> list:
+    return page.evaluate("document.getElementById('loop').data.map(trace => [trace.x, trace.y])")
+
+
+def settle(page) -> None:
+    page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_plots_are_drawn_and_nothing_overflows(page):
+    assert page.locator(".js-plotly-plot").count() == PLOTS
+    require_readable(page)
+    widths = page.evaluate("Array.from(document.querySelectorAll('.js-plotly-plot')).map(plot => plot.clientWidth)")
+    assert min(widths) > 300
+    assert len(loop(page)[0][0]) > 60
+
+
+def test_slider_moves_the_maps_the_cursor_and_the_signals(page):
+    before = colours(page, "state-map-0"), page.evaluate("document.getElementById('group-0').data[0].y")
+    page.locator("#point").focus()
+    page.keyboard.press("Home")
+    settle(page)
+    after = colours(page, "state-map-0"), page.evaluate("document.getElementById('group-0').data[0].y")
+    assert after[0] != before[0]
+    assert set(after[0]) == {"#0072B2"}
+    assert after[1] != before[1]
+    first = page.evaluate("document.getElementById('curve').data.at(-1).x[0]")
+    assert first == pytest.approx(synthetic_response().frequency_hz[0], abs=1e-5)
+    assert "1 of 40" in page.inner_text("#point-label")
+    assert "stuck110" in page.inner_text("#state-legend").replace("\n", "").replace(" ", "")
+    page.click("#to-peak")
+    settle(page)
+    assert colours(page, "state-map-0") == before[0]
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_pair_by_select_click_and_arrow_keys(page):
+    before, chosen = loop(page), page.input_value("#pair")
+    page.select_option("#pair", "3")
+    assert loop(page) != before
+    assert "Left face, pair 4" in page.inner_text("#pair-now")
+    place = page.evaluate(
+        "(() => { const map = document.getElementById('state-map-1'); const full = map._fullLayout;"
+        "return [full.xaxis.d2p(map.data[0].x[27]), full.yaxis.d2p(map.data[0].y[27])]; })()"
+    )
+    page.evaluate("document.getElementById('state-map-1').scrollIntoView({block: 'center'})")
+    settle(page)
+    box = page.locator("#state-map-1 .nsewdrag").bounding_box()
+    page.mouse.move(box["x"] + place[0], box["y"] + place[1])
+    page.mouse.click(box["x"] + place[0], box["y"] + place[1])
+    page.wait_for_function("document.getElementById('pair').value === '82'", timeout=5_000)
+    clicked = loop(page)
+    page.locator("#state-map-1").focus()
+    page.keyboard.press("ArrowRight")
+    assert page.input_value("#pair") == "87"  # five pairs across: the next along the length
+    assert loop(page) != clicked
+    page.keyboard.press("ArrowUp")
+    assert page.input_value("#pair") == "88"
+    page.select_option("#pair", chosen)
+    assert loop(page) == before
+
+
+SHOWN = """Object.fromEntries(
+  ['curve', 'energy-curve', 'state-map-0', 'energy-map-0', 'energy-map-1', 'loop', 'signals', 'group-0'].map(id => [
+    id, document.getElementById(id)._fullData.map(trace => [trace.x, trace.y, trace.text, trace.name, trace.marker && [
+      trace.marker.color, trace.marker.symbol, trace.marker.cmin, trace.marker.cmax, trace.marker.cauto]])]))"""
+
+
+def test_what_the_page_opens_with_is_what_a_choice_of_the_same_point_shows(page):
+    opened = page.evaluate(SHOWN)
+    page.locator("#point").focus()
+    page.keyboard.press("Home")
+    settle(page)
+    assert page.evaluate(SHOWN) != opened
+    page.locator("#to-peak").click()
+    settle(page)
+    assert page.evaluate(SHOWN) == opened
+
+
+def test_loop_of_the_page_is_that_of_the_package(page):
+    response = synthetic_response()
+    pair = int(page.input_value("#pair"))
+    point = int(page.input_value("#point"))
+    force = response.pair_cycle(point).force[:, pair]
+    drawn = page.evaluate("document.getElementById('signals').data.slice(0, 3).map(trace => trace.y)")
+    for axis in range(3):
+        assert drawn[axis][:-1] == pytest.approx(force[:, axis].tolist(), abs=2e-4 * abs(force[:, 2]).max())
+
+
+def test_curve_has_a_logarithmic_axis_on_request(page):
+    page.click("#scale")
+    page.wait_for_function("document.getElementById('curve').layout.yaxis.type === 'log'")
+    assert page.inner_text("#scale") == "Linear axis"
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_the_keyboard_alone_moves_the_point_and_the_pair(page):
+    stops = tab_stops(page)
+    wanted = ["scale", "point", "to-peak", "previous-pair", "pair", "next-pair"]
+    wanted += [f"{quantity}-map-{face}" for quantity in ("state", "energy") for face in (0, 1)]
+    found = [stop["id"] for stop in stops]
+    assert [name for name in found if name in wanted] == wanted  # all of them, in the order of the page
+    assert {"Inputs", "Measures at the peak", "Natural frequencies"} <= {stop["name"] for stop in stops}
+
+    def go_to(name: str) -> None:
+        page.evaluate("() => document.activeElement.blur()")
+        while page.evaluate("document.activeElement.id") != name:
+            page.keyboard.press("Tab")
+
+    go_to("point")
+    start, before = int(page.input_value("#point")), loop(page)
+    page.keyboard.press("ArrowLeft")
+    settle(page)
+    assert int(page.input_value("#point")) == start - 1
+    page.keyboard.press("Home")
+    settle(page)
+    assert loop(page) != before
+    assert "1 of 40" in page.get_attribute("#point", "aria-valuetext")
+    go_to("to-peak")
+    page.keyboard.press("Enter")
+    settle(page)
+    assert (int(page.input_value("#point")), loop(page)) == (start, before)
+    go_to("energy-map-1")
+    page.keyboard.press("ArrowRight")
+    assert int(page.input_value("#pair")) >= 55  # a pair of that face
+    assert loop(page) != before
+    go_to("scale")
+    page.keyboard.press("Space")
+    page.wait_for_function("document.getElementById('curve').layout.yaxis.type === 'log'")
+
+
+def test_size_and_points_of_a_long_curve(browser, tmp_path):
+    """Pages stay small because the curves and loops are thinned by their shape; nothing of the shape is lost."""
+    response = synthetic_response(n_points=300)
+    path = tmp_path / "long.html"
+    write_page(path, response, synthetic_study())
+    assert path.stat().st_size < LARGEST_PAGE
+    with opened_page(browser, path) as page:
+        drawn = page.evaluate("document.getElementById('curve').data[2].x.length")
+        assert drawn == 300
+        assert page.get_attribute("#point", "max") == "299"
+        assert page.locator(".js-plotly-plot").count() == PLOTS
+
+
+@pytest.mark.parametrize(("n_pairs", "characters", "has_loops"), [(2000, 9_000_000, True), (110, 216_000, False)])
+def test_what_a_page_of_very_many_pairs_leaves_out_is_said(
+    browser, tmp_path, monkeypatch, n_pairs, characters, has_loops
+):
+    monkeypatch.setattr("stickslip.reporting.page_data.DATA_CHARACTERS", characters)
+    path = tmp_path / "many.html"
+    write_page(path, *large_result(n_pairs, 300))
+    assert path.stat().st_size < LARGEST_PAGE
+    with opened_page(browser, path) as page:
+        data = json.loads(page.text_content("#page-data"))
+        assert 1 < len(data["mapPoints"]) < 300
+        away = next(point for point in range(300) if point not in data["mapPoints"])
+        page.evaluate(
+            "point => { const slider = document.getElementById('point'); slider.value = point; "
+            "slider.dispatchEvent(new Event('input')); }",
+            away,
+        )
+        words = f"(maps are held for {len(data['mapPoints'])} of the points; this is the nearest)"
+        page.wait_for_function("words => document.querySelector('.now').textContent.includes(words)", arg=words)
+        told = page.text_content("#loop-now")
+        if has_loops:
+            assert f"(loops are held for {len(data['loops']['points'])} of the points; this is the nearest)" in told
+            assert page.evaluate("document.getElementById('loop').data[0].x.length") > 60
+        else:
+            assert "(loops of so many pairs would make this page too large; the results file holds them)" in told
+            assert page.evaluate("document.getElementById('loop').data[0].x.length") == 0
+        counts = page.eval_on_selector_all("#state-legend b", "all => all.map(each => Number(each.textContent))")
+        assert sum(counts) == data["nPairs"]
+
+
+# Words of the drawing: what they say, their box on the screen, the height of their letters in px, and their drawing.
+_WORDS = """() => [...document.querySelectorAll('#structure figure')].map(figure => {
+  const drawing = figure.querySelector('svg'), frame = drawing.getBoundingClientRect();
+  const scale = frame.width / drawing.viewBox.baseVal.width;
+  return {
+    frame: [frame.left, frame.top, frame.right, frame.bottom],
+    words: [...drawing.querySelectorAll('text')].map(text => {
+      const box = text.getBoundingClientRect();
+      return {
+        said: text.textContent, box: [box.left, box.top, box.right, box.bottom],
+        size: scale * parseFloat(getComputedStyle(text).fontSize),
+      };
+    }),
+  };
+})"""
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_the_drawing_can_be_read(browser, tmp_path, width):
+    """Its words stay inside, are large enough and apart from each other; contact has its colour; nothing overflows."""
+    path = tmp_path / "report.html"
+    write_page(path, synthetic_response(), dataclasses.replace(synthetic_study(), sketch=stacked_boxes()))
+    with opened_page(browser, path, width) as page:
+        require_readable(page)
+        figures = page.evaluate(_WORDS)
+        assert len(figures) == 2
+        assert {"shaker, 5 N", "tip"} <= {word["said"] for word in figures[0]["words"]}
+        assert "Left face" in {word["said"] for word in figures[1]["words"]}
+        for figure in figures:
+            left, top, right, bottom = figure["frame"]
+            assert 300 < right - left <= width
+            for number, word in enumerate(figure["words"]):
+                box = word["box"]
+                assert word["size"] >= 11.0, word
+                assert left <= box[0] <= box[2] <= right, word
+                assert top <= box[1] <= box[3] <= bottom, word
+                for other in figure["words"][:number]:
+                    # letters do not fill the height of their box
+                    wide = min(box[2], other["box"][2]) - max(box[0], other["box"][0])
+                    high = min(box[3], other["box"][3]) - max(box[1], other["box"][1])
+                    assert wide <= 1.0 or high <= 5.0, (word, other)
+        swatch = page.locator("#structure .legend li", has_text="contact face").locator("rect")
+        assert swatch.get_attribute("fill") == VERMILLION
+        tint = page.evaluate("getComputedStyle(document.querySelector('#structure .tint')).fill")
+        assert tint == "rgb(213, 94, 0)"  # the same
+        filled = page.evaluate("getComputedStyle(document.querySelector('#structure .bodies path')).fill")
+        assert filled not in ("none", "rgb(0, 0, 0)")

@@ -1,0 +1,193 @@
+"""The page of a sweep: its figures hold the numbers of the table, optimum and limits, failed cases with messages."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from browser_pages import LARGEST_PAGE, WIDTHS, opened_page, require_readable, tab_stops
+from helpers import opened_browser
+from stickslip.core.errors import InputError
+from stickslip.reporting import sweep_plots as plots
+from stickslip.reporting.sweep_page import sweep_page, write_sweep_page
+from stickslip.reporting.sweep_view import SweepView, is_logarithmic
+from sweep_tables import FORCE, MODE, load_key, sweep_view
+
+LOADS = load_key((100.0, 200.0, 400.0, 800.0))
+BOWL = [3e-4, 1e-4, 2e-4, 4e-4]
+PROVENANCE = {"date": "2026-01-01T00:00:00+00:00", "stickslip": "0"}
+
+
+def page_of(view: SweepView) -> str:
+    return sweep_page(view, "Two <blades>", "[study]", PROVENANCE)
+
+
+def figures_of(view: SweepView) -> dict:
+    return json.loads(re.search(r'id="page-figures">(.*?)</script>', page_of(view), flags=re.DOTALL).group(1))
+
+
+def test_every_curve_is_drawn_whole() -> None:
+    view = sweep_view((LOADS,), BOWL)
+    traces = figures_of(view)["curves"]["data"]
+    assert [trace["name"] for trace in traces] == ["100 N", "200 N", "400 N", "800 N"]
+    for trace, curve in zip(traces, view.curves, strict=True):
+        assert trace["y"] == pytest.approx(1e6 * curve.amplitude_m, rel=1e-6)
+    assert len({trace["line"]["color"] for trace in traces}) == 4
+
+
+def test_a_huge_sweep_is_thinned_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(plots, "DRAWN_POINTS", 300)
+    view = sweep_view((LOADS,), BOWL, points=2001)
+    traces = figures_of(view)["curves"]["data"]
+    assert sum(len(trace["x"]) for trace in traces) <= 300
+    for trace, curve in zip(traces, view.curves, strict=True):
+        assert (trace["x"][0], trace["x"][-1]) == (440.0, 480.0)
+        assert max(trace["y"]) == pytest.approx(1e6 * curve.amplitude_m.max(), rel=1e-6)
+    assert re.search(r"of 8004 points are drawn", page_of(view))
+
+
+def test_many_values_have_a_colour_bar() -> None:
+    loads = load_key(tuple(np.linspace(100.0, 800.0, 15).tolist()))
+    data = figures_of(sweep_view((loads,), [1e-4] * 15))["curves"]["data"]
+    assert data[-1]["marker"]["showscale"]
+    assert len({trace["line"]["color"] for trace in data[:-1]}) == 15
+
+
+def test_very_many_curves_share_lines_and_none_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(plots, "SEPARATE_CURVES", 10)
+    loads = load_key(tuple(np.linspace(100.0, 800.0, 200).tolist()))
+    view = sweep_view((loads,), [1e-4 * (1.0 + k / 200) for k in range(200)])
+    lines = figures_of(view)["curves"]["data"][:-1]
+    assert 55 <= len(lines) <= 61
+    drawn = [value for line in lines for value in line["y"] if value is not None]
+    assert sorted(drawn) == pytest.approx(
+        sorted(float(1e6 * value) for curve in view.curves for value in curve.amplitude_m), rel=1e-6
+    )
+    assert sum(line["y"].count(None) for line in lines) == 200 - len(lines)
+    assert re.search("centrifugal force 100 N to ", lines[0]["hovertemplate"])
+
+
+def test_peaks_against_a_key_leave_failed_cases_out_and_mark_open_ends() -> None:
+    view = sweep_view((LOADS, MODE), [1e-4, 2e-4, None, 3e-4, 4e-4, 5e-4, 6e-4, 7e-4], at_end=(4,))
+    data = figures_of(view)["key-0"]["data"]
+    single, open_end = (trace for trace in data if trace["name"] == "mode single" and trace["yaxis"] == "y")
+    assert (single["x"], single["y"]) == ([100.0, 800.0], pytest.approx([100.0, 600.0]))
+    assert (open_end["x"], open_end["marker"]["symbol"]) == ([400.0], "circle-open")
+    frequency = next(trace for trace in data if trace["name"] == "mode same" and trace["yaxis"] == "y2")
+    assert frequency["y"] == [461.0, 463.0, 465.0, 467.0]
+    by_mode = figures_of(view)["key-1"]["data"][0]
+    assert (by_mode["x"], by_mode["y"]) == (["single", "same"], pytest.approx([100.0, 200.0]))
+
+
+def test_damper_performance_marks_optimum_and_limits() -> None:
+    view = sweep_view((LOADS,), BOWL)
+    figures, text = figures_of(view), page_of(view)
+    names = [trace["name"] for trace in figures["performance-load"]["data"]]
+    assert names == ["peak", "linear, stuck (pairs closed at rest)", "optimum"]
+    star = figures["performance-load"]["data"][2]
+    assert (star["x"], star["y"]) == ([200.0], pytest.approx([100.0]))
+    ratio = figures["performance-ratio"]["data"]
+    assert ratio[0]["x"] == pytest.approx([50 / 800, 50 / 400, 50 / 200, 50 / 100])
+    assert ratio[0]["y"] == pytest.approx([400.0, 200.0, 100.0, 300.0])
+    assert ratio[2]["x"] == [0.25]
+    assert "Lowest computed peak 100 µm at F_N = 200 N." in text
+    falling = page_of(sweep_view((LOADS,), sorted(BOWL)))
+    assert "at F_N = 100 N, at an end of the loads" in falling
+    assert "no optimum" in page_of(sweep_view((LOADS,), BOWL, at_end=(0, 1, 2, 3)))
+    assert "Damper performance" not in page_of(sweep_view((MODE,), [1e-4, 2e-4]))
+
+
+def test_performance_of_several_forces_is_per_force() -> None:
+    view = sweep_view((load_key((100.0, 200.0)), FORCE), [1e-4, 2e-4, 3e-4, 6e-4], force_n=[50.0, 100.0, 50.0, 100.0])
+    figure = figures_of(view)["performance-ratio"]
+    assert "µm/N" in figure["layout"]["yaxis"]["title"]["text"]
+    first, second = (next(t for t in figure["data"] if t["name"] == f"amplitude {force} N") for force in (50, 100))
+    # the same force / F_N gives the same peak per force
+    assert dict(zip(first["x"], first["y"], strict=True)) == {0.25: 6.0, 0.5: 2.0}
+    assert dict(zip(second["x"], second["y"], strict=True)) == {0.5: 6.0, 1.0: 2.0}
+
+
+def test_maps_of_two_keys_show_every_cell() -> None:
+    view = sweep_view((LOADS, MODE), [1e-4, 2e-4, None, 3e-4, 4e-4, 5e-4, 6e-4, 7e-4], at_end=(7,))
+    figure = figures_of(view)["map-0"]["data"][0]
+    assert (figure["x"], figure["y"]) == (list(LOADS.labels), ["single", "same"])
+    assert figure["z"] == [[100.0, None, 400.0, 600.0], [200.0, 300.0, 500.0, 700.0]]
+    assert figure["text"][1][3] == "at an end"
+    three = figures_of(sweep_view((LOADS, MODE, FORCE), [1e-4] * 16))
+    assert [name for name in three if name.startswith("map")] == ["map-0", "map-1", "map-2", "map-3"]
+    assert "map-0" not in figures_of(sweep_view((LOADS,), BOWL))
+
+
+def test_failed_cases_and_warnings_are_listed_safely() -> None:
+    text = page_of(sweep_view((LOADS,), [1e-4, None, 2e-4, 3e-4], at_end=(3,)))
+    assert "1 case failed" in text
+    assert "centrifugal force 200 N: No &lt;first&gt; point." in text
+    assert "Two &lt;blades&gt;" in text
+    assert text.count("<summary>1 warning</summary>") == 3
+    assert "The largest amplitude lies at an end of the range." in text
+    assert "http://" not in re.sub(r"<script>.*?</script>", "", text, flags=re.DOTALL).replace("http://www.w3.org", "")
+    nothing = page_of(sweep_view((LOADS,), [None] * 4))
+    assert "No case has a curve." in nothing
+
+
+def test_spacing_decides_the_axis() -> None:
+    assert is_logarithmic(np.geomspace(10.0, 1000.0, 5))
+    assert not is_logarithmic(np.linspace(10.0, 1000.0, 5))
+    assert not is_logarithmic(np.array([0.0, 1.0, 10.0]))
+
+
+def test_a_place_that_cannot_be_written_is_told(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="page of the sweep could not be written"):
+        write_sweep_page(tmp_path / "no" / "sweep.html", sweep_view((LOADS,), BOWL), "", "", PROVENANCE)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator:
+    with opened_browser() as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def sweep_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("sweep") / "sweep.html"
+    view = sweep_view((LOADS, MODE), [1e-4, 2e-4, None, 3e-4, 4e-4, 5e-4, 6e-4, 7e-4], at_end=(7,))
+    write_sweep_page(path, view, "Blades", "[study]", PROVENANCE)
+    return path
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_the_page_draws_itself_without_network(browser, sweep_file: Path, width: int) -> None:
+    with opened_page(browser, sweep_file, width) as page:
+        assert page.locator(".js-plotly-plot").count() == 1 + 2 + 2 + 2
+        require_readable(page)
+        page.click("#scale")
+        page.wait_for_function("document.getElementById('curves').layout.yaxis.type === 'log'")
+
+
+def test_the_keyboard_reaches_everything(browser, sweep_file: Path) -> None:
+    with opened_page(browser, sweep_file) as page:
+        stops = tab_stops(page)
+        assert stops[0]["id"] == "scale"
+        assert {"All cases", "Inputs"} <= {stop["name"] for stop in stops}
+        assert sum(stop["tag"] == "summary" for stop in stops) == page.locator("summary").count() == 7
+        page.focus("#scale")
+        page.keyboard.press("Enter")
+        page.wait_for_function("document.getElementById('curves').layout.yaxis.type === 'log'")
+
+
+def test_a_large_sweep_stays_small_and_draws_every_curve(browser, tmp_path: Path) -> None:
+    loads = load_key(tuple(np.linspace(100.0, 800.0, 200).tolist()))
+    view = sweep_view((loads,), [1e-4 * (1.0 + k / 200) for k in range(200)], points=2001)
+    path = tmp_path / "sweep.html"
+    write_sweep_page(path, view, "Blades", "[study]", PROVENANCE)
+    assert path.stat().st_size < LARGEST_PAGE
+    with opened_page(browser, path) as page:
+        lines = page.evaluate("document.getElementById('curves').data.map(trace => [trace.name, trace.x.length])")
+        drawn = [count for name, count in lines if count > 1]
+        assert len(drawn) == 200
+        assert sum(drawn) <= plots.DRAWN_POINTS

@@ -1,0 +1,135 @@
+"""The reduced Newton system is exact: its step solves the linearised full balance, whatever moves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from helpers import Blade
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.solve.harmonic import reduced
+from stickslip.solve.harmonic.balance import ActiveRows, Balance, Trial
+from stickslip.solve.harmonic.compliance import stuck_structure
+from stickslip.solve.path.newton import Constraint, Newton, NewtonSettings
+from stickslip.structure.superelement import Superelement
+
+HARMONICS, SAMPLES = 3, 128
+HIGHEST_OMEGA = 2 * np.pi * 1100.0
+
+
+def balance_of(blade: Blade, load: float = 1.0) -> Balance:
+    force = np.zeros((2 * HARMONICS + 1, blade.superelement.size))
+    force[1], force[2] = load * blade.force_cos, load * blade.force_sin
+    stuck = stuck_structure(blade.superelement, blade.pairs, HIGHEST_OMEGA, None)
+    return Balance(stuck.compliance(HARMONICS), blade.pairs, force, SAMPLES, "tractrix")
+
+
+def moving_trial(blade: Blade, share: float) -> tuple[Balance, Trial]:
+    """A trial away from the solution: a share of the linear stuck response near its resonance."""
+    balance = balance_of(blade)
+    omega = 2 * np.pi * 690.0
+    generator = np.random.default_rng(3)
+    relative = share * balance.linear(omega)
+    relative += 0.02 * np.abs(relative).max() * generator.normal(size=relative.shape)
+    return balance, balance.evaluate(relative, omega)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.2, 0.6])
+@pytest.mark.parametrize("way", ["factor", "iteration", "iteration that fails"])
+def test_step_solves_the_full_linearised_balance(
+    blade: Blade, share: float, way: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if way != "factor":
+        monkeypatch.setattr(reduced, "DIRECT_SIZE", -1)
+    if way == "iteration that fails":
+        monkeypatch.setattr(reduced.BorderedSystem, "_iterated", lambda system, right, tolerance: None)
+    balance, trial = moving_trial(blade, share)
+    generator = np.random.default_rng(5)
+    weights = generator.normal(size=trial.relative.shape)
+    scale = trial.omega
+    constraint = Constraint(weights / np.abs(trial.relative).max(), 1.0 / scale, trial.relative, scale)
+    system = Newton(balance, NewtonSettings()).border(trial, constraint)
+    solved = system.solve(trial.residual, 0.3, 1e-9)
+    step, change = solved.relative, solved.omega
+    # Directional derivative of the full residual along the step, by central differences.
+    small = 1e-6
+    forward, backward = (
+        balance.evaluate(trial.relative + sign * small * step, scale + sign * small * change).residual
+        for sign in (1.0, -1.0)
+    )
+    derivative = (forward - backward) / (2 * small)
+    assert np.linalg.norm(derivative + trial.residual) < 2e-5 * np.linalg.norm(trial.residual)
+    assert (constraint.weights * step).sum() + constraint.weight * change == pytest.approx(0.3, rel=1e-9)
+
+
+def test_active_rows_hold_only_what_moves(blade: Blade) -> None:
+    _, trial = moving_trial(blade, 0.6)
+    active = ActiveRows.of(trial.contact, blade.pairs)
+    moving = np.flatnonzero(trial.contact.deviates)
+    separating = int((trial.contact.state == 2).sum())
+    assert moving.size > 0
+    assert active.outputs.size == 2 * moving.size + separating
+    still = np.setdiff1d(np.arange(blade.n_pairs), moving)
+    assert not trial.deviation.reshape(-1, blade.n_pairs, 3)[:, still].any()
+
+
+def test_newton_converges_quadratically_near_the_solution(blade: Blade) -> None:
+    balance = balance_of(blade, 0.5)
+    omega = 2 * np.pi * 700.0
+    guess = balance.linear(omega, 0.5)
+    errors = []
+    trial = balance.evaluate(guess, omega)
+    for _ in range(14):
+        errors.append(trial.error)
+        if trial.error < 1e-11:
+            break
+        newton = Newton(balance, NewtonSettings(1e-12, 1))
+        trial = newton.correct(trial, Constraint.fixed(trial.relative, omega)).trial
+    assert errors[-1] < 1e-11
+    last = [e for e in errors if e < 1e-2]
+    assert len(last) <= 4, f"errors {errors}"
+
+
+def test_stuck_trial_is_the_linear_response(blade: Blade) -> None:
+    balance = balance_of(blade, 1e-3)
+    omega = 2 * np.pi * 690.0
+    trial = balance.evaluate(balance.linear(omega), omega)
+    assert not trial.contact.deviates.any()
+    assert trial.error == 0.0
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_loose_body_with_all_pairs_open_ends_newton_without_a_number() -> None:
+    """Nothing holds its mean position then: the Newton matrix is singular, and the correction says that it failed."""
+    pairs = ContactPairs(np.eye(3), 1e6, 8e5, 0.3, 10.0)
+    stuck = stuck_structure(Superelement(np.eye(3), np.zeros((3, 3))), pairs, 100.0, 0.01)
+    force = np.zeros((3, 3))
+    force[1, 2] = 1.0
+    balance = Balance(stuck.compliance(1), pairs, force, 64, "tractrix")
+    away = np.zeros((3, 3))
+    away[0, 2] = -1.0
+    start = balance.evaluate(away, 50.0)
+    assert (start.contact.state == 2).all()
+    correction = Newton(balance, NewtonSettings()).correct(start, Constraint.fixed(away, 50.0))
+    assert not correction.converged
+
+
+def test_mean_tangential_displacements_follow(blade: Blade) -> None:
+    """No force depends on them, so a trial takes those of its forces and has no residual there."""
+    balance, trial = moving_trial(blade, 0.4)
+    shifted = trial.relative.copy()
+    shifted[0].reshape(-1, 3)[:, :2] += 1.0
+    again = balance.evaluate(shifted, trial.omega)
+    # The force comes from K (s - mean s): the shift is gone up to the round-off of its size.
+    assert np.abs(again.relative - trial.relative).max() < 1e-9 * np.abs(trial.relative).max()
+    assert again.error == pytest.approx(trial.error, rel=1e-6)
+    assert not again.residual[0].reshape(-1, 3)[:, :2].any()
+
+
+def test_steps_that_do_not_pay_are_solved_more_sharply() -> None:
+    newton = Newton.__new__(Newton)
+    newton.settings = NewtonSettings(1e-9)
+    assert newton._step_tolerance(1e-2, 1.0) == 1e-3
+    assert newton._step_tolerance(1e-2, 1e-3) == 1e-6
+    assert newton._step_tolerance(1e-6, 1.0) == pytest.approx(1e-4)
+    assert newton._step_tolerance(1e-2, 1e-9) == 1e-8

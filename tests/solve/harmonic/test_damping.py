@@ -1,0 +1,65 @@
+"""Modal and Rayleigh damping matrices, and the modal basis."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from helpers import Blade
+from stickslip.core.errors import InputError
+from stickslip.solve.harmonic.damping import (
+    diagonal_modal_damping,
+    modal_basis,
+    modal_damping,
+    modal_damping_matrix,
+    rayleigh_damping_matrix,
+    stuck_stiffness_matrix,
+)
+
+
+def test_modal_basis_normalises_by_mass(blade: Blade) -> None:
+    stiffness = stuck_stiffness_matrix(blade.superelement, blade.pairs)
+    frequency, modes = modal_basis(blade.superelement.mass, stiffness)
+    assert np.allclose(modes.T @ blade.superelement.mass @ modes, np.eye(frequency.size), atol=1e-9)
+    assert frequency[0] / (2 * np.pi) == pytest.approx(blade.stuck_hz, rel=1e-9)
+
+
+def test_bench_damping_is_two_per_mille_on_the_stuck_modes(blade: Blade) -> None:
+    stiffness = stuck_stiffness_matrix(blade.superelement, blade.pairs)
+    frequency, modes = modal_basis(blade.superelement.mass, stiffness)
+    rebuilt = modal_damping_matrix(blade.superelement.mass, modes, modal_damping(frequency, 0.002, frequency.max()))
+    assert np.abs(rebuilt - blade.superelement.damping).max() < 1e-6 * np.abs(rebuilt).max()
+
+
+def test_modes_far_above_the_excitation_are_not_damped(blade: Blade) -> None:
+    frequency = np.array([100.0, 1999.0, 2001.0])
+    assert modal_damping(frequency, 0.01, 100.0) == pytest.approx([2.0, 39.98, 0.0])
+
+
+def test_rayleigh_leaves_the_joint_out(blade: Blade) -> None:
+    """The dashpots of beta K act within the structure; contact springs have none."""
+    damping = rayleigh_damping_matrix(blade.superelement, 3.0, 1e-7)
+    assert np.allclose(damping, 3.0 * blade.superelement.mass + 1e-7 * blade.superelement.stiffness)
+
+
+def test_stiffness_proportional_to_the_stuck_matrix_is_diagonal_and_a_dashpot_is_not(blade: Blade) -> None:
+    stiffness = stuck_stiffness_matrix(blade.superelement, blade.pairs)
+    frequency, modes = modal_basis(blade.superelement.mass, stiffness)
+    rayleigh = 3.0 * blade.superelement.mass + 1e-7 * stiffness
+    diagonal = diagonal_modal_damping(rayleigh, modes)
+    assert diagonal is not None
+    assert np.allclose(diagonal, 3.0 + 1e-7 * frequency**2, rtol=1e-8)
+    rayleigh[3, 3] += 1.0
+    assert diagonal_modal_damping(rayleigh, modes) is None
+
+
+def test_negative_rayleigh_factor_is_refused(blade: Blade) -> None:
+    with pytest.raises(InputError, match="mass_factor = -1"):
+        rayleigh_damping_matrix(blade.superelement, -1.0, 0.0)
+
+
+def test_indefinite_matrices_are_refused() -> None:
+    with pytest.raises(InputError, match="not positive definite"):
+        modal_basis(np.diag([1.0, 0.0]), np.eye(2))
+    with pytest.raises(InputError, match="negative eigenvalue"):
+        modal_basis(np.eye(2), np.diag([1.0, -1.0]))

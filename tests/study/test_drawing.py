@@ -1,0 +1,88 @@
+"""Figures drawn in a second process: the same files, and every failure is told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stickslip.case.case import Case
+from stickslip.core.errors import InputError
+from stickslip.model.model import load_joint, set_up
+from stickslip.study.facts import derived_quantities
+from stickslip.study.figure_process import Drawing, SecondProcess, rough_patch
+from synthetic import synthetic_response, synthetic_study
+
+CASE = Case.from_mapping({"output": {"figure_formats": ["svg"]}})
+
+
+def test_the_second_process_draws_what_the_first_would(tmp_path: Path) -> None:
+    here = Drawing(tmp_path / "here", CASE)
+    expected = [*here.of_response(synthetic_response(), synthetic_study()), *here.of_roughness()]
+    with SecondProcess(Drawing(tmp_path / "there", CASE)) as artist:
+        artist.start(synthetic_response(), synthetic_study())
+        there = artist.files()
+    assert [file.name for file in there] == [file.name for file in expected]
+    assert "rough_face.svg" in {file.name for file in there}
+    assert all(file.parent == tmp_path / "there" and file.stat().st_size > 1000 for file in there)
+
+
+def test_every_grid_shows_the_same_face() -> None:
+    """Figure and page draw the same heights at the points that they share, to scale, and the statistics of the law."""
+    fine, coarse = rough_patch(CASE, (13, 25)), rough_patch(CASE, (5, 9))
+    assert fine is not None
+    assert coarse is not None
+    np.testing.assert_allclose(fine.height[::3, ::3], coarse.height, rtol=1e-12)
+    assert (coarse.length, coarse.width) == (0.028, 0.0065)
+    assert coarse.height[0, 0] == 0.0
+    statistics = derived_quantities(CASE, load_joint(CASE, set_up(CASE).layout))
+    told = {name: value for name, value, _, _ in statistics}
+    assert (1e6 * coarse.sq, coarse.sdq) == pytest.approx((told["Sq"], told["Sdq"]), rel=1e-12)
+    changed = rough_patch(CASE.replace({"roughness.seed": 2}), (5, 9))
+    assert changed is not None
+    assert changed.height.std() != coarse.height.std()
+
+
+def test_no_formats_no_files(tmp_path: Path) -> None:
+    drawing = Drawing(tmp_path / "none", CASE.replace({"output.figure_formats": []}))
+    assert drawing.of_roughness() == drawing.of_response(synthetic_response(), synthetic_study()) == []
+    assert not (tmp_path / "none").exists()
+
+
+def test_given_stiffness_has_no_rough_face(tmp_path: Path) -> None:
+    given = {"normal_stiffness": 1e8, "tangential_stiffness": 1e8}
+    case = Case.from_mapping({"contact_stiffness": given})
+    assert Drawing(tmp_path, case).of_roughness() == []
+    assert rough_patch(case, (5, 9)) is None
+
+
+def test_what_the_drawing_refuses_is_raised_here(tmp_path: Path) -> None:
+    (tmp_path / "amplitude_frequency.svg").mkdir()
+    with SecondProcess(Drawing(tmp_path, CASE)) as artist:
+        artist.start(synthetic_response(), synthetic_study())
+        with pytest.raises(InputError, match="the figure could not be written"):
+            artist.files()
+
+
+def test_a_fault_of_the_drawing_comes_with_its_traceback(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("not a folder", encoding="utf-8")
+    with SecondProcess(Drawing(tmp_path / "file", CASE)) as artist:
+        artist.start(synthetic_response(), synthetic_study())
+        with pytest.raises(RuntimeError, match=r"(?s)could not be drawn:.*FileExistsError"):
+            artist.files()
+
+
+def test_a_process_that_died_is_told(tmp_path: Path) -> None:
+    with SecondProcess(Drawing(tmp_path, CASE)) as artist:
+        artist._process.kill()
+        artist._process.wait()
+        artist.start(synthetic_response(), synthetic_study())
+        with pytest.raises(RuntimeError, match="ended with code -9 and no answer"):
+            artist.files()
+
+
+def test_a_study_without_a_response_ends_the_process(tmp_path: Path) -> None:
+    with SecondProcess(Drawing(tmp_path, CASE)) as artist:
+        process = artist._process
+    assert process.poll() is not None
