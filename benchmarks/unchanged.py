@@ -16,12 +16,9 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-os.environ["STICKSLIP_CACHE"] = "off"
-for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "STICKSLIP_THREADS"):
-    os.environ[threads] = "1"
-
 import numpy as np
 from blade_problem import load_blade_problem
+from threadpoolctl import threadpool_limits
 
 import stickslip as ss
 
@@ -60,9 +57,7 @@ def study(case: ss.Case) -> ss.ForcedResponse:
 
 def quiet(case: ss.Case) -> ss.Case:
     """The case without pictures."""
-    return case.replace(
-        {"output.figure_formats": [], "output.mode_shapes": 0, "output.deflected_shape_frames": 0}
-    )
+    return case.replace({"output.figure_formats": [], "output.mode_shapes": 0, "output.deflected_shape_frames": 0})
 
 
 CURVES: dict[str, Callable[[], ss.ForcedResponse]] = {
@@ -114,4 +109,6 @@ def compare(path: Path) -> int:
 if __name__ == "__main__":
     if len(sys.argv) != 3 or sys.argv[1] not in ("store", "compare"):
         sys.exit(__doc__)
-    sys.exit(store(Path(sys.argv[2])) if sys.argv[1] == "store" else compare(Path(sys.argv[2])))
+    os.environ["STICKSLIP_CACHE"] = "off"
+    with threadpool_limits(limits=1):
+        sys.exit(store(Path(sys.argv[2])) if sys.argv[1] == "store" else compare(Path(sys.argv[2])))

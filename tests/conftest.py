@@ -9,6 +9,8 @@ import pytest
 
 from helpers import Blade
 
+pytest_plugins = ("structure_fixtures",)
+
 
 @pytest.fixture(scope="session", autouse=True)
 def cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:

@@ -55,3 +55,33 @@ def write_matrices(folder: Path, case: Case) -> Path:
     sets = {"lid": mesh.node_set("damper_top")}
     whole = replace(reduced, recovery=None, positions=mesh.points[reduced.boundary_nodes], node_sets=sets)
     return write_superelement(folder / "superelement.npz", whole)
+
+
+# A study of kind "matrices".
+MATRIX_STUDY = """\
+[structure]
+kind = "matrices"
+file = "superelement.npz"
+[interfaces.lid]
+first = "lid"
+second = "ground"
+normal = [0, 0, 1]
+area = "160 mm^2"
+normal_load = "40 N"
+normal_stiffness = "2e7 N/m"
+tangential_stiffness = "1.6e7 N/m"
+[forces.push]
+set = "lid"
+direction = [1, 0, 0]
+amplitude = "8 N"
+[responses.block]
+point = ["48 mm", "3.67 mm", "14 mm"]
+direction = [1, 0, 0]
+[solver]
+frequency_start = "1 kHz"
+frequency_stop = "9 kHz"
+harmonics = 1
+samples = 64
+[output]
+figure_formats = []
+"""

@@ -8,10 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_matrix_study import STUDY as MATRIX_STUDY
 from typer.testing import CliRunner
 
-from own_cases import EXAMPLE, mesh_case, write_matrices
+from own_cases import EXAMPLE, MATRIX_STUDY, mesh_case, write_matrices
 from stickslip.cli.main import app
 from stickslip.core.errors import ImportFileError, InputError, concerning, keys_of_section
 

@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 from stickslip.cli.main import app
 
-MODELS = Path(__file__).parent / "data" / "models"
+MODELS = Path(__file__).parents[1] / "data" / "models"
 
 
 def run(*words):

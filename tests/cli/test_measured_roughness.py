@@ -16,7 +16,7 @@ from stickslip.cli.main import app
 from stickslip.contact.stiffness.fractal import ContactStatus, contact_stiffness
 from stickslip.model.joint import case_material, case_roughness
 
-PROFILE = Path(__file__).parents[1] / "examples" / "data" / "profile.csv"
+PROFILE = Path(__file__).parents[2] / "examples" / "data" / "profile.csv"
 
 
 def invoke(*arguments: object) -> Any:

@@ -1,7 +1,7 @@
 """The sections of a study file. The defaults are the two-blade study; tests hold them equal
 to those of the classes that they end up in.
 
-The fields are the keys of the file, their descriptions and the docstrings its comments (``case/template.py``). Values with a
+The fields are the keys of the file, their descriptions and the docstrings its comments (``template.py``). Values with a
 unit are texts ("145 mm"), plain numbers are SI; after loading everything is SI floats.
 """
 

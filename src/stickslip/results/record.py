@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import version
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.errors import InputError
+from stickslip.core.plain_data import same_content
 from stickslip.core.validation import FloatArray, finite_array
-from stickslip.results.response import ForcedResponse, same_content
+from stickslip.results.response import ForcedResponse
 from stickslip.results.rough_patch import RoughPatch
 from stickslip.results.sketch import Sketch
 
@@ -147,12 +146,3 @@ def run_provenance() -> dict[str, str]:
         "system": f"{platform.system()} {platform.machine()}",
         **{name: version(name) for name in packages},
     }
-
-
-def plain(value: Any) -> Any:
-    """Numbers of numpy as numbers of Python, tuples as they are, so that JSON keeps them."""
-    if isinstance(value, np.generic):
-        return value.item()
-    if isinstance(value, Mapping):
-        return {key: plain(item) for key, item in value.items()}
-    return [plain(item) for item in value] if isinstance(value, list | tuple) else value

@@ -6,8 +6,7 @@ Displacements are Fourier coefficients in the order mean, cos 1, sin 1, cos 2, s
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass
 from os import PathLike
 from typing import TYPE_CHECKING, Any, cast
 
@@ -17,27 +16,13 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import synthesis_matrix
+from stickslip.core.plain_data import same_content
 from stickslip.core.validation import FloatArray, finite_array, require_choice
 
 if TYPE_CHECKING:
     from stickslip.contact.law.coulomb import ContactCycle, Update
 
 STATE_NAMES = ("stuck", "stick-slip", "separating")
-
-
-def same_content(first: Any, second: Any) -> bool:
-    """Whether two values of plain data (dataclasses, mappings, sequences, arrays, numbers) agree in every entry."""
-    if isinstance(first, np.ndarray) or isinstance(second, np.ndarray):
-        return np.array_equal(first, second)
-    if type(first) is not type(second):
-        return False
-    if is_dataclass(first):
-        return all(same_content(getattr(first, f.name), getattr(second, f.name)) for f in fields(first))
-    if isinstance(first, Mapping):
-        return list(first) == list(second) and all(same_content(first[key], second[key]) for key in first)
-    if isinstance(first, list | tuple):
-        return len(first) == len(second) and all(map(same_content, first, second))
-    return bool(first == second)
 
 
 @dataclass(frozen=True, eq=False)

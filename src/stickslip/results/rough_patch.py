@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.core.errors import InputError
+from stickslip.core.plain_data import same_content
 from stickslip.core.validation import FloatArray, finite_array
-from stickslip.results.response import same_content
 
 
 @dataclass(frozen=True, eq=False)

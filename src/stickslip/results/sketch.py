@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.errors import InputError
+from stickslip.core.plain_data import same_content
 from stickslip.core.validation import FloatArray, finite_array
-from stickslip.results.response import same_content
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,8 +19,9 @@ import numpy as np
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import ResultsFileError
 from stickslip.core.files import whole_file
+from stickslip.core.plain_data import plain
 from stickslip.core.validation import FloatArray
-from stickslip.results.record import StudyRecord, plain
+from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse, LinearCurves
 from stickslip.results.rough_patch import RoughPatch
 from stickslip.results.sketch import Sketch

@@ -36,7 +36,7 @@ def two_cubes(gap=0.0, shift=0.0):
 
 
 def test_reference_pairs(pairs):
-    with np.load(Path(__file__).parents[1] / "data" / "two_blade_mesh.npz") as reference:
+    with np.load(Path(__file__).parents[2] / "data" / "two_blade_mesh.npz") as reference:
         assert pairs.n_pairs == len(reference["pair_area_m2"]) == 110
         points = reference["points_m"]
         np.testing.assert_allclose(pairs.points, points[reference["pair_damper_node"]], atol=1e-12)

@@ -30,7 +30,7 @@ from stickslip.contact.stiffness.fractal import (
 )
 from stickslip.core.errors import InputError
 
-TABLE = Path(__file__).parents[1] / "data" / "fractal_stiffness.csv"
+TABLE = Path(__file__).parents[2] / "data" / "fractal_stiffness.csv"
 quick = settings(max_examples=60, deadline=None, derandomize=True)
 
 

@@ -1,6 +1,6 @@
 """Makes two_blades.msh again: python tests/data/two_blades/make_two_blades_msh.py [FILE]; needs the module gmsh.
 
-The two blades and the damper of ``model/kinds/two_blade_mesh.py`` in quadratic tetrahedra, in mm. Everything is written out
+The two blades and the damper of ``two_blade_mesh.py`` in quadratic tetrahedra, in mm. Everything is written out
 here, so that the file needs nothing of this project. The meshes of damper and platforms do not match: the damper is
 finer, and no body shares nodes with another.
 

@@ -17,7 +17,7 @@ from stickslip.results.storage import load_results
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes
 
-STUDY = Path(__file__).parents[1] / "examples" / "two_blades_gmsh" / "study.toml"
+STUDY = Path(__file__).parents[3] / "examples" / "two_blades_gmsh" / "study.toml"
 RIGID = 1e16  # N/m3: to the frequencies no different from tied faces
 BOUND = 0.02  # of the frequencies of the bricks
 

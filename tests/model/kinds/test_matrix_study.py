@@ -12,7 +12,7 @@ import scipy.io
 import scipy.sparse
 from typer.testing import CliRunner
 
-from own_cases import QUICK, mesh_case, write_matrices
+from own_cases import MATRIX_STUDY, QUICK, mesh_case, write_matrices
 from stickslip.case.case import Case, load_case
 from stickslip.cli.main import app
 from stickslip.core.errors import InputError
@@ -22,40 +22,12 @@ from stickslip.results.storage import load_results
 from stickslip.structure.floating_parts import parts_of
 from stickslip.structure.joined import joined_modes
 
-STUDY = """\
-[structure]
-kind = "matrices"
-file = "superelement.npz"
-[interfaces.lid]
-first = "lid"
-second = "ground"
-normal = [0, 0, 1]
-area = "160 mm^2"
-normal_load = "40 N"
-normal_stiffness = "2e7 N/m"
-tangential_stiffness = "1.6e7 N/m"
-[forces.push]
-set = "lid"
-direction = [1, 0, 0]
-amplitude = "8 N"
-[responses.block]
-point = ["48 mm", "3.67 mm", "14 mm"]
-direction = [1, 0, 0]
-[solver]
-frequency_start = "1 kHz"
-frequency_stop = "9 kHz"
-harmonics = 1
-samples = 64
-[output]
-figure_formats = []
-"""
-
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("matrices")
     write_matrices(folder, mesh_case())
-    (folder / "study.toml").write_text(STUDY, encoding="utf-8")
+    (folder / "study.toml").write_text(MATRIX_STUDY, encoding="utf-8")
     return folder
 
 
@@ -106,7 +78,7 @@ def test_separate_files_and_a_list_of_pairs_give_the_same_frequencies(folder: Pa
     rows += [f"{10_000 + mode}, other" for mode in range(found.size - 3 * nodes.size)]
     (tmp_path / "unknowns.csv").write_text("\n".join([*rows, ""]), encoding="utf-8")
     (tmp_path / "pairs.csv").write_text("\n".join([*map(str, found.node_sets["lid"]), ""]), encoding="utf-8")
-    text = STUDY.replace(
+    text = MATRIX_STUDY.replace(
         'file = "superelement.npz"',
         'stiffness = "stiffness.mtx"\nmass = "mass.mtx"\nunknown_map = "unknowns.csv"\nlength_unit = "m"',
     ).replace('first = "lid"\nsecond = "ground"', 'pairs = "pairs.csv"')
@@ -180,7 +152,7 @@ def test_a_body_without_contact_that_nothing_holds_is_refused(folder: Path, tmp_
     block = part[np.isin(found.boundary_nodes, found.node_sets["lid"])]
     beam = found.boundary_nodes[part != block[0]]
     write_superelement(tmp_path, replace(found, node_sets={"lid": beam[:4]}, recovery=None))
-    text = STUDY.replace('"superelement.npz"', f'"{tmp_path / "superelement.npz"}"')
+    text = MATRIX_STUDY.replace('"superelement.npz"', f'"{tmp_path / "superelement.npz"}"')
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     result = CliRunner().invoke(app, ["check", str(tmp_path / "study.toml")])
     assert result.exit_code == 2
@@ -227,6 +199,6 @@ def test_a_file_of_another_kind_and_a_missing_map_are_told(folder: Path, tmp_pat
     for name in ("stiffness", "mass"):
         scipy.io.mmwrite(tmp_path / f"{name}.mtx", scipy.sparse.coo_matrix(getattr(found, name)), precision=17)
     files = 'stiffness = "stiffness.mtx"\nmass = "mass.mtx"\nlength_unit = "m"'
-    (tmp_path / "study.toml").write_text(STUDY.replace('file = "superelement.npz"', files), encoding="utf-8")
+    (tmp_path / "study.toml").write_text(MATRIX_STUDY.replace('file = "superelement.npz"', files), encoding="utf-8")
     with pytest.raises(InputError, match=r"structure\.unknown_map: no node of the matrices has unknowns along"):
         set_up(load_case(tmp_path / "study.toml"))

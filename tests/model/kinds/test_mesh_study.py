@@ -18,7 +18,7 @@ from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
 from stickslip.study import run as study
 
-CUBES = Path(__file__).parent / "data" / "models" / "cubes.bdf"
+CUBES = Path(__file__).parents[2] / "data" / "models" / "cubes.bdf"
 DENSITY = "8200 kg/m^3"
 HEAVY = "body 'damper' has the density 3.1e+04 kg/m3, outside 100 to 30000 kg/m3"
 

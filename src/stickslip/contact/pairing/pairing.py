@@ -92,7 +92,7 @@ def pair_surfaces(
         ``nodes``: the nodes of the first face with their tributary areas; as many pairs as nodes, so this is the choice
         for large models. Take the finer face as the first. A uniform pressure spreads somewhat unevenly over the
         second face, less with a finer first face (docs/pairing.md has figures). ``quadrature``: integration points in
-        the cells that the sides of both faces cut (:mod:`stickslip.contact.pairing.segmentation`); a uniform pressure goes
+        the cells that the sides of both faces cut (``segmentation.py``); a uniform pressure goes
         through to round-off where the sides are triangles or parallelograms, but there are 5 to 20 times as many pairs.
     search_distance:
         m, the largest distance along the normal, apart or overlapping; by default a fifth of the mean side length of

@@ -3,7 +3,7 @@
 ``k`` holds the springs of the pairs that are closed at rest; pairs that are open there have none until they close. With
 ``Kbar = K + B^T k B`` and ``Z_h(w) = Kbar - (h w)^2 M + i h w C`` the compliance of the pairs is
 ``A_h(w) = B Z_h^-1 B^T`` and the linear stuck response ``r_h = B Z_h^-1 P_h``. All of it goes through the modes of the
-stuck structure (:mod:`stickslip.solve.harmonic.gain`). The mean (h = 0) is different where sliders are released: a stuck pair
+stuck structure (``gain.py``). The mean (h = 0) is different where sliders are released: a stuck pair
 then carries no mean traction (its slider sits at the mean displacement), so ``k`` holds only the normal springs there.
 """
 

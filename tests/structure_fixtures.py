@@ -1,3 +1,5 @@
+"""Fixtures of meshes, for tests of structures and of the two blades."""
+
 import csv
 from pathlib import Path
 
@@ -11,7 +13,7 @@ from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.elasticity import Material, assemble
 from stickslip.structure.mesh import Mesh
 
-DATA = Path(__file__).parents[1] / "data"
+DATA = Path(__file__).parent / "data"
 
 
 def brick_block(counts, lengths, distortion=0.0):
