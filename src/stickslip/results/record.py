@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.errors import InputError
-from stickslip.core.plain_data import same_content
+from stickslip.core.plain_data import plain, same_content
 from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.response import ForcedResponse
 from stickslip.results.rough_patch import RoughPatch

@@ -7,8 +7,8 @@ import pytest
 
 from paper_curves import curve
 from stickslip.core.errors import ResultsFileError
+from stickslip.core.plain_data import same_content
 from stickslip.papers.rough_damper.records import Solved, rigid_shares
-from stickslip.results.response import same_content
 
 POINTS = np.random.default_rng(3).normal(size=(20, 3)) * 1e-2
 
