@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb import HarmonicForce, Update, harmonic_force, harmonic_tangent
 from stickslip.core.validation import FloatArray
-from stickslip.solve.harmonic.compliance import Compliance
+from stickslip.solve.excitation import ExcitationForce
+from stickslip.solve.harmonic.compliance import Compliance, ExternalForce
 
 SEPARATING = 2
 
@@ -77,7 +78,7 @@ class Balance:
     pairs:
         contact pairs.
     force:
-        (2H+1, n) N, coefficients of the external force.
+        the external force.
     samples:
         time samples per period for the friction law.
     update:
@@ -88,7 +89,7 @@ class Balance:
         self,
         compliance: Compliance,
         pairs: ContactPairs,
-        force: FloatArray,
+        force: ExcitationForce,
         samples: int,
         update: Update,
     ) -> None:
@@ -103,20 +104,34 @@ class Balance:
         self._springs = np.repeat(springs.reshape(1, -1), 2 * self.harmonics + 1, axis=0)
         if pairs.released:
             self._springs[0] = (springs * np.array([0.0, 0.0, 1.0])).ravel()
-        self._external = compliance.external(force)
+        self._terms = [(power, compliance.external(array)) for power, array in force.terms]
 
     @property
     def rows(self) -> int:
         """Number m of rows of relative displacement."""
         return 3 * self.pairs.n_pairs
 
+    def _external(self, omega: float, load: float) -> ExternalForce:
+        """``load`` times the external force at ``omega``."""
+        (power, first), *others = self._terms
+        external = first.times(load * omega**power)
+        for power, term in others:
+            external = external.plus(term.times(load * omega**power))
+        return external
+
+    def applied(self, trials: Sequence[Trial]) -> FloatArray:
+        """(n_trials, 2H+1, n) N, the external force at each trial."""
+        omega, load = (np.array([getattr(trial, name) for trial in trials]) for name in ("omega", "load"))
+        parts = [(load * omega**power)[:, None, None] * array for power, array in self.force.terms]
+        return np.asarray(sum(parts))
+
     def linear(self, omega: float, load: float = 1.0) -> FloatArray:
         """Relative displacement (2H+1, m) with every contact stuck, under ``load`` times the force."""
-        still, external = np.zeros((2 * self.harmonics + 1, self.rows)), self._external.times(load)
-        return self.compliance.relative(self.compliance.amplitude(omega, external, still), external, still)
+        still, external = np.zeros((2 * self.harmonics + 1, self.rows)), self._external(omega, load)
+        return self.compliance.relative(self.compliance.amplitude(omega, external, still), still)
 
     def evaluate(self, relative: FloatArray, omega: float, load: float = 1.0) -> Trial:
-        """Contact force, deviation and residual; what no force depends on follows from the forces (:meth:`acting`)."""
+        """Contact force, deviation and residual; what no force depends on follows (:meth:`determined`)."""
         coefficients = np.ascontiguousarray(relative.T).reshape(self.pairs.n_pairs, 3, -1)
         contact = harmonic_force(coefficients, self.pairs, self.samples, self.update)
         deviation = contact.force.reshape(self.rows, -1).T - self._springs * relative
@@ -126,14 +141,14 @@ class Balance:
         deviation[:, 0::3][:, still] = 0.0
         deviation[:, 1::3][:, still] = 0.0
         deviation[:, 2::3][:, closed] = 0.0
-        external = self._external.times(load)
+        external = self._external(omega, load)
         amplitude = self.compliance.amplitude(omega, external, deviation)
-        answer = self.compliance.relative(amplitude, external, deviation)
-        residual = self.acting(relative - answer)
+        answer = self.compliance.relative(amplitude, deviation)
+        residual = self.determined(relative - answer)
         if self.pairs.released:
             relative = relative.copy()
             relative[0].reshape(-1, 3)[:, :2] = answer[0].reshape(-1, 3)[:, :2]
-        error = max(_share(residual, self.acting(relative)), self._closing_error(residual, contact))
+        error = max(_share(residual, self.determined(relative)), self._closing_error(residual, contact))
         return Trial(omega, load, relative, deviation, contact, amplitude, residual, error)
 
     def _closing_error(self, residual: FloatArray, contact: HarmonicForce) -> float:
@@ -149,7 +164,7 @@ class Balance:
         force = springs[:, :, None] * residual.T.reshape(self.pairs.n_pairs, 3, -1)[closing]
         return _share(force, contact.force)
 
-    def acting(self, relative: FloatArray) -> FloatArray:
+    def determined(self, relative: FloatArray) -> FloatArray:
         """A copy (2H+1, m) without what no contact force depends on: the mean tangential displacements if released.
 
         The slider of a released pair starts at the mean of its motion, so these means only follow from the forces.
@@ -161,19 +176,36 @@ class Balance:
         return part
 
     def displacement(self, trials: Sequence[Trial]) -> FloatArray:
-        """All unknowns (n_trials, 2H+1, n) of trials of the same load."""
+        """All unknowns (n_trials, 2H+1, n)."""
         amplitude = np.array([trial.amplitude for trial in trials])
         deviation = np.array([trial.deviation for trial in trials])
-        return self.compliance.displacement(amplitude, self._external.times(trials[0].load), deviation)
+        return self.compliance.displacement(amplitude, deviation)
 
     def amplitude_slope(self, trial: Trial) -> FloatArray:
-        """Derivative (2H, n) of the modal amplitudes by ``omega`` at fixed deviation."""
-        return self.compliance.gain.slope(trial.omega, trial.amplitude)
+        """Derivative (2H, n) of the modal amplitudes by ``omega`` at fixed deviation and load."""
+        slope = self.compliance.gain.slope(trial.omega, trial.amplitude)
+        if not self.force.is_constant:
+            still = np.zeros((2 * self.harmonics + 1, self.rows))
+            for power, term in self._terms:
+                if power:
+                    growth = term.times(trial.load * power * trial.omega ** (power - 1))
+                    slope = slope + self.compliance.amplitude(trial.omega, growth, still)
+        return slope
 
     def frequency_slope(self, trial: Trial) -> FloatArray:
         """dR/dw (2H+1, m) at fixed x."""
         still = np.zeros_like(trial.relative)
-        return -self.compliance.relative(self.amplitude_slope(trial), None, still)
+        return -self.compliance.relative(self.amplitude_slope(trial), still)
+
+    def load_amplitude(self, omega: float) -> FloatArray:
+        """Derivative (2H, n) of the modal amplitudes by the load at fixed deviation."""
+        return self.compliance.amplitude(
+            omega, self._external(omega, 1.0), np.zeros((2 * self.harmonics + 1, self.rows))
+        )
+
+    def load_slope(self, trial: Trial) -> FloatArray:
+        """dR/dload (2H+1, m) at fixed x: minus the linear answer to the force."""
+        return -self.linear(trial.omega)
 
     def deviation_tangent(self, active: ActiveRows, trial: Trial) -> FloatArray:
         """D (n_moving, 3, 2H+1, 3, 2H+1): derivative of the deviation of the moving pairs."""

@@ -96,7 +96,7 @@ def check_resolution(
     spread = np.linspace(0, len(trials) - 1, min(limit, len(trials))).round().astype(int)
     chosen = [trials[i] for i in sorted({*spread.tolist(), int(np.argmax(size))})]
     residuals = np.array([_fine_residuals(fine, trial) for trial in chosen])
-    excited: NDArray[np.bool_] = np.abs(fine.force).max(axis=1) > 0
+    excited: NDArray[np.bool_] = np.abs(fine.applied(chosen)).max(axis=(0, 2)) > 0
     shares = [last_harmonic_share(trial.amplitude, excited) for trial in chosen]
     known = [share for share in shares if share is not None]
     sample, neglected = residuals.argmax(axis=0)

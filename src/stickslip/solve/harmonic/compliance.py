@@ -44,15 +44,17 @@ NEAR_RANGE = 30.0
 
 @dataclass(frozen=True)
 class ExternalForce:
-    """The external force as the stuck structure sees it."""
+    """The external force as the stuck structure sees it; it has no mean."""
 
     modal: FloatArray  # (2H, n) modal forces of the harmonics
-    mean: FloatArray  # (n,) N, on the unknowns
-    mean_relative: FloatArray  # (m,) m, relative displacement that the mean force causes
 
     def times(self, factor: float) -> ExternalForce:
         """The force with another size."""
-        return ExternalForce(factor * self.modal, factor * self.mean, factor * self.mean_relative)
+        return ExternalForce(factor * self.modal)
+
+    def plus(self, other: ExternalForce) -> ExternalForce:
+        """The sum of two forces."""
+        return ExternalForce(self.modal + other.modal)
 
 
 @dataclass(frozen=True)
@@ -190,9 +192,8 @@ class Compliance:
         return np.asarray(self._restraint * mean_relative.reshape(shape)[..., :2])
 
     def external(self, force: FloatArray) -> ExternalForce:
-        """What a force (2H+1, n) does, computed once."""
-        mean = self._operator @ self._mean.solve(force[0]) if force[0].any() else np.zeros(len(self._operator))
-        return ExternalForce(force[1:] @ self._modes, force[0], mean)
+        """What a force (2H+1, n) without mean does, computed once."""
+        return ExternalForce(force[1:] @ self._modes)
 
     def amplitude(self, omega: float, external: ExternalForce | None, deviation: FloatArray) -> FloatArray:
         """Modal amplitudes (2H, n) under an external force and ``-B^T deviation``, deviation (2H+1, m)."""
@@ -205,20 +206,33 @@ class Compliance:
             force += external.modal
         return self.gain.answer(omega, force)
 
-    def relative(self, amplitude: FloatArray, external: ExternalForce | None, deviation: FloatArray) -> FloatArray:
-        """``B u`` (2H+1, m) of amplitudes, with the mean under the same forces."""
+    def relative(self, amplitude: FloatArray, deviation: FloatArray) -> FloatArray:
+        """``B u`` (2H+1, m) of amplitudes, with the mean under the deviation."""
         answer = np.empty((amplitude.shape[0] + 1, len(self._operator)))
         answer[0] = -(self._mean_contact @ deviation[0]) if deviation[0].any() else 0.0
-        if external is not None:
-            answer[0] += external.mean_relative
         np.matmul(amplitude, self._contact_modes.T, out=answer[1:])
         return answer
 
-    def displacement(self, amplitude: FloatArray, external: ExternalForce, deviation: FloatArray) -> FloatArray:
+    def amplitude_transposed(self, omega: float, weights: FloatArray) -> FloatArray:
+        """Derivative (2H+1, m) of ``sum(weights * amplitude)`` by the deviation, for weights (2H, n).
+
+        The gains are complex symmetric: the sines change sign twice, as in :meth:`NewtonCompliance.apply_transposed`.
+        """
+        flipped = weights.copy()
+        flipped[1::2] *= -1.0
+        modal = self.gain.answer(omega, flipped)
+        modal[1::2] *= -1.0
+        return np.vstack([np.zeros((1, len(self._operator))), -(modal @ self._contact_modes.T)])
+
+    def output_modes(self, output: FloatArray) -> FloatArray:
+        """What the modes (n,) contribute to a row ``output`` (n,) of the unknowns."""
+        return np.asarray(output @ self._modes)
+
+    def displacement(self, amplitude: FloatArray, deviation: FloatArray) -> FloatArray:
         """All unknowns (..., 2H+1, n) of amplitudes (..., 2H, n) and deviations (..., 2H+1, m)."""
         shape = amplitude.shape
         answer = np.empty((*shape[:-2], shape[-2] + 1, shape[-1]))
-        force = external.mean - deviation[..., 0, :] @ self._operator
+        force = -(deviation[..., 0, :] @ self._operator)
         answer[..., 0, :] = self._mean.solve(force.T).T
         answer[..., 1:, :] = (amplitude.reshape(-1, shape[-1]) @ self._modes.T).reshape(shape)
         return answer

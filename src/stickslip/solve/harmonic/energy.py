@@ -34,7 +34,7 @@ class CurveMeasures:
 def measure_curve(
     trials: Sequence[Trial], balance: Balance, superelement: Superelement, stuck: StuckStructure
 ) -> CurveMeasures:
-    """Displacement, energies per cycle, and the residual of the equation of motion itself, of points of one load."""
+    """Displacement, energies per cycle, and the residual of the equation of motion itself, of points."""
     parts = [
         _measure(trials[first : first + CHUNK], balance, superelement, stuck) for first in range(0, len(trials), CHUNK)
     ]
@@ -60,9 +60,10 @@ def _measure(
     by_direction[np.array([trial.contact.state for trial in trials]) == 0] = 0.0
     quadratic = balance.compliance.gain.viscous_form(np.array([trial.amplitude for trial in trials]))
     viscous = np.pi * omega * ((quadratic[:, 0::2] + quadratic[:, 1::2]) * order[:, 0] ** 2).sum(axis=1)
-    residual = _equation_residuals(trials, displacement, contact, balance, superelement, stuck)
+    applied = balance.applied(trials)
+    residual = _equation_residuals(trials, displacement, contact, applied, balance, superelement, stuck)
     # The input is the work of the force; its sign convention makes it positive where energy goes in.
-    given = _work(order, displacement, balance.force).sum(axis=1)
+    given = _work(order, displacement, applied).sum(axis=1)
     return CurveMeasures(displacement, by_direction.sum(axis=2), by_direction[:, :, 2], given, viscous, residual)
 
 
@@ -76,6 +77,7 @@ def _equation_residuals(
     trials: Sequence[Trial],
     displacement: FloatArray,
     contact: FloatArray,
+    applied: FloatArray,
     balance: Balance,
     superelement: Superelement,
     stuck: StuckStructure,
@@ -85,14 +87,13 @@ def _equation_residuals(
     contact = contact.copy()
     contact[:, 0].reshape(len(trials), -1, 3)[:, :, :2] += balance.compliance.restraint_force(means)
     joint = contact @ balance.pairs.operator
-    load = np.array([trial.load for trial in trials])[:, None, None]
     order = np.arange(1, balance.harmonics + 1)[:, None] * np.array([trial.omega for trial in trials])[:, None, None]
     size = displacement.shape[-1]
     flat = displacement.reshape(-1, size)
-    left = (flat @ superelement.stiffness).reshape(displacement.shape) + joint - load * balance.force
+    left = (flat @ superelement.stiffness).reshape(displacement.shape) + joint - applied
     inertia = (flat @ superelement.mass).reshape(displacement.shape)[:, 1:]
     viscous = (flat @ stuck.damping).reshape(displacement.shape)[:, 1:]
     left[:, 1::2] += -(order**2) * inertia[:, 0::2] + order * viscous[:, 1::2]
     left[:, 2::2] += -(order**2) * inertia[:, 1::2] - order * viscous[:, 0::2]
-    scale = np.linalg.norm(balance.force) + np.linalg.norm(joint, axis=(1, 2))
+    scale = np.linalg.norm(applied, axis=(1, 2)) + np.linalg.norm(joint, axis=(1, 2))
     return np.asarray(np.linalg.norm(left, axis=(1, 2)) / scale)

@@ -7,6 +7,7 @@ import scipy.linalg
 
 from stickslip.core.validation import FloatArray
 from stickslip.results.response import LinearCurves
+from stickslip.solve.excitation import ExcitationForce
 from stickslip.solve.harmonic.damping import modal_basis
 from stickslip.solve.harmonic.gain import ComplexArray, to_complex
 from stickslip.structure.superelement import RIGID_BODY_HZ
@@ -48,6 +49,11 @@ class LinearLimit:
             return None
         return float((self._diagonal[inside] / (2.0 * self.circular_frequency[inside])).max())
 
+    def response_to(self, omega: FloatArray, force: ExcitationForce) -> FloatArray:
+        """Displacement coefficients (n_frequencies, n, 2H+1) under an excitation; the mean is left at zero."""
+        parts = [(omega**power)[:, None, None] * self.response(omega, array) for power, array in force.terms]
+        return np.asarray(sum(parts))
+
     def response(self, omega: FloatArray, force: FloatArray) -> FloatArray:
         """Displacement coefficients (n_frequencies, n, 2H+1) under ``force`` (2H+1, n); the mean is left at zero."""
         amplitudes = to_complex(force[1:])
@@ -82,15 +88,15 @@ def _product(matrix: FloatArray, amplitudes: ComplexArray) -> ComplexArray:
 
 
 def linear_curves(
-    stuck: LinearLimit, free: LinearLimit, force: FloatArray, window_hz: tuple[float, float], shown_modes: int = 12
+    stuck: LinearLimit, free: LinearLimit, force: ExcitationForce, window_hz: tuple[float, float], shown_modes: int = 12
 ) -> LinearCurves:
-    """Stuck and free response to ``force`` (2H+1, n) over the window, refined around their natural frequencies."""
+    """Stuck and free response to ``force`` over the window, refined around their natural frequencies."""
     frequency_hz = _refined_grid(window_hz, np.concatenate([stuck.natural_hz, free.natural_hz]))
     omega = 2.0 * np.pi * frequency_hz
     return LinearCurves(
         frequency_hz=frequency_hz,
-        stuck=stuck.response(omega, force),
-        free=free.response(omega, force),
+        stuck=stuck.response_to(omega, force),
+        free=free.response_to(omega, force),
         stuck_frequency_hz=stuck.natural_hz[:shown_modes],
         free_frequency_hz=free.natural_hz[free.natural_hz > RIGID_BODY_HZ][:shown_modes],
     )

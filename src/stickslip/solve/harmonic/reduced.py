@@ -1,4 +1,4 @@
-"""Solve the reduced Newton system (I + D A) dd = -D R, bordered by the frequency and one scalar constraint.
+"""Solve the reduced Newton system (I + D A) dd = -D R, bordered by k parameters and as many scalar equations.
 
 A small system is factored. A large one is solved by GMRES without ever forming the matrix: A is a static compliance
 plus a few modes, D works pair by pair. The structure around a joint is stiff compared with what friction lets go, so
@@ -8,8 +8,11 @@ that one Newton step can use; where they do not, the matrix is formed and factor
 
 from __future__ import annotations
 
+import math
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -18,6 +21,7 @@ from scipy.sparse.linalg import LinearOperator, gmres
 
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import ActiveRows, Balance, Trial
+from stickslip.solve.path.problem import Step
 
 # Below this size a factor costs less than some tens of iterations.
 DIRECT_SIZE = 300
@@ -25,12 +29,15 @@ MAX_ITERATIONS = 120
 
 
 @dataclass(frozen=True)
-class Step:
-    """A solution of the Newton system: changes of x, of the deviation (both (2H+1, m)) and of the frequency."""
+class Row:
+    """A scalar equation beside the balance, ``relative . dx + deviation . dd + parameters . dp = value``.
 
-    relative: FloatArray
-    deviation: FloatArray
-    omega: float
+    ``relative`` and ``deviation`` are (2H+1, m), zero where None; ``parameters`` is (k,).
+    """
+
+    parameters: FloatArray
+    relative: FloatArray | None = None
+    deviation: FloatArray | None = None
 
 
 class NewtonSystem:
@@ -93,49 +100,73 @@ class NewtonSystem:
 
 
 class BorderedSystem:
-    """A Newton system with one border: ``R_x dx + R_w dw = -R`` and ``weights . dx + weight dw = constraint``.
+    """A Newton system with k borders: ``R_x dx + R_p dp = -R`` and k rows, see :class:`Row`.
 
-    With ``dx = -R - R_w dw - A dd`` the unknowns are ``dd`` and ``dw``. The border is scaled to unit length, so that
+    With ``dx = -R - R_p dp - A dd`` the unknowns are ``dd`` and ``dp``. Each border is scaled to unit length, so that
     one tolerance serves for all rows.
+
+    Parameters
+    ----------
+    slopes:
+        (k, 2H+1, m), the derivatives R_p.
+    rows:
+        k of them.
     """
 
-    def __init__(self, system: NewtonSystem, slope: FloatArray, weights: FloatArray, weight: float) -> None:
+    def __init__(self, system: NewtonSystem, slopes: Sequence[FloatArray], rows: Sequence[Row]) -> None:
         self.system = system
-        self._slope, self._weights = slope, weights
-        column = system.deviation_change(slope)
-        row = -system.compliance.apply_transposed(weights).ravel()
-        corner = weight - float((weights * slope).sum())
-        size = float(np.linalg.norm(column))
-        self._column_scale = 1.0 / size if size > 0.0 else 1.0
-        length = float(np.hypot(np.linalg.norm(row), self._column_scale * corner))
-        self._row_scale = 1.0 / length if length > 0.0 else 1.0
-        self._column = self._column_scale * column
-        self._row = self._row_scale * row
-        self._corner = self._row_scale * self._column_scale * corner
+        self._slopes, self._rows = slopes, rows
+        columns = [system.deviation_change(slope) for slope in slopes]
+        lines, corner = [], np.array([row.parameters for row in rows]).reshape(len(rows), len(slopes))
+        for i, row in enumerate(rows):
+            line = np.zeros(system.size)
+            if row.relative is not None:
+                line -= system.compliance.apply_transposed(row.relative).ravel()
+                corner[i] -= [float((row.relative * slope).sum()) for slope in slopes]
+            if row.deviation is not None:
+                line += row.deviation[:, system.active.outputs].ravel()
+            lines.append(line)
+        self._column_scale = np.array([_inverse(float(np.linalg.norm(column))) for column in columns])
+        corner = corner * self._column_scale
+        self._row_scale = np.array(
+            [
+                _inverse(reduce(math.hypot, part, float(np.linalg.norm(line))))
+                for line, part in zip(lines, corner, strict=True)
+            ]
+        )
+        self._columns = [scale * column for scale, column in zip(self._column_scale, columns, strict=True)]
+        self._lines = [scale * line for scale, line in zip(self._row_scale, lines, strict=True)]
+        self._corner = self._row_scale[:, None] * corner
         self._factor: Any = None
 
-    def solve(self, residual: FloatArray, constraint: float, tolerance: float) -> Step:
-        """The step for a residual (2H+1, m) and a value of the constraint, to a relative ``tolerance``."""
+    def solve(self, residual: FloatArray, values: FloatArray, tolerance: float) -> Step:
+        """The step for a residual (2H+1, m) and the values (k,) of the rows, to a relative ``tolerance``.
+
+        ``Step.detail`` is the change (2H+1, m) of the deviation.
+        """
         system = self.system
-        right = np.append(
-            -system.deviation_change(residual),
-            self._row_scale * (constraint + float((self._weights * residual).sum())),
-        )
+        along = [0.0 if row.relative is None else float((row.relative * residual).sum()) for row in self._rows]
+        right = np.append(-system.deviation_change(residual), self._row_scale * (values + np.array(along)))
         answer = None
         if system.size > DIRECT_SIZE and self._factor is None:
             answer = self._iterated(right, tolerance)
         if answer is None:
             answer = self._factored(right)
-        omega = self._column_scale * float(answer[-1])
-        relative = -residual - self._slope * omega - system.comply(answer[:-1])
-        return Step(relative, system.scatter(answer[:-1]), omega)
+        inner = answer[: system.size]
+        parameters = self._column_scale * answer[system.size :]
+        relative = -residual
+        for slope, change in zip(self._slopes, parameters, strict=True):
+            relative = relative - slope * float(change)
+        return Step(relative - system.comply(inner), parameters, system.scatter(inner))
 
     def _apply(self, unknowns: FloatArray) -> FloatArray:
-        """The bordered matrix @ unknowns (size + 1,)."""
-        inner, border = unknowns[:-1], float(unknowns[-1])
+        """The bordered matrix @ unknowns (size + k,)."""
+        inner, border = unknowns[: self.system.size], unknowns[self.system.size :]
         answer = np.empty_like(unknowns)
-        answer[:-1] = self.system.apply(inner) + border * self._column
-        answer[-1] = float(self._row @ inner) + self._corner * border
+        answer[: self.system.size] = self.system.apply(inner)
+        for value, column in zip(border, self._columns, strict=True):
+            answer[: self.system.size] += float(value) * column
+        answer[self.system.size :] = [float(line @ inner) for line in self._lines] + self._corner @ border
         return answer
 
     def _iterated(self, right: FloatArray, tolerance: float) -> FloatArray | None:
@@ -150,11 +181,11 @@ class BorderedSystem:
         """The solution by a factor of the bordered matrix, which is kept."""
         if self._factor is None:
             size = self.system.size
-            bordered = np.empty((size + 1, size + 1))
+            bordered = np.empty((right.size, right.size))
             bordered[:size, :size] = self.system.matrix()
-            bordered[:size, size] = self._column
-            bordered[size, :size] = self._row
-            bordered[size, size] = self._corner
+            for i, (column, line) in enumerate(zip(self._columns, self._lines, strict=True)):
+                bordered[:size, size + i], bordered[size + i, :size] = column, line
+            bordered[size:, size:] = self._corner
             # A singular matrix gives a step that is not finite; Newton ends there and says so.
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", scipy.linalg.LinAlgWarning)
@@ -162,8 +193,6 @@ class BorderedSystem:
         return np.asarray(scipy.linalg.lu_solve(self._factor, right, check_finite=False))
 
 
-def bordered_system(
-    balance: Balance, trial: Trial, slope: FloatArray, weights: FloatArray, weight: float
-) -> BorderedSystem:
-    """The Newton system of ``trial`` bordered by dR/dw = ``slope`` and the row ``weights . dx + weight dw``."""
-    return BorderedSystem(NewtonSystem(balance, trial), slope, weights, weight)
+def _inverse(length: float) -> float:
+    """1 / length, and 1 where the length is zero."""
+    return 1.0 / length if length > 0.0 else 1.0

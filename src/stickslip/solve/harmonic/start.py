@@ -9,55 +9,62 @@ import numpy as np
 
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
-from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.balance import Balance
+from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve, LoadCurve
 from stickslip.solve.path.continuation import Branch
-from stickslip.solve.path.newton import Constraint, Correction, Newton
+from stickslip.solve.path.newton import Correction, Newton
+from stickslip.solve.path.problem import Plane
+
+# The ramp begins with this load, and first grows by so much; it is given up where the load grows by less than the last.
+FIRST_LOAD, FIRST_GROWTH, SMALLEST_GROWTH = 0.01, 0.09, 1e-4
+# Harmonics of the simpler balances, and frequencies as multiples of the first one, that are tried in turn.
+SIMPLER_HARMONICS = (1, 3)
+OUTSIDE = (0.97, 1.03, 0.9, 1.1)
 
 
 def first_point(
-    newton: Newton,
+    newton: Newton[BalancePoint],
+    curve: FrequencyCurve,
     omega: float,
     simpler: Callable[[int], Balance] | None = None,
-    walk: Callable[[Trial], Branch] | None = None,
-) -> tuple[Trial, str]:
-    """A converged solution at ``omega`` (rad/s) under the full load, and a sentence on how it was reached.
+    walk: Callable[[BalancePoint], Branch[BalancePoint]] | None = None,
+) -> tuple[BalancePoint, str]:
+    """A converged solution of ``curve`` at ``omega`` (rad/s), and a sentence on how it was reached.
 
-    ``simpler(h)`` gives the same balance with ``h`` harmonics, ``walk(trial)`` the branch from a solution at another
-    frequency to ``omega``; None leaves that way out. Raises ConvergenceError with
+    ``newton`` solves ``curve``. ``simpler(h)`` gives the same balance with ``h`` harmonics, ``walk(point)`` the branch
+    from a solution at another frequency to ``omega``; None leaves that way out. Raises ConvergenceError with
     the relative residual of each attempt when none succeeds.
     """
     attempts = []
-    balance = newton.balance
-    direct = _at(newton, balance.linear(omega), omega, 1.0)
+    balance = curve.balance
+    direct = _at_frequency(newton, curve, balance.linear(omega, curve.load), omega)
     if direct.converged:
-        return direct.trial, "The first point converged from the linear stuck response."
-    attempts.append(f"from the linear stuck response: relative residual {direct.trial.error:.1e}")
-    ramped, reached = _amplitude_ramp(newton, omega)
+        return direct.point, "The first point converged from the linear stuck response."
+    attempts.append(f"from the linear stuck response: relative residual {direct.point.error:.1e}")
+    ramped, reached = _amplitude_ramp(newton, curve, omega)
     if ramped is not None:
         return ramped, "The first point was reached by an amplitude ramp."
     attempts.append(f"amplitude ramp: stopped at {100 * reached:.1f} % of the force")
     if simpler is not None:
-        for harmonics in (1, 3):
+        for harmonics in SIMPLER_HARMONICS:
             if harmonics >= balance.harmonics:
                 break
-            start = _few_harmonics(newton, simpler(harmonics), omega)
+            start = _few_harmonics(newton, curve, simpler(harmonics), omega)
             if start.converged:
-                return start.trial, f"The first point was reached from a solution with {harmonics} harmonic(s)."
-            attempts.append(f"from {harmonics} harmonic(s): relative residual {start.trial.error:.1e}")
+                return start.point, f"The first point was reached from a solution with {harmonics} harmonic(s)."
+            attempts.append(f"from {harmonics} harmonic(s): relative residual {start.point.error:.1e}")
     if walk is not None:
-        for share in (0.97, 1.03, 0.9, 1.1):
-            outside = _at(newton, balance.linear(share * omega), share * omega, 1.0)
+        for multiple in OUTSIDE:
+            place = f"from {_hz(multiple * omega):.2f} Hz"
+            outside = _at_frequency(newton, curve, balance.linear(multiple * omega, curve.load), multiple * omega)
             if not outside.converged:
-                attempts.append(f"from {_hz(share * omega):.2f} Hz: relative residual {outside.trial.error:.1e}")
+                attempts.append(f"{place}: relative residual {outside.point.error:.1e}")
                 continue
-            branch = walk(outside.trial)
-            for _ in branch:
-                pass
+            branch = walk(outside.point)
+            branch.follow()
             if branch.complete:
-                return branch.points[
-                    -1
-                ].trial, f"The first point was reached from {_hz(share * omega):.2f} Hz, where it converged."
-            attempts.append(f"from {_hz(share * omega):.2f} Hz: {branch.message}")
+                return branch.points[-1].point, f"The first point was reached {place}, where it converged."
+            attempts.append(f"{place}: {branch.message}")
     raise ConvergenceError(
         f"no solution was found at the first frequency, {_hz(omega):.3f} Hz ({'; '.join(attempts)}). "
         "Start farther from the resonance, take more samples or fewer harmonics, or lower the force: contact that "
@@ -65,39 +72,51 @@ def first_point(
     )
 
 
-def _at(newton: Newton, guess: FloatArray, omega: float, load: float) -> Correction:
-    """Newton at fixed frequency and load."""
-    start = newton.balance.evaluate(guess, omega, load)
-    return newton.correct(start, Constraint.fixed(guess, omega))
+def _at_frequency(
+    newton: Newton[BalancePoint], curve: FrequencyCurve, guess: FloatArray, omega: float
+) -> Correction[BalancePoint]:
+    """Newton at a fixed frequency."""
+    return newton.correct(curve.at(guess, omega), Plane.fixed(guess, omega))
 
 
-def _amplitude_ramp(newton: Newton, omega: float) -> tuple[Trial | None, float]:
-    """Raise the force from a hundredth in adaptive steps: solution at full force or None, and the share reached."""
-    load, increment = 0.01, 0.09
-    point = _at(newton, newton.balance.linear(omega, load), omega, load)
-    if not point.converged:
+def _amplitude_ramp(
+    newton: Newton[BalancePoint], curve: FrequencyCurve, omega: float
+) -> tuple[BalancePoint | None, float]:
+    """Raise the force from a hundredth in adaptive steps: solution at full force or None, and the fraction reached."""
+    ramp = LoadCurve(curve.balance, omega)
+    ramp_newton = Newton(ramp, newton.settings, newton.on_iteration)
+
+    def at(guess: FloatArray, load: float) -> Correction[BalancePoint]:
+        return ramp_newton.correct(ramp.at(guess, load), Plane.fixed(guess, load))
+
+    load, growth = FIRST_LOAD, FIRST_GROWTH
+    correction = at(curve.balance.linear(omega, load * curve.load), load * curve.load)
+    if not correction.converged:
         return None, 0.0
-    current = point.trial
+    point = correction.point
     while load < 1.0:
-        if increment < 1e-4:
+        if growth < SMALLEST_GROWTH:
             return None, load
-        target = min(1.0, load + increment)
-        correction = _at(newton, current.relative * (target / load), omega, target)
+        target = min(1.0, load + growth)
+        correction = at(point.unknowns * (target / load), target * curve.load)
         if correction.converged:
-            current, load = correction.trial, target
-            increment *= 1.6
+            point, load = correction.point, target
+            growth *= 1.6
         else:
-            increment *= 0.5
-    return current, 1.0
+            growth *= 0.5
+    return curve.at(point.unknowns, omega), 1.0
 
 
-def _few_harmonics(newton: Newton, simple: Balance, omega: float) -> Correction:
+def _few_harmonics(
+    newton: Newton[BalancePoint], curve: FrequencyCurve, simple: Balance, omega: float
+) -> Correction[BalancePoint]:
     """Solve with fewer harmonics, then correct with all of them from there."""
-    balance = newton.balance
-    coarse = _at(Newton(simple, newton.settings, newton.told), simple.linear(omega), omega, 1.0)
-    guess = np.zeros((2 * balance.harmonics + 1, balance.rows))
-    guess[: coarse.trial.relative.shape[0]] = coarse.trial.relative
-    return _at(newton, guess, omega, 1.0)
+    few = FrequencyCurve(simple, curve.load)
+    few_newton = Newton(few, newton.settings, newton.on_iteration)
+    coarse = _at_frequency(few_newton, few, simple.linear(omega, curve.load), omega).point
+    guess = np.zeros((2 * curve.balance.harmonics + 1, curve.balance.rows))
+    guess[: coarse.unknowns.shape[0]] = coarse.unknowns
+    return _at_frequency(newton, curve, guess, omega)
 
 
 def _hz(omega: float) -> float:

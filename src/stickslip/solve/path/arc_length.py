@@ -1,4 +1,4 @@
-"""Directions of a branch, measured by the mass norm of the vibration and the frequency as shares of a picture."""
+"""Directions of a branch, measured by the norm of the motion and the parameter as shares of a picture."""
 
 from __future__ import annotations
 
@@ -6,42 +6,51 @@ import math
 from dataclasses import dataclass
 
 from stickslip.core.validation import FloatArray
-from stickslip.solve.harmonic.balance import Trial
+from stickslip.solve.path.problem import Point
 
 
 @dataclass(frozen=True)
 class Tangent:
-    """Direction of the branch: changes of x (2H+1, m), of the modal amplitudes (2H, n), and of the frequency."""
+    """Direction of the branch: changes of the unknowns, of the measured motion, and of the parameters (k,)."""
 
-    relative: FloatArray
-    amplitude: FloatArray
-    omega: float
+    unknowns: FloatArray
+    measured: FloatArray
+    parameters: FloatArray
+
+    @property
+    def parameter(self) -> float:
+        """Change of the parameter of the curve."""
+        return float(self.parameters[0])
 
     def times(self, factor: float) -> Tangent:
         """The direction with another length."""
-        return Tangent(factor * self.relative, factor * self.amplitude, factor * self.omega)
+        return Tangent(factor * self.unknowns, factor * self.measured, factor * self.parameters)
 
     def plus(self, other: Tangent) -> Tangent:
         """The sum of two directions."""
-        return Tangent(self.relative + other.relative, self.amplitude + other.amplitude, self.omega + other.omega)
+        return Tangent(
+            self.unknowns + other.unknowns, self.measured + other.measured, self.parameters + other.parameters
+        )
 
 
-def chord_between(before: Trial, after: Trial) -> Tangent:
+def chord_between(before: Point, after: Point) -> Tangent:
     """The change from one point to another."""
-    return Tangent(after.relative - before.relative, after.amplitude - before.amplitude, after.omega - before.omega)
+    return Tangent(
+        after.unknowns - before.unknowns, after.measured - before.measured, after.parameters - before.parameters
+    )
 
 
 @dataclass(frozen=True)
 class Metric:
-    """Inner product of directions: mass norm of the vibration over ``u_scale``, and frequency over ``w_scale``."""
+    """Inner product of directions: norm of the motion over ``motion_scale``, and parameter over ``parameter_scale``."""
 
-    u_scale: float
-    w_scale: float
+    motion_scale: float
+    parameter_scale: float
 
     def product(self, first: Tangent, second: Tangent) -> float:
         """Scaled inner product."""
-        vibration = float((first.amplitude * second.amplitude).sum())
-        return vibration / self.u_scale**2 + first.omega * second.omega / self.w_scale**2
+        motion = float((first.measured * second.measured).sum())
+        return motion / self.motion_scale**2 + first.parameter * second.parameter / self.parameter_scale**2
 
     def unit(self, tangent: Tangent) -> Tangent:
         """The direction with length 1."""

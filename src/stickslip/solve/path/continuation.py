@@ -1,25 +1,26 @@
-"""Follow a branch of periodic solutions in frequency by pseudo-arc length, through folds.
+"""Follow a branch of solutions along the first parameter of a problem by pseudo-arc length, through folds.
 
-Steps and angles are measured in ``(u / u_scale, w / w_scale)`` with the mass norm of the whole structure's vibration:
-``u_scale`` is the largest norm met so far and ``w_scale`` the width of the window, so a step is a share of the picture
-that the user sees. (The relative displacements of the pairs would be a poor measure: they have a kink wherever a pair
-begins to slip.) H. B. Keller, "Numerical solution of bifurcation and nonlinear eigenvalue problems" (1977), is the
-source of the method.
+Steps and angles are measured in ``(motion / motion_scale, parameter / width)``: ``motion_scale`` is the largest norm of
+the measured motion so far and ``width`` the range of the parameter, so a step is a fraction of the picture that the
+user sees. (For a joint the measured motion is the vibration of the whole structure; the relative displacements of the
+pairs would be a poor measure, since they have a kink wherever a pair begins to slip.)
+
+Source of the method: H. B. Keller, "Numerical solution of bifurcation and nonlinear eigenvalue problems" (1977).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Generic
 
 import numpy as np
 
 from stickslip.core.validation import FloatArray
-from stickslip.solve.harmonic.balance import Trial
-from stickslip.solve.harmonic.reduced import BorderedSystem
 from stickslip.solve.path.arc_length import Metric, Tangent, chord_between
-from stickslip.solve.path.newton import Constraint, Correction, Newton
+from stickslip.solve.path.newton import Correction, Newton
+from stickslip.solve.path.problem import Linearised, Plane, Point, PointT
 from stickslip.solve.path.visited import Visited
 
 # Relative accuracy of a tangent, which only predicts.
@@ -62,11 +63,34 @@ class ContinuationSettings:
 
 
 @dataclass(frozen=True)
-class BranchPoint:
+class BranchPoint(Generic[PointT]):
     """A converged point and the Newton iterations that it took."""
 
-    trial: Trial
+    point: PointT
     iterations: int
+
+
+@dataclass(frozen=True)
+class Accepted(Generic[PointT]):
+    """Event: a point was added to the branch; ``count`` is now its number of points."""
+
+    point: PointT
+    count: int
+
+
+@dataclass(frozen=True)
+class Retreat:
+    """Event: the last steps came back to the branch, and its points after the first ``count`` were removed."""
+
+    parameter: float
+    count: int
+
+
+@dataclass(frozen=True)
+class Corner:
+    """Event: a corner that turns back over less than one step was passed by a longer step."""
+
+    parameter: float
 
 
 class _Pace:
@@ -91,65 +115,70 @@ class _Pace:
             self.hurry()
 
 
-class Branch:
-    """An iterator over the points of a branch from ``start`` to ``stop_omega``.
+class Branch(Generic[PointT]):
+    """The branch from ``start`` to the value ``stop`` of the parameter.
 
-    After the iteration ``points`` is the branch (without the points that were taken back because they lay on another
-    curve, see ``retreats``), ``complete`` says whether the stop frequency was reached, and ``message`` says what
-    happened. ``retreats`` are the frequencies in Hz where that was so, ``crossings`` those of corners that turn back
-    and were passed by a longer step.
+    ``follow()`` walks it and returns the points that it keeps. ``on_event`` receives each point as it is accepted,
+    retreats (points are removed again because they are on another curve), and corners. Afterwards ``complete`` says
+    whether the stop was reached, ``message`` what happened; ``retreats`` and ``corners`` are the parameters of those
+    events.
     """
 
     def __init__(
         self,
-        newton: Newton,
-        start: Trial,
-        stop_omega: float,
+        newton: Newton[PointT],
+        start: PointT,
+        stop: float,
         settings: ContinuationSettings,
+        on_event: Callable[[Accepted[PointT] | Retreat | Corner], None] | None = None,
     ) -> None:
-        self._balance = newton.balance
+        self._problem = newton.problem
         self._start = start
-        self._stop = stop_omega
+        self._stop = stop
         self._newton = newton
         self._settings = settings
-        self._direction = math.copysign(1.0, stop_omega - start.omega)
-        self._width = abs(stop_omega - start.omega)
+        self._on_event = on_event or (lambda event: None)
+        self._origin = _parameter(start)
+        self._direction = math.copysign(1.0, stop - self._origin)
+        self._width = abs(stop - self._origin)
         self._largest = 0.0
-        self._visited = Visited()
+        self._visited: Visited[PointT] = Visited()
         self._back: list[int] = []
-        self._left: Trial | None = None  # where the last retreat went, and how many before it went there too
+        self._left: PointT | None = None  # where the last retreat went, and how many before it went there too
         self._again = 0
         self._pace = _Pace(settings.largest_step)
-        self.points: list[BranchPoint] = []
+        self.points: list[BranchPoint[PointT]] = []
         self.retreats: list[float] = []
-        self.crossings: list[float] = []
+        self.corners: list[float] = []
         self.complete = False
         self.message = "The branch was not followed yet."
 
-    def __iter__(self) -> Iterator[BranchPoint]:
-        yield self._accept(BranchPoint(self._start, 0))
+    def follow(self) -> list[BranchPoint[PointT]]:
+        """Walk to the stop, or as far as possible; returns the points that belong to the branch."""
+        self._accept(BranchPoint(self._start, 0))
         tangent = self._first_tangent()
         bend, step = tangent.times(0.0), self._settings.first_step
         for _ in range(self._settings.max_points - 1):
-            point = self.points[-1].trial
+            point = self.points[-1].point
             outcome = self._advance(point, tangent, bend, min(step, self._pace.limit))
             if outcome is None:
-                return
+                return self.points
             correction, turned, taken, step = outcome
             self._pace.walked(taken)
-            if self._beyond_stop(correction.trial):
-                landed, iterations = self._land(point, correction.trial)
+            reached = _parameter(correction.point)
+            if (reached - self._stop) * self._direction >= 0.0:
+                landed, iterations = self._land(point, correction.point)
                 self.complete = True
-                self.message = "The stop frequency was reached."
-                yield self._accept(BranchPoint(landed, iterations + correction.iterations))
-                return
-            if (correction.trial.omega - self._start.omega) * self._direction < 0.0:
+                self.message = "The stop was reached."
+                self._accept(BranchPoint(landed, iterations + correction.iterations))
+                return self.points
+            if (reached - self._origin) * self._direction < 0.0:
                 self.message = (
-                    f"The branch turned back and left the window at {_hz(correction.trial.omega):.3f} Hz, where it had "
-                    "started. Start from the other end (swap start and stop), or widen the window."
+                    f"The branch turned back and left the range at {self._named(correction.point)}, where it had "
+                    "started. Start from the other end (swap start and stop), or widen the range."
                 )
-                return
-            yield self._accept(BranchPoint(correction.trial, correction.iterations))
+                return self.points
+            self._accept(BranchPoint(correction.point, correction.iterations))
             met = self._met()
             if met is None:
                 bend = turned.plus(tangent.times(-1.0)).times(1.0 / taken)
@@ -158,21 +187,25 @@ class Branch:
             if len(self.retreats) == MOST_RETREATS:
                 self.message = (
                     f"The branch came back to where it had been {MOST_RETREATS + 1} times, the last time at "
-                    f"{_hz(self.points[-1].trial.omega):.3f} Hz: other solutions lie too close to it. Take more "
+                    f"{self._named(self.points[-1].point)}: other solutions lie too close to it. Take more "
                     "samples, fewer harmonics, or more damping."
                 )
-                return
+                return self.points
             tangent, step = self._retreat(met)
             bend = tangent.times(0.0)
         self.message = (
             f"{self._settings.max_points} points were not enough; the branch had come to "
-            f"{_hz(self.points[-1].trial.omega):.3f} Hz. Raise max_points or narrow the window."
+            f"{self._named(self.points[-1].point)}. Raise max_points or narrow the range."
         )
+        return self.points
 
-    def _accept(self, point: BranchPoint) -> BranchPoint:
+    def _named(self, point: PointT) -> str:
+        return self._problem.named(_parameter(point))
+
+    def _accept(self, point: BranchPoint[PointT]) -> None:
         self.points.append(point)
-        self._visited.add(point.trial)
-        return point
+        self._visited.add(point.point)
+        self._on_event(Accepted(point.point, len(self.points)))
 
     def _met(self) -> int | None:
         """The point to go back to because the last step came back to the branch; None if it is new.
@@ -181,34 +214,34 @@ class Branch:
         turned round, the point that it met first. Newton, held to the plane through the earlier point and started on
         the chord, decides whether that point lies on the curve that is followed now, or on one beside it.
         """
-        trials = self._visited.trials
-        metric = self._measure(trials[-1])
-        chord = chord_between(trials[-2], trials[-1])
-        for index, share in self._visited.near_last_chord(metric.u_scale, metric.w_scale):
-            before, earlier = trials[-2], trials[index]
-            guess = self._balance.evaluate(
-                before.relative + share * chord.relative, before.omega + share * chord.omega, before.load
+        points = self._visited.points
+        metric = self._measure(points[-1])
+        chord = chord_between(points[-2], points[-1])
+        for index, share in self._visited.near_last_chord(metric.motion_scale, metric.parameter_scale):
+            before, earlier = points[-2], points[index]
+            guess = self._problem.evaluate(
+                before.unknowns + share * chord.unknowns, before.parameters + share * chord.parameters
             )
-            correction = self._newton.correct(guess, self._constraint(earlier, chord, 0.0))
-            if not (correction.converged and self._same(correction.trial, earlier, chord)):
+            correction = self._newton.correct(guess, self._plane(earlier, chord, 0.0))
+            if not (correction.converged and self._same(correction.point, earlier, chord)):
                 continue
-            if metric.product(chord, chord_between(earlier, trials[index + 1])) > 0.0:
+            if metric.product(chord, chord_between(earlier, points[index + 1])) > 0.0:
                 return max(index - 1, 0)
             self._back.append(index)
             return self._back[0] if len(self._back) == POINTS_BACK else None
         self._back.clear()
         return None
 
-    def _same(self, first: Trial, second: Trial, chord: Tangent) -> bool:
+    def _same(self, first: PointT, second: PointT, chord: Tangent) -> bool:
         """Whether two solutions are one point of a curve that was followed along ``chord``."""
 
-        def size(relative: FloatArray) -> float:
-            return float(np.linalg.norm(self._balance.acting(relative)))
+        def size(unknowns: FloatArray) -> float:
+            return float(np.linalg.norm(self._problem.determined(unknowns)))
 
-        allowed = SAME_POINT * size(chord.relative) + SAME_POINT_OF_SIZE * size(second.relative)
-        allowed_omega = SAME_POINT * abs(chord.omega) + SAME_POINT_OF_SIZE * second.omega
-        away = size(first.relative - second.relative)
-        return away <= allowed and abs(first.omega - second.omega) <= allowed_omega
+        allowed = SAME_POINT * size(chord.unknowns) + SAME_POINT_OF_SIZE * size(second.unknowns)
+        allowed_parameter = SAME_POINT * abs(chord.parameter) + SAME_POINT_OF_SIZE * abs(_parameter(second))
+        away = size(first.unknowns - second.unknowns)
+        return away <= allowed and abs(_parameter(first) - _parameter(second)) <= allowed_parameter
 
     def _retreat(self, last: int) -> tuple[Tangent, float]:
         """Forget the points after ``last``; the tangent there, and the next step.
@@ -216,13 +249,14 @@ class Branch:
         It is shorter than the one that left the branch; where shorter steps came back to the same place, longer ones
         are to pass it.
         """
-        trials = self._visited.trials
-        metric = self._measure(trials[-1])
-        onward = chord_between(trials[last], trials[last + 1])
+        points = self._visited.points
+        metric = self._measure(points[-1])
+        onward = chord_between(points[last], points[last + 1])
         length = math.sqrt(metric.product(onward, onward))
-        self._again = self._again + 1 if self._retreated_near(trials[last], length, metric) else 0
-        self._left = trials[last]
-        self.retreats.append(_hz(trials[last].omega))
+        self._again = self._again + 1 if self._retreated_near(points[last], length, metric) else 0
+        self._left = points[last]
+        self.retreats.append(_parameter(points[last]))
+        self._on_event(Retreat(_parameter(points[last]), last + 1))
         if self._again == 0:
             step = max(SHORTER * length, self._settings.smallest_step)
             self._pace.slow_down(step)
@@ -232,48 +266,46 @@ class Branch:
         del self.points[last + 1 :]
         self._visited.keep(last + 1)
         self._back.clear()
-        system = self._newton.border(trials[last], self._constraint(trials[last], onward, 0.0))
-        return metric.unit(self._direction_of(trials[last], system, 1.0)), step
+        system = self._problem.linearised(points[last], self._plane(points[last], onward, 0.0))
+        return metric.unit(self._direction_of(points[last], system, 1.0)), step
 
-    def _retreated_near(self, point: Trial, length: float, metric: Metric) -> bool:
+    def _retreated_near(self, point: PointT, length: float, metric: Metric) -> bool:
         """Whether the last retreat went to a point within a few steps of this one."""
         if self._left is None:
             return False
         away = chord_between(self._left, point)
         return metric.product(away, away) <= (LONGER * length) ** 2
 
-    def _measure(self, point: Trial) -> Metric:
+    def _measure(self, point: PointT) -> Metric:
         """The metric after ``point`` was reached."""
-        self._largest = max(self._largest, float(np.linalg.norm(point.amplitude)), 1e-300)
+        self._largest = max(self._largest, float(np.linalg.norm(point.measured)), 1e-300)
         return Metric(self._largest, self._width)
 
-    def _direction_of(self, point: Trial, system: BorderedSystem, constraint: float) -> Tangent:
-        """Tangent at ``point`` from a Newton system; ``constraint`` fixes its orientation."""
-        step = system.solve(np.zeros_like(point.relative), constraint, TANGENT_TOLERANCE)
-        change = self._balance.compliance.amplitude(point.omega, None, step.deviation)
-        change += step.omega * self._balance.amplitude_slope(point)
-        return Tangent(step.relative, change, step.omega)
+    def _direction_of(self, point: PointT, system: Linearised, along: float) -> Tangent:
+        """Tangent at ``point`` from a Newton system; ``along``, its component across the plane, orients it."""
+        step = system.solve(np.zeros_like(point.unknowns), np.zeros_like(point.conditions), -along, TANGENT_TOLERANCE)
+        return Tangent(step.unknowns, self._problem.measured_change(point, step), step.parameters)
 
     def _first_tangent(self) -> Tangent:
-        constraint = Constraint.fixed(self._start.relative, self._start.omega)
-        system = self._newton.border(self._start, constraint)
+        plane = Plane.fixed(self._start.unknowns, self._origin)
+        system = self._problem.linearised(self._start, plane)
         tangent = self._direction_of(self._start, system, self._direction)
         return self._measure(self._start).unit(tangent)
 
-    def _constraint(self, point: Trial, tangent: Tangent, step: float) -> Constraint:
-        """The plane across the tangent at its end, in (x, w); x is scaled so that both parts of the normal count."""
-        normal = self._balance.acting(tangent.relative)
-        x_size = max(float(np.linalg.norm(normal)), 1e-300)
-        return Constraint(
-            normal / x_size**2,
-            tangent.omega / self._width**2,
-            point.relative + step * tangent.relative,
-            point.omega + step * tangent.omega,
+    def _plane(self, point: PointT, tangent: Tangent, step: float) -> Plane:
+        """The plane across the tangent at its end; the unknowns are scaled so that both parts of the normal count."""
+        normal = self._problem.determined(tangent.unknowns)
+        size = max(float(np.linalg.norm(normal)), 1e-300)
+        return Plane(
+            normal / size**2,
+            tangent.parameter / self._width**2,
+            point.unknowns + step * tangent.unknowns,
+            _parameter(point) + step * tangent.parameter,
         )
 
     def _advance(
-        self, point: Trial, tangent: Tangent, bend: Tangent, step: float
-    ) -> tuple[Correction, Tangent, float, float] | None:
+        self, point: PointT, tangent: Tangent, bend: Tangent, step: float
+    ) -> tuple[Correction[PointT], Tangent, float, float] | None:
         """One accepted step: point, tangent, length, and next length; None (and a message) if none succeeds.
 
         ``bend`` is the change of the tangent over the last step per length: the guess follows the curvature. Where no
@@ -281,42 +313,43 @@ class Branch:
         branch there; a longer step may meet it behind the next corner, where it goes on.
         """
         settings, reason = self._settings, ""
-        last: tuple[Correction, Tangent, float, float] | None = None
+        last: tuple[Correction[PointT], Tangent, float, float] | None = None
         for length in _lengths(step, settings):
             correction = self._newton.correct(*self._guess(point, tangent, bend, length))
             if not correction.converged:
-                reason = reason or f"Newton stopped at a relative residual of {correction.trial.error:.1e}"
+                reason = reason or f"Newton stopped at a relative residual of {correction.point.error:.1e}"
                 continue
             # The last system of the correction is the point's own but for the last Newton step.
-            system = correction.system or self._newton.border(
-                correction.trial, self._constraint(point, tangent, length)
+            system = correction.system or self._problem.linearised(
+                correction.point, self._plane(point, tangent, length)
             )
-            turned = self._direction_of(correction.trial, system, 1.0)
-            metric = self._measure(correction.trial)
-            angle = max(metric.angle_deg(turned, tangent), self._detour_deg(metric, point, correction.trial, tangent))
+            turned = self._direction_of(correction.point, system, 1.0)
+            metric = self._measure(correction.point)
+            angle = max(metric.angle_deg(turned, tangent), self._detour_deg(metric, point, correction.point, tangent))
             found = correction, metric.unit(turned), length, self._next_step(length, correction.iterations, angle)
             if angle <= settings.largest_angle_deg:
                 if length > step:
-                    self.crossings.append(_hz(point.omega))
+                    self.corners.append(_parameter(point))
+                    self._on_event(Corner(_parameter(point)))
                 return found
             reason = f"the branch turned by {angle:.0f} degrees"
             if length < 4.0 * settings.smallest_step:
                 last = found  # a corner, if no step goes past it
         if last is None:
             self.message = (
-                f"The branch was lost at {_hz(point.omega):.3f} Hz: {reason} even at the smallest step "
-                f"({settings.smallest_step:g} of the window). Try more samples, fewer harmonics, or a lower force."
+                f"The branch was lost at {self._named(point)}: {reason} even at the smallest step "
+                f"({settings.smallest_step:g} of the range). Try more samples, fewer harmonics, or a lower force."
             )
         return last
 
-    def _guess(self, point: Trial, tangent: Tangent, bend: Tangent, step: float) -> tuple[Trial, Constraint]:
+    def _guess(self, point: PointT, tangent: Tangent, bend: Tangent, step: float) -> tuple[PointT, Plane]:
         """Where a step would end, and the plane that holds its correction."""
         ahead = tangent.times(step).plus(bend.times(0.5 * step**2))
-        guess = self._balance.evaluate(point.relative + ahead.relative, point.omega + ahead.omega, point.load)
-        return guess, self._constraint(point, tangent, step)
+        guess = self._problem.evaluate(point.unknowns + ahead.unknowns, point.parameters + ahead.parameters)
+        return guess, self._plane(point, tangent, step)
 
     @staticmethod
-    def _detour_deg(metric: Metric, before: Trial, after: Trial, tangent: Tangent) -> float:
+    def _detour_deg(metric: Metric, before: PointT, after: PointT, tangent: Tangent) -> float:
         """Twice the angle from the tangent to the chord of a step: on an arc this is how much the tangent turns.
 
         It is large where Newton came down on another part of the curve, whose tangent may look alike.
@@ -330,17 +363,15 @@ class Branch:
         factor = min(2.0, max(0.4, min(by_angle, by_iterations)))
         return min(settings.largest_step, max(settings.smallest_step, step * factor))
 
-    def _beyond_stop(self, point: Trial) -> bool:
-        return (point.omega - self._stop) * self._direction >= 0.0
-
-    def _land(self, before: Trial, after: Trial) -> tuple[Trial, int]:
-        """The solution exactly at the stop frequency; the point beyond it if that does not converge."""
-        share = (self._stop - before.omega) / (after.omega - before.omega)
-        guess = before.relative + share * (after.relative - before.relative)
-        start = self._balance.evaluate(guess, self._stop, after.load)
-        constraint = Constraint.fixed(guess, self._stop)
-        correction = self._newton.correct(start, constraint)
-        return (correction.trial, correction.iterations) if correction.converged else (after, 0)
+    def _land(self, before: PointT, after: PointT) -> tuple[PointT, int]:
+        """The solution exactly at the stop; the point beyond it if that does not converge."""
+        share = (self._stop - _parameter(before)) / (_parameter(after) - _parameter(before))
+        guess = before.unknowns + share * (after.unknowns - before.unknowns)
+        parameters = before.parameters + share * (after.parameters - before.parameters)
+        parameters[0] = self._stop
+        start = self._problem.evaluate(guess, parameters)
+        correction = self._newton.correct(start, Plane.fixed(guess, self._stop))
+        return (correction.point, correction.iterations) if correction.converged else (after, 0)
 
 
 def _lengths(step: float, settings: ContinuationSettings) -> Iterator[float]:
@@ -355,5 +386,5 @@ def _lengths(step: float, settings: ContinuationSettings) -> Iterator[float]:
         length *= 2.0
 
 
-def _hz(omega: float) -> float:
-    return omega / (2.0 * math.pi)
+def _parameter(point: Point) -> float:
+    return float(point.parameters[0])

@@ -8,10 +8,11 @@ followed for ever, or turn round and follow its own branch back to the start.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Generic
 
 import numpy as np
 
-from stickslip.solve.harmonic.balance import Trial
+from stickslip.solve.path.problem import PointT
 
 # A chord passes an earlier point of the same curve within this share of its length: an arc that turns by 45 degrees
 # rises by 0.1 of its chord.
@@ -20,43 +21,43 @@ NEAR = 0.2
 NEIGHBOURS = 3
 
 
-class Visited:
+class Visited(Generic[PointT]):
     """The points of a branch in their order, with what finds those near the last chord quickly."""
 
     def __init__(self) -> None:
-        self.trials: list[Trial] = []
+        self.points: list[PointT] = []
         self._sizes: list[float] = []
 
-    def add(self, trial: Trial) -> None:
+    def add(self, point: PointT) -> None:
         """Append a point."""
-        self.trials.append(trial)
-        self._sizes.append(float(np.linalg.norm(trial.amplitude)))
+        self.points.append(point)
+        self._sizes.append(float(np.linalg.norm(point.measured)))
 
     def keep(self, count: int) -> None:
         """Forget all but the first ``count`` points."""
-        del self.trials[count:], self._sizes[count:]
+        del self.points[count:], self._sizes[count:]
 
-    def near_last_chord(self, u_scale: float, w_scale: float) -> Iterator[tuple[int, float]]:
+    def near_last_chord(self, motion_scale: float, parameter_scale: float) -> Iterator[tuple[int, float]]:
         """Earlier points that the last chord passes, the oldest first: their index, and the share of the chord there.
 
-        Distances are measured in ``(amplitude / u_scale, omega / w_scale)``. Near is only a suspicion: different
-        curves may run side by side.
+        Distances are measured in ``(measured / motion_scale, parameter / parameter_scale)``. Near is only a suspicion:
+        different curves may run side by side.
         """
-        last = len(self.trials) - 1
+        last = len(self.points) - 1
         if last < NEIGHBOURS + 1:
             return
-        before, after = self.trials[-2], self.trials[-1]
-        chord = (after.amplitude - before.amplitude) / u_scale
-        rise = (after.omega - before.omega) / w_scale
+        before, after = self.points[-2], self.points[-1]
+        chord = (after.measured - before.measured) / motion_scale
+        rise = float(after.parameters[0] - before.parameters[0]) / parameter_scale
         square = float((chord**2).sum()) + rise**2
         reach = (1.0 + NEAR) * square**0.5
         size = self._sizes[last - 1]
         for index in range(last - NEIGHBOURS):
-            earlier = self.trials[index]
-            lift = (earlier.omega - before.omega) / w_scale
-            if abs(lift) > reach or abs(self._sizes[index] - size) > reach * u_scale:
+            earlier = self.points[index]
+            lift = float(earlier.parameters[0] - before.parameters[0]) / parameter_scale
+            if abs(lift) > reach or abs(self._sizes[index] - size) > reach * motion_scale:
                 continue
-            gap = (earlier.amplitude - before.amplitude) / u_scale
+            gap = (earlier.measured - before.measured) / motion_scale
             share = (float((gap * chord).sum()) + lift * rise) / square
             away = float(((gap - share * chord) ** 2).sum()) + (lift - share * rise) ** 2
             if 0.0 <= share <= 1.0 and away <= NEAR**2 * square:

@@ -1,0 +1,185 @@
+"""What drives a structure: harmonic forces, motion of its base, rotating unbalance, and sums of them.
+
+Every excitation is a force whose Fourier coefficients are a polynomial in the circular frequency,
+``p_h(w) = sum_k w^k c_hk``: constant for a force and for a base acceleration, ``w^2`` for an unbalance and for a base
+displacement.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, finite_array, positive_number, require_choice
+from stickslip.structure.superelement import Superelement
+
+BaseMotion = Literal["acceleration", "displacement"]
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """One term ``w^power (cos cos(h w t) + sin sin(h w t))``, each (n, n_harmonics); ``inertial``: times minus M."""
+
+    power: int
+    cos: FloatArray
+    sin: FloatArray
+    inertial: bool
+    words: str
+
+
+@dataclass(frozen=True, eq=False)
+class ExcitationForce:
+    """The force of an excitation on a structure, as a polynomial in the circular frequency.
+
+    ``terms`` are pairs of a power k and coefficients (2H+1, n) in N s^k, in the order mean, cos 1, sin 1, ...; the mean
+    is zero: constant forces are part of the state at rest.
+    """
+
+    terms: tuple[tuple[int, FloatArray], ...]
+
+    @property
+    def harmonics(self) -> int:
+        """Number H of harmonics."""
+        return int(self.terms[0][1].shape[0] - 1) // 2
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether the force is the same at all frequencies."""
+        return all(power == 0 for power, _ in self.terms)
+
+    def coefficients(self, omega: float) -> FloatArray:
+        """(2H+1, n) N at the circular frequency ``omega`` in rad/s."""
+        return np.asarray(sum(omega**power * array for power, array in self.terms))
+
+    def slope(self, omega: float) -> FloatArray:
+        """(2H+1, n) N s, derivative of :meth:`coefficients` by ``omega``."""
+        return np.asarray(sum(power * omega ** max(power - 1, 0) * array for power, array in self.terms))
+
+    def with_harmonics(self, harmonics: int) -> ExcitationForce:
+        """The same force with fewer harmonics, or with more that are zero."""
+
+        def resized(array: FloatArray) -> FloatArray:
+            result = np.zeros((2 * harmonics + 1, array.shape[1]))
+            kept = min(len(result), len(array))
+            result[:kept] = array[:kept]
+            return result
+
+        return ExcitationForce(tuple((power, resized(array)) for power, array in self.terms))
+
+
+@dataclass(frozen=True, eq=False)
+class Excitation:
+    """A harmonic excitation; make one with :meth:`force`, :meth:`base_motion` or :meth:`unbalance`, and add them up.
+
+    ``Excitation.force(cos) + Excitation.unbalance(y, z, 1e-5)`` drives with both. Phases count from the same ``t = 0``.
+    """
+
+    parts: tuple[_Part, ...]
+
+    @classmethod
+    def force(cls, cos: ArrayLike, sin: ArrayLike | None = None) -> Excitation:
+        """``p(t) = sum_k cos[:, k-1] cos(k w t) + sin[:, k-1] sin(k w t)``.
+
+        ``cos`` and ``sin`` in N, (n,) for the first harmonic or (n, n_harmonics) for several; ``sin`` None means zero.
+        Raises InputError for arrays of different size or with an entry that is not finite.
+        """
+        cosine, sine = _columns("force_cos", cos), None if sin is None else _columns("force_sin", sin)
+        if sine is not None and sine.shape[0] != cosine.shape[0]:
+            raise InputError(
+                f"force_sin has {sine.shape[0]} rows and force_cos {cosine.shape[0]}; both must have shape (n,) or "
+                "(n, n_harmonics)."
+            )
+        return cls((_Part(0, cosine, np.zeros((len(cosine), 1)) if sine is None else sine, False, "harmonic force"),))
+
+    @classmethod
+    def base_motion(cls, direction: ArrayLike, amplitude: float, kind: BaseMotion = "acceleration") -> Excitation:
+        """The support moves by ``amplitude cos(w t)`` along ``direction``; displacements count from the support.
+
+        In these coordinates the force is ``-M r a(t)``, with the acceleration ``a`` of the base and the influence
+        vector r: the displacements of the unknowns when base and structure move by 1 m as one rigid body.
+
+        Parameters
+        ----------
+        direction:
+            (n,) m/m, the influence vector r.
+        amplitude:
+            0-to-peak, m/s2 for ``kind="acceleration"``, m for ``kind="displacement"``.
+
+        Raises InputError for an amplitude that is not above zero, or another kind.
+        """
+        require_choice("kind", kind, get_args(BaseMotion))
+        unit = "m/s2" if kind == "acceleration" else "m"
+        size = positive_number("amplitude", amplitude, unit)
+        column = size * _columns("direction", direction)
+        if column.shape[1] != 1:
+            raise InputError(f"direction must have shape (n,), one entry for each unknown; found {column.shape}.")
+        words = f"base {kind} of {size:g} {unit}"
+        # A displacement X cos(w t) is an acceleration -w^2 X cos(w t).
+        power, sign = (0, 1.0) if kind == "acceleration" else (2, -1.0)
+        return cls((_Part(power, sign * column, np.zeros_like(column), True, words),))
+
+    @classmethod
+    def unbalance(cls, first: ArrayLike, second: ArrayLike, mass_times_radius: float) -> Excitation:
+        """A rotating unbalance ``m e`` at a place that rows ``first`` and ``second`` (n,) read along two directions.
+
+        ``p(t) = m e w^2 (first cos(w t) + second sin(w t))``: it turns from ``first`` to ``second``, once a period.
+        ``mass_times_radius`` in kg m. Raises InputError unless it is above zero and the rows have one size.
+        """
+        size = positive_number("mass_times_radius", mass_times_radius, "kg m")
+        rows = _columns("first", first), _columns("second", second)
+        if rows[0].shape != rows[1].shape or rows[0].shape[1] != 1:
+            raise InputError(
+                f"first and second must have the same shape (n,); found {rows[0].shape} and {rows[1].shape}."
+            )
+        return cls((_Part(2, size * rows[0], size * rows[1], False, f"unbalance of {size:g} kg m"),))
+
+    def __add__(self, other: Excitation) -> Excitation:
+        return Excitation(self.parts + other.parts)
+
+    def __repr__(self) -> str:
+        return f"Excitation({self.describe()})"
+
+    def describe(self) -> str:
+        """The excitation in words."""
+        return " and ".join(part.words for part in self.parts)
+
+    def on(self, superelement: Superelement, harmonics: int) -> ExcitationForce:
+        """The force on a structure, with ``harmonics`` harmonics.
+
+        Raises InputError for another number of unknowns, more harmonics than are kept, or no force at all.
+        """
+        size = superelement.size
+        terms: dict[int, FloatArray] = {}
+        for part in self.parts:
+            target = terms.setdefault(part.power, np.zeros((2 * harmonics + 1, size)))
+            for offset, name, columns in ((1, "force_cos", part.cos), (2, "force_sin", part.sin)):
+                if columns.shape[0] != size:
+                    raise InputError(
+                        f"{name} must have shape ({size},) for the first harmonic or ({size}, n_harmonics) for "
+                        f"several, but its shape is {columns.shape}."
+                    )
+                if columns.shape[1] > harmonics:
+                    raise InputError(
+                        f"{name} has {columns.shape[1]} harmonics, but only harmonics = {harmonics} are kept. Raise "
+                        "harmonics."
+                    )
+                force = -(superelement.mass @ columns) if part.inertial else columns
+                target[offset : offset + 2 * columns.shape[1] : 2] += force.T
+        if not any(array.any() for array in terms.values()):
+            raise InputError(
+                "force_cos and force_sin are zero everywhere; without a force there is no forced response."
+            )
+        return ExcitationForce(tuple(sorted(terms.items(), key=lambda term: term[0])))
+
+
+def _columns(name: str, value: ArrayLike) -> FloatArray:
+    """A copy (n, n_harmonics) of an array (n,) or (n, n_harmonics)."""
+    array = finite_array(name, value)
+    columns = array[:, None] if array.ndim == 1 else array
+    if columns.ndim != 2:
+        raise InputError(f"{name} must have shape (n,) or (n, n_harmonics), but its shape is {array.shape}.")
+    return columns.copy()

@@ -1,0 +1,138 @@
+"""What a reader must know before trusting a curve: sentences on resolution, residuals, drift, folds and neighbours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.checks import ResolutionCheck, normal_work_warnings
+from stickslip.solve.harmonic.energy import CurveMeasures
+
+# Residual of the equation of motion, relative to its forces, above which a curve gets a warning.
+LARGEST_RESIDUAL = 1e-6
+# Closure error of a slider, over the friction limit, above which its force is uncertain.
+LARGEST_CLOSURE = 1e-6
+# A free mode with so many times the damping ratio that was asked for gets a sentence.
+NOTABLE_DAMPING = 1.2
+# Force of the restraint on the mean, over the sum of the friction limits, that a reader must know.
+LARGEST_RESTRAINT = 1e-3
+# Folds closer together than this fraction of their frequency are round-off of a vertical tangent.
+SMALLEST_FOLD = 1e-4
+
+
+def curve_warnings(
+    check: ResolutionCheck,
+    balance: Balance,
+    trials: list[Trial],
+    measures: CurveMeasures,
+    damped: bool,
+    free_ratio: float | None,
+    wanted_ratio: float | None,
+) -> tuple[str, ...]:
+    """What a reader must know before trusting the curve."""
+    sentences = list(check.warnings(balance.harmonics, balance.samples))
+    omega = np.array([trial.omega for trial in trials])
+    work = measures.normal_work.sum(axis=1)
+    sentences += normal_work_warnings(omega, work, measures.input_energy, balance.samples)
+    closure = max(float(trial.contact.closure.max()) for trial in trials)
+    if closure > LARGEST_CLOSURE:
+        sentences.append(
+            f"The slider of some pair did not come to a periodic state (closure error {closure:.1e} of the friction "
+            "limit); the force of that pair is uncertain by about this share."
+        )
+    sentences.extend(_residual(balance, trials, measures.residual))
+    if not damped:
+        sentences.append(
+            "There is no viscous damping: the linear curves have no finite peaks (their heights in the figures mean "
+            "nothing), and where nothing slips only the distance from the resonance limits the amplitude."
+        )
+    if free_ratio is not None and wanted_ratio and free_ratio > NOTABLE_DAMPING * wanted_ratio:
+        sentences.append(
+            f"The damping ratio of {100 * wanted_ratio:.3g} % holds for the stuck modes; the free modes in the window "
+            f"get up to {100 * free_ratio:.3g} % from the same matrix, part of it across the joint."
+        )
+    return (*sentences, *_drift(balance, trials), *_folds(trials))
+
+
+def _folds(trials: list[Trial]) -> tuple[str, ...]:
+    """Where the curve turns back in frequency, and what that means for a sweep."""
+    frequency = np.array([trial.omega for trial in trials]) / (2.0 * np.pi)
+    step = np.diff(frequency)
+    turns = frequency[1:-1][step[:-1] * step[1:] < 0]
+    if turns.size < 2 or np.ptp(turns) < SMALLEST_FOLD * frequency.mean():
+        return ()
+    return (
+        f"The curve folds ({_places(turns)} Hz): between folds several periodic motions exist at one frequency. "
+        "Stability is not computed; a slow sweep follows the curve to a fold and jumps there.",
+    )
+
+
+def neighbour_warnings(retreats_hz: Sequence[float], corners_hz: Sequence[float]) -> tuple[str, ...]:
+    """Warnings where other solutions are so close that the branch came onto them, and where corners were passed."""
+    sentences = []
+    if retreats_hz:
+        sentences.append(
+            f"Near {_places(retreats_hz)} Hz the curve came back to where it had been, and was followed again from "
+            "there with other steps: further periodic motions lie close to it (friction keeps tractions, and nearly "
+            "symmetric structures have unsymmetric motions). Another number of samples may lead along another of them; "
+            "compare twice the samples."
+        )
+    if corners_hz:
+        sentences.append(
+            f"Near {_places(corners_hz)} Hz the curve has corners where it turns back over less than one step; "
+            "they were passed. More samples make them smaller."
+        )
+    return tuple(sentences)
+
+
+def _places(frequencies_hz: Iterable[float]) -> str:
+    """The first four frequencies in words."""
+    words = list(dict.fromkeys(f"{value:.2f}" for value in frequencies_hz))
+    return ", ".join(words[:4] + (["..."] if len(words) > 4 else []))
+
+
+def _residual(balance: Balance, trials: list[Trial], residuals: FloatArray) -> tuple[str, ...]:
+    """A warning where the equation of motion is not met, with the cause.
+
+    The tolerance of the balance is relative to the norm of all relative displacements. Where a drift that only the
+    artificial restraint of the mean bounds makes up this norm, the motion itself has fewer digits by the share of the
+    motion in the norm; that the drift is the cause shows where the residual times this share is small enough.
+    """
+    worst = int(residuals.argmax())
+    residual, relative = float(residuals[worst]), trials[worst].relative
+    if residual <= LARGEST_RESIDUAL:
+        return ()
+    restrained = float(np.abs(balance.compliance.restraint_force(relative[0])).sum())
+    means = relative[0].reshape(-1, 3)[:, :2]
+    motion = relative.copy()
+    motion[0].reshape(-1, 3)[:, :2] = 0.0
+    share = float(np.linalg.norm(motion) / np.linalg.norm(relative))
+    cause = (
+        "Contact many orders stiffer than the structure loses digits; a lower contact stiffness that is still rigid in "
+        "effect gives the same motion more exactly."
+    )
+    if restrained > 0.0 and residual * share <= LARGEST_RESIDUAL:
+        cause = (
+            f"The cause is a body that drifts: where the residual is largest an artificial restraint carries "
+            f"{restrained:.2e} N and lets the mean slip by {float(np.linalg.norm(means, axis=1).max()):.2e} m, and the "
+            "accuracy of the solution is relative to this displacement. Hold the body along its free direction."
+        )
+    return (
+        f"The equation of motion is met only to {residual:.1e} of its forces (wanted: {LARGEST_RESIDUAL:.0e}). {cause}",
+    )
+
+
+def _drift(balance: Balance, trials: list[Trial]) -> tuple[str, ...]:
+    """A warning where the restraint of the mean position carries a force that the model does not have."""
+    traction = max(float(np.abs(balance.compliance.restraint_force(t.relative[0])).sum()) for t in trials)
+    limit = float((balance.pairs.friction_coefficient * balance.pairs.static_load).sum())
+    if traction <= LARGEST_RESTRAINT * limit:
+        return ()
+    return (
+        f"A body that only friction holds wants to drift: a mean force of {traction:.2e} N (friction limit "
+        f"{limit:.2e} N) acts where nothing in the model carries it, and an artificial restraint takes it. Add a "
+        "restraint along the free direction of that body.",
+    )

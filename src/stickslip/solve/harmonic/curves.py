@@ -1,0 +1,193 @@
+"""Curves of a balance: what changes along them, and what is held.
+
+Each class states one problem (:mod:`stickslip.solve.path.problem`) with the balance ``R(x, w, load) = 0``: the circular
+frequency ``w`` in rad/s and the load, a factor of the external force, are fixed, free, or follow from a condition.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem, Row
+from stickslip.solve.path.problem import NO_PARAMETERS, Plane, Step
+
+Held = Literal["amplitude", "phase"]
+
+
+@dataclass(frozen=True)
+class BalancePoint:
+    """A trial solution of the balance as a point of a curve."""
+
+    trial: Trial
+    parameters: FloatArray
+    conditions: FloatArray
+    error: float
+
+    @property
+    def unknowns(self) -> FloatArray:
+        """(2H+1, m) relative displacements."""
+        return self.trial.relative
+
+    @property
+    def residual(self) -> FloatArray:
+        """(2H+1, m) m."""
+        return self.trial.residual
+
+    @property
+    def measured(self) -> FloatArray:
+        """(2H, n) modal amplitudes, whose norm is the mass norm of the vibration."""
+        return self.trial.amplitude
+
+
+class _Linearised:
+    """A bordered Newton system whose last row is the plane of the path, after those of the conditions."""
+
+    def __init__(self, system: BorderedSystem) -> None:
+        self._system = system
+
+    def solve(self, residual: FloatArray, conditions: FloatArray, plane: float, tolerance: float) -> Step:
+        return self._system.solve(residual, np.append(-conditions, -plane), tolerance)
+
+
+def _plane_row(plane: Plane | None, count: int) -> Row:
+    """The row of a plane among ``count`` parameters."""
+    assert plane is not None  # these problems have parameters, so a correction needs a plane
+    parameters = np.zeros(count)
+    parameters[0] = plane.parameter_weight
+    return Row(parameters, relative=plane.weights)
+
+
+class _BalanceCurve:
+    """What all curves of a balance share."""
+
+    def __init__(self, balance: Balance) -> None:
+        self.balance = balance
+
+    def determined(self, unknowns: FloatArray) -> FloatArray:
+        """The relative displacements that some contact force depends on."""
+        return self.balance.determined(unknowns)
+
+    def _amplitude_change(self, trial: Trial, deviation: FloatArray, omega: float, load: float) -> FloatArray:
+        """Change (2H, n) of the modal amplitudes."""
+        change = self.balance.compliance.amplitude(trial.omega, None, deviation)
+        if omega:
+            change += omega * self.balance.amplitude_slope(trial)
+        if load:
+            change += load * self.balance.load_amplitude(trial.omega)
+        return change
+
+
+class FrequencyCurve(_BalanceCurve):
+    """The response along the frequency under a constant force; the parameter is the circular frequency."""
+
+    def __init__(self, balance: Balance, load: float = 1.0) -> None:
+        super().__init__(balance)
+        self.load = load
+
+    def at(self, unknowns: FloatArray, omega: float) -> BalancePoint:
+        """The point at a circular frequency in rad/s."""
+        return self.evaluate(unknowns, np.array([omega]))
+
+    def evaluate(self, unknowns: FloatArray, parameters: FloatArray) -> BalancePoint:
+        trial = self.balance.evaluate(unknowns, float(parameters[0]), self.load)
+        return BalancePoint(trial, parameters, NO_PARAMETERS, trial.error)
+
+    def linearised(self, point: BalancePoint, plane: Plane | None) -> _Linearised:
+        slopes = [self.balance.frequency_slope(point.trial)]
+        system = NewtonSystem(self.balance, point.trial)
+        return _Linearised(BorderedSystem(system, slopes, [_plane_row(plane, 1)]))
+
+    def measured_change(self, point: BalancePoint, step: Step) -> FloatArray:
+        return self._amplitude_change(point.trial, step.detail, float(step.parameters[0]), 0.0)
+
+    def named(self, parameter: float) -> str:
+        return f"{parameter / (2.0 * math.pi):.3f} Hz"
+
+
+class LoadCurve(_BalanceCurve):
+    """The response at one frequency while the force grows; the parameter is the load, a factor of the force."""
+
+    def __init__(self, balance: Balance, omega: float) -> None:
+        super().__init__(balance)
+        self.omega = omega
+
+    def at(self, unknowns: FloatArray, load: float) -> BalancePoint:
+        """The point at a load."""
+        return self.evaluate(unknowns, np.array([load]))
+
+    def evaluate(self, unknowns: FloatArray, parameters: FloatArray) -> BalancePoint:
+        trial = self.balance.evaluate(unknowns, self.omega, float(parameters[0]))
+        return BalancePoint(trial, parameters, NO_PARAMETERS, trial.error)
+
+    def linearised(self, point: BalancePoint, plane: Plane | None) -> _Linearised:
+        slopes = [self.balance.load_slope(point.trial)]
+        system = NewtonSystem(self.balance, point.trial)
+        return _Linearised(BorderedSystem(system, slopes, [_plane_row(plane, 1)]))
+
+    def measured_change(self, point: BalancePoint, step: Step) -> FloatArray:
+        return self._amplitude_change(point.trial, step.detail, 0.0, float(step.parameters[0]))
+
+    def named(self, parameter: float) -> str:
+        return f"{100.0 * parameter:.4g} % of the load"
+
+
+class ControlledCurve(_BalanceCurve):
+    """The response along the frequency with its amplitude or phase held at an output while the force follows.
+
+    The parameters are the circular frequency and the load. The condition is that the first harmonic of the output,
+    ``o = output @ u_1`` as a complex amplitude ``c - i s`` of ``c cos + s sin``, keeps its amplitude,
+    ``|o| / target - 1 = 0``, or its phase, ``Im(o exp(-i target)) / |o| = 0`` with ``target`` in rad.
+
+    Where the response folds over the frequency the force only passes a minimum and a maximum, so folds are no folds
+    here (response-controlled testing: T. Karaagacli and H. N. Ozguven, Mech. Syst. Signal Process. 148 (2021) 107156).
+    """
+
+    def __init__(self, balance: Balance, output: FloatArray, held: Held, target: float) -> None:
+        super().__init__(balance)
+        self._modes = balance.compliance.output_modes(output)
+        self._held = held
+        self._target = target
+
+    def evaluate(self, unknowns: FloatArray, parameters: FloatArray) -> BalancePoint:
+        trial = self.balance.evaluate(unknowns, float(parameters[0]), float(parameters[1]))
+        value, _ = self._condition(trial)
+        return BalancePoint(trial, parameters, np.array([value]), max(trial.error, abs(value)))
+
+    def _condition(self, trial: Trial) -> tuple[float, FloatArray]:
+        """The condition, and its derivative (2H, n) by the modal amplitudes."""
+        cosine, sine = (float(row @ self._modes) for row in trial.amplitude[:2])
+        size = max(math.hypot(cosine, sine), 1e-300)
+        weights = np.zeros_like(trial.amplitude)
+        if self._held == "amplitude":
+            weights[0], weights[1] = cosine / size * self._modes, sine / size * self._modes
+            return size / self._target - 1.0, weights / self._target
+        # Im((c - i s) exp(-i t)) / |o| = -(c sin t + s cos t) / |o|.
+        across, along = -math.sin(self._target), -math.cos(self._target)
+        value = (across * cosine + along * sine) / size
+        weights[0] = (across - value * cosine / size) / size * self._modes
+        weights[1] = (along - value * sine / size) / size * self._modes
+        return value, weights
+
+    def linearised(self, point: BalancePoint, plane: Plane | None) -> _Linearised:
+        balance, trial = self.balance, point.trial
+        _, weights = self._condition(trial)
+        by_parameters = [
+            float((weights * balance.amplitude_slope(trial)).sum()),
+            float((weights * balance.load_amplitude(trial.omega)).sum()),
+        ]
+        by_deviation = balance.compliance.amplitude_transposed(trial.omega, weights)
+        rows = [Row(np.array(by_parameters), deviation=by_deviation), _plane_row(plane, 2)]
+        slopes = [balance.frequency_slope(trial), balance.load_slope(trial)]
+        return _Linearised(BorderedSystem(NewtonSystem(balance, trial), slopes, rows))
+
+    def measured_change(self, point: BalancePoint, step: Step) -> FloatArray:
+        return self._amplitude_change(point.trial, step.detail, *map(float, step.parameters))
+
+    def named(self, parameter: float) -> str:
+        return f"{parameter / (2.0 * math.pi):.3f} Hz"

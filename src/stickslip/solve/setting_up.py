@@ -1,0 +1,101 @@
+"""What every analysis along the frequency shares: checked input, the stuck structure, and its balances."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import get_args
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb import Update
+from stickslip.core.errors import InputError
+from stickslip.core.progress import ProgressCallback
+from stickslip.core.validation import finite_array, real_number, require_allowed, require_choice, whole_number
+from stickslip.solve.excitation import Excitation, ExcitationForce
+from stickslip.solve.harmonic.balance import Balance
+from stickslip.solve.harmonic.compliance import StuckStructure, stuck_structure
+from stickslip.structure.superelement import Superelement
+
+
+class StageReport:
+    """Reports progress: the fraction that is done, the stage that runs, and the iterations of Newton's method."""
+
+    def __init__(self, progress: ProgressCallback | None) -> None:
+        self._progress: ProgressCallback = progress or (lambda fraction, detail: None)
+        self._fraction, self._stage = 0.0, ""
+
+    def stage(self, words: str, fraction: float | None = None) -> None:
+        """``words`` say what begins; ``fraction`` (0 to 1) of the work is done, None if it did not change."""
+        self._stage, self._fraction = words, self._fraction if fraction is None else fraction
+        self._progress(self._fraction, words)
+
+    def iteration(self, number: int, error: float) -> None:
+        """Iteration ``number`` of Newton begins with the relative residual ``error``."""
+        self._progress(self._fraction, f"{self._stage}; iteration {number}, relative residual {error:.1e}")
+
+
+@dataclass(frozen=True)
+class Balances:
+    """The balances of one structure, joint and excitation, for any number of harmonics and samples."""
+
+    superelement: Superelement
+    pairs: ContactPairs
+    stuck: StuckStructure
+    force: ExcitationForce
+    samples: int
+    update: Update
+
+    def with_harmonics(self, harmonics: int, samples: int | None = None) -> Balance:
+        """The balance with a number of harmonics, and of samples if they differ."""
+        force = self.force.with_harmonics(harmonics)
+        return Balance(self.stuck.compliance(harmonics), self.pairs, force, samples or self.samples, self.update)
+
+
+def prepare_balances(
+    superelement: Superelement,
+    pairs: ContactPairs,
+    excitation: Excitation,
+    highest_omega: float,
+    harmonics: int,
+    samples: int,
+    modal_damping_ratio: float | None,
+    update: Update,
+    on_stage: Callable[[str], None],
+) -> Balances:
+    """Check the input and find the modes of the stuck structure. Raises InputError."""
+    _check_counts(harmonics, samples)
+    require_choice("update", update, get_args(Update))
+    if modal_damping_ratio is not None:
+        ratio = real_number("modal_damping_ratio", modal_damping_ratio)
+        require_allowed("modal_damping_ratio", ratio, ratio >= 0, "0 or above, for example 0.001")
+    force = excitation.on(superelement, harmonics)
+    on_stage(f"modes of the stuck structure, {superelement.size} unknowns")
+    stuck = stuck_structure(superelement, pairs, highest_omega, modal_damping_ratio)
+    on_stage(f"compliance of {pairs.n_pairs} pairs")
+    return Balances(superelement, pairs, stuck, force, samples, update)
+
+
+def checked_window(frequency_hz: tuple[float, float]) -> tuple[float, float]:
+    """(start, stop) in Hz. Raises InputError unless both are above zero and differ."""
+    values = finite_array("frequency_hz", frequency_hz)
+    if values.shape != (2,):
+        raise InputError(f"frequency_hz must be (start, stop), but its shape is {values.shape}.")
+    start, stop = float(values[0]), float(values[1])
+    if start <= 0 or stop <= 0:
+        raise InputError(f"frequency_hz is ({start:g}, {stop:g}); both ends must be above 0 Hz.")
+    if start == stop:
+        raise InputError(
+            f"frequency_hz is ({start:g}, {stop:g}), a range of zero width. Give two different frequencies; "
+            "a start above the stop sweeps downward."
+        )
+    return start, stop
+
+
+def _check_counts(harmonics: int, samples: int) -> None:
+    for name, value in (("harmonics", harmonics), ("samples", samples)):
+        whole_number(name, value, 1)
+    if samples < 2 * harmonics + 1:
+        raise InputError(
+            f"samples is {samples}, but {harmonics} harmonics need at least {2 * harmonics + 1} samples a period. "
+            "Take 256 (512 with much separation): friction has kinks that few samples miss."
+        )
