@@ -112,6 +112,6 @@ if __name__ == "__main__":
         sys.exit(__doc__)
     one_thread = {"OMP_NUM_THREADS": "1", "STICKSLIP_CACHE": "off"}
     if any(os.environ.get(name) != value for name, value in one_thread.items()):
-        # The number of threads must be set before numpy loads: round-off depends on it, and what it is later does not help.
+        # Round-off depends on the number of threads that numpy loads with.
         os.execve(sys.executable, [sys.executable, *sys.argv], {**os.environ, **one_thread})
     sys.exit(store(Path(sys.argv[2])) if sys.argv[1] == "store" else compare(Path(sys.argv[2])))

@@ -20,8 +20,8 @@ from .formats.matrices.read import read_matrices as read_matrices
 from .formats.matrices.reduce import reduce_matrices as reduce_matrices
 from .results.response import ForcedResponse as ForcedResponse
 from .solve.forced import forced_response as forced_response
-from .solve.static.load_ramp import StaticState as StaticState
 from .solve.static.ramp_to_rest import static_preload as static_preload
+from .solve.static.state import StaticState as StaticState
 from .structure.craig_bampton import craig_bampton as craig_bampton
 from .structure.elasticity import Material as Material
 from .structure.elasticity import Structure as Structure

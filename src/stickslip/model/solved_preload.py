@@ -15,8 +15,8 @@ from stickslip.contact.stiffness.fractal import pair_stiffness
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
 from stickslip.model.joint import FaceSettings, Joint, case_roughness, describe_faces, pair_springs
-from stickslip.solve.static.load_ramp import StaticState
 from stickslip.solve.static.ramp_to_rest import static_preload
+from stickslip.solve.static.state import StaticState
 from stickslip.structure.superelement import Superelement
 
 if TYPE_CHECKING:

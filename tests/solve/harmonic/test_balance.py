@@ -7,10 +7,13 @@ import pytest
 
 from helpers import Blade
 from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.solve.excitation import ExcitationForce
 from stickslip.solve.harmonic import reduced
 from stickslip.solve.harmonic.balance import ActiveRows, Balance, Trial
 from stickslip.solve.harmonic.compliance import stuck_structure
-from stickslip.solve.path.newton import Constraint, Newton, NewtonSettings
+from stickslip.solve.harmonic.curves import FrequencyCurve
+from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.problem import NO_PARAMETERS, Plane
 from stickslip.structure.superelement import Superelement
 
 HARMONICS, SAMPLES = 3, 128
@@ -21,7 +24,7 @@ def balance_of(blade: Blade, load: float = 1.0) -> Balance:
     force = np.zeros((2 * HARMONICS + 1, blade.superelement.size))
     force[1], force[2] = load * blade.force_cos, load * blade.force_sin
     stuck = stuck_structure(blade.superelement, blade.pairs, HIGHEST_OMEGA, None)
-    return Balance(stuck.compliance(HARMONICS), blade.pairs, force, SAMPLES, "tractrix")
+    return Balance(stuck.compliance(HARMONICS), blade.pairs, ExcitationForce(((0, force),)), SAMPLES, "tractrix")
 
 
 def moving_trial(blade: Blade, share: float) -> tuple[Balance, Trial]:
@@ -47,10 +50,11 @@ def test_step_solves_the_full_linearised_balance(
     generator = np.random.default_rng(5)
     weights = generator.normal(size=trial.relative.shape)
     scale = trial.omega
-    constraint = Constraint(weights / np.abs(trial.relative).max(), 1.0 / scale, trial.relative, scale)
-    system = Newton(balance, NewtonSettings()).border(trial, constraint)
-    solved = system.solve(trial.residual, 0.3, 1e-9)
-    step, change = solved.relative, solved.omega
+    plane = Plane(weights / np.abs(trial.relative).max(), 1.0 / scale, trial.relative, scale)
+    curve = FrequencyCurve(balance)
+    system = curve.linearised(curve.at(trial.relative, scale), plane)
+    solved = system.solve(trial.residual, NO_PARAMETERS, -0.3, 1e-9)
+    step, change = solved.unknowns, float(solved.parameters[0])
     # Directional derivative of the full residual along the step, by central differences.
     small = 1e-6
     forward, backward = (
@@ -59,7 +63,7 @@ def test_step_solves_the_full_linearised_balance(
     )
     derivative = (forward - backward) / (2 * small)
     assert np.linalg.norm(derivative + trial.residual) < 2e-5 * np.linalg.norm(trial.residual)
-    assert (constraint.weights * step).sum() + constraint.weight * change == pytest.approx(0.3, rel=1e-9)
+    assert (plane.weights * step).sum() + plane.parameter_weight * change == pytest.approx(0.3, rel=1e-9)
 
 
 def test_active_rows_hold_only_what_moves(blade: Blade) -> None:
@@ -78,13 +82,14 @@ def test_newton_converges_quadratically_near_the_solution(blade: Blade) -> None:
     omega = 2 * np.pi * 700.0
     guess = balance.linear(omega, 0.5)
     errors = []
-    trial = balance.evaluate(guess, omega)
+    curve = FrequencyCurve(balance)
+    point = curve.at(guess, omega)
     for _ in range(14):
-        errors.append(trial.error)
-        if trial.error < 1e-11:
+        errors.append(point.error)
+        if point.error < 1e-11:
             break
-        newton = Newton(balance, NewtonSettings(1e-12, 1))
-        trial = newton.correct(trial, Constraint.fixed(trial.relative, omega)).trial
+        newton = Newton(curve, NewtonSettings(1e-12, 1))
+        point = newton.correct(point, Plane.fixed(point.unknowns, omega)).point
     assert errors[-1] < 1e-11
     last = [e for e in errors if e < 1e-2]
     assert len(last) <= 4, f"errors {errors}"
@@ -105,12 +110,13 @@ def test_a_loose_body_with_all_pairs_open_ends_newton_without_a_number() -> None
     stuck = stuck_structure(Superelement(np.eye(3), np.zeros((3, 3))), pairs, 100.0, 0.01)
     force = np.zeros((3, 3))
     force[1, 2] = 1.0
-    balance = Balance(stuck.compliance(1), pairs, force, 64, "tractrix")
+    balance = Balance(stuck.compliance(1), pairs, ExcitationForce(((0, force),)), 64, "tractrix")
     away = np.zeros((3, 3))
     away[0, 2] = -1.0
-    start = balance.evaluate(away, 50.0)
-    assert (start.contact.state == 2).all()
-    correction = Newton(balance, NewtonSettings()).correct(start, Constraint.fixed(away, 50.0))
+    curve = FrequencyCurve(balance)
+    start = curve.at(away, 50.0)
+    assert (start.trial.contact.state == 2).all()
+    correction = Newton(curve, NewtonSettings()).correct(start, Plane.fixed(away, 50.0))
     assert not correction.converged
 
 

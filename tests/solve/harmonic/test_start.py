@@ -7,9 +7,11 @@ import pytest
 
 from helpers import Blade
 from stickslip.core.errors import ConvergenceError
+from stickslip.solve.excitation import ExcitationForce
 from stickslip.solve.harmonic import start as start_module
-from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.compliance import stuck_structure
+from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.path.continuation import Branch, ContinuationSettings
 from stickslip.solve.path.newton import Newton, NewtonSettings
@@ -21,40 +23,43 @@ def balance_with(blade: Blade, harmonics: int) -> Balance:
     force = np.zeros((2 * harmonics + 1, blade.superelement.size))
     force[1], force[2] = blade.force_cos, blade.force_sin
     compliance = stuck_structure(blade.superelement, blade.pairs, 1.6 * OMEGA, None).compliance(harmonics)
-    return Balance(compliance, blade.pairs, force, 128, "tractrix")
+    return Balance(compliance, blade.pairs, ExcitationForce(((0, force),)), 128, "tractrix")
 
 
 def test_ramp_and_few_harmonics_reach_the_direct_solution(blade: Blade) -> None:
-    newton = Newton(balance_with(blade, 3), NewtonSettings(1e-10, 40))
-    direct, how = first_point(newton, OMEGA)
+    curve = FrequencyCurve(balance_with(blade, 3))
+    newton = Newton(curve, NewtonSettings(1e-10, 40))
+    direct, how = first_point(newton, curve, OMEGA)
     assert "from the linear stuck response" in how
-    ramped, reached = start_module._amplitude_ramp(newton, OMEGA)
+    ramped, reached = start_module._amplitude_ramp(newton, curve, OMEGA)
     assert reached == 1.0
     assert ramped is not None
-    coarse = start_module._few_harmonics(newton, balance_with(blade, 1), OMEGA)
+    coarse = start_module._few_harmonics(newton, curve, balance_with(blade, 1), OMEGA)
     assert coarse.converged
-    for other in (ramped, coarse.trial):
-        assert np.abs(other.relative - direct.relative).max() < 1e-7 * np.abs(direct.relative).max()
+    for other in (ramped, coarse.point):
+        assert np.abs(other.unknowns - direct.unknowns).max() < 1e-7 * np.abs(direct.unknowns).max()
 
 
 def test_falls_back_to_the_ramp(blade: Blade) -> None:
     """Twelve iterations do not suffice from the linear response near resonance, but they do along the ramp."""
-    trial, how = first_point(Newton(balance_with(blade, 3), NewtonSettings()), OMEGA)
+    curve = FrequencyCurve(balance_with(blade, 3))
+    point, how = first_point(Newton(curve, NewtonSettings()), curve, OMEGA)
     assert "amplitude ramp" in how
-    assert trial.error <= 1e-9
-    assert trial.load == pytest.approx(1.0)
+    assert point.error <= 1e-9
+    assert point.trial.load == pytest.approx(1.0)
 
 
 def test_walks_in_from_outside_when_the_ramp_folds(blade: Blade) -> None:
     """With five iterations the ramp ends at its fold, near 78 % of the force."""
-    newton = Newton(balance_with(blade, 3), NewtonSettings(1e-9, 5))
+    curve = FrequencyCurve(balance_with(blade, 3))
+    newton = Newton(curve, NewtonSettings(1e-9, 5))
 
-    def walk(trial: Trial) -> Branch:
-        return Branch(newton, trial, OMEGA, ContinuationSettings())
+    def walk(point: BalancePoint) -> Branch[BalancePoint]:
+        return Branch(newton, point, OMEGA, ContinuationSettings())
 
     with pytest.raises(ConvergenceError, match=r"amplitude ramp: stopped at 77\.\d %"):
-        first_point(newton, OMEGA)
-    trial, how = first_point(newton, OMEGA, walk=walk)
+        first_point(newton, curve, OMEGA)
+    point, how = first_point(newton, curve, OMEGA, walk=walk)
     assert "where it converged" in how
-    assert trial.omega == pytest.approx(OMEGA)
-    assert trial.error <= 1e-9
+    assert point.trial.omega == pytest.approx(OMEGA)
+    assert point.error <= 1e-9

@@ -2,35 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
+from plane_curves import PlaneCurve, PlanePoint, circle, corner, lemniscate, line_beside_an_ellipse, s_curve
 
 from stickslip.case.case import Case
 from stickslip.model.model import build_model, load_joint, set_up
 from stickslip.results.measures import Peak, summary
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.harmonic.balance import Trial
-from stickslip.solve.path.continuation import POINTS_BACK, Branch, ContinuationSettings
-from stickslip.solve.path.newton import Constraint, Correction, Newton
+from stickslip.solve.path.continuation import (
+    POINTS_BACK,
+    Accepted,
+    Branch,
+    ContinuationSettings,
+    Corner,
+    Retreat,
+)
+from stickslip.solve.path.newton import Correction, Newton, NewtonSettings
 from stickslip.solve.path.visited import Visited
 from stickslip.study.run import solve
 from sweep_cases import COARSE_MESH
 
 
-def planar(x: float, omega: float, error: float = 0.0) -> Trial:
-    """A trial of one unknown that is its own modal amplitude."""
-    one = np.array([[x]])
-    return Trial(omega, 1.0, one, one, cast(Any, None), one, np.array([[error]]), abs(error))
-
-
-def visited(points: list[tuple[float, float]]) -> Visited:
-    been = Visited()
-    for x, omega in points:
-        been.add(planar(x, omega))
+def visited(points: list[tuple[float, float]]) -> Visited[PlanePoint]:
+    been: Visited[PlanePoint] = Visited()
+    for x, y in points:
+        been.add(PlanePoint(x, y, 0.0))
     return been
 
 
@@ -39,7 +38,7 @@ def test_the_chord_of_a_circle_passes_the_first_point_again_after_one_turn() -> 
     been = visited([(np.sin(a), np.cos(a)) for a in angle])
     found = list(been.near_last_chord(1.0, 1.0))
     assert found == []
-    been.add(planar(float(np.sin(0.1)), float(np.cos(0.1))))
+    been.add(PlanePoint(float(np.sin(0.1)), float(np.cos(0.1)), 0.0))
     ((index, share),) = been.near_last_chord(1.0, 1.0)
     # Between the point at -pi / 20.5 (the last of the turn) and that at 0.1 lies the first one, at 0.
     assert index == 0
@@ -61,137 +60,128 @@ def test_neighbours_are_not_met_and_forgotten_points_neither() -> None:
     been = visited([(0.0, 0.0), *((1.0, float(k)) for k in range(4)), (0.0, -0.5), (0.0, 0.5)])
     assert [index for index, _ in been.near_last_chord(1.0, 1.0)] == [0]
     been.keep(3)
-    assert len(been.trials) == 3
+    assert len(been.points) == 3
     assert list(been.near_last_chord(1.0, 1.0)) == []
 
 
-@dataclass(frozen=True)
-class Planar:
-    """The curve f(x, omega) = 0 in the plane, with what a branch asks of a balance and of Newton's method.
+def branch_of(
+    curve: PlaneCurve, start: PlanePoint, stop: float, settings: ContinuationSettings | None = None
+) -> tuple[Branch[PlanePoint], list[Any]]:
+    """A branch and the events of its walk, which follow."""
+    events: list[Any] = []
+    newton = Newton(curve, NewtonSettings(1e-12))
+    return Branch(newton, start, stop, settings or ContinuationSettings(), events.append), events
 
-    f = y ((y - c)^2 / a^2 + (omega - m)^2 / b^2 - 1) with y = x - 1 - s (omega - m): the branch is the line y = 0, and
-    an ellipse lies close beside it.
-    """
 
-    centre: float = 0.021
-    half_y: float = 0.02
-    half_w: float = 0.04
-    middle: float = 10.5
-    slope: float = 0.2
+def test_a_branch_passes_its_folds() -> None:
+    branch, events = branch_of(s_curve(), s_curve().at(-2.0, -6.0), 6.0)
+    points = [point.point for point in branch.follow()]
+    assert branch.complete, branch.message
+    assert points[-1].y == 6.0
+    assert points[-1].x == pytest.approx(2.0, abs=1e-9)
+    assert [point.x for point in points] == sorted(point.x for point in points)
+    assert max(abs(point.value) for point in points) <= 1e-10
+    turns = [point.x for before, point, after in zip(points, points[1:], points[2:], strict=False)
+             if (point.y - before.y) * (after.y - point.y) < 0]  # fmt: skip
+    assert turns == pytest.approx([-1.0 / np.sqrt(3.0), 1.0 / np.sqrt(3.0)], abs=0.1)
+    assert all(isinstance(event, Accepted) for event in events)
+    assert events[-1].count == len(points)
 
-    def line(self, omega: float) -> float:
-        """x of the branch."""
-        return 1.0 + self.slope * (omega - self.middle)
 
-    @property
-    def compliance(self) -> Any:
-        return SimpleNamespace(amplitude=lambda omega, load, deviation: deviation)
+def test_a_circle_leaves_through_its_start() -> None:
+    branch, _ = branch_of(circle(), circle().at(0.6, 0.8), 2.0)
+    points = [point.point for point in branch.follow()]
+    assert not branch.complete
+    assert "turned back and left the range at y = 0." in branch.message
+    # Half the circle above the start, in the order of the angle.
+    angle = np.unwrap([np.arctan2(point.y, point.x) for point in points])
+    assert (np.diff(angle) > 0).all()
+    assert np.hypot([p.x for p in points], [p.y for p in points]) == pytest.approx(np.ones(len(points)), abs=1e-9)
 
-    @property
-    def balance(self) -> Planar:
-        return self
 
-    def acting(self, relative: Any) -> Any:
-        return relative.copy()
+def test_a_lemniscate_is_crossed_at_its_node() -> None:
+    """At the node two branches cross; the one that goes straight on is followed, into the other leaf."""
+    x = -0.3
+    y = np.sqrt((-(2 * x * x - 1) + np.sqrt((2 * x * x - 1) ** 2 - 4 * (x**4 + x * x))) / 2)
+    branch, _ = branch_of(lemniscate(), lemniscate().at(x, float(y)), -0.9)
+    points = [point.point for point in branch.follow()]
+    assert branch.complete, branch.message
+    assert points[-1].y == -0.9
+    assert max(abs(point.value) for point in points) < 1e-9
 
-    def amplitude_slope(self, trial: Trial) -> Any:
-        return np.zeros((1, 1))
 
-    def evaluate(self, relative: Any, omega: float, load: float = 1.0) -> Trial:
-        x = float(relative[0, 0])
-        y = x - self.line(omega)
-        return planar(x, omega, y * self.ellipse(y, omega))
-
-    def ellipse(self, y: float, omega: float) -> float:
-        return ((y - self.centre) / self.half_y) ** 2 + ((omega - self.middle) / self.half_w) ** 2 - 1.0
-
-    def slopes(self, trial: Trial) -> tuple[float, float]:
-        y, omega = float(trial.relative[0, 0]) - self.line(trial.omega), trial.omega
-        by_y = self.ellipse(y, omega) + 2.0 * y * (y - self.centre) / self.half_y**2
-        return by_y, 2.0 * y * (omega - self.middle) / self.half_w**2 - self.slope * by_y
-
-    def border(self, trial: Trial, constraint: Constraint) -> Any:
-        rows = np.array([self.slopes(trial), (float(constraint.weights[0, 0]), constraint.weight)])
-
-        def solve(residual: Any, defect: float, tolerance: float) -> Any:
-            dx, dw = np.linalg.solve(rows, [-float(residual[0, 0]), defect])
-            return SimpleNamespace(relative=np.array([[dx]]), deviation=np.array([[dx]]), omega=float(dw))
-
-        return SimpleNamespace(solve=solve)
-
-    def correct(self, start: Trial, constraint: Constraint) -> Correction:
-        trial = start
-        for iteration in range(12):
-            defect = constraint.defect(trial.relative, trial.omega)
-            if trial.error < 1e-12 and abs(defect) < 1e-12:
-                return Correction(trial, True, iteration, None)
-            step = self.border(trial, constraint).solve(trial.residual, -defect, 0.0)
-            trial = self.evaluate(trial.relative + step.relative, trial.omega + step.omega)
-        return Correction(trial, False, 12, None)
+@pytest.mark.parametrize("slope", [-0.5, 0.2, 3.0, 30.0])
+def test_corners_are_passed(slope: float) -> None:
+    branch, _ = branch_of(corner(slope), corner(slope).at(0.0, 0.0), 1.0)
+    points = [point.point for point in branch.follow()]
+    assert branch.complete, branch.message
+    assert points[-1].x == pytest.approx(0.5 + 0.5 * slope)
 
 
 def test_a_branch_beside_a_loop_is_followed_to_its_end() -> None:
-    branch = Branch(cast(Newton, Planar()), planar(Planar().line(10.0), 10.0), 11.0, ContinuationSettings())
-    points = list(branch)
+    curve = line_beside_an_ellipse()
+    branch, events = branch_of(curve, curve.at(0.9, 10.0), 11.0)
+    points = branch.follow()
     assert branch.complete
     assert points == branch.points
     assert branch.retreats == []
+    assert not any(isinstance(event, Retreat | Corner) for event in events)
 
 
-class Astray(Branch):
+class Astray(Branch[PlanePoint]):
     """A branch that comes down on the ellipse once, as a long step may."""
 
     astray = False
 
-    def _advance(self, point: Trial, tangent: Any, bend: Any, step: float) -> Any:
-        if not self.astray and point.omega > Planar().middle - 0.03:
+    def _advance(self, point: PlanePoint, tangent: Any, bend: Any, step: float) -> Any:
+        if not self.astray and point.y > 10.47:
             self.astray = True
-            curve = Planar()
-            low = curve.evaluate(np.array([[1.0 + curve.centre - curve.half_y]]), curve.middle)
-            constraint = self._constraint(low, tangent, 0.0)
-            turned = self._direction_of(low, curve.border(low, constraint), 1.0)
+            low = line_beside_an_ellipse().at(1.0 + 0.021 - 0.02, 10.5)
+            system = self._problem.linearised(low, self._plane(low, tangent, 0.0))
+            turned = self._direction_of(low, system, 1.0)
             return Correction(low, True, 1, None), self._measure(low).unit(turned), 0.01, 0.01
         return super()._advance(point, tangent, bend, step)
 
 
 def test_a_step_onto_a_loop_is_taken_back_after_one_turn() -> None:
-    curve = Planar()
-    branch = Astray(
-        cast(Newton, curve), planar(Planar().line(10.0), 10.0), 11.0, ContinuationSettings(largest_step=0.02)
-    )
-    walked = sum(1 for _ in branch)
+    curve, events = line_beside_an_ellipse(), []
+    newton = Newton(curve, NewtonSettings(1e-12))
+    settings = ContinuationSettings(largest_step=0.02)
+    branch = Astray(newton, curve.at(0.9, 10.0), 11.0, settings, events.append)
+    points = [point.point for point in branch.follow()]
     assert branch.complete, branch.message
-    assert len(branch.retreats) == 1
-    assert branch.retreats[0] == pytest.approx(curve.middle / (2.0 * np.pi), rel=0.01)
-    assert walked > len(branch.points) + 8  # the loop was walked, and is no part of the branch
-    away = [float(point.trial.relative[0, 0]) - curve.line(point.trial.omega) for point in branch.points]
-    assert max(map(abs, away)) < 1e-9
-    omega = [point.trial.omega for point in branch.points]
-    assert omega == sorted(omega)
+    (retreat,) = [event for event in events if isinstance(event, Retreat)]
+    assert branch.retreats == [retreat.parameter]
+    assert retreat.parameter == pytest.approx(10.5, rel=0.01)
+    walked = sum(isinstance(event, Accepted) for event in events)
+    assert walked > len(points) + 8  # the loop was walked, and is no part of the branch
+    assert max(abs(point.x - 1.0 - 0.2 * (point.y - 10.5)) for point in points) < 1e-9
+    assert [point.y for point in points] == sorted(point.y for point in points)
 
 
-class TurnedRound(Branch):
+class TurnedRound(Branch[PlanePoint]):
     """A branch that is turned round once, as at a corner finer than its steps."""
 
     turned = False
 
-    def _advance(self, point: Trial, tangent: Any, bend: Any, step: float) -> Any:
-        if not self.turned and point.omega > 10.6:
+    def _advance(self, point: PlanePoint, tangent: Any, bend: Any, step: float) -> Any:
+        if not self.turned and point.y > 10.6:
             self.turned = True
             tangent, bend = tangent.times(-1.0), bend.times(0.0)
         return super()._advance(point, tangent, bend, step)
 
 
 def test_a_branch_that_turned_round_goes_on_where_it_did() -> None:
+    curve, events = line_beside_an_ellipse(), []
+    newton = Newton(curve, NewtonSettings(1e-12))
     settings = ContinuationSettings(largest_step=0.03)
-    branch = TurnedRound(cast(Newton, Planar()), planar(Planar().line(10.0), 10.0), 11.0, settings)
-    walked = sum(1 for _ in branch)
+    branch = TurnedRound(newton, curve.at(0.9, 10.0), 11.0, settings, events.append)
+    points = [point.point for point in branch.follow()]
     assert branch.complete, branch.message
     assert len(branch.retreats) == 1
-    assert branch.retreats[0] * 2.0 * np.pi == pytest.approx(10.6, abs=0.1)
-    assert walked >= len(branch.points) + POINTS_BACK
-    omega = [point.trial.omega for point in branch.points]
-    assert omega == sorted(omega)
+    assert branch.retreats[0] == pytest.approx(10.6, abs=0.1)
+    assert sum(isinstance(event, Accepted) for event in events) >= len(points) + POINTS_BACK
+    assert [point.y for point in points] == sorted(point.y for point in points)
 
 
 def solved(case: Case) -> tuple[ForcedResponse, Peak]:

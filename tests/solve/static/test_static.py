@@ -16,8 +16,9 @@ from stickslip.contact.law.normal_law import PressureGapLaw, SpringLaw
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.validation import FloatArray
 from stickslip.solve.forced import forced_response
-from stickslip.solve.static.load_ramp import LoadRamp, StaticState
+from stickslip.solve.static.load_ramp import LoadRamp
 from stickslip.solve.static.ramp_to_rest import PATH_TOLERANCE, static_preload
+from stickslip.solve.static.state import StaticState
 from stickslip.structure.superelement import Superelement
 
 FRICTION, ANGLE = 0.3, np.pi / 6

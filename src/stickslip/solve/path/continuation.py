@@ -33,6 +33,8 @@ SAME_POINT, SAME_POINT_OF_SIZE = 0.02, 1e-8
 MOST_RETREATS = 6
 SHORTER, LONGER = 0.25, 4.0
 SLOW_STEPS = 16
+# Floor of the scale of the motion, whose square must not underflow.
+SMALLEST_MOTION = 1e-150
 # A branch that turned round is believed after as many points on its old way: at first the legs of a sharp corner are
 # too close to each other for Newton to keep them apart.
 POINTS_BACK = 4
@@ -278,7 +280,7 @@ class Branch(Generic[PointT]):
 
     def _measure(self, point: PointT) -> Metric:
         """The metric after ``point`` was reached."""
-        self._largest = max(self._largest, float(np.linalg.norm(point.measured)), 1e-300)
+        self._largest = max(self._largest, float(np.linalg.norm(point.measured)), SMALLEST_MOTION)
         return Metric(self._largest, self._width)
 
     def _direction_of(self, point: PointT, system: Linearised, along: float) -> Tangent:
@@ -290,6 +292,9 @@ class Branch(Generic[PointT]):
         plane = Plane.fixed(self._start.unknowns, self._origin)
         system = self._problem.linearised(self._start, plane)
         tangent = self._direction_of(self._start, system, self._direction)
+        if not self._start.measured.any():
+            # A curve that starts at rest: the motion that its first steps lead to is the scale.
+            self._largest = self._settings.first_step * self._width * float(np.linalg.norm(tangent.measured))
         return self._measure(self._start).unit(tangent)
 
     def _plane(self, point: PointT, tangent: Tangent, step: float) -> Plane:

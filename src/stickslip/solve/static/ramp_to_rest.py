@@ -19,7 +19,8 @@ from stickslip.contact.law.normal_law import NormalLaw, SpringLaw
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.validation import FloatArray, finite_array, whole_number
-from stickslip.solve.static.load_ramp import LoadRamp, StaticState
+from stickslip.solve.static.load_ramp import LoadRamp
+from stickslip.solve.static.state import StaticState
 from stickslip.structure.superelement import Superelement
 
 # Local stiffness is iterated until normal forces and stiffness change by less than this share of the largest.
