@@ -12,6 +12,11 @@ from .contact.stiffness.fractal import contact_stiffness as contact_stiffness
 from .contact.stiffness.roughness_fit import RoughnessFit as RoughnessFit
 from .contact.stiffness.roughness_fit import fit_roughness as fit_roughness
 from .contact.stiffness.surface import fractal_surface as fractal_surface
+from .core.errors import ConvergenceError as ConvergenceError
+from .core.errors import InputError as InputError
+from .core.errors import ResultsFileError as ResultsFileError
+from .core.errors import RoughnessError as RoughnessError
+from .core.errors import StudyFileError as StudyFileError
 from .formats.calculix_deck import write_calculix_deck as write_calculix_deck
 from .formats.matrices.exchange import read_superelement as read_superelement
 from .formats.matrices.exchange import write_superelement as write_superelement
@@ -19,6 +24,8 @@ from .formats.matrices.model import MatrixModel as MatrixModel
 from .formats.matrices.read import read_matrices as read_matrices
 from .formats.matrices.reduce import reduce_matrices as reduce_matrices
 from .results.response import ForcedResponse as ForcedResponse
+from .solve.controlled import controlled_response as controlled_response
+from .solve.excitation import Excitation as Excitation
 from .solve.forced import forced_response as forced_response
 from .solve.static.ramp_to_rest import static_preload as static_preload
 from .solve.static.state import StaticState as StaticState

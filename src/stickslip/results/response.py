@@ -6,7 +6,7 @@ Displacements are Fourier coefficients in the order mean, cos 1, sin 1, cos 2, s
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from os import PathLike
 from typing import TYPE_CHECKING, Any, cast
 
@@ -93,9 +93,12 @@ class ForcedResponse:
     linear:
         the linear limits.
     force:
-        (n, 2 * harmonics + 1) N, coefficients of the excitation.
+        (n, 2 * harmonics + 1) N, coefficients of the excitation; of one that depends on the frequency at the middle of
+        the curve.
     settings, provenance:
         what the run was asked to do, and which software on which machine did it.
+    load_factor:
+        (n_points,) the excitation at a point over ``force``; 1 unless the response was held and the force followed.
 
     Raises
     ------
@@ -123,6 +126,7 @@ class ForcedResponse:
     force: FloatArray
     settings: dict[str, str | float | int]
     provenance: dict[str, str]
+    load_factor: FloatArray = field(default_factory=lambda: np.ones(1))
 
     def __post_init__(self) -> None:
         points, n_pairs = np.shape(self.frequency_hz), (self.pairs.n_pairs,)
@@ -130,6 +134,8 @@ class ForcedResponse:
         curve = np.shape(self.linear.frequency_hz)
         if len(points) != 1 or not points[0]:
             raise InputError(f"frequency_hz must be a list of at least one point, but its shape is {points}.")
+        if np.shape(self.load_factor) == (1,):
+            object.__setattr__(self, "load_factor", np.repeat(self.load_factor, points[0]))
         expected: dict[str, tuple[int, ...]] = {
             "frequency_hz": points,
             "displacement": points + coefficients,
@@ -141,6 +147,7 @@ class ForcedResponse:
             "iterations": points,
             "input_energy": points,
             "viscous_energy": points,
+            "load_factor": points,
             "force": coefficients,
         }
         for name, shape in expected.items():

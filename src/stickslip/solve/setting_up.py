@@ -41,9 +41,11 @@ class Balances:
     superelement: Superelement
     pairs: ContactPairs
     stuck: StuckStructure
+    excitation: Excitation
     force: ExcitationForce
     samples: int
     update: Update
+    modal_damping_ratio: float | None
 
     def with_harmonics(self, harmonics: int, samples: int | None = None) -> Balance:
         """The balance with a number of harmonics, and of samples if they differ."""
@@ -72,7 +74,7 @@ def prepare_balances(
     on_stage(f"modes of the stuck structure, {superelement.size} unknowns")
     stuck = stuck_structure(superelement, pairs, highest_omega, modal_damping_ratio)
     on_stage(f"compliance of {pairs.n_pairs} pairs")
-    return Balances(superelement, pairs, stuck, force, samples, update)
+    return Balances(superelement, pairs, stuck, excitation, force, samples, update, modal_damping_ratio)
 
 
 def checked_window(frequency_hz: tuple[float, float]) -> tuple[float, float]:

@@ -142,7 +142,7 @@ class BorderedSystem:
     def solve(self, residual: FloatArray, values: FloatArray, tolerance: float) -> Step:
         """The step for a residual (2H+1, m) and the values (k,) of the rows, to a relative ``tolerance``.
 
-        ``Step.detail`` is the change (2H+1, m) of the deviation.
+        ``Step.detail`` is the change (2H+1, m) of the deviation. Not finite where the system is singular.
         """
         system = self.system
         along = [0.0 if row.relative is None else float((row.relative * residual).sum()) for row in self._rows]
@@ -152,6 +152,9 @@ class BorderedSystem:
             answer = self._iterated(right, tolerance)
         if answer is None:
             answer = self._factored(right)
+        if not np.isfinite(answer).all():
+            nowhere = np.full_like(residual, np.nan)
+            return Step(nowhere, np.full(len(self._rows), np.nan), nowhere)
         inner = answer[: system.size]
         parameters = self._column_scale * answer[system.size :]
         relative = -residual

@@ -159,6 +159,12 @@ class Branch(Generic[PointT]):
         """Walk to the stop, or as far as possible; returns the points that belong to the branch."""
         self._accept(BranchPoint(self._start, 0))
         tangent = self._first_tangent()
+        if tangent is None:
+            self.message = (
+                f"The equations are singular at the start, {self._named(self._start)}: no direction of the curve is "
+                "determined there. Start elsewhere."
+            )
+            return self.points
         bend, step = tangent.times(0.0), self._settings.first_step
         for _ in range(self._settings.max_points - 1):
             point = self.points[-1].point
@@ -288,10 +294,12 @@ class Branch(Generic[PointT]):
         step = system.solve(np.zeros_like(point.unknowns), np.zeros_like(point.conditions), -along, TANGENT_TOLERANCE)
         return Tangent(step.unknowns, self._problem.measured_change(point, step), step.parameters)
 
-    def _first_tangent(self) -> Tangent:
+    def _first_tangent(self) -> Tangent | None:
         plane = Plane.fixed(self._start.unknowns, self._origin)
         system = self._problem.linearised(self._start, plane)
         tangent = self._direction_of(self._start, system, self._direction)
+        if not (np.isfinite(tangent.parameters).all() and np.isfinite(tangent.measured).all()):
+            return None
         if not self._start.measured.any():
             # A curve that starts at rest: the motion that its first steps lead to is the scale.
             self._largest = self._settings.first_step * self._width * float(np.linalg.norm(tangent.measured))

@@ -1,0 +1,165 @@
+"""The response with its amplitude or phase held at an output, while the force follows: it passes every fold."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+from threadpoolctl import threadpool_limits
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb import Update
+from stickslip.core.errors import ConvergenceError, InputError
+from stickslip.core.progress import ProgressCallback
+from stickslip.core.threads import blas_threads, thread_count
+from stickslip.core.validation import FloatArray, finite_array, positive_number, real_number
+from stickslip.results.response import ForcedResponse
+from stickslip.solve.curve_result import follower, response_of
+from stickslip.solve.excitation import Excitation
+from stickslip.solve.harmonic.balance import Balance
+from stickslip.solve.harmonic.curves import BalancePoint, ControlledCurve, Held
+from stickslip.solve.path.continuation import Branch, ContinuationSettings
+from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.problem import Plane
+from stickslip.solve.setting_up import StageReport, checked_window, prepare_balances
+from stickslip.structure.superelement import Superelement
+
+# The start raises a held amplitude from this fraction of its value, at which few pairs slip, in steps of this factor at
+# first; it is given up where a step raises the amplitude by less than the last.
+FIRST_FRACTION, FIRST_FACTOR, SMALLEST_FACTOR = 0.01, 2.0, 1.001
+
+
+def controlled_response(
+    superelement: Superelement,
+    pairs: ContactPairs,
+    excitation: Excitation,
+    output: ArrayLike,
+    *,
+    frequency_hz: tuple[float, float],
+    amplitude: float | None = None,
+    phase_deg: float | None = None,
+    harmonics: int = 5,
+    samples: int = 256,
+    modal_damping_ratio: float | None = None,
+    update: Update = "tractrix",
+    newton: NewtonSettings | None = None,
+    continuation: ContinuationSettings | None = None,
+    threads: int | None = None,
+    progress: ProgressCallback | None = None,
+) -> ForcedResponse:
+    """Follow the periodic response along the frequency with the first harmonic of an output held.
+
+    The size of the excitation follows: the force at a point is ``load_factor`` times ``excitation``. With the amplitude
+    held the force is a single-valued function of the frequency where the ordinary response folds, as in
+    response-controlled tests (T. Karaagacli, H. N. Ozguven, Mech. Syst. Signal Process. 148 (2021) 107156).
+
+    Parameters
+    ----------
+    superelement, pairs, frequency_hz, harmonics, samples, modal_damping_ratio, update, newton, continuation, threads:
+        as in :func:`forced_response`.
+    excitation:
+        what drives the structure, at a load factor of 1.
+    output:
+        (n,) row; ``output @ u`` is held.
+    amplitude:
+        0-to-peak of the first harmonic of the output (m for a row that reads a displacement).
+    phase_deg:
+        instead of ``amplitude``: the phase by which the first harmonic of the output lags behind ``cos(w t)``; 90 is
+        the phase resonance of a cosine force. The curve starts at ``load_factor`` = 1 where that has this phase.
+
+    Returns
+    -------
+    ForcedResponse
+        with ``load_factor`` (n_points,); ``converged`` and ``message`` as in :func:`forced_response`.
+
+    Raises
+    ------
+    InputError
+        for inputs that cannot be used. ConvergenceError if no first point was found.
+    """
+    began = time.perf_counter()
+    window = checked_window(frequency_hz)
+    held, target = _checked_target(amplitude, phase_deg)
+    row = finite_array("output", output)
+    if row.shape != (superelement.size,) or not row.any():
+        raise InputError(f"output must have shape ({superelement.size},) with an entry that is not zero.")
+    threads = thread_count(threads)
+    newton = newton or NewtonSettings()
+    report = StageReport(progress)
+    start_omega, stop_omega = (2.0 * np.pi * f for f in window)
+    with threadpool_limits(limits=blas_threads(3 * pairs.n_pairs, threads)):
+        balances = prepare_balances(
+            superelement, pairs, excitation, max(start_omega, stop_omega), harmonics, samples, modal_damping_ratio,
+            update, report.stage,
+        )  # fmt: skip
+        balance = balances.with_harmonics(harmonics)
+        report.stage("first point")
+        start = _first_point(balance, row, held, target, start_omega, newton, report)
+        curve = ControlledCurve(balance, row, held, target)
+        solver = Newton(curve, newton, report.iteration)
+        branch = Branch(solver, start, stop_omega, continuation or ContinuationSettings(), follower(window, report))
+        branch.follow()
+        how = f"The first point was reached with a load factor of {start.trial.load:.4g}."
+        response = response_of(branch, balances, balance, window, newton, how, report)
+    settings = {**response.settings, f"held_{held}": target if held == "amplitude" else -math.degrees(target)}
+    provenance = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
+    return replace(response, settings=settings, provenance=provenance)
+
+
+def _checked_target(amplitude: float | None, phase_deg: float | None) -> tuple[Held, float]:
+    """What is held, and its value in SI units."""
+    if (amplitude is None) == (phase_deg is None):
+        raise InputError("give either amplitude or phase_deg: one of them is held.")
+    if amplitude is not None:
+        return "amplitude", positive_number("amplitude", amplitude, "of the output")
+    # An output that lags by an angle has the complex amplitude |o| exp(-i angle).
+    return "phase", -math.radians(real_number("phase_deg", phase_deg))
+
+
+def _first_point(
+    balance: Balance, output: FloatArray, held: Held, target: float, omega: float, newton: NewtonSettings,
+    report: StageReport,
+) -> BalancePoint:  # fmt: skip
+    """A solution at ``omega`` with the condition met. Raises ConvergenceError."""
+    modes = balance.compliance.output_modes(output)
+    linear = balance.linear(omega)
+    cosine, sine = (float(row @ modes) for row in balance.load_amplitude(omega)[:2])
+    size = math.hypot(cosine, sine)
+    if size == 0.0:
+        raise InputError("the excitation does not move the output, so nothing can be held there. Take another output.")
+
+    def solved(goal: float, unknowns: FloatArray, load: float) -> BalancePoint | None:
+        curve = ControlledCurve(balance, output, held, goal)
+        guess = curve.evaluate(unknowns, np.array([omega, load]))
+        correction = Newton(curve, newton, report.iteration).correct(guess, Plane.fixed(unknowns, omega))
+        return correction.point if correction.converged else None
+
+    if held == "phase":
+        point = solved(target, linear, 1.0)
+        if point is None:
+            raise ConvergenceError(
+                f"no response with this phase was found at the first frequency, {omega / (2 * math.pi):.3f} Hz, near a "
+                "load factor of 1. Start at a resonance of the linear stuck response, where the phase is 90 degrees."
+            )
+        return point
+    fraction, factor = FIRST_FRACTION, FIRST_FACTOR
+    load = fraction * target / size
+    point = solved(fraction * target, load * linear, load)
+    while point is not None and fraction < 1.0:
+        wanted = min(1.0, fraction * factor)
+        ahead = solved(wanted * target, point.unknowns * (wanted / fraction), point.trial.load * (wanted / fraction))
+        if ahead is not None:
+            point, fraction = ahead, wanted
+            continue
+        factor = math.sqrt(factor)
+        if factor < SMALLEST_FACTOR:
+            point = None
+    if point is None:
+        raise ConvergenceError(
+            f"no response with this amplitude was found at the first frequency, {omega / (2 * math.pi):.3f} Hz; it was "
+            f"reached up to {100 * fraction:.3g} % of it. Start farther from the resonance, or hold less."
+        )
+    return point
