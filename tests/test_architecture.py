@@ -54,7 +54,20 @@ LAYER_OF = {
 }
 BASE = ROWS[0]
 
-HEAVY = ("numpy", "scipy", "numba", "matplotlib", "plotly", "xarray", "pint", "skfem", "meshio", "h5py", "pydantic")
+HEAVY = (
+    "numpy",
+    "scipy",
+    "numba",
+    "matplotlib",
+    "plotly",
+    "xarray",
+    "pint",
+    "skfem",
+    "meshio",
+    "h5py",
+    "pydantic",
+    "jinja2",
+)
 
 
 def modules() -> dict[str, Path]:
