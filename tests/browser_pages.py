@@ -43,7 +43,7 @@ def opened_page(browser: Any, path: Path, width: int = 1280, drawn: bool = True)
     page, troubles = browser.new_page(viewport={"width": width, "height": 900}), []
     page.on("console", lambda said: troubles.append(said.text) if said.type in ("error", "warning") else None)
     page.on("pageerror", lambda error: troubles.append(str(error)))
-    own = ("data:", path.as_uri())
+    own = ("data:", "blob:", path.as_uri())  # data and blobs are of the page itself
     page.on("request", lambda asked: None if asked.url.startswith(own) else troubles.append(asked.url))
     page.goto(path.as_uri())
     if drawn:

@@ -33,7 +33,20 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "cli": (*_PHYSICS, "case", "formats", "reporting", "model", "study", "sweeps", "papers"),
 }
 
-HEAVY = ("numpy", "scipy", "numba", "matplotlib", "plotly", "xarray", "pint", "skfem", "meshio", "h5py", "pydantic")
+HEAVY = (
+    "numpy",
+    "scipy",
+    "numba",
+    "matplotlib",
+    "plotly",
+    "xarray",
+    "pint",
+    "skfem",
+    "meshio",
+    "h5py",
+    "pydantic",
+    "jinja2",
+)
 
 
 @cache

@@ -82,6 +82,6 @@ def test_words_stand_out_from_their_ground() -> None:
 
 
 def _sheets() -> str:
-    from stickslip.reporting.html_parts import asset
+    from stickslip.reporting.templates import asset
 
     return asset("page.css") + asset("paper.css")

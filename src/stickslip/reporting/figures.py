@@ -1,6 +1,7 @@
 """Figures for papers and reports, one function a figure; ``save`` writes SVG, PNG or PDF by matplotlib.
 
-Amplitudes are 0-to-peak in µm, frequencies in Hz. The page has its own, interactive ones in ``plots.py``.
+Amplitudes are 0-to-peak in µm, frequencies in Hz. The page has its own, interactive ones in ``plots.py``. A "$" in a
+name of a user is no mathematics.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ def amplitude_frequency(response: ForcedResponse, study: StudyRecord) -> Figure:
     words = f"peak {MICRO * peak.amplitude:.4g} µm at {peak.frequency_hz:.2f} Hz"
     axes.plot(peak.frequency_hz, MICRO * peak.amplitude, "D", color=VERMILLION, label=words)
     axes.set(xlim=view.window_hz, ylim=(0.0, None), xlabel="Excitation frequency, Hz")
-    axes.set_ylabel(f"Amplitude, 0-to-peak, µm\n{study.response_output}")
+    axes.set_ylabel(f"Amplitude, 0-to-peak, µm\n{study.response_output}", parse_math=False)
     axes.legend(frameon=False)
     return figure
 
@@ -117,7 +118,7 @@ def hysteresis_loop(
         loop = np.vstack([np.column_stack([motion[:, axis], force[:, axis]]), [motion[0, axis], force[0, axis]]])
         axes.plot(*loop.T, color=LINE_COLOURS[axis], label=f"along t{axis + 1}")
     axes.set(xlabel="Relative displacement about the mean, µm", ylabel="Friction force, N")
-    axes.set_title(f"{view.pair_label(which)}, {response.frequency_hz[at]:.2f} Hz", fontsize=9)
+    axes.set_title(f"{view.pair_label(which)}, {response.frequency_hz[at]:.2f} Hz", fontsize=9, parse_math=False)
     axes.legend(frameon=False)
     return figure
 
@@ -244,7 +245,7 @@ def _face_panels(study: StudyRecord, heading: str) -> tuple[Figure, list[Axes]]:
     figure = Figure(figsize=(7.0, 0.9 + 1.7 * count), layout="constrained")
     panels = [plain_axes(axes) for axes in figure.subplots(count, 1, sharex=True, squeeze=False).ravel()]
     for face, axes in enumerate(panels):
-        axes.set_title(f"{study.face_names[face]}, {heading}", fontsize=10, loc="left")
+        axes.set_title(f"{study.face_names[face]}, {heading}", fontsize=10, loc="left", parse_math=False)
         axes.set_ylabel("Across, mm")
         axes.margins(0.06, 0.14)
     panels[-1].set_xlabel("Along the length, mm")

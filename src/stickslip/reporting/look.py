@@ -2,19 +2,46 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Self
 
+import markupsafe
 import numpy as np
+from markupsafe import Markup
 from scipy.spatial import KDTree
 
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.style import INK
 
 Figure = dict[str, Any]
+
+
+class PlotMarkup(Markup):
+    """Text that plotly.js reads itself, with its tags, entities and "%{x}"; other texts of a figure are shown as is.
+
+    What varies is put in by :meth:`format`, which escapes it.
+    """
+
+    __slots__ = ()
+
+    @classmethod
+    def escape(cls, s: Any, /) -> Self:
+        """Text that plotly.js shows as it is."""
+        return s if isinstance(s, cls) else cls(str(markupsafe.escape(str(s))).replace("%", "&#37;"))
+
+
+def plain_figures(figures: Any) -> Any:
+    """Figures, or any part of them, with every text in them escaped that is not :class:`PlotMarkup`."""
+    if isinstance(figures, dict):
+        return {key: plain_figures(value) for key, value in figures.items()}
+    if isinstance(figures, list | tuple):
+        return [plain_figures(value) for value in figures]
+    return str(PlotMarkup.escape(figures)) if isinstance(figures, str) else figures
+
+
 FREQUENCY = "Excitation frequency, Hz"
 _SMALLEST_MARK = 3.0
 _CLOSE_SHARE = 0.1  # of the pairs may have a neighbour that is nearer than the size of a mark
-_FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
+_FONT = PlotMarkup("system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif")
 
 
 def axis_look(title: str, **options: Any) -> dict[str, Any]:
@@ -42,7 +69,7 @@ def figure_of(data: list[dict[str, Any]], height: int, **layout: Any) -> Figure:
         "plot_bgcolor": "#ffffff",
         "margin": {"l": 56, "r": 16, "t": 12, "b": 44},
         "legend": {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom", "font": {"size": 12}},
-        "hoverlabel": {"font": {"family": _FONT}},
+        "hoverlabel": {"font": {"family": _FONT}, "namelength": -1},  # a name cut short may end within an entity
         "dragmode": "zoom",
     }
     return {"data": data, "layout": look | layout}

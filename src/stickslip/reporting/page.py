@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from html import escape
+from collections.abc import Iterator
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
 from stickslip.reporting import plots
-from stickslip.reporting.html_parts import notice, scrolled, table_rows, when, whole_page, word_class
-from stickslip.reporting.look import Figure
+from stickslip.reporting.look import Figure, plain_figures
 from stickslip.reporting.page_data import page_data
 from stickslip.reporting.sketch import structure_section
 from stickslip.reporting.style import MICRO, number, shown_number
+from stickslip.reporting.templates import Notice, Tile, when, whole_page
 from stickslip.reporting.view import View
 from stickslip.results.measures import summary_table
 from stickslip.results.record import StudyRecord
@@ -29,12 +29,6 @@ _MODE_HEADINGS = {
     "mac": "MAC",
     "table2_hz": "Paper, Table 2, Hz",
 }
-_INFERRED = (
-    "The geometry is <b>inferred</b>: the paper's drawing does not survive, so seven dimensions were fitted to these "
-    "ten frequencies of its Table 2, with tied contact. The last column shows how good that fit is; it is not an "
-    "independent check. The frequencies of this study, with its own contact stiffness, stand among the derived "
-    "quantities."
-)
 
 
 def write_page(path: str | PathLike[str], response: ForcedResponse, study: StudyRecord) -> None:
@@ -51,44 +45,40 @@ def write_page(path: str | PathLike[str], response: ForcedResponse, study: Study
 def page(response: ForcedResponse, study: StudyRecord) -> str:
     """The report of one run as HTML. Raises InputError if the study does not belong to the response."""
     view = View.of(response, study)
-    faces = range(len(study.face_names))
     drawing = structure_section(study)
-    ended = "converged" if response.converged else "NOT converged"
-    parts = {
-        "title": escape(study.title),
-        "description": escape(study.description),
-        "byline": escape(
-            f"{when(response.provenance)} · {response.n_points} points · {response.harmonics} harmonics · {ended}"
-        ),
-        "notices": _notices(view),
+    harmonics, ended = f"{response.harmonics} harmonics", "converged" if response.converged else "NOT converged"
+    values = {
+        "title": study.title,
+        "description": study.description,
+        "byline": " · ".join([when(response.provenance), f"{response.n_points} points", harmonics, ended]),
+        "notices": list(_notices(view)),
         "tiles": _tiles(view),
-        "output": escape(study.response_output),
-        "point": str(view.point),
-        "last_point": str(response.n_points - 1),
-        "pair_options": _pair_options(view),
+        "output": study.response_output,
+        "point": view.point,
+        "last_point": response.n_points - 1,
+        "pair": view.pair,
+        "pair_labels": [view.pair_label(pair) for pair in range(response.pairs.n_pairs)],
         "structure": drawing,
-        "rest": _rest(view),
-        "state_maps": _maps(study, faces, "state", "Contact states"),
-        "energy_maps": _maps(study, faces, "energy", "Dissipated energy"),
+        "face_names": study.face_names,
+        "open_at_rest": _open_at_rest(view),
         "imbalance": number(view.summary.energy_imbalance, 2),
-        "groups": _groups(study),
+        "groups": list(study.signal_groups),
         "modes": _mode_table(study),
-        "measures": table_rows(
-            (name, "–" if value == "-" else f"{value} {unit}".replace("-", "−"))
-            for name, value, unit in _measures(view)
-        ),
+        "measures": _measures(view),
         "rough_face": _rough_face(study),
-        "derived": _derived(study),
-        "inputs": escape(study.inputs),
-        "settings": table_rows((key, number(value)) for key, value in response.settings.items()),
+        "derived": [
+            (name, shown_number(value, unit), unit, explanation) for name, value, unit, explanation in study.derived
+        ],
+        "inputs": study.inputs,
+        "settings": [(key, number(value)) for key, value in response.settings.items()],
     }
     return whole_page(
         "page.html",
         "Forced response with rough frictional contact",
-        parts,
+        values,
         response.provenance,
         script="page.js",
-        data={"page-data": page_data(view, len(drawing)), "page-figures": _figures(view)},
+        data={"page-data": page_data(view, len(drawing)), "page-figures": plain_figures(_figures(view))},
     )
 
 
@@ -111,12 +101,11 @@ def _figures(view: View) -> dict[str, Figure]:
     return figures
 
 
-def _notices(view: View) -> str:
+def _notices(view: View) -> Iterator[Notice]:
     response = view.response
-    blocks = []
     if not response.converged:
         words = "These are partial results: the figures show the points that were computed."
-        blocks.append(notice("bad", "The solve did not converge", [response.message, words]))
+        yield Notice("bad", "The solve did not converge", [response.message, words])
     warnings = [*response.warnings, *view.study.warnings]
     if not view.summary.peak.bracketed:
         warnings.append(
@@ -124,11 +113,10 @@ def _notices(view: View) -> str:
             "frequency range."
         )
     if warnings:
-        blocks.append(notice("warn", "Warnings" if len(warnings) > 1 else "Warning", warnings))
-    return "\n".join(blocks)
+        yield Notice("warn", "Warnings" if len(warnings) > 1 else "Warning", warnings)
 
 
-def _tiles(view: View) -> str:
+def _tiles(view: View) -> tuple[Tile, ...]:
     measures = view.summary
     factor, unit = view.energy_factor, view.energy_unit
 
@@ -140,116 +128,80 @@ def _tiles(view: View) -> str:
 
     states = " · ".join(f"{count} {name}" for count, name in zip(measures.state_counts, STATE_NAMES, strict=True))
     moving = sum(measures.state_counts[1:])
-    tiles = (
-        (
+    return (
+        Tile(
             "Peak amplitude, 0‑to‑peak",
-            f"{number(1e6 * measures.peak.amplitude)} <small>µm</small>",
+            number(1e6 * measures.peak.amplitude),
+            "µm",
             f"at {shown_number(measures.peak.frequency_hz, 'Hz')} Hz",
         ),
-        (
+        Tile(
             "Reduction against linear stuck",
             percent(measures.reduction_from_stuck),
-            shift(measures.shift_from_stuck_hz, "stuck"),
+            more=shift(measures.shift_from_stuck_hz, "stuck"),
         ),
-        (
+        Tile(
             "Reduction against linear free",
             percent(measures.reduction_from_free),
-            shift(measures.shift_from_free_hz, "free"),
+            more=shift(measures.shift_from_free_hz, "free"),
         ),
-        ("Pairs that move at the peak", f"{moving} <small>of {sum(measures.state_counts)}</small>", states),
-        (
+        Tile("Pairs that move at the peak", str(moving), f"of {sum(measures.state_counts)}", states),
+        Tile(
             "Friction energy per cycle",
-            f"{number(factor * measures.friction_energy)} <small>{unit}</small>",
+            number(factor * measures.friction_energy),
+            unit,
             f"{percent(measures.friction_share)} of the loss at the peak",
         ),
-        ("Equivalent damping ratio", percent(measures.damping_ratio), "half-power width of the curve"),
-    )
-    return "\n".join(
-        f'<div class="tile"><h3>{name}</h3><p class="value">{value}</p><p class="more">{more}</p></div>'
-        for name, value, more in tiles
+        Tile("Equivalent damping ratio", percent(measures.damping_ratio), more="half-power width of the curve"),
     )
 
 
-def _measures(view: View) -> list[tuple[str, str, str]]:
-    return [(name, value, "" if unit == "-" else unit) for name, value, unit in summary_table(view.summary)]
+def _measures(view: View) -> list[tuple[str, str]]:
+    """Names and values with their units."""
+    return [
+        (name, "–" if value == "-" else f"{value} {'' if unit == '-' else unit}".replace("-", "−"))
+        for name, value, unit in summary_table(view.summary)
+    ]
 
 
-def _pair_options(view: View) -> str:
-    return "".join(
-        f'<option value="{pair}"{" selected" if pair == view.pair else ""}>{escape(view.pair_label(pair))}</option>'
-        for pair in range(view.response.pairs.n_pairs)
-    )
-
-
-def _maps(study: StudyRecord, faces: Iterable[int], quantity: str, words: str) -> str:
-    return "".join(
-        f'<figure class="panel"><figcaption>{escape(study.face_names[face])}</figcaption>'
-        f'<div id="{quantity}-map-{face}" class="plot" tabindex="0" role="application" '
-        f'aria-label="{words}, {escape(study.face_names[face])}; arrow keys select a pair"></div></figure>'
-        for face in faces
-    )
-
-
-def _rest(view: View) -> str:
-    """The pressure at rest, where it is not uniform on each face."""
+def _open_at_rest(view: View) -> list[tuple[str, int, int]]:
+    """Name, open pairs and pairs of each face; empty where the pressure at rest is uniform on each face."""
     if not view.rest_is_uneven:
-        return ""
-    names, closed = view.study.face_names, view.response.pairs.closed_at_rest
-    counts = "; ".join(
-        f"{escape(name)}: {int((~closed[view.study.pair_face == face]).sum())} of "
-        f"{int((view.study.pair_face == face).sum())} pairs open"
-        for face, name in enumerate(names)
-    )
-    figures = "".join(
-        f'<figure class="panel"><figcaption>{escape(name)}</figcaption><div id="rest-map-{face}" class="plot" '
-        f'role="img" aria-label="Pressure at rest, {escape(name)}"></div></figure>'
-        for face, name in enumerate(names)
-    )
-    return (
-        f'<section><h2>Pressure at rest</h2><p class="note">{counts}. Hollow pairs are open at rest; the linear stuck '
-        f'curve leaves them open.</p><div class="maps">{figures}</div></section>'
-    )
+        return []
+    closed, face = view.response.pairs.closed_at_rest, view.study.pair_face
+    return [
+        (name, int((~closed[face == place]).sum()), int((face == place).sum()))
+        for place, name in enumerate(view.study.face_names)
+    ]
 
 
-def _groups(study: StudyRecord) -> str:
-    if not study.signal_groups:
-        return ""
-    figures = "".join(
-        f'<figure class="panel"><figcaption>{escape(heading)}</figcaption>'
-        f'<div id="group-{i}" class="plot" role="img" aria-label="{escape(heading)}"></div></figure>'
-        for i, heading in enumerate(study.signal_groups)
-    )
-    return (
-        '<section><h2>Motion over one period</h2><p class="note">At <b class="now"></b>; displacements are '
-        "shown about their mean over the period.</p>"
-        f'<div class="two">{figures}</div></section>'
-    )
+@dataclass(frozen=True)
+class _ModeTable:
+    """The mode table in words: headings and cells, each with whether it is a word; ``compared`` with the paper."""
+
+    contact: str
+    compared: bool
+    headings: list[tuple[str, bool]]
+    rows: list[list[tuple[str, bool]]]
 
 
-def _mode_table(study: StudyRecord) -> str:
-    if not study.mode_table:
-        return ""
+def _mode_table(study: StudyRecord) -> _ModeTable:
     columns = [key for key in _MODE_HEADINGS if any(key in row for row in study.mode_table)]
     compared = "table2_hz" in columns and "full_hz" in columns
-    headings = [_MODE_HEADINGS[key] for key in columns] + (["Full model against paper, %"] if compared else [])
-    body = []
-    for row in study.mode_table:
-        cells = [(key == "description", _mode_cell(key, row.get(key))) for key in columns]
-        if compared:
-            cells.append((False, _deviation(row)))
-        body.append("<tr>" + "".join(f"<td{word_class(text)}>{value}</td>" for text, value in cells) + "</tr>")
-    head = "".join(f"<th{word_class(heading == 'Mode')}>{heading}</th>" for heading in headings)
-    note = f'<p class="note">{_INFERRED}</p>' if compared else ""
-    table = f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(body)}</tbody></table>"
-    heading = f"Natural frequencies, contact {study.mode_contact}{' (geometry inferred)' if compared else ''}"
-    return f"<section><h2>{heading}</h2>{note}{scrolled('Natural frequencies', table)}</section>"
+    headings = [(_MODE_HEADINGS[key], key == "description") for key in columns]
+    rows = [[(_mode_cell(key, row.get(key)), key == "description") for key in columns] for row in study.mode_table]
+    if compared:
+        headings.append(("Full model against paper, %", False))
+        for cells, row in zip(rows, study.mode_table, strict=True):
+            cells.append((_deviation(row), False))
+    return _ModeTable(study.mode_contact, compared, headings, rows)
 
 
 def _mode_cell(key: str, value: str | float | int | None) -> str:
     if value is None:
         return "–"
     if isinstance(value, str):
-        return escape(value)
+        return value
     if key == "mode":
         return str(int(value))
     if key == "mac":
@@ -264,29 +216,15 @@ def _deviation(row: dict[str, str | float | int]) -> str:
 
 
 def _rough_face(study: StudyRecord) -> str:
-    """The picture of a rough face, where the record has one."""
+    """What the picture of a rough face shows, where the record has one."""
     patch = study.rough_patch
     if patch is None:
         return ""
     size = f"{number(1e3 * patch.length)} mm by {number(1e3 * patch.width)} mm"
     shown = number(MICRO * float(patch.about_mean.std()))
     return (
-        f'<section><h2>Rough face</h2><p class="note">Heights about their mean on {size}, one of the faces that the '
-        f"roughness and its seed describe: Sq {number(MICRO * patch.sq)} µm and Sdq {number(patch.sdq)} of all waves, "
-        f"as the mean over many faces; Sq {shown} µm of the {patch.height.size} points shown, which are too far apart "
-        'for the shortest waves and for a slope.</p><div class="panel"><div id="rough-map" class="plot" role="img" '
-        'aria-label="Heights of a rough face"></div></div></section>'
+        f"Heights about their mean on {size}, one of the faces that the roughness and its seed describe: "
+        f"Sq {number(MICRO * patch.sq)} µm and Sdq {number(patch.sdq)} of all waves, as the mean over many faces; "
+        f"Sq {shown} µm of the {patch.height.size} points shown, which are too far apart for the shortest waves and "
+        "for a slope."
     )
-
-
-def _derived(study: StudyRecord) -> str:
-    if not study.derived:
-        return ""
-    rows = "".join(
-        f'<tr><th scope="row">{escape(name)}</th><td>{shown_number(value, unit)}</td>'
-        f'<td class="word unit">{escape(unit)}</td><td class="word">{escape(explanation)}</td></tr>'
-        for name, value, unit, explanation in study.derived
-    )
-    head = '<th class="word">Quantity</th><th>Value</th><th class="word">Unit</th><th class="word">Meaning</th>'
-    table = f'<table class="plain"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>'
-    return f"<section><h2>Derived quantities</h2>{scrolled('Derived quantities', table)}</section>"

@@ -14,6 +14,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import (
     FREQUENCY,
     Figure,
+    PlotMarkup,
     axis_look,
     figure_of,
     line_trace,
@@ -39,6 +40,7 @@ from stickslip.results.rough_patch import RoughPatch
 
 TIME = "Time over period"
 _MAP = (400.0, 160.0)  # px of a face's map beside its axes and scale, on a wide screen
+_TEXT = PlotMarkup("%{text}<extra></extra>")
 _RING = 9.0  # px that the ring about the chosen pair is wider than its mark
 
 
@@ -47,12 +49,13 @@ def amplitude_frequency(view: View) -> Figure:
     response, linear, peak = view.response, view.response.linear, view.summary.peak
     low, high = view.window_hz
     shown = (linear.frequency_hz >= low) & (linear.frequency_hz <= high)
-    hover = "%{x:.2f} Hz<br>%{y:.4g} µm"
+    hover = PlotMarkup("%{x:.2f} Hz<br>%{y:.4g} µm")
     frequency = linear.frequency_hz[shown]
     curve = line_trace("with friction", response.frequency_hz, view.amplitude_um, INK, width=2.5, hovertemplate=hover)
     curve |= {"mode": "lines+markers", "marker": {"size": 5, "color": INK}}
     top = 1e6 * peak.amplitude
-    words = f"{'peak' if peak.bracketed else 'highest'} {top:.4g} µm<br>at {peak.frequency_hz:.2f} Hz"
+    name = "peak" if peak.bracketed else "highest"
+    words = PlotMarkup("{} {:.4g} µm<br>at {:.2f} Hz").format(name, top, peak.frequency_hz)
     mark = {
         "type": "scatter",
         "mode": "markers",
@@ -60,7 +63,7 @@ def amplitude_frequency(view: View) -> Figure:
         "x": [peak.frequency_hz],
         "y": [top],
         "marker": {"symbol": "diamond", "size": 12, "color": VERMILLION, "line": {"color": "white", "width": 1}},
-        "hovertemplate": words + "<extra></extra>",
+        "hovertemplate": words + PlotMarkup("<extra></extra>"),
         "showlegend": False,
     }
     cursor = {
@@ -114,7 +117,7 @@ def face_map(view: View, face: int, quantity: str) -> Figure:
         "y": plain_list(position[:, 1]),
         "customdata": pairs.tolist(),
         "showlegend": False,
-        "hovertemplate": "%{text}<extra></extra>",
+        "hovertemplate": _TEXT,
         "text": [""] * pairs.size,
     }
     size = mark_size(position, _MAP, 15.0 if quantity == "state" else 17.0)
@@ -154,7 +157,7 @@ def rest_map(view: View, face: int) -> Figure:
         "x": plain_list(position[:, 0]),
         "y": plain_list(position[:, 1]),
         "showlegend": False,
-        "hovertemplate": "%{text}<extra></extra>",
+        "hovertemplate": _TEXT,
         "text": [f"{view.pair_label(int(pair))}: {word}" for pair, word in zip(pairs, words, strict=True)],
         "marker": marker,
     }
@@ -209,7 +212,7 @@ def rough_face(patch: RoughPatch) -> Figure:
             "thickness": 12,
             "outlinewidth": 0,
         },
-        "hovertemplate": "%{x:.4g}, %{y:.4g} mm<br>%{z:.4g} µm<extra></extra>",
+        "hovertemplate": PlotMarkup("%{x:.4g}, %{y:.4g} mm<br>%{z:.4g} µm<extra></extra>"),
     }
     fixed: dict[str, Any] = {"showgrid": False, "fixedrange": True, "constrain": "domain"}
     return figure_of(
@@ -267,7 +270,7 @@ def energy_curve(view: View) -> Figure:
     """Energy per cycle along the curve: input, friction, viscous; the last trace is the cursor."""
     response, factor = view.response, view.energy_factor
     friction = factor * response.friction_energy.sum(axis=1)
-    hover = f"%{{x:.2f}} Hz<br>%{{y:.4g}} {view.energy_unit}"
+    hover = PlotMarkup("%{{x:.2f}} Hz<br>%{{y:.4g}} {}").format(view.energy_unit)
     cursor = {
         "type": "scatter",
         "mode": "markers",

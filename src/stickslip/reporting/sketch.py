@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from html import escape
-
 import numpy as np
+from markupsafe import Markup
 from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
@@ -30,6 +29,8 @@ from stickslip.reporting.sketch_view import (
     whole_window,
 )
 from stickslip.reporting.style import BODY_COLOURS, VERMILLION, number
+from stickslip.reporting.svg import Element
+from stickslip.reporting.templates import rendered
 from stickslip.results.record import StudyRecord
 from stickslip.results.sketch import Sketch
 
@@ -43,11 +44,11 @@ _NAMED_BODIES = 12
 _MARK_PX = 6.0  # half the room that the mark of a response needs
 
 
-def structure_section(study: StudyRecord) -> str:
+def structure_section(study: StudyRecord) -> Markup:
     """The section with the drawing; nothing for a study without a sketch."""
     sketch = study.sketch
     if sketch is None:
-        return ""
+        return Markup("")
     camera = best_camera(sketch)
     whole = whole_window(sketch, camera, _WIDTH, _HEIGHTS, _MARGINS)
     whole = whole_window(sketch, camera, _WIDTH, _HEIGHTS, margins_for_arrows(sketch, whole, _MARGINS))
@@ -55,10 +56,8 @@ def structure_section(study: StudyRecord) -> str:
     figures = [_figure("Whole structure", study, sketch, whole, close)]
     if close is not None:
         figures.append(_figure("Close-up of the contact", study, sketch, close, None, is_close=True))
-    return (
-        f'<section id="structure"><h2>Structure</h2><p class="note">{_caption(sketch, close)}</p>{_legend(sketch)}'
-        f'<div class="{"two" if close else "one"} sketch">{"".join(figures)}</div></section>'
-    )
+    values = {"caption": _caption(sketch, close), "legend": _legend(sketch), "figures": figures}
+    return rendered("structure.html", values)
 
 
 def _caption(sketch: Sketch, close: Window | None) -> str:
@@ -75,35 +74,44 @@ def _caption(sketch: Sketch, close: Window | None) -> str:
             f"The mesh has {sketch.mesh_sides} outer sides, too many for a page: they are drawn as "
             f"{len(sketch.sides)} coarser ones. mode_shapes.vtu of the run shows the mesh itself in ParaView."
         )
-    return escape(" ".join(words))
+    return " ".join(words)
 
 
-def _legend(sketch: Sketch) -> str:
-    swatch = '<rect x=".5" y=".5" width="13" height="13" rx="2" fill="{}" stroke="#6b7787" stroke-width=".7"/>'
+def _legend(sketch: Sketch) -> list[tuple[Element, str]]:
+    """Icons and what they mean."""
     names = list(sketch.body_names)
-    entries = [(swatch.format(_body_colour(body)), escape(name)) for body, name in enumerate(names[:_NAMED_BODIES])]
+    entries: list[tuple[tuple[Element, ...], str]] = [
+        ((_swatch(_body_colour(body)),), name) for body, name in enumerate(names[:_NAMED_BODIES])
+    ]
     if len(names) > _NAMED_BODIES:
-        entries.append(("", f"and {len(names) - _NAMED_BODIES} more bodies; colours repeat"))
+        entries.append(((), f"and {len(names) - _NAMED_BODIES} more bodies; colours repeat"))
     if (sketch.face >= 0).any():
-        entries.append((swatch.format(VERMILLION), "contact face"))
+        entries.append(((_swatch(VERMILLION),), "contact face"))
     if sketch.held.any():
-        entries.append(('<path class="held" d="M7 1l6 12h-12z"/>', "held node"))
+        entries.append(((_path("held", "M7 1l6 12h-12z"),), "held node"))
     for constant, words in ((False, "harmonic force"), (True, "constant force")):
         if (sketch.constant == constant).any():
             kind = "load constant" if constant else "load"
-            entries.append((f'<path class="{kind}" d="M0 7h8"/><path class="head" d="M14 7l-7-4v8z"/>', words))
+            entries.append(((_path(kind, "M0 7h8"), _path("head", "M14 7l-7-4v8z")), words))
     if sketch.response_names:
-        entries.append(('<circle class="response" cx="7" cy="7" r="5"/>', "response"))
-    items = "".join(
-        f'<li><svg viewBox="0 0 14 14" aria-hidden="true">{icon}</svg>{words}</li>' for icon, words in entries
-    )
-    return f'<ul class="legend sketch">{items}</ul>'
+        entries.append(((Element("circle", {"class": "response", "cx": 7, "cy": 7, "r": 5}),), "response"))
+    frame = {"viewBox": "0 0 14 14", "aria-hidden": "true"}
+    return [(Element("svg", frame, icon), words) for icon, words in entries]
+
+
+def _swatch(colour: str) -> Element:
+    look = {"fill": colour, "stroke": "#6b7787", "stroke-width": ".7"}
+    return Element("rect", {"x": ".5", "y": ".5", "width": "13", "height": "13", "rx": "2", **look})
+
+
+def _path(kind: str, path: str) -> Element:
+    return Element("path", {"class": kind, "d": path})
 
 
 def _figure(
     heading: str, study: StudyRecord, sketch: Sketch, window: Window, inset: Window | None, is_close: bool = False
-) -> str:
-    """One view; ``inset`` is the window of the close-up, whose frame is shown and whose marks are named there."""
+) -> tuple[str, Element]:
+    """One view with its heading; ``inset`` is the window of the close-up, which is framed and has its own names."""
     places = window.places(sketch.points)
     glass = glass_bodies(sketch, window.camera)[sketch.body] if is_close else np.zeros(len(sketch.sides), dtype=bool)
     painting = paint(places, sketch.sides, ~glass, window.width, window.height)
@@ -112,16 +120,16 @@ def _figure(
     scale, scale_box = scale_bar(window)
     marks, labels, boxes = _marks(study, sketch, window, inset, is_close)
     setter = Labels(painting.covered, PIXEL, window.width, window.height, [*held_boxes, *axes_box, *scale_box, *boxes])
-    words = "".join(setter.svg(label) for label in labels)
+    words = [each for label in labels for each in setter.svg(label)]
     name = "clip-close" if is_close else "clip-whole"
-    frame = _frame(window, inset, is_close)
-    return (
-        f'<figure class="panel"><figcaption>{heading}</figcaption>'
-        f'<svg viewBox="0 0 {window.width} {window.height}" role="img" aria-label="{_spoken(heading, study, sketch)}">'
-        f'<clipPath id="{name}"><rect width="{window.width}" height="{window.height}"/></clipPath>'
-        f'<g clip-path="url(#{name})"><g transform="scale(.2)">{_bodies(sketch, window, places, painting, glass)}'
-        f"{contact_overlay(sketch, window, places)}</g>{held}{frame}{marks}</g>{axes}{scale}{words}</svg></figure>"
-    )
+    edge = Element("rect", {"width": window.width, "height": window.height})
+    surfaces = (_bodies(sketch, window, places, painting, glass), *contact_overlay(sketch, window, places))
+    solid = Element("g", {"transform": "scale(.2)"}, surfaces)
+    clipped = (solid, *held, *_frame(window, inset, is_close), *marks)
+    view = {"viewBox": f"0 0 {window.width} {window.height}", "role": "img"}
+    clip = Element("clipPath", {"id": name}, (edge,))
+    inside = (clip, Element("g", {"clip-path": f"url(#{name})"}, clipped), *axes, *scale, *words)
+    return heading, Element("svg", {**view, "aria-label": _spoken(heading, study, sketch)}, inside)
 
 
 def _spoken(heading: str, study: StudyRecord, sketch: Sketch) -> str:
@@ -138,7 +146,7 @@ def _spoken(heading: str, study: StudyRecord, sketch: Sketch) -> str:
         f"Responses: {'; '.join(sketch.response_names)}." if sketch.response_names else "",
         "Held nodes are marked by triangles." if sketch.held.any() else "",
     ]
-    return escape(" ".join(part for part in parts if part))
+    return " ".join(part for part in parts if part)
 
 
 def _along(load: FloatArray) -> str:
@@ -154,7 +162,9 @@ def _body_colour(body: int) -> str:
     return BODY_COLOURS[body % len(BODY_COLOURS)]
 
 
-def _bodies(sketch: Sketch, window: Window, places: FloatArray, painting: Painting, glass: NDArray[np.bool_]) -> str:
+def _bodies(
+    sketch: Sketch, window: Window, places: FloatArray, painting: Painting, glass: NDArray[np.bool_]
+) -> Element:
     """The visible sides from far to near, each run of one colour as one path."""
     order = painting.order
     vectors = area_vectors(sketch)[order]
@@ -170,12 +180,12 @@ def _bodies(sketch: Sketch, window: Window, places: FloatArray, painting: Painti
     for start, stop in zip(starts, np.append(starts[1:], len(order)), strict=True):
         tone, is_glass = divmod(int(code[start]), 2)
         colour = _shaded((*BODY_COLOURS, VERMILLION)[tone // _SHADES], tone % _SHADES)
-        look = f'class="glass" color="{colour}"' if is_glass else f'color="{colour}"'
-        runs.append(f'<path {look} d="{"".join(pieces[start:stop])}"/>')
+        look = {"class": "glass"} if is_glass else {}
+        runs.append(Element("path", {**look, "color": colour, "d": "".join(pieces[start:stop])}))
     seen = sketch.sides[order]
     widths = np.linalg.norm(np.diff(places[seen][:, :, :2], axis=1), axis=2)
     with_lines = order.size and not sketch.is_coarsened and float(np.median(widths[widths > 0])) >= _FINEST_LINES_PX
-    return f'<g class="bodies{" lines" if with_lines else ""}">{"".join(runs)}</g>'
+    return Element("g", {"class": "bodies lines" if with_lines else "bodies"}, tuple(runs))
 
 
 def _shaded(colour: str, shade: int) -> str:
@@ -184,24 +194,26 @@ def _shaded(colour: str, shade: int) -> str:
     return "#" + "".join(f"{round(factor * int(colour[at : at + 2], 16)):02x}" for at in (1, 3, 5))
 
 
-def _frame(window: Window, inset: Window | None, is_close: bool) -> str:
+def _frame(window: Window, inset: Window | None, is_close: bool) -> tuple[Element, ...]:
     """The frame of the close-up: around it, and where it lies in the whole."""
     if inset is None:
-        return f'<rect class="inset" width="{window.width}" height="{window.height}"/>' if is_close else ""
+        around = Element("rect", {"class": "inset", "width": window.width, "height": window.height})
+        return (around,) if is_close else ()
     width, height = np.array([inset.width, inset.height]) * window.scale / inset.scale
     x, y = (inset.middle - window.middle) * window.scale * np.array([1.0, -1.0])
     left, top = 0.5 * window.width + x - 0.5 * width, 0.5 * window.height + y - 0.5 * height
-    return f'<rect class="inset" x="{left:.1f}" y="{top:.1f}" width="{width:.1f}" height="{height:.1f}"/>'
+    sizes = {"x": left, "y": top, "width": width, "height": height}
+    return (Element("rect", {"class": "inset", **{name: f"{size:.1f}" for name, size in sizes.items()}}),)
 
 
 def _marks(
     study: StudyRecord, sketch: Sketch, window: Window, inset: Window | None, is_close: bool
-) -> tuple[str, list[Label], list[Box]]:
+) -> tuple[list[Element], list[Label], list[Box]]:
     """Loads and responses in the view, the words for them, and the room that they need.
 
     Contact faces, and responses that the close-up holds, are named there alone.
     """
-    parts: list[str] = []
+    parts: list[Element] = []
     labels: list[Label] = []
     boxes: list[Box] = []
     if inset is None:
@@ -210,7 +222,7 @@ def _marks(
     drawn = arrows(sketch, window)
     for load in np.flatnonzero(window.holds(at_loads)):
         arrow, size = drawn[load], float(np.linalg.norm(sketch.loads[load]))
-        parts.append(arrow_mark(arrow))
+        parts += arrow_mark(arrow)
         labels.append(Label(f"{sketch.load_names[load]}, {number(size)} N", arrow.free_end))
         ends = np.stack([arrow.tail, arrow.tip])
         (left, top), (right, bottom) = ends.min(axis=0) - 4.0, ends.max(axis=0) + 4.0
@@ -221,7 +233,7 @@ def _marks(
         boxes.append((*(place - _MARK_PX), *(place + _MARK_PX)))
         if inset is None or not inset.holds(inset.places(sketch.response_places[[response]]))[0]:
             labels.append(Label(sketch.response_names[response], place))
-    return "".join(parts), labels, boxes
+    return parts, labels, boxes
 
 
 def _face_labels(study: StudyRecord, sketch: Sketch, window: Window) -> list[Label]:

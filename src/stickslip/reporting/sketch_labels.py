@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from html import escape
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
+from stickslip.reporting.svg import Element
 
 # Words are set in this size (px of the view) at most: the style sheet makes them smaller in a wide window.
 LETTER_PX = 15.5
@@ -58,6 +58,12 @@ def _shortened(words: str) -> str:
     return words if len(words) <= _LONGEST else words[: _LONGEST - 1] + "…"
 
 
+def words_at(x: float, y: float, anchor: str, *words: Element | str) -> Element:
+    """Words with the middle of their letters at the height ``y`` px and their end ``anchor`` at ``x`` px."""
+    place = {"x": f"{x:.1f}", "y": f"{y:.1f}", "dy": ".36em", "text-anchor": anchor}
+    return Element("text", place, words)
+
+
 class Labels:
     """Sets labels one after the other into a view, each where it disturbs least.
 
@@ -70,7 +76,7 @@ class Labels:
         self._sum = np.pad(covered.astype(np.int64).cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
         self._taken = list(taken)
 
-    def svg(self, label: Label) -> str:
+    def svg(self, label: Label) -> tuple[Element, ...]:
         """The label with a line to its place where it does not stand right beside it."""
         words = _shortened(label.words)
         width, height = text_size(label.words)
@@ -84,13 +90,14 @@ class Labels:
         anchor = {1: "start", -1: "end", 0: "middle"}[side]
         x = {1: box[0], -1: box[2], 0: 0.5 * (box[0] + box[2])}[side]
         y = 0.5 * (box[1] + box[3])
-        leader = ""
+        leader: tuple[Element, ...] = ()
         if reach > _REACH[0]:
             to_y = y if side else (box[3] if down < 0 else box[1])
             to_x = x - 2.0 * side if side else float(np.clip(label.place[0], box[0], box[2]))
-            leader = f'<path class="leader" d="M{label.place[0]:.1f} {label.place[1]:.1f}L{to_x:.1f} {to_y:.1f}"/>'
-        whole = f"<title>{escape(label.words)}</title>" if words != label.words else ""
-        return f'{leader}<text x="{x:.1f}" y="{y:.1f}" dy=".36em" text-anchor="{anchor}">{whole}{escape(words)}</text>'
+            line = f"M{label.place[0]:.1f} {label.place[1]:.1f}L{to_x:.1f} {to_y:.1f}"
+            leader = (Element("path", {"class": "leader", "d": line}),)
+        whole = (Element("title", {}, (label.words,)),) if words != label.words else ()
+        return *leader, words_at(x, y, anchor, *whole, words)
 
     @staticmethod
     def _box(place: FloatArray, choice: _Choice, width: float, height: float) -> Box:

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
-from stickslip.reporting.sketch_labels import LETTER_PX, Box
+from stickslip.reporting.sketch_labels import LETTER_PX, Box, words_at
 from stickslip.reporting.sketch_view import Camera, Margins, Window, area_vectors
+from stickslip.reporting.svg import Element
 from stickslip.results.sketch import Sketch
 
 _ARROW_PX = 58.0
@@ -24,13 +25,13 @@ _AXIS_PX = 30.0
 _TRIAD = (40.0, 44.0)  # px of its origin from the left and the bottom edge
 
 
-def contact_overlay(sketch: Sketch, window: Window, places: FloatArray) -> str:
+def contact_overlay(sketch: Sketch, window: Window, places: FloatArray) -> tuple[Element, ...]:
     """The contact faces as if the bodies before them were not there: a tint, and their outlines."""
     contact = sketch.face >= 0
     sides = sketch.sides[contact]
     inside = window.holds(places, -0.5 * window.width)[sides].any(axis=1)
     if not inside.any():
-        return ""
+        return ()
     towards = area_vectors(sketch)[contact] @ window.camera.axes[2] > 0.0
     # Sides that look here and sides that look away would cancel each other in one path.
     tints = ["".join(polygons(places, sides[inside & which])) for which in (towards, ~towards)]
@@ -39,8 +40,8 @@ def contact_overlay(sketch: Sketch, window: Window, places: FloatArray) -> str:
         for face in np.unique(sketch.face[contact])
         for which in (towards, ~towards)
     ]
-    tint = "".join(f'<path d="{path}"/>' for path in tints if path)
-    return f'<g class="tint">{tint}</g><path class="edge" d="{"".join(outlines)}"/>'
+    tint = tuple(Element("path", {"d": path}) for path in tints if path)
+    return Element("g", {"class": "tint"}, tint), Element("path", {"class": "edge", "d": "".join(outlines)})
 
 
 def _border(sides: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -72,7 +73,9 @@ def _steps(numbers: list[int]) -> str:
     return " ".join(map(str, numbers)).replace(" -", "-")
 
 
-def held_marks(sketch: Sketch, window: Window, places: FloatArray, seen: NDArray[np.int64]) -> tuple[str, list[Box]]:
+def held_marks(
+    sketch: Sketch, window: Window, places: FloatArray, seen: NDArray[np.int64]
+) -> tuple[tuple[Element, ...], list[Box]]:
     """Triangles at some of the held points, and the room that they need.
 
     Of a body with held points on sides that are ``seen`` (k,) these are marked, else all; no two nearer than some px.
@@ -87,7 +90,7 @@ def held_marks(sketch: Sketch, window: Window, places: FloatArray, seen: NDArray
     at = _apart(places[np.unique(np.concatenate(chosen)), :2], _HELD_APART_PX)
     path = "".join(f"M{x:.1f} {y:.1f}l4 8h-8z" for x, y in at.tolist())
     boxes: list[Box] = [(x - 4.0, y, x + 4.0, y + 8.0) for x, y in at.tolist()]
-    return (f'<path class="held" d="{path}"/>' if path else ""), boxes
+    return ((Element("path", {"class": "held", "d": path}),) if path else ()), boxes
 
 
 def _apart(places: FloatArray, distance: float) -> FloatArray:
@@ -137,20 +140,25 @@ def arrows(sketch: Sketch, window: Window) -> list[Arrow]:
     return answer
 
 
-def arrow_mark(arrow: Arrow) -> str:
+def arrow_mark(arrow: Arrow) -> tuple[Element, ...]:
     """An arrow; a circle with a dot or a cross where the load points to the eye or away from it."""
     kind = "load constant" if arrow.constant else "load"
     if arrow.pointing:
         x, y = arrow.tip
-        sign = f'<circle class="dot" cx="{x:.1f}" cy="{y:.1f}" r="2.2"/>'
+        sign = _circle("dot", arrow.tip, "2.2")
         if arrow.pointing < 0:
-            sign = f'<path class="load" d="M{x - 4:.1f} {y - 4:.1f}l8 8m0-8l-8 8"/>'
-        return f'<circle class="load ring" cx="{x:.1f}" cy="{y:.1f}" r="7.5"/>{sign}'
+            sign = Element("path", {"class": "load", "d": f"M{x - 4:.1f} {y - 4:.1f}l8 8m0-8l-8 8"})
+        return _circle("load ring", arrow.tip, "7.5"), sign
     along = (arrow.tip - arrow.tail) / np.linalg.norm(arrow.tip - arrow.tail)
     base, across = arrow.tip - _HEAD_PX * along, 5.0 * np.array([-along[1], along[0]])
     points = " ".join(f"{x:.1f},{y:.1f}" for x, y in (arrow.tip, base + across, base - across))
     (x, y), (u, v) = arrow.tail, base
-    return f'<path class="{kind}" d="M{x:.1f} {y:.1f}L{u:.1f} {v:.1f}"/><polygon class="head" points="{points}"/>'
+    shaft = Element("path", {"class": kind, "d": f"M{x:.1f} {y:.1f}L{u:.1f} {v:.1f}"})
+    return shaft, Element("polygon", {"class": "head", "points": points})
+
+
+def _circle(kind: str, place: FloatArray, radius: str) -> Element:
+    return Element("circle", {"class": kind, "cx": f"{place[0]:.1f}", "cy": f"{place[1]:.1f}", "r": radius})
 
 
 def margins_for_arrows(sketch: Sketch, window: Window, least: Margins) -> Margins:
@@ -163,41 +171,37 @@ def margins_for_arrows(sketch: Sketch, window: Window, least: Margins) -> Margin
     return left, top, right, bottom
 
 
-def response_mark(place: FloatArray) -> str:
+def response_mark(place: FloatArray) -> Element:
     """A filled circle with a white ring."""
-    return f'<circle class="response" cx="{place[0]:.1f}" cy="{place[1]:.1f}" r="5"/>'
+    return _circle("response", place, "5")
 
 
-def triad(camera: Camera, height: int) -> tuple[str, list[Box]]:
+def triad(camera: Camera, height: int) -> tuple[tuple[Element, ...], list[Box]]:
     """Axes x, y and z in the lower left corner."""
     origin = np.array([_TRIAD[0], height - _TRIAD[1]])
-    parts = []
+    parts: list[Element] = []
     for name, axis in zip("xyz", camera.axes.T, strict=True):
         flat = np.array([axis[0], -axis[1]])
         tip, word = (
             origin + _AXIS_PX * flat,
             origin + _AXIS_PX * flat + 9.0 * flat / max(float(np.linalg.norm(flat)), 0.3),
         )
-        parts.append(
-            f'<path class="axis" d="M{origin[0]:.1f} {origin[1]:.1f}L{tip[0]:.1f} {tip[1]:.1f}"/>'
-            f'<text class="axis" x="{word[0]:.1f}" y="{word[1]:.1f}" dy=".36em" text-anchor="middle">{name}</text>'
-        )
+        line = f"M{origin[0]:.1f} {origin[1]:.1f}L{tip[0]:.1f} {tip[1]:.1f}"
+        parts += [Element("path", {"class": "axis", "d": line}), words_at(word[0], word[1], "middle", name)]
     reach = _AXIS_PX + LETTER_PX
     box = (origin[0] - reach, origin[1] - reach, origin[0] + reach, origin[1] + reach)
-    return "".join(parts), [box]
+    return tuple(parts), [box]
 
 
-def scale_bar(window: Window) -> tuple[str, list[Box]]:
+def scale_bar(window: Window) -> tuple[tuple[Element, ...], list[Box]]:
     """A bar of a round length in the lower right corner."""
     length_mm = max(_round_lengths(1e3 * _SCALE_PX / window.scale))
     length = 1e-3 * length_mm * window.scale
     right, bottom = window.width - 14.0, window.height - 12.0
-    words = f"{length_mm:g} mm"
-    return (
-        f'<path class="scale" d="M{right - length:.1f} {bottom - 5:.1f}v5h{length:.1f}v-5"/>'
-        f'<text x="{right - 0.5 * length:.1f}" y="{bottom - 7:.1f}" text-anchor="middle">{words}</text>',
-        [(right - max(length, 60.0), bottom - 26.0, right, bottom)],
-    )
+    bar = Element("path", {"class": "scale", "d": f"M{right - length:.1f} {bottom - 5:.1f}v5h{length:.1f}v-5"})
+    middle = {"x": f"{right - 0.5 * length:.1f}", "y": f"{bottom - 7:.1f}", "text-anchor": "middle"}
+    words = Element("text", middle, (f"{length_mm:g} mm",))
+    return (bar, words), [(right - max(length, 60.0), bottom - 26.0, right, bottom)]
 
 
 def _round_lengths(most: float) -> Iterator[float]:

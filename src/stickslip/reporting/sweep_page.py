@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from html import escape
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
 from stickslip.reporting import sweep_plots as plots
-from stickslip.reporting.html_parts import notice, scrolled, when, whole_page
 from stickslip.reporting.linear_limits import differing_limits
-from stickslip.reporting.look import Figure
+from stickslip.reporting.look import Figure, plain_figures
 from stickslip.reporting.style import MICRO, number, shown_number
 from stickslip.reporting.sweep_view import LOAD_KEY, SweepView, short_name
+from stickslip.reporting.templates import Notice, Tile, when, whole_page
+from stickslip.reporting.thinning import Thinned
 from stickslip.results.sweep_table import SweepRow
 
 # column of the table -> heading, factor, unit
@@ -47,29 +48,43 @@ def write_sweep_page(
 
 def sweep_page(view: SweepView, title: str, inputs: str, provenance: Mapping[str, str]) -> str:
     """The page of a sweep as HTML."""
-    figures: dict[str, Figure] = {}
-    parts = {
-        "title": escape(title),
-        "description": escape("; ".join(f"{key.name}: {_values(key.labels)}" for key in view.table.keys) + "."),
-        "byline": escape(f"{when(provenance)} · {len(view.table.rows)} cases · {len(view.table.failed)} failed"),
-        "notices": _failures(view) + _limits(view),
-        "tiles": _tiles(view),
-        "curves": _curves(view, figures),
-        "keys": _keys(view, figures),
-        "performance": _performance(view, figures),
-        "maps": _maps(view, figures),
-        "table": _table(view),
-        "inputs": escape(inputs),
+    points = plots.thinned_curves(view) if any(view.curves) else None
+    maps = plots.maps(view) if len(view.table.keys) > 1 else []
+    values = {
+        "title": title,
+        "description": "; ".join(f"{key.name}: {_values(key.labels)}" for key in view.table.keys) + ".",
+        "byline": f"{when(provenance)} · {len(view.table.rows)} cases · {len(view.table.failed)} failed",
+        "notices": [*_failures(view), *_limits(view)],
+        "tiles": list(_tiles(view)),
+        "curves_note": _curves_note(view, points) if points else "",
+        "key_names": [key.name for key in view.table.keys],
+        "optimum": _optimum_words(view) if view.place_of(LOAD_KEY) is not None else "",
+        "map_headings": [heading for heading, _ in maps],
+        "maps_left_out": _maps_left_out(view),
+        "headings": [*map(short_name, view.table.keys), *(heading for heading, _, _ in _COLUMNS.values())],
+        "rows": [_table_row(view, place, row) for place, row in enumerate(view.table.rows)],
+        "inputs": inputs,
     }
+    figures = _figures(view, points) | {f"map-{count}": figure for count, (_, figure) in enumerate(maps)}
     return whole_page(
         "sweep.html",
         "Sweep of forced responses with rough frictional contact",
-        parts,
+        values,
         provenance,
-        head_title=f"{escape(title)}: sweep",
+        head_title=f"{title}: sweep",
         script="sweep.js",
-        data={"page-figures": figures},
+        data={"page-figures": plain_figures(figures)},
     )
+
+
+def _figures(view: SweepView, points: Thinned | None) -> dict[str, Figure]:
+    """All figures but the maps; ``points`` that the one of all curves draws, None where there is no curve."""
+    figures = {"curves": plots.all_curves(view, points)} if points else {}
+    figures |= {f"key-{place}": plots.against_key(view, place) for place in range(len(view.table.keys))}
+    if view.place_of(LOAD_KEY) is not None:
+        figures["performance-load"] = plots.performance(view, by_ratio=False)
+        figures["performance-ratio"] = plots.performance(view, by_ratio=True)
+    return figures
 
 
 def _values(labels: tuple[str, ...]) -> str:
@@ -77,55 +92,39 @@ def _values(labels: tuple[str, ...]) -> str:
     return ", ".join(labels) if len(labels) <= 8 else f"{labels[0]} to {labels[-1]} ({len(labels)} values)"
 
 
-def _failures(view: SweepView) -> str:
+def _failures(view: SweepView) -> Iterator[Notice]:
     rows = [(place, row) for place, row in enumerate(view.table.rows) if not row.converged]
-    if not rows:
-        return ""
-    heading = "1 case failed" if len(rows) == 1 else f"{len(rows)} cases failed"
-    return notice("bad", heading, [f"{view.label(place)}: {row.message}" for place, row in rows])
+    if rows:
+        heading = "1 case failed" if len(rows) == 1 else f"{len(rows)} cases failed"
+        yield Notice("bad", heading, [f"{view.label(place)}: {row.message}" for place, row in rows])
 
 
-def _limits(view: SweepView) -> str:
+def _limits(view: SweepView) -> Iterator[Notice]:
     sentences = differing_limits(view)
-    return notice("warn", "The linear limits differ between the cases", sentences) if sentences else ""
+    if sentences:
+        yield Notice("warn", "The linear limits differ between the cases", sentences)
 
 
-def _tiles(view: SweepView) -> str:
+def _tiles(view: SweepView) -> Iterator[Tile]:
     peak, inside = view.number("peak_amplitude_m"), view.inside()
-    tiles = [("Cases", str(len(view.table.rows)), f"{len(view.table.failed)} failed")]
+    yield Tile("Cases", str(len(view.table.rows)), more=f"{len(view.table.failed)} failed")
     if inside.any():
         rows = [place for place in range(len(peak)) if inside[place]]
         for words, place in (
             ("Lowest peak", min(rows, key=lambda r: peak[r])),
             ("Highest peak", max(rows, key=lambda r: peak[r])),
         ):
-            tiles.append((words, f"{number(MICRO * float(peak[place]))} <small>µm</small>", escape(view.label(place))))
+            yield Tile(words, number(MICRO * float(peak[place])), "µm", view.label(place))
     open_ends = int((view.usable() & ~inside).sum())
     if open_ends:
-        tiles.append(("Peak at an end", str(open_ends), "cases whose largest amplitude lies at an end of the range"))
-    return "\n".join(
-        f'<div class="tile"><h3>{name}</h3><p class="value">{value}</p><p class="more">{more}</p></div>'
-        for name, value, more in tiles
-    )
+        words = "cases whose largest amplitude lies at an end of the range"
+        yield Tile("Peak at an end", str(open_ends), more=words)
 
 
-def _plot(name: str, words: str) -> str:
-    return f'<div class="panel"><div id="{name}" class="plot" role="img" aria-label="{escape(words)}"></div></div>'
-
-
-def _figure(name: str, caption: str, words: str) -> str:
-    """A plot with a caption; ``words`` say in plain text what it shows."""
-    drawn = f'<div id="{name}" class="plot" role="img" aria-label="{escape(words)}"></div>'
-    return f'<figure class="panel"><figcaption>{caption}</figcaption>{drawn}</figure>'
-
-
-def _curves(view: SweepView, figures: dict[str, Figure]) -> str:
-    if not any(view.curves):
-        return '<p class="note">No case has a curve.</p>'
-    points = plots.thinned_curves(view)
-    figures["curves"] = plots.all_curves(view, points)
+def _curves_note(view: SweepView, points: Thinned) -> str:
+    """What the figure of all curves shows."""
     keys = view.table.keys
-    words = f"Colour tells {escape(keys[0].name)}" + (f", dash {escape(keys[1].name)}" if len(keys) > 1 else "")
+    words = f"Colour tells {keys[0].name}" + (f", dash {keys[1].name}" if len(keys) > 1 else "")
     if points.tolerance:
         drawn = sum(kept.size for kept in points.kept)
         total = sum(curve.frequency_hz.size for curve in view.curves if curve is not None)
@@ -133,32 +132,7 @@ def _curves(view: SweepView, figures: dict[str, Figure]) -> str:
             f". {drawn} of {total} points are drawn: those that the shapes need; none that is left out lies more than "
             f"{number(100 * points.tolerance, 2)} % of the figure from its line"
         )
-    return f'<p class="note">{words}.</p>' + _plot("curves", "Amplitude against frequency of all cases")
-
-
-def _keys(view: SweepView, figures: dict[str, Figure]) -> str:
-    panels = []
-    for place, key in enumerate(view.table.keys):
-        name = f"key-{place}"
-        figures[name] = plots.against_key(view, place)
-        panels.append(_figure(name, f"Against {escape(key.name)}", f"Peak and its frequency against {key.name}"))
-    return f'<div class="two">{"".join(panels)}</div>' if len(panels) > 1 else "".join(panels)
-
-
-def _performance(view: SweepView, figures: dict[str, Figure]) -> str:
-    if view.place_of(LOAD_KEY) is None:
-        return ""
-    figures["performance-load"] = plots.performance(view, by_ratio=False)
-    figures["performance-ratio"] = plots.performance(view, by_ratio=True)
-    return (
-        "<section><h2>Damper performance</h2>"
-        f'<p class="note">{_optimum_words(view)} The linear limits are drawn where their peaks lie inside the computed '
-        "range: every pair that is closed at rest stuck (its stiffness follows the load), and no contact.</p>"
-        '<div class="two">'
-        + _figure("performance-load", "Against the load F<sub>N</sub>", "Peak against the load")
-        + _figure("performance-ratio", "Against force / F<sub>N</sub>", "Peak against force / load")
-        + "</div></section>"
-    )
+    return f"{words}."
 
 
 def _optimum_words(view: SweepView) -> str:
@@ -174,50 +148,36 @@ def _optimum_words(view: SweepView) -> str:
             ", at an end of the loads whose peak is known, so the true optimum may lie beyond" if optimum.at_end else ""
         )
         words = f"{group}lowest computed peak {number(MICRO * float(peak[optimum.row]))} µm at F_N = {load}{end}."
-        sentences.append(escape(words[0].upper() + words[1:]))
+        sentences.append(words[0].upper() + words[1:])
     if len(found) > len(sentences):
         sentences.append(f"{len(found) - len(sentences)} further lines have their own optimum, marked by a star.")
     return " ".join(sentences)
 
 
-def _maps(view: SweepView, figures: dict[str, Figure]) -> str:
-    if len(view.table.keys) < 2:
-        return ""
-    panels = []
-    for count, (heading, figure) in enumerate(plots.maps(view)):
-        figures[f"map-{count}"] = figure
-        panels.append(_figure(f"map-{count}", escape(heading), f"Map: {heading}"))
-    first, second = (key.name for key in view.table.keys[:2])
+def _maps_left_out(view: SweepView) -> str:
+    """A sentence where there are more maps than the page shows."""
     total = math.prod(len(key.values) for key in view.table.keys[2:])
-    rest = ""
-    if total > plots.LARGEST_MAP_COUNT:
-        rest = f" The first {plots.LARGEST_MAP_COUNT} of {total} combinations of the other keys are shown."
-    note = (
-        f'<p class="note">{escape(first)} and {escape(second)}. An empty cell is a case that failed; "at an end" marks '
-        f"the largest amplitude of a curve whose peak lies outside the computed range.{rest}</p>"
-    )
-    return f'<section><h2>Maps of two keys</h2>{note}<div class="two">{"".join(panels)}</div></section>'
+    if total <= plots.LARGEST_MAP_COUNT:
+        return ""
+    return f" The first {plots.LARGEST_MAP_COUNT} of {total} combinations of the other keys are shown."
 
 
-def _table(view: SweepView) -> str:
-    head = "".join(f"<th>{escape(short_name(key))}</th>" for key in view.table.keys)
-    head += "".join(f"<th>{heading}</th>" for heading, _, _ in _COLUMNS.values()) + '<th class="word">Remarks</th>'
-    body = "".join(_table_row(view, place, row) for place, row in enumerate(view.table.rows))
-    return scrolled("All cases", f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>")
+@dataclass(frozen=True)
+class _Row:
+    """A row of the table of all cases in words."""
+
+    cells: list[str]
+    remark: str
+    warnings: tuple[str, ...]
 
 
-def _table_row(view: SweepView, place: int, row: SweepRow) -> str:
+def _table_row(view: SweepView, place: int, row: SweepRow) -> _Row:
     positions = view.positions[place]
-    cells = [escape(key.labels[positions[i]]) for i, key in enumerate(view.table.keys)]
+    cells = [key.labels[positions[i]] for i, key in enumerate(view.table.keys)]
     for name, (_, factor, unit) in _COLUMNS.items():
         value = row.measures.get(name, math.nan)
         cells.append("–" if math.isnan(value) else shown_number(factor * value, unit))
-    remarks = "" if row.converged else escape(f"Failed: {row.message} ")
+    remark = "" if row.converged else f"Failed: {row.message} "
     if row.converged and row.measures.get("peak_bracketed") == 0.0:
-        remarks = "The largest amplitude lies at an end of the range. "
-    if row.warnings:
-        listed = "".join(f"<li>{escape(sentence)}</li>" for sentence in row.warnings)
-        count = "1 warning" if len(row.warnings) == 1 else f"{len(row.warnings)} warnings"
-        remarks += f"<details><summary>{count}</summary><ul>{listed}</ul></details>"
-    plain_cells = "".join(f"<td>{cell}</td>" for cell in cells)
-    return f'<tr>{plain_cells}<td class="word">{remarks}</td></tr>'
+        remark = "The largest amplitude lies at an end of the range. "
+    return _Row(cells, remark, row.warnings)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
-from stickslip.reporting.look import FREQUENCY, Figure, axis_look, figure_of, line_trace, plain_list
+from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_list
 from stickslip.reporting.style import BLUE, MICRO, ORANGE, VERMILLION
 from stickslip.reporting.sweep_view import (
     COLOURS,
@@ -30,6 +30,8 @@ LEGEND_ENTRIES = 12
 SEPARATE_CURVES = 300
 SHADES = 60
 LARGEST_MAP_COUNT = 12
+# What the mouse shows of a peak over the load: its name, load or ratio, and height with its unit.
+_PEAK = PlotMarkup("{}<br>%{{x:.5g}}<br>%{{y:.4g}} {}<extra></extra>")
 # Cividis without its palest end, which white paper swallows.
 SCALE = ((0.0, "#00224e"), (0.25, "#35456c"), (0.5, "#666970"), (0.75, "#948e77"), (1.0, "#c8b866"))
 
@@ -98,7 +100,7 @@ def _curve_trace(view: SweepView, colour: str, dash: str, batch: Sequence[_Drawn
         "x": x,
         "y": y,
         "line": {"color": colour, "dash": dash, "width": 1.6},
-        "hovertemplate": f"{label}<br>%{{x:.2f}} Hz<br>%{{y:.4g}} µm<extra></extra>",
+        "hovertemplate": PlotMarkup("{}<br>%{{x:.2f}} Hz<br>%{{y:.4g}} µm<extra></extra>").format(label),
     }
 
 
@@ -143,10 +145,10 @@ def against_key(view: SweepView, place: int) -> Figure:
         rows = group.members[usable[group.members]]
         x = _coordinates(view, place, rows)
         for column, factor, axis, shown in (
-            ("peak_amplitude_m", MICRO, "y", "%{y:.4g} µm"),
-            ("peak_frequency_hz", 1.0, "y2", "%{y:.2f} Hz"),
+            ("peak_amplitude_m", MICRO, "y", PlotMarkup("%{y:.4g} µm")),
+            ("peak_frequency_hz", 1.0, "y2", PlotMarkup("%{y:.2f} Hz")),
         ):
-            hover = f"{group.label or short_name(key)}<br>%{{x}}<br>{shown}<extra></extra>"
+            hover = PlotMarkup("{}<br>%{{x}}<br>{}<extra></extra>").format(group.label or short_name(key), shown)
             look = {"xaxis": "x", "yaxis": axis, "hovertemplate": hover}
             traces += _group_lines(number, group.label, x, factor * view.number(column)[rows], inside[rows], look)
     _tell_once(traces, len(groups) > 1)
@@ -249,7 +251,7 @@ def performance(view: SweepView, by_ratio: bool) -> Figure:
         rows = group.members[usable[group.members]]
         rows = rows[np.argsort(x[rows], kind="stable")]
         peak = scale * view.number("peak_amplitude_m")
-        look = {"hovertemplate": f"{group.label or 'peak'}<br>%{{x:.5g}}<br>%{{y:.4g}} {unit}<extra></extra>"}
+        look = {"hovertemplate": _PEAK.format(group.label or "peak", unit)}
         traces += _group_lines(number, group.label, plain_list(x[rows]), peak[rows], inside[rows], look)
         traces += _limits(view, rows, x, scale, unit)
         traces += [_optimum_mark(x[row], peak[row], unit) for row in rows if row in best]
@@ -272,7 +274,7 @@ def _limits(view: SweepView, rows: Any, x: FloatArray, scale: FloatArray, unit: 
         heights = (scale * view.number(f"{limit}_peak_amplitude_m"))[rows]
         known = ~np.isnan(heights)
         if known.any():
-            hover = f"linear, {words}<br>%{{x:.5g}}<br>%{{y:.4g}} {unit}<extra></extra>"
+            hover = _PEAK.format(f"linear, {words}", unit)
             yield line_trace(
                 f"linear, {words}",
                 x[rows][known],
@@ -295,7 +297,7 @@ def _optimum_mark(x: float, y: float, unit: str) -> dict[str, Any]:
         "x": plain_list([x]),
         "y": plain_list([y]),
         "marker": look,
-        "hovertemplate": f"optimum<br>%{{x:.5g}}<br>%{{y:.4g}} {unit}<extra></extra>",
+        "hovertemplate": _PEAK.format("optimum", unit),
     }
 
 
@@ -330,11 +332,13 @@ def _map(view: SweepView, group: Group, numbers: FloatArray, digits: str) -> Fig
         "y": labels[1],
         "z": cells,
         "text": [["at an end" if open_end else "" for open_end in line] for line in open_ends.T],
-        "texttemplate": "%{text}",
+        "texttemplate": PlotMarkup("%{text}"),
         "colorscale": [list(stop) for stop in SCALE],
         "colorbar": {"thickness": 12, "outlinewidth": 0},
         "hoverongaps": False,
-        "hovertemplate": f"{short_name(first)} %{{x}}<br>{short_name(second)} %{{y}}<br>%{{z:{digits}}}<extra></extra>",
+        "hovertemplate": PlotMarkup("{} %{{x}}<br>{} %{{y}}<br>%{{z:{}}}<extra></extra>").format(
+            short_name(first), short_name(second), digits
+        ),
     }
     return figure_of(
         [trace],

@@ -32,6 +32,9 @@
   data.pairFace.forEach((face, pair) => facePairs[face].push(pair));
 
   const hertz = (value) => value.toFixed(2) + " Hz";
+  // text that plotly shows as it is: without its tags, entities and "%{x}"
+  const escapes = { "&": "&amp;", "<": "&lt;", ">": "&gt;", "%": "&#37;" };
+  const shown = (text) => text.replace(/[&<>%]/g, (letter) => escapes[letter]);
   const digits = (value) => Number(value.toPrecision(4)).toString().replace("-", "−");
 
   /* ---- numbers of one pair over a period ---- */
@@ -83,7 +86,10 @@
   /* ---- drawing ---- */
 
   const phone = window.matchMedia("(max-width: 520px)");
-  const options = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+  const options = {
+    responsive: true, displaylogo: false, showSendToCloud: false, plotlyServerURL: "",
+    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
+  };
   const stillOptions = { responsive: true, displayModeBar: false };
 
   function draw(id, figure, plotOptions) {
@@ -119,16 +125,31 @@
     element("point").setAttribute("aria-valuetext", text);
   }
 
+  function svgElement(tag, attributes) {
+    const made = document.createElementNS("http://www.w3.org/2000/svg", tag);
+    for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+    return made;
+  }
+
+  function stateMark(style) {
+    const shapes = {
+      "circle": ["circle", { cx: 8, cy: 8, r: 7 }], "square": ["rect", { x: 1.5, y: 1.5, width: 13, height: 13 }],
+      "triangle-up": ["path", { d: "M8 1 L15.5 14.5 L0.5 14.5 Z" }],
+    };
+    const mark = svgElement("svg", { viewBox: "0 0 16 16", "aria-hidden": "true", fill: style.colour });
+    mark.append(svgElement(...shapes[style.symbol]));
+    return mark;
+  }
+
   function showLegend(row) {
     const counts = data.stateStyles.map(() => 0);
     for (let pair = 0; pair < data.nPairs; pair++) counts[states[row + pair]] += 1;
-    const shapes = {
-      "circle": '<circle cx="8" cy="8" r="7"/>', "square": '<rect x="1.5" y="1.5" width="13" height="13"/>',
-      "triangle-up": '<path d="M8 1 L15.5 14.5 L0.5 14.5 Z"/>',
-    };
-    element("state-legend").innerHTML = data.stateStyles.map((style, i) =>
-      '<li><svg viewBox="0 0 16 16" aria-hidden="true" fill="' + style.colour + '">' + shapes[style.symbol] + "</svg>" +
-      style.name + "<b>" + counts[i] + "</b></li>").join("");
+    element("state-legend").replaceChildren(...data.stateStyles.map(function (style, i) {
+      const count = document.createElement("b"), entry = document.createElement("li");
+      count.textContent = counts[i];
+      entry.append(stateMark(style), style.name, count);
+      return entry;
+    }));
   }
 
   function showMaps() {
@@ -143,7 +164,7 @@
     for (let pair = 0; pair < data.nPairs; pair++) largest = Math.max(largest, energy[row + pair]);
     facePairs.forEach(function (pairs, face) {
       const styles = pairs.map((pair) => data.stateStyles[states[row + pair]]);
-      const text = pairs.map((pair, i) => data.pairLabel[pair] + "<br>" + styles[i].name + ", " +
+      const text = pairs.map((pair, i) => shown(data.pairLabel[pair]) + "<br>" + styles[i].name + ", " +
         digits(energy[row + pair]) + " " + data.energyUnit + " per cycle");
       restyle("state-map-" + face, {
         "marker.color": [styles.map((style) => style.colour)], "marker.symbol": [styles.map((style) => style.symbol)], text: [text],
@@ -192,7 +213,7 @@
     data.groups.forEach(function (names, group) {
       const start = chosen.point * data.coefficients;
       const y = names.map((name) => synthesis(signals[name], start, groupTimes).map((value) => value - signals[name][start]));
-      const labels = names.map((name, i) => data.groupLabels[group][i] + " (mean " + digits(signals[name][start]) + " µm)");
+      const labels = names.map((name, i) => shown(data.groupLabels[group][i]) + " (mean " + digits(signals[name][start]) + " µm)");
       restyle("group-" + group, { x: names.map(() => groupTimes), y: y, name: labels });
     });
   }

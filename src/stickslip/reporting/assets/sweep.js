@@ -5,7 +5,10 @@
   const element = (id) => document.getElementById(id);
   const figures = JSON.parse(element("page-figures").textContent);
   const phone = window.matchMedia("(max-width: 520px)");
-  const options = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+  const options = {
+    responsive: true, displaylogo: false, showSendToCloud: false, plotlyServerURL: "",
+    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
+  };
 
   function draw(id) {
     const figure = figures[id];

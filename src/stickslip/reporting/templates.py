@@ -1,0 +1,123 @@
+"""Pages from the templates of the assets: every value that a template writes is escaped, only own scripts may run."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import version
+from importlib.resources import files
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+# Of style, plotly.js needs its own sheet and attributes; a picture is saved by way of a blob.
+_POLICY = (
+    "default-src 'none'; script-src {scripts}; style-src 'unsafe-inline'; img-src data: blob:; connect-src 'none'; "
+    "base-uri 'none'; form-action 'none'"
+)
+
+
+@dataclass(frozen=True)
+class Notice:
+    """A box with sentences; ``kind`` is "bad" or "warn"."""
+
+    kind: str
+    heading: str
+    sentences: Sequence[str]
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A number of the summary with its name, its unit if it is set apart, and what else there is to say."""
+
+    name: str
+    value: str
+    unit: str = ""
+    more: str = ""
+
+
+def asset(name: str) -> str:
+    """Text of a file of the assets."""
+    return (files("stickslip.reporting") / "assets" / name).read_text(encoding="utf-8")
+
+
+def rendered(template: str, values: Mapping[str, Any]) -> Markup:
+    """A template of the assets filled with values; text in them is escaped. Raises jinja2.UndefinedError."""
+    return Markup(_environment().get_template(template).render(values))
+
+
+def whole_page(
+    template: str,
+    kind: str,
+    values: Mapping[str, Any],
+    provenance: Mapping[str, str],
+    *,
+    head_title: str = "",
+    styles: Sequence[str] = (),
+    script: str = "",
+    data: Mapping[str, Any] | None = None,
+) -> str:
+    """A page: a template of the assets that extends the frame which all pages share.
+
+    values:
+        title, description, byline, notices (:class:`Notice`) and tiles (:class:`Tile`) for the frame, and what the
+        template names.
+    kind, head_title:
+        the line above the title; the title of the window if it is another one.
+    styles, script, data:
+        further style sheets of the assets; the script of the assets that draws figures with plotly, and what it reads:
+        id of an element -> value that becomes JSON. Without a script the page has none, nor plotly.
+    """
+    scripts = _scripts(script) if script else ()
+    frame = {
+        "kind": kind,
+        "head_title": head_title or values["title"],
+        "css": Markup("\n").join(_own_text(name) for name in ("page.css", *styles)),
+        "policy": _POLICY.format(scripts=" ".join(map(_source, scripts)) or "'none'"),
+        "data": data or {},
+        "scripts": scripts,
+        "version": version("stickslip"),
+        "provenance": provenance,
+    }
+    return str(rendered(template, {**values, **frame}))
+
+
+def when(provenance: Mapping[str, str]) -> str:
+    """The date of a provenance in words."""
+    return provenance.get("date", "date unknown").replace("T", " ").replace("+00:00", " UTC")
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        loader=PackageLoader("stickslip.reporting", "assets"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    # short, and without numbers that JSON does not know; the filter "tojson" escapes what could end a script element
+    environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "ensure_ascii": False, "allow_nan": False}
+    return environment
+
+
+def _own_text(name: str) -> Markup:
+    """A style sheet or script of the package, which is no text of a user."""
+    return Markup(asset(name))
+
+
+def _scripts(own: str) -> tuple[Markup, ...]:
+    """plotly.js and a script of the assets."""
+    from plotly.offline import get_plotlyjs
+
+    return Markup(get_plotlyjs()), _own_text(own)
+
+
+def _source(script: str) -> str:
+    """The script for a Content-Security-Policy: its hash, of the text as a browser reads it."""
+    read = script.replace("\r\n", "\n").replace("\r", "\n")
+    return f"'sha256-{base64.b64encode(hashlib.sha256(read.encode()).digest()).decode('ascii')}'"

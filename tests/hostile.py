@@ -1,0 +1,167 @@
+"""Text that would run or change a page that did not escape it, in every place where a file can bring text to a page."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from sketches import stacked_boxes
+from stickslip.papers.rough_damper.compute import Failure
+from stickslip.papers.rough_damper.items import Item, Picture
+from stickslip.papers.rough_damper.plan import Setting
+from stickslip.papers.rough_damper.tables import Column, Table
+from stickslip.papers.rough_damper.verdicts import Judgement, Verdict
+from stickslip.reporting.sweep_view import SweepView
+from stickslip.results.record import StudyRecord
+from stickslip.results.response import ForcedResponse
+from stickslip.results.sweep_table import SweptKey
+from sweep_tables import sweep_view
+from synthetic import synthetic_response, synthetic_study
+
+ATTACKS = (
+    "<script>window.pwned=1</script>",
+    "<img src=x onerror='window.pwned=1'>",
+    "</script><script>window.pwned=1</script>",
+    "</style></title></textarea><script>window.pwned=1</script>",
+    '"><svg onload="window.pwned=1">',
+    "' autofocus tabindex=0 onfocus='window.pwned=1",
+    '<a href="javascript:window.pwned=1" popup="width=1">link</a>',
+    "<b style='color:red'>bold</b><br><sup>2</sup>",
+    "<!--<script>",
+    "{{7*7}}{% raw %}{# #}",
+    "%{x}%{customdata}<extra>e</extra>&lt;i&gt;&#60;",
+    "$x^{2$",
+)
+
+
+def _fields(names: str) -> tuple[str, ...]:
+    return tuple(names.split())
+
+
+def hostile(field: str) -> str:
+    """A text with all attacks that names its field at its start and its end."""
+    return f"{field}: {' '.join(ATTACKS)} :{field}"
+
+
+def hostile_response() -> ForcedResponse:
+    """A solved curve whose every text is hostile."""
+    response = synthetic_response()
+    return dataclasses.replace(
+        response,
+        converged=False,
+        message=hostile("message"),
+        warnings=(hostile("solver-warning"),),
+        settings={**response.settings, hostile("setting"): hostile("setting-value")},
+        provenance={hostile("software"): hostile("software-version"), "date": hostile("date")},
+    )
+
+
+def hostile_study() -> StudyRecord:
+    """The record that goes with it, whose every text is hostile."""
+    study = synthetic_study()
+    # legends show names whole that do not end in different words
+    names = {name: f"{hostile(f'output-{place}')} end" for place, name in enumerate(study.outputs)}
+    modes = [{**row, "description": hostile(f"mode-{place}")} for place, row in enumerate(study.mode_table)]
+    sketch = stacked_boxes(
+        body_names=(hostile("body-0"), hostile("body-1")),
+        load_names=(hostile("load"),),
+        response_names=(hostile("response"),),
+    )
+    return dataclasses.replace(
+        study,
+        title=hostile("title"),
+        description=hostile("description"),
+        inputs=hostile("inputs"),
+        outputs={names[name]: row for name, row in study.outputs.items()},
+        signal_groups={
+            hostile(f"group-{place}"): tuple(names[name] for name in group)
+            for place, group in enumerate(study.signal_groups.values())
+        },
+        face_names=(hostile("face-0"), hostile("face-1")),
+        mode_table=tuple(modes),
+        mode_contact=hostile("contact"),
+        derived=((hostile("quantity"), hostile("value"), hostile("unit"), hostile("meaning")),),
+        warnings=(hostile("study-warning"),),
+        sketch=sketch,
+    )
+
+
+STUDY_FIELDS = _fields(
+    "message solver-warning setting setting-value software software-version date title description inputs "
+    "output-0 group-0 group-1 face-0 face-1 mode-0 mode-9 contact quantity value unit meaning "
+    "study-warning body-0 body-1 load response"
+)
+
+
+def hostile_sweep() -> tuple[SweepView, str, str, dict[str, str]]:
+    """View, title, inputs and provenance of a sweep over three keys whose every text is hostile."""
+    loads = (100.0, 200.0)
+    keys = (
+        SweptKey(f"interfaces.{hostile('key-0')}.gap", "m", loads, loads, hostile("key-unit"), _labels("first")),
+        SweptKey(f"section.{hostile('key-1')}", "", _labels("second"), (), "", _labels("second")),
+        SweptKey(f"section.{hostile('key-2')}", "", _labels("third"), (), "", _labels("third")),
+    )
+    view = sweep_view(keys, [1e-4, None, 2e-4, 3e-4, 4e-4, 5e-4, 6e-4, 7e-4], at_end=(7,))
+    rows = [
+        dataclasses.replace(row, message=hostile("row-message"), warnings=(hostile("row-warning"),))
+        for row in view.table.rows
+    ]
+    view = dataclasses.replace(view, table=dataclasses.replace(view.table, rows=tuple(rows)))
+    return view, hostile("title"), hostile("inputs"), {"date": "2026", hostile("software"): hostile("version")}
+
+
+def _labels(name: str) -> tuple[str, str]:
+    return hostile(f"{name}-0"), hostile(f"{name}-1")
+
+
+SWEEP_FIELDS = _fields(
+    "title inputs software version key-0 key-1 key-2 row-message row-warning first-0 first-1 second-0 "
+    "second-1 third-0 third-1"
+)
+
+
+def hostile_paper_page(picture: Any) -> dict[str, Any]:
+    """The arguments of ``paper.page.write_page`` but for its path; ``picture`` is a PNG file."""
+    table = Table(
+        "numbers",
+        hostile("caption"),
+        (Column("words", "", hostile("heading")), Column("size", hostile("heading-unit"), "Size")),
+        ((hostile("cell"), 1.0), ("holds", float("nan"))),
+    )
+    judgement = Judgement(Verdict.HOLDS_IF, hostile("reason"), ())
+    item = Item(
+        "one",
+        hostile("item"),
+        hostile("statement"),
+        (hostile("note"),),
+        (table,),
+        (Picture("sides", hostile("picture"), "numbers"),),
+        ((hostile("question"), judgement),),
+    )
+    setting = Setting(hostile("choice"), "same", 5.0, 100.0, 2.4, 1e-9, "consistent")
+    return {
+        "items": [item],
+        "figures": {"sides": picture},
+        "counts": {},
+        "failures": [Failure(setting, hostile("failure"))],
+        "inputs": hostile("inputs"),
+        "provenance": {hostile("software"): hostile("version")},
+    }
+
+
+PAPER_FIELDS = _fields(
+    "caption heading heading-unit cell reason item statement note picture question failure inputs software version"
+)
+
+
+def one_pixel() -> bytes:
+    """A PNG file."""
+    from io import BytesIO
+
+    from matplotlib.image import imsave
+
+    stream = BytesIO()
+    imsave(stream, np.zeros((1, 1, 3)), format="png")
+    return stream.getvalue()

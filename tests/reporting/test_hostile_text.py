@@ -1,0 +1,240 @@
+"""Text of a file reaches the pages escaped, whatever it is; and no code of the pages makes markup in another way."""
+
+from __future__ import annotations
+
+import ast
+import base64
+import dataclasses
+import hashlib
+import html
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import jinja2
+import pytest
+
+import stickslip
+from hostile import (
+    ATTACKS,
+    PAPER_FIELDS,
+    STUDY_FIELDS,
+    SWEEP_FIELDS,
+    hostile,
+    hostile_paper_page,
+    hostile_response,
+    hostile_study,
+    hostile_sweep,
+    one_pixel,
+)
+from stickslip.papers.rough_damper.page import write_page as write_paper_page
+from stickslip.reporting import figures
+from stickslip.reporting.look import PlotMarkup, plain_figures
+from stickslip.reporting.page import page
+from stickslip.reporting.sweep_page import sweep_page
+from stickslip.reporting.templates import rendered
+from synthetic import synthetic_response, synthetic_study
+
+SOURCE = Path(stickslip.__file__).parent
+# Elements and attributes that the pages have; whatever else stands in a page came out of a text.
+_TAG_NAMES = (
+    "html head meta title link style body header div p h1 h2 h3 main section ul li small b button figure "
+    "figcaption label output input select option span table caption thead tbody tr th td pre footer "
+    "script svg rect path circle polygon text g clippath sub details summary nav a img"
+)
+TAGS = frozenset(_TAG_NAMES.split())
+
+
+class Reader(HTMLParser):
+    """What a browser reads in a page: words, elements, attributes, and the text of its scripts."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.words: list[str] = []
+        self.tags: set[str] = set()
+        self.attributes: list[tuple[str, str]] = []
+        self.scripts: list[tuple[dict[str, str | None], str]] = []
+        self._inside = ""
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.add(tag)
+        self.attributes += [(name, value or "") for name, value in attrs]
+        self._inside = tag
+        if tag == "script":
+            self.scripts.append((dict(attrs), ""))
+
+    def handle_data(self, data: str) -> None:
+        if self._inside == "script" and self.scripts:
+            self.scripts[-1] = (self.scripts[-1][0], self.scripts[-1][1] + data)
+        else:
+            self.words.append(data)
+
+    def handle_endtag(self, tag: str) -> None:
+        self._inside = ""
+
+    def policy(self) -> str:
+        return next(value for _, value in self.attributes if value.startswith("default-src"))
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[str, tuple[str, ...]]]:
+    """Name -> text of a page, and the fields that must be read in it."""
+    folder = tmp_path_factory.mktemp("paper")
+    (folder / "sides.png").write_bytes(one_pixel())
+    write_paper_page(folder / "paper.html", **hostile_paper_page(folder / "sides.png"))
+    return {
+        "report": (page(hostile_response(), hostile_study()), STUDY_FIELDS),
+        "sweep": (sweep_page(*hostile_sweep()), SWEEP_FIELDS),
+        "paper": ((folder / "paper.html").read_text(encoding="utf-8"), PAPER_FIELDS),
+    }
+
+
+KINDS = pytest.mark.parametrize("kind", ["report", "sweep", "paper"])
+
+
+@KINDS
+def test_every_text_is_read_as_it_is_and_makes_no_element(pages: Any, kind: str) -> None:
+    text, fields = pages[kind]
+    read = Reader(text)
+    words = "".join(read.words)
+    assert [field for field in fields if hostile(field).replace("_", " ") not in words] == []
+    assert read.tags - {"textarea"} <= TAGS
+    assert "textarea" not in read.tags
+    assert [name for name, _ in read.attributes if name.startswith("on") or name == "style"] == []
+    links = [value for name, value in read.attributes if name in ("href", "src")]
+    assert all(value.startswith(("data:", "#", "figures/", "tables/")) for value in links), links
+
+
+@KINDS
+def test_no_attack_stands_in_a_page_unescaped(pages: Any, kind: str) -> None:
+    text, _ = pages[kind]
+    for attack in ATTACKS:
+        if html.escape(attack) != attack and "%{" not in attack:
+            assert attack not in text, attack
+
+
+@KINDS
+def test_data_can_not_end_their_script_nor_begin_another(pages: Any, kind: str) -> None:
+    read = Reader(pages[kind][0])
+    held = [code for attributes, code in read.scripts if attributes.get("type") == "application/json"]
+    assert len(held) == {"report": 2, "sweep": 1, "paper": 0}[kind]
+    for code in held:
+        assert not set("<>&") & set(code)
+        json.loads(code)
+    others = [attributes for attributes, _ in read.scripts if not attributes]
+    assert len(others) == {"report": 2, "sweep": 2, "paper": 0}[kind]  # plotly.js and the page's own
+    assert len(read.scripts) == len(held) + len(others)
+
+
+@KINDS
+def test_the_policy_allows_the_scripts_of_the_page_and_nothing_else(pages: Any, kind: str) -> None:
+    read = Reader(pages[kind][0])
+    policy = dict(part.split(" ", 1) for part in read.policy().split("; "))
+    own = [code for attributes, code in read.scripts if not attributes]
+    hashes = [base64.b64encode(hashlib.sha256(code.encode()).digest()).decode() for code in own]
+    assert policy == {
+        "default-src": "'none'",
+        "script-src": " ".join(f"'sha256-{each}'" for each in hashes) or "'none'",
+        "style-src": "'unsafe-inline'",
+        "img-src": "data: blob:",
+        "connect-src": "'none'",
+        "base-uri": "'none'",
+        "form-action": "'none'",
+    }
+    head = pages[kind][0]
+    assert head.index("Content-Security-Policy") < min(head.index("<style"), head.index("<title"), head.index("<link"))
+
+
+@pytest.mark.parametrize("kind", ["report", "sweep"])
+def test_texts_of_figures_have_no_markup_but_their_own(pages: Any, kind: str) -> None:
+    """plotly.js makes links and bold letters of tags, decodes entities, and fills "%{x}" in."""
+    read = Reader(pages[kind][0])
+    drawn = next(json.loads(code) for attributes, code in read.scripts if attributes.get("id") == "page-figures")
+    texts = list(_texts(drawn))
+    own = re.compile(r"<br>|<extra></extra>|%\{(x|y|z|text)(:[^{}]*)?\}")
+    for text in texts:
+        rest = own.sub("", text)
+        assert not set("<>%") & set(rest), text
+        assert re.fullmatch(r"(?:[^&]|&(?:amp|lt|gt|#34|#39|#37);)*", rest), text
+    fields = {"report": ("output-2", "output-7"), "sweep": ("first-0", "second-1", "third-1", "key-0", "key-1")}[kind]
+    shown = "\n".join(html.unescape(text) for text in texts)
+    assert [field for field in fields if hostile(field).replace("_", " ") not in shown] == []
+
+
+def _texts(value: Any) -> Any:
+    if isinstance(value, dict | list):
+        for each in value.values() if isinstance(value, dict) else value:
+            yield from _texts(each)
+    elif isinstance(value, str):
+        yield value
+
+
+def test_texts_of_a_figure_are_escaped_unless_they_are_markup() -> None:
+    given = {"a": ["<b>50 % & %{x}</b>", 1.5, None], "b": PlotMarkup("{}<br>%{{x}} {:.1f}").format("<i>%{y}", 2.0)}
+    assert plain_figures(given) == {
+        "a": ["&lt;b&gt;50 &#37; &amp; &#37;{x}&lt;/b&gt;", 1.5, None],
+        "b": "&lt;i&gt;&#37;{y}<br>%{x} 2.0",
+    }
+
+
+def test_a_template_that_names_what_it_was_not_given_is_an_error() -> None:
+    with pytest.raises(jinja2.UndefinedError, match="'caption' is undefined"):
+        rendered("structure.html", {"legend": [], "figures": []})
+
+
+@pytest.mark.parametrize("name", ["$x^{2$", "--><script>", "<b>R&D</b>"])
+def test_a_figure_shows_names_as_they_are(tmp_path: Path, name: str) -> None:
+    """A "$" begins no mathematics, and names in an SVG file are no elements of it, nor end a comment."""
+    study, response = synthetic_study(), synthetic_response()
+    rows = dict(zip([name, *list(study.outputs)[1:]], study.outputs.values(), strict=True))
+    named = dataclasses.replace(study, outputs=rows, face_names=(name, name))
+    for draw in (figures.amplitude_frequency, figures.contact_states, figures.hysteresis_loop):
+        drawn, usual = (
+            figures.save(draw(response, record), tmp_path / f"{place}.svg")
+            for place, record in enumerate((named, study))
+        )
+        tags = [{each.tag for each in ElementTree.parse(file).iter()} for file in (drawn, usual)]
+        assert tags[0] == tags[1]
+
+
+def _modules_of_pages() -> list[Path]:
+    return [*sorted((SOURCE / "report").glob("*.py")), SOURCE / "paper" / "page.py"]
+
+
+@pytest.mark.parametrize("module", _modules_of_pages(), ids=lambda path: path.stem)
+def test_code_makes_markup_of_its_own_words_alone(module: Path) -> None:
+    """Markup is written out in the code, where format escapes what is put in; only templates.py makes it of texts: of
+    what a template gave, and of files of the package and plotly.js."""
+    for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
+        name = node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
+        if name in ("Markup", "PlotMarkup") and module.stem != "templates":
+            assert isinstance(node.args[0], ast.Constant), f"{module.name}:{node.lineno}"
+        if isinstance(node, ast.JoinedStr):
+            written = "".join(str(part.value) for part in node.values if isinstance(part, ast.Constant))
+            assert not re.search(r"</?[a-z]|<!--", written), f"{module.name}:{node.lineno}: HTML outside of templates"
+
+
+def test_own_scripts_write_no_html() -> None:
+    for script in (SOURCE / "report" / "assets").glob("*.js"):
+        code = script.read_text(encoding="utf-8")
+        for way in (
+            "innerHTML",
+            "outerHTML",
+            "insertAdjacentHTML",
+            "document.write",
+            "eval(",
+            "Function(",
+            "DOMParser",
+        ):
+            assert way not in code, (script.name, way)
+
+
+def test_templates_mark_no_text_as_safe_and_handle_no_events_inline() -> None:
+    for template in (SOURCE / "report" / "assets").glob("*.html"):
+        text = template.read_text(encoding="utf-8")
+        assert not re.search(r"\|\s*safe\b|autoescape|\son\w+\s*=|javascript:", text), template.name

@@ -1,0 +1,180 @@
+"""Hostile text in a real browser: nothing of it runs, all of it is read as it is, plots work under the policy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from browser_pages import opened_page
+from helpers import opened_browser
+from hostile import (
+    PAPER_FIELDS,
+    STUDY_FIELDS,
+    SWEEP_FIELDS,
+    hostile,
+    hostile_paper_page,
+    hostile_response,
+    hostile_study,
+    hostile_sweep,
+    one_pixel,
+)
+from stickslip.cli import main as cli
+from stickslip.papers.rough_damper.page import write_page as write_paper_page
+from stickslip.reporting.page import write_page
+from stickslip.reporting.sweep_page import write_sweep_page
+from stickslip.results.storage import save_results
+from sweep_tables import MODE, load_key, sweep_view
+from synthetic import synthetic_response, synthetic_study
+
+PAGES = pytest.mark.parametrize("kind", ["report", "report-of-a-file", "sweep", "paper"])
+# What the mouse shows of every trace of every plot at its first point; plotly.js answers once in 50 ms.
+_HOVER = """async () => {
+  const shown = [];
+  for (const plot of document.querySelectorAll('.js-plotly-plot')) {
+    for (const [curve, trace] of plot.data.entries()) {
+      if (!trace.x || !trace.x.length) continue;
+      const point = {curveNumber: curve, pointNumber: trace.type === 'heatmap' ? [0, 0] : 0};
+      Plotly.Fx.hover(plot, [point], (trace.xaxis || 'x') + (trace.yaxis || 'y'));
+      await new Promise(done => setTimeout(done, 70));
+      shown.push(plot.querySelector('.hoverlayer').textContent);
+    }
+  }
+  return shown.join(' ');
+}"""
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with opened_browser() as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Pages with hostile text in every place, and plain ones of a report and a sweep."""
+    folder = tmp_path_factory.mktemp("hostile")
+    write_page(folder / "report.html", hostile_response(), hostile_study())
+    save_results(folder / "results.nc", hostile_response(), hostile_study())
+    (folder / "again").mkdir()
+    (folder / "results.nc").rename(folder / "again" / "results.nc")
+    told = CliRunner().invoke(cli.app, ["report", str(folder / "again")])
+    assert told.exit_code == 0, told.output
+    (folder / "again" / "report.html").rename(folder / "report-of-a-file.html")
+    write_sweep_page(folder / "sweep.html", *hostile_sweep())
+    (folder / "sides.png").write_bytes(one_pixel())
+    write_paper_page(folder / "paper.html", **hostile_paper_page(folder / "sides.png"))
+    write_page(folder / "plain-report.html", synthetic_response(), synthetic_study())
+    view = sweep_view((load_key((100.0, 200.0)), MODE), [1e-4, 2e-4, 3e-4, 4e-4])
+    write_sweep_page(folder / "plain-sweep.html", view, "Blades", "[study]", {"date": "2026"})
+    return folder
+
+
+@PAGES
+def test_nothing_runs_and_all_text_is_read(browser: Any, folder: Path, kind: str) -> None:
+    fields = {"sweep": SWEEP_FIELDS, "paper": PAPER_FIELDS}.get(kind, STUDY_FIELDS)
+    with opened_page(browser, folder / f"{kind}.html", drawn=kind != "paper") as page:
+        words = page.evaluate("document.documentElement.textContent")
+        assert [field for field in fields if hostile(field).replace("_", " ") not in words] == []
+        for focusable in page.query_selector_all("[tabindex], button, select, input, a"):
+            focusable.focus()
+        assert page.evaluate("window.pwned") is None
+        assert page.locator("[onclick], [onload], [onerror], [onfocus], [style*='color:red'], img[src=x]").count() == 0
+        assert page.locator("a:not([href^='#']):not([href^=figures]):not([href^=tables])").count() == 0
+        assert page.locator("body script:not([src])").count() == {"sweep": 3, "paper": 0}.get(kind, 4)
+
+
+@pytest.mark.parametrize(("kind", "plots"), [("report", 13), ("report-of-a-file", 13), ("sweep", 8)])
+def test_plots_show_names_as_they_are(browser: Any, folder: Path, kind: str, plots: int) -> None:
+    with opened_page(browser, folder / f"{kind}.html") as page:
+        marks = page.eval_on_selector_all(
+            ".js-plotly-plot",
+            "all => all.map(plot => plot.querySelectorAll('.scatterlayer .trace, .heatmaplayer .hm').length)",
+        )
+        assert (len(marks), min(marks) > 0) == (plots, True), marks
+        drawn = page.evaluate(
+            "[...document.querySelectorAll('.js-plotly-plot text')].map(text => text.textContent).join(' ')"
+        )
+        names = ["output-2", "output-3"]
+        if kind == "sweep":
+            names = ["first-0", "first-1", "second-0", "second-1", "third-0", "third-1"]
+        assert [name for name in names if hostile(name) not in drawn] == []
+        pointed = page.evaluate(_HOVER)
+        wanted = ["first-0", "second-1", "third-1"] if kind == "sweep" else ["face-0", "face-1"]
+        # a label of a pair has true minus signs
+        signs = str.maketrans({} if kind == "sweep" else {"-": "−"})
+        assert [name for name in wanted if hostile(name).translate(signs) not in pointed] == []
+        marked = page.locator(".js-plotly-plot text a, .js-plotly-plot text tspan[style*='color:red']")
+        assert marked.count() == 0
+        assert page.evaluate("window.pwned") is None
+
+
+def test_a_choice_of_the_reader_shows_names_as_they_are(browser: Any, folder: Path) -> None:
+    """The script of the page, too, writes text and no markup."""
+    with opened_page(browser, folder / "report.html") as page:
+        page.locator("#point").focus()
+        page.keyboard.press("Home")
+        page.select_option("#pair", "60")
+        page.wait_for_function("document.getElementById('point-label').textContent.includes('(1 of 40)')")
+        assert page.inner_text("#pair-now").startswith(" ".join(hostile("face-1").replace("-", "−").split()))
+        legend = page.evaluate("document.querySelector('#group-0 .legend').textContent")
+        assert hostile("output-2") in legend
+        assert page.evaluate("window.pwned") is None
+
+
+@pytest.mark.parametrize("kind", ["plain-report", "plain-sweep", "paper"])
+def test_the_policy_stops_what_the_page_does_not_carry(browser: Any, folder: Path, kind: str) -> None:
+    page = browser.new_page()
+    said: list[str] = []
+    page.on("console", lambda message: said.append(message.text))
+    page.goto((folder / f"{kind}.html").as_uri())
+    page.evaluate(
+        """() => {
+          window.pwned = [];
+          const script = document.createElement('script');
+          script.textContent = 'window.pwned.push("script")';
+          document.body.append(script);
+          const button = document.createElement('button');
+          button.setAttribute('onclick', 'window.pwned.push("click")');
+          document.body.append(button);
+          button.click();
+          const picture = document.createElement('img');
+          picture.setAttribute('onerror', 'window.pwned.push("picture")');
+          picture.src = 'data:,';
+          document.body.append(picture);
+          const link = document.createElement('a');
+          link.href = 'javascript:window.pwned.push("link")';
+          document.body.append(link);
+          link.click();
+        }"""
+    )
+    failed = page.evaluate("fetch('https://localhost:9/').then(() => 'asked', error => 'stopped')")
+    page.wait_for_timeout(200)
+    assert (page.evaluate("window.pwned"), failed) == ([], "stopped")
+    assert sum("Content Security Policy" in each for each in said) >= 5
+    page.close()
+
+
+@pytest.mark.parametrize(("kind", "plot"), [("plain-report", "curve"), ("plain-sweep", "curves")])
+def test_a_plot_is_saved_as_a_picture_and_sent_to_nobody(browser: Any, folder: Path, kind: str, plot: str) -> None:
+    with opened_page(browser, folder / f"{kind}.html") as page:
+        buttons = page.eval_on_selector_all(
+            ".modebar-btn", "all => [...new Set(all.map(each => each.getAttribute('data-title')))]"
+        )
+        assert any(button.startswith("Download plot") for button in buttons)
+        known = ("Download plot", "Zoom", "Pan", "Reset axes", "Toggle Spike", "Show closest", "Compare data")
+        assert [button for button in buttons if not button.startswith(known)] == []
+        settings = page.evaluate(
+            "[...document.querySelectorAll('.js-plotly-plot')].map(plot => plot._context).map("
+            "known => [known.showSendToCloud, known.displayModeBar])"
+        )
+        assert all(not sent for sent, bar in settings if bar)
+        page.hover(f"#{plot}")
+        with page.expect_download() as waiting:
+            page.click(f"#{plot} .modebar-btn[data-title^='Download plot']")
+        picture = Path(waiting.value.path()).read_bytes()
+        assert picture.startswith(b"\x89PNG")
+        assert len(picture) > 10_000
