@@ -30,7 +30,7 @@ from threadpoolctl import threadpool_limits
 from stickslip import __version__
 from stickslip.case.case import Case
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb import harmonic_force, harmonic_tangent
+from stickslip.contact.law.coulomb_harmonics import harmonic_force, harmonic_tangent
 from stickslip.model.model import Model, build_joint, build_model, build_structure
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response

@@ -10,7 +10,7 @@ import pytest
 from blade_problem import load_blade_problem
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb import harmonic_force, harmonic_tangent
+from stickslip.contact.law.coulomb_harmonics import harmonic_force, harmonic_tangent
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.compliance import stuck_structure
 from stickslip.solve.path.newton import Constraint, Newton, NewtonSettings

@@ -13,7 +13,7 @@ import numpy as np
 import scipy.linalg
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb import harmonic_force, harmonic_tangent
+from stickslip.contact.law.coulomb_harmonics import harmonic_force, harmonic_tangent
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse, LinearCurves
 from stickslip.results.rough_patch import RoughPatch

@@ -2,7 +2,11 @@
 from .case.case import Case as Case
 from .case.case import load_case as load_case
 from .contact.law.contact_pairs import ContactPairs as ContactPairs
-from .contact.law.coulomb import contact_cycle as contact_cycle
+from .contact.law.coulomb import CoulombLaw as CoulombLaw
+from .contact.law.coulomb_harmonics import contact_cycle as contact_cycle
+from .contact.law.law import ContactLaw as ContactLaw
+from .contact.law.law import ContactState as ContactState
+from .contact.law.law import register_contact_law as register_contact_law
 from .contact.law.normal_law import PressureGapLaw as PressureGapLaw
 from .contact.pairing.pairing import pair_faces as pair_faces
 from .contact.pairing.pairing import pair_surfaces as pair_surfaces

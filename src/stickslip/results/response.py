@@ -20,7 +20,8 @@ from stickslip.core.plain_data import same_content
 from stickslip.core.validation import FloatArray, finite_array, require_choice
 
 if TYPE_CHECKING:
-    from stickslip.contact.law.coulomb import ContactCycle, Update
+    from stickslip.contact.law.coulomb_harmonics import Update
+    from stickslip.contact.law.law import ContactCycle
 
 STATE_NAMES = ("stuck", "stick-slip", "separating")
 
@@ -234,11 +235,8 @@ class ForcedResponse:
         The friction law is marched again to its periodic state on the displacement of that point, with the samples and
         the update rule of the solve (``settings["update"]``), so nothing of this size need be stored.
         """
-        from stickslip.contact.law.coulomb import contact_cycle  # compiled code: loaded only when forces are wanted
-
         displacement = self.pair_displacement(point, self.samples)
-        update = cast("Update", self.settings["update"])
-        return contact_cycle(displacement, self.pairs, update=update)
+        return self.pairs.with_update(cast("Update", self.settings["update"])).cycle(displacement)
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write one NetCDF-4 file, whole or not at all; see :func:`stickslip.results.storage.save_results`."""

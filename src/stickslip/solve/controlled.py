@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb import Update
+from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.threads import blas_threads, thread_count

@@ -109,7 +109,7 @@ def _settings(
         "frequency_stop_hz": window[1],
         "harmonics": balance.harmonics,
         "samples": balance.samples,
-        "update": balance.update,
+        "update": balances.update,
         "excitation": balances.excitation.describe(),
         "newton_tolerance": newton.tolerance,
         "residual_with_doubled_samples": check.sample_residual,

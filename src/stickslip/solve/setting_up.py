@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import get_args
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb import Update
+from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.core.errors import InputError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.validation import finite_array, real_number, require_allowed, require_choice, whole_number
@@ -50,7 +50,7 @@ class Balances:
     def with_harmonics(self, harmonics: int, samples: int | None = None) -> Balance:
         """The balance with a number of harmonics, and of samples if they differ."""
         force = self.force.with_harmonics(harmonics)
-        return Balance(self.stuck.compliance(harmonics), self.pairs, force, samples or self.samples, self.update)
+        return Balance(self.stuck.compliance(harmonics), self.pairs, force, samples or self.samples)
 
 
 def prepare_balances(
@@ -70,6 +70,7 @@ def prepare_balances(
     if modal_damping_ratio is not None:
         ratio = real_number("modal_damping_ratio", modal_damping_ratio)
         require_allowed("modal_damping_ratio", ratio, ratio >= 0, "0 or above, for example 0.001")
+    pairs = pairs.with_update(update)
     force = excitation.on(superelement, harmonics)
     on_stage(f"modes of the stuck structure, {superelement.size} unknowns")
     stuck = stuck_structure(superelement, pairs, highest_omega, modal_damping_ratio)

@@ -16,8 +16,8 @@ from stickslip.contact.law.closed_forms import (
     quadrature_loop,
 )
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb import Update, contact_cycle, harmonic_force, harmonic_tangent
 from stickslip.contact.law.coulomb_energy import step_dissipation
+from stickslip.contact.law.coulomb_harmonics import Update, contact_cycle, harmonic_force, harmonic_tangent
 from stickslip.contact.law.coulomb_kernel import SLIP, STICK, advance, inverse_mean_limit
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb import Update, contact_cycle, harmonic_force
+from stickslip.contact.law.coulomb_harmonics import Update, contact_cycle, harmonic_force
 from stickslip.core.validation import FloatArray
 
 SAMPLES = 48

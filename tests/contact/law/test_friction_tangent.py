@@ -7,7 +7,7 @@ import pytest
 from friction_cases import kept_case, make_pairs, random_case
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb import Update, harmonic_force, harmonic_tangent
+from stickslip.contact.law.coulomb_harmonics import Update, harmonic_force, harmonic_tangent
 from stickslip.core.validation import FloatArray
 
 SAMPLES = 64

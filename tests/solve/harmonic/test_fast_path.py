@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from helpers import Blade
-from stickslip.contact.law.coulomb import harmonic_force, harmonic_tangent
+from stickslip.contact.law.coulomb_harmonics import harmonic_force, harmonic_tangent
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
 from stickslip.solve.harmonic import compliance, reduced

@@ -11,7 +11,7 @@ import scipy.optimize
 
 from helpers import Blade
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb import harmonic_force
+from stickslip.contact.law.coulomb_harmonics import harmonic_force
 from stickslip.contact.law.normal_law import PressureGapLaw, SpringLaw
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.validation import FloatArray

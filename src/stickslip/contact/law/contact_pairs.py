@@ -1,26 +1,30 @@
-"""The joint as the solver sees it: an operator to relative displacements, and the constants of each contact pair."""
+"""The joint as the solver sees it: an operator to relative displacements, and the law of each contact pair."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import scipy.sparse
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from stickslip.contact.law.coulomb import CoulombLaw
+from stickslip.contact.law.coulomb_harmonics import Update
+from stickslip.contact.law.law import BoolArray, ContactCycle, ContactLaw, IndexArray, LawPeriod
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive
+from stickslip.core.validation import FloatArray, finite_array, per_pair
 
 
 @dataclass(frozen=True)
 class ContactPairs:
-    """Contact pairs with 3-D Coulomb friction, variable normal load and separation.
+    """Contact pairs with their laws: 3-D Coulomb friction with separation, or others (:meth:`with_laws`).
 
     Relative displacement ``x = operator @ u`` (t1, t2, n of each pair; n > 0 closes). The force on the left-hand side
-    of the equation of motion is ``operator.T @ f`` with ``f = (T1, T2, N - max(preload, 0))`` and
-    ``N = max(preload + normal_stiffness * n, 0)``, ``|T| <= friction_coefficient * N``: displacements count from the
-    state at rest, where a positive preload is balanced and a gap carries nothing.
+    of the equation of motion is ``operator.T @ f``; for Coulomb pairs ``f = (T1, T2, N - normal_load)`` and
+    ``N = max(normal_load + normal_stiffness * (n - gap), 0)``, ``|T| <= friction_coefficient * N``: displacements count
+    from the state at rest, where a normal load is balanced and a gap carries nothing.
 
     Parameters
     ----------
@@ -32,12 +36,15 @@ class ContactPairs:
         (n_pairs,) N/m, above zero, or (n_pairs, 2) for different stiffness along t1 and t2.
     friction_coefficient:
         (n_pairs,), above zero.
+    normal_load, gap:
+        (n_pairs,) N and m at rest, 0 or above; a number serves for all pairs, left out is 0. A pair under load has no
+        gap.
     preload:
-        (n_pairs,) N at rest; a negative value is an initial gap of ``-preload / normal_stiffness``.
+        instead of both: (n_pairs,) N, the normal load, or below zero a gap of ``-preload / normal_stiffness``.
     residual_traction:
         None ("released"): the slider of a pair starts each period at the mean of its motion, so what friction held at
         rest is forgotten. Or (n_pairs, 2) N along t1, t2 ("kept"): the traction that friction holds at rest, which the
-        structure's static state balances; a pair that never slips keeps it. It must not exceed ``mu * preload``.
+        structure's static state balances; a pair that never slips keeps it. It must not exceed ``mu * normal_load``.
 
     Raises
     ------
@@ -47,11 +54,8 @@ class ContactPairs:
     """
 
     operator: FloatArray
-    normal_stiffness: FloatArray
-    tangential_stiffness: FloatArray
-    friction_coefficient: FloatArray
-    preload: FloatArray
-    residual_traction: FloatArray | None
+    laws: tuple[ContactLaw, ...]
+    members: tuple[IndexArray, ...]
 
     def __init__(
         self,
@@ -59,90 +63,240 @@ class ContactPairs:
         normal_stiffness: ArrayLike,
         tangential_stiffness: ArrayLike,
         friction_coefficient: ArrayLike,
-        preload: ArrayLike,
+        preload: ArrayLike | None = None,
         residual_traction: ArrayLike | None = None,
+        *,
+        normal_load: ArrayLike | None = None,
+        gap: ArrayLike | None = None,
     ) -> None:
-        matrix = finite_array("operator", operator.toarray() if scipy.sparse.issparse(operator) else operator)
-        if matrix.ndim != 2 or matrix.shape[0] % 3 or matrix.shape[0] == 0:
-            raise InputError(
-                f"operator must have shape (3 * n_pairs, n): rows t1, t2, n for each pair; found shape {matrix.shape}."
-            )
+        matrix = _checked_operator(operator)
         n_pairs = matrix.shape[0] // 3
-        tangential = finite_array("tangential_stiffness", tangential_stiffness)
-        if tangential.shape != (n_pairs, 2):
-            tangential = per_pair("tangential_stiffness", tangential, n_pairs)
-        normal = per_pair("normal_stiffness", normal_stiffness, n_pairs)
-        friction = per_pair("friction_coefficient", friction_coefficient, n_pairs)
-        advice = (
-            "A pair without stiffness carries no contact: leave it out of the operator, or check the roughness and the "
-            "load that gave the stiffness."
+        if preload is None and normal_load is None and gap is None:
+            raise InputError("normal_load is missing: give it in N, or a gap in m, for the state at rest.")
+        if preload is not None and (normal_load is not None or gap is not None):
+            raise InputError("preload stands for normal_load and gap together; give either it or these two.")
+        law = CoulombLaw.with_preload(
+            n_pairs, normal_stiffness, tangential_stiffness, friction_coefficient, 0.0 if preload is None else preload
         )
-        require_positive("normal_stiffness", normal, advice)
-        require_positive("tangential_stiffness", tangential, advice)
-        require_positive("friction_coefficient", friction, "Dry metal joints lie between 0.1 and 0.8.")
-        object.__setattr__(self, "operator", matrix)
-        object.__setattr__(self, "normal_stiffness", normal)
-        object.__setattr__(self, "tangential_stiffness", tangential)
-        object.__setattr__(self, "friction_coefficient", friction)
-        object.__setattr__(self, "preload", per_pair("preload", preload, n_pairs))
-        kept = None if residual_traction is None else self._admissible(residual_traction)
-        object.__setattr__(self, "residual_traction", kept)
+        if preload is None:
+            law = replace(
+                law,
+                normal_load=per_pair("normal_load", 0.0 if normal_load is None else normal_load, n_pairs),
+                gap=per_pair("gap", 0.0 if gap is None else gap, n_pairs),
+            )
+        if residual_traction is not None:
+            law = replace(law, residual_traction=finite_array("residual_traction", residual_traction))
+        self._set(matrix, (law,), (np.arange(n_pairs),))
 
-    def _admissible(self, traction: ArrayLike) -> FloatArray:
-        """A residual traction (n_pairs, 2), cut to the limit where it is above it by round-off alone."""
-        kept = finite_array("residual_traction", traction)
-        if kept.shape != (self.n_pairs, 2):
+    @classmethod
+    def with_laws(
+        cls, operator: Any, laws: Sequence[ContactLaw], members: Sequence[ArrayLike] | None = None
+    ) -> ContactPairs:
+        """Pairs with any laws: ``members[i]`` are the pairs that follow ``laws[i]``.
+
+        Without ``members`` the pairs of the first law come first, then those of the second, and so on. Raises
+        InputError unless each pair has exactly one law.
+        """
+        matrix = _checked_operator(operator)
+        n_pairs = matrix.shape[0] // 3
+        counts = [law.n_pairs for law in laws]
+        if members is None:
+            starts = np.cumsum([0, *counts])
+            members = [np.arange(start, start + count) for start, count in zip(starts, counts, strict=False)]
+        groups = tuple(np.asarray(group, dtype=np.int64) for group in members)
+        together = np.sort(np.concatenate(groups)) if groups else np.empty(0)
+        if [group.size for group in groups] != counts or not np.array_equal(together, np.arange(n_pairs)):
             raise InputError(
-                f"residual_traction must have shape ({self.n_pairs}, 2), N along t1 and t2 of each pair; found "
-                f"{kept.shape}."
+                f"the laws are for {' + '.join(map(str, counts)) or 'no'} pairs, but the operator has {n_pairs}: each "
+                "pair needs exactly one law."
             )
-        size, limit = np.hypot(kept[:, 0], kept[:, 1]), self.friction_coefficient * self.static_load
-        beyond = np.flatnonzero(size > limit * (1.0 + 1e-6))
-        if beyond.size:
-            pair = beyond[0]
-            raise InputError(
-                f"residual_traction[{pair}] is {size[pair]:.4g} N, but friction holds only {limit[pair]:.4g} N at rest "
-                f"(friction_coefficient * preload; {beyond.size} of {self.n_pairs} pairs are above). Take it from a "
-                "static solution with friction, such as static_preload gives."
-            )
-        return np.asarray(kept * np.where(size > limit, limit / np.where(size > 0.0, size, 1.0), 1.0)[:, None])
+        if len(laws) == 1 and not np.array_equal(groups[0], together):
+            raise InputError("a single law has its pairs in their order; sort the pairs, or leave members out.")
+        pairs = cls.__new__(cls)
+        pairs._set(matrix, tuple(laws), groups)
+        return pairs
+
+    def _set(self, operator: FloatArray, laws: tuple[ContactLaw, ...], members: tuple[IndexArray, ...]) -> None:
+        object.__setattr__(self, "operator", operator)
+        object.__setattr__(self, "laws", laws)
+        object.__setattr__(self, "members", members)
+
+    def __repr__(self) -> str:
+        parts = [f"{law.n_pairs} {law.name}" for law in self.laws]
+        return f"ContactPairs({' + '.join(parts)} pairs on {self.operator.shape[1]} unknowns)"
+
+    def with_update(self, update: Update) -> ContactPairs:
+        """The pairs with another return of their Coulomb laws."""
+        laws = tuple(law.with_update(update) if isinstance(law, CoulombLaw) else law for law in self.laws)
+        return ContactPairs.with_laws(self.operator, laws, self.members)
 
     @property
     def n_pairs(self) -> int:
         """Number of contact pairs."""
-        return int(self.normal_stiffness.shape[0])
+        return int(self.operator.shape[0] // 3)
+
+    @property
+    def law_names(self) -> tuple[str, ...]:
+        """Names of the laws."""
+        return tuple(dict.fromkeys(law.name for law in self.laws))
+
+    @property
+    def coulomb(self) -> CoulombLaw:
+        """The one Coulomb law of all pairs. Raises InputError where there are others."""
+        if len(self.laws) == 1 and isinstance(self.laws[0], CoulombLaw):
+            return self.laws[0]
+        raise InputError(
+            f"the pairs follow the law(s) {', '.join(self.law_names)}; this works for Coulomb friction alone."
+        )
+
+    def gathered(self, value: Callable[[ContactLaw], Any], shape: tuple[int, ...] = ()) -> FloatArray:
+        """(n_pairs, *shape) a value of each pair's law; NaN where the law has none (None)."""
+        values = [value(law) for law in self.laws]
+        if len(values) == 1 and values[0] is not None:
+            return np.asarray(values[0])
+        result = np.full((self.n_pairs, *shape), np.nan)
+        for each, group in zip(values, self.members, strict=True):
+            if each is not None:
+                result[group] = each
+        return result
+
+    @property
+    def normal_stiffness(self) -> FloatArray:
+        """(n_pairs,) N/m of Coulomb pairs, NaN for others."""
+        return self.gathered(lambda law: getattr(law, "normal_stiffness", None))
+
+    @property
+    def tangential_stiffness(self) -> FloatArray:
+        """(n_pairs,) or (n_pairs, 2) N/m as given. Raises InputError where not all pairs follow the Coulomb law."""
+        return self.coulomb.tangential_stiffness
 
     @property
     def tangential_springs(self) -> FloatArray:
-        """(n_pairs, 2) N/m along t1 and t2, also where one number was given for both."""
-        if self.tangential_stiffness.ndim == 2:
-            return self.tangential_stiffness
-        return np.repeat(self.tangential_stiffness[:, None], 2, axis=1)
+        """(n_pairs, 2) N/m along t1 and t2 of Coulomb pairs, NaN for others."""
+        return self.gathered(lambda law: getattr(law, "tangential_springs", None), (2,))
 
     @property
-    def released(self) -> bool:
-        """True if the sliders start at the mean of the motion, so that no traction at rest is remembered."""
-        return self.residual_traction is None
+    def friction_coefficient(self) -> FloatArray:
+        """(n_pairs,) of Coulomb pairs, NaN for others."""
+        return self.gathered(lambda law: getattr(law, "friction_coefficient", None))
+
+    @property
+    def normal_load(self) -> FloatArray:
+        """(n_pairs,) N at rest."""
+        return self.gathered(lambda law: law.normal_load)
+
+    @property
+    def gap(self) -> FloatArray:
+        """(n_pairs,) m at rest, 0 for a law without gap."""
+        return np.nan_to_num(self.gathered(lambda law: getattr(law, "gap", None)))
+
+    @property
+    def offset_force(self) -> FloatArray:
+        """(n_pairs,) N, the normal force at ``n = 0`` with its sign: the load, or minus what closes the gap."""
+        return self.gathered(lambda law: getattr(law, "offset_force", law.normal_load))
+
+    @property
+    def preload(self) -> FloatArray:
+        """(n_pairs,) N, the load at rest, or below zero minus normal stiffness times gap: :attr:`offset_force`."""
+        return self.offset_force
+
+    @property
+    def slip_force(self) -> FloatArray:
+        """(n_pairs,) N, the largest tangential force at rest that slip can set free."""
+        return self.gathered(lambda law: law.slip_force)
+
+    @property
+    def residual_traction(self) -> FloatArray | None:
+        """(n_pairs, 2) N that Coulomb pairs keep at rest, or None."""
+        return self.coulomb.residual_traction if self.law_names == ("coulomb",) else None
 
     @property
     def resting_traction(self) -> FloatArray:
         """(n_pairs, 2) N along t1, t2 at rest: the residual traction; zero if released."""
-        return np.zeros((self.n_pairs, 2)) if self.residual_traction is None else self.residual_traction
+        return np.nan_to_num(self.gathered(lambda law: getattr(law, "resting_traction", None), (2,)))
 
     @property
-    def static_load(self) -> FloatArray:
-        """(n_pairs,) N: the part of the preload that the structure's static state balances; a gap carries none."""
-        return np.maximum(self.preload, 0.0)
+    def released(self) -> bool:
+        """True if no law remembers a traction at rest."""
+        return all(getattr(law, "released", True) for law in self.laws)
 
     @property
-    def closed_at_rest(self) -> NDArray[np.bool_]:
-        """(n_pairs,) True where the preload presses the pair together."""
-        return self.preload > 0.0
+    def closed_at_rest(self) -> BoolArray:
+        """(n_pairs,) True where small motions about the rest feel springs."""
+        return np.asarray(self.gathered(lambda law: law.resting_springs(), (3,)).any(axis=1))
 
     def stuck_stiffness(self) -> FloatArray:
-        """(3 * n_pairs,) N/m: k_t1, k_t2, k_n of each pair, the springs of a closed and stuck contact."""
-        return np.column_stack([self.tangential_springs, self.normal_stiffness]).ravel()
+        """(3 * n_pairs,) N/m: k_t1, k_t2, k_n of each Coulomb pair, closed and stuck; the resting springs of others."""
+        return self.gathered(
+            lambda law: law.stuck_springs() if isinstance(law, CoulombLaw) else law.resting_springs(), (3,)
+        ).ravel()
 
     def resting_stiffness(self) -> FloatArray:
         """(3 * n_pairs,) N/m: the springs that small motions about the rest feel; none for a pair open there."""
-        return self.stuck_stiffness() * np.repeat(self.closed_at_rest, 3)
+        return self.gathered(lambda law: law.resting_springs(), (3,)).ravel()
+
+    def frictional(self) -> BoolArray:
+        """(n_pairs, 3) True for springs that slip can release."""
+        return self.gathered(lambda law: law.frictional(), (3,)).astype(bool)
+
+    def undetermined(self) -> BoolArray:
+        """(n_pairs, 3) True for mean displacements that no force depends on."""
+        return self.gathered(lambda law: law.undetermined(), (3,)).astype(bool)
+
+    def period(self, coefficients: FloatArray, samples: int) -> LawPeriod:
+        """Force over a period for coefficients (n_pairs, 3, 2H+1); see :class:`ContactLaw`."""
+        if len(self.laws) == 1:
+            return self.laws[0].period(coefficients, samples)
+        parts = [law.period(coefficients[group], samples) for law, group in zip(self.laws, self.members, strict=True)]
+        joined = {}
+        for name in ("force", "moves", "state", "closure"):
+            arrays = [getattr(part, name) for part in parts]
+            joined[name] = np.empty((self.n_pairs, *arrays[0].shape[1:]), dtype=arrays[0].dtype)
+            for array, group in zip(arrays, self.members, strict=True):
+                joined[name][group] = array
+        return LawPeriod(**joined, memory=parts)
+
+    def tangent(self, coefficients: FloatArray, samples: int, select: IndexArray, period: LawPeriod) -> FloatArray:
+        """Derivative (k, 3, 2H+1, 3, 2H+1) of the force of the pairs ``select``; see :class:`ContactLaw`."""
+        if len(self.laws) == 1:
+            return self.laws[0].tangent(coefficients, samples, select, period)
+        width = coefficients.shape[2]
+        result = np.empty((select.size, 3, width, 3, width))
+        for law, group, part in zip(self.laws, self.members, period.memory, strict=True):
+            chosen = np.flatnonzero(np.isin(select, group))
+            if chosen.size:
+                order = np.argsort(group)
+                inside = order[np.searchsorted(group, select[chosen], sorter=order)]
+                result[chosen] = law.tangent(coefficients[group], samples, inside, part)
+        return result
+
+    def hidden_springs(self, period: LawPeriod) -> FloatArray:
+        """(n_pairs, 3) N/m that act and are not among the resting springs."""
+        if len(self.laws) == 1:
+            return self.laws[0].hidden_springs(period)
+        result = np.empty((self.n_pairs, 3))
+        for law, group, part in zip(self.laws, self.members, period.memory, strict=True):
+            result[group] = law.hidden_springs(part)
+        return result
+
+    def cycle(self, displacement: FloatArray) -> ContactCycle:
+        """The periodic state under a motion (n_samples, n_pairs, 3) m."""
+        if len(self.laws) == 1:
+            return self.laws[0].cycle(displacement)
+        parts = [law.cycle(displacement[:, group]) for law, group in zip(self.laws, self.members, strict=True)]
+        joined = {}
+        for name, axis in (("force", 1), ("slider", 1), ("state", 0), ("dissipated_energy", 0), ("closure", 0)):
+            arrays = [getattr(part, name) for part in parts]
+            together = np.concatenate(arrays, axis=axis)
+            order = np.argsort(np.concatenate(self.members))
+            joined[name] = np.take(together, order, axis=axis)
+        return ContactCycle(**joined)
+
+
+def _checked_operator(operator: Any) -> FloatArray:
+    matrix = finite_array("operator", operator.toarray() if scipy.sparse.issparse(operator) else operator)
+    if matrix.ndim != 2 or matrix.shape[0] % 3 or matrix.shape[0] == 0:
+        raise InputError(
+            f"operator must have shape (3 * n_pairs, n): rows t1, t2, n for each pair; found shape {matrix.shape}."
+        )
+    return matrix

@@ -1,280 +1,227 @@
-"""Coulomb friction of contact pairs over one period: force, tangent and dissipated energy of the periodic state.
+"""The Coulomb law of contact pairs: friction in two directions, variable normal load and separation.
 
-    N = max(N0 + kn n, 0),   |T| <= mu N,   T = K (s - w),   dw/dt along T and only where |T| = mu N,   T = 0 if N = 0
+    N = max(N0 + kn (n - gap), 0),   |T| <= mu N,   T = K (s - w)
 
-s = (t1, t2) is the relative tangential displacement of a pair, n its closing, w the slider, K = diag(k1, k2). The
-slider starts at the mean of s ("released" pair: one that sticks all period carries T = K (s - mean s)), or where it was
-at rest (residual traction T0 "kept": T = T0 + K s, s counted from rest), and is carried to the true periodic state.
-Derivations, sign conventions and sources: docs/theory_friction.md.
+Periodic states and derivatives: :mod:`stickslip.contact.law.coulomb_harmonics`; theory: docs/theory_friction.md.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
-from typing import Literal, get_args
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb_energy import dissipate_pairs
-from stickslip.contact.law.coulomb_kernel import CodeArray
-from stickslip.contact.law.coulomb_period import settle_pairs
-from stickslip.contact.law.coulomb_tangent import Basis, tangent_pairs
+from stickslip.contact.law.coulomb_harmonics import Update, contact_cycle, harmonic_force, harmonic_tangent
+from stickslip.contact.law.law import BoolArray, ContactCycle, ContactState, IndexArray, LawPeriod
 from stickslip.core.errors import InputError
-from stickslip.core.fourier import analysis_matrix, synthesis_matrix
-from stickslip.core.validation import FloatArray, finite_array, require_choice
-
-Update = Literal["tractrix", "radial"]
-MIN_SAMPLES = 8
+from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive
 
 
 @dataclass(frozen=True)
-class HarmonicForce:
-    """Fourier coefficients of the contact force of each pair in its periodic state.
-
-    Attributes
-    ----------
-    force:
-        (n_pairs, 3, 2 * harmonics + 1) N: T1, T2 and N, each less its value at rest (residual traction, static load),
-        in the order mean, cos 1, sin 1, ...
-    state:
-        (n_pairs,) 0 stuck, 1 stick-slip, 2 separating.
-    deviates:
-        (n_pairs,) False exactly where the force is that of small motions about the rest: the stuck springs of a closed
-        pair (released: with the slider at the mean), nothing for a pair that is open at rest and stays open.
-    closure:
-        (n_pairs,) ``|T_end - T_start| / max(mu N)`` of the last period; 0 where a pair sticks or opens.
-    period_start:
-        (n_pairs, 4) where the periodic state begins, for :func:`harmonic_tangent`.
-    """
-
-    force: FloatArray
-    state: CodeArray
-    deviates: NDArray[np.bool_]
-    closure: FloatArray
-    period_start: FloatArray
-
-
-@dataclass(frozen=True)
-class ContactCycle:
-    """The converged period of contact pairs under an imposed motion.
-
-    Attributes
-    ----------
-    force:
-        (n_samples, n_pairs, 3) N: T1, T2 and N (not N - preload).
-    slider:
-        (n_samples, n_pairs, 2) m: slider position w = s - T / k along t1, t2; it follows s while the pair is open.
-    state:
-        (n_pairs,) 0 stuck, 1 stick-slip, 2 separating at some sample.
-    dissipated_energy:
-        (n_pairs,) J per period, never negative, exactly 0 for a stuck pair.
-    closure:
-        (n_pairs,) ``|T_end - T_start| / max(mu N)`` of the last period.
-    """
-
-    force: FloatArray
-    slider: FloatArray
-    state: CodeArray
-    dissipated_energy: FloatArray
-    closure: FloatArray
-
-
-@dataclass(frozen=True)
-class _Periods:
-    """Periodic states, pair by pair: forces T (n_pairs, 2, n) N, step codes (n_pairs, n), arrays (n_pairs,)."""
-
-    forces: FloatArray
-    modes: CodeArray
-    state: CodeArray
-    deviates: NDArray[np.bool_]
-    closure: FloatArray
-    starts: FloatArray
-
-
-def harmonic_force(
-    coefficients: ArrayLike, pairs: ContactPairs, samples: int, update: Update = "tractrix"
-) -> HarmonicForce:
-    """Contact force coefficients for displacement coefficients (alternating frequency-time method).
+class CoulombLaw:
+    """Contact pairs with 3-D Coulomb friction, variable normal load and separation.
 
     Parameters
     ----------
-    coefficients:
-        (n_pairs, 3, 2 * harmonics + 1) m: t1, t2, n of each pair in the order mean, cos 1, sin 1, ...
-    samples:
-        samples of the period, at least ``2 * harmonics + 1`` and 8.
+    normal_stiffness:
+        (p,) N/m, above zero.
+    tangential_stiffness:
+        (p,) N/m, above zero, or (p, 2) for different stiffness along t1 and t2.
+    friction_coefficient:
+        (p,), above zero.
+    normal_load:
+        (p,) N at rest, not negative.
+    gap:
+        (p,) m at rest, not negative; zero where a normal load presses.
+    residual_traction:
+        None ("released"): the slider of a pair starts each period at the mean of its motion, so what friction held at
+        rest is forgotten. Or (p, 2) N along t1, t2 ("kept"): the traction that friction holds at rest, which the
+        structure's static state balances; a pair that never slips keeps it. At most ``mu * normal_load``.
     update:
-        "tractrix", exact for a step of linear motion and linearly varying normal load, or "radial" (backward Euler).
-        Pairs with different tangential stiffness along t1 and t2 use the associated return with either name.
+        "tractrix" (second order) or "radial" return.
 
     Raises
     ------
     InputError
-        for a wrong shape, too few samples or an unknown update. Entries are not checked to be finite here: a solver
-        that diverges gets NaN back.
+        for a wrong shape, an entry that is not finite, zero stiffness, a friction coefficient that is not positive, a
+        gap under a normal load, or a residual traction beyond the friction limit.
     """
-    displacement = _coefficients(coefficients, pairs.n_pairs, samples)
-    width = displacement.shape[2]
-    analysis = analysis_matrix(width // 2, samples)
-    paths, limits = _sampled(displacement, pairs, samples)
-    periods = _periods(paths, limits, pairs, update)
-    force = np.empty_like(displacement)
-    force[:, :2] = (periods.forces.reshape(-1, samples) @ analysis.T).reshape(-1, 2, width)
-    deviates = np.where(pairs.closed_at_rest, periods.deviates, (limits > 0.0).any(axis=1))
-    stuck = ~deviates & pairs.closed_at_rest
-    force[stuck, :2] = pairs.tangential_springs[stuck, :, None] * displacement[stuck, :2]
-    if pairs.released:
-        force[stuck, :2, 0] = 0.0
-    else:
-        force[~stuck, :2, 0] -= pairs.resting_traction[~stuck]
-    force[:, 2] = pairs.normal_stiffness[:, None] * displacement[:, 2]
-    force[:, 2, 0] += np.minimum(pairs.preload, 0.0)  # a gap that closes for good: N = k_n n - gap force, none at rest
-    opens = (limits <= 0.0).any(axis=1)
-    normal = np.maximum(limits[opens] / pairs.friction_coefficient[opens, None], 0.0)
-    force[opens, 2] = (normal - pairs.static_load[opens, None]) @ analysis.T
-    return HarmonicForce(force, periods.state, deviates, periods.closure, periods.starts)
 
+    name: ClassVar[str] = "coulomb"
+    states: ClassVar[Mapping[ContactState, str]] = {
+        ContactState.STUCK: "stuck",
+        ContactState.STICK_SLIP: "stick-slip",
+        ContactState.SEPARATING: "separating",
+    }
 
-def harmonic_tangent(
-    coefficients: ArrayLike,
-    pairs: ContactPairs,
-    samples: int,
-    select: ArrayLike,
-    update: Update = "tractrix",
-    contact: HarmonicForce | None = None,
-) -> FloatArray:
-    """Exact derivative of :func:`harmonic_force` for the pairs ``select`` (indices or a mask of pairs).
+    normal_stiffness: FloatArray
+    tangential_stiffness: FloatArray
+    friction_coefficient: FloatArray
+    normal_load: FloatArray
+    gap: FloatArray
+    residual_traction: FloatArray | None = None
+    update: Update = "tractrix"
 
-    Returns an array (n_select, 3, 2 H + 1, 3, 2 H + 1) in N/m: entry [i, a, p, b, q] is the derivative of force
-    coefficient p in direction a by displacement coefficient q in direction b. The dependence of the periodic slider
-    start on the motion is included. ``contact`` is :func:`harmonic_force` of the same coefficients where it is known
-    already: the periodic state is then not looked for again.
-    """
-    displacement = _coefficients(coefficients, pairs.n_pairs, samples)
-    require_choice("update", update, get_args(Update))
-    chosen = np.arange(pairs.n_pairs)[np.asarray(select)]
-    width = displacement.shape[2]
-    paths, limits = _sampled(displacement, pairs, samples)
-    springs, normal_stiffness = pairs.tangential_springs[chosen], pairs.normal_stiffness[chosen]
-    scales = np.column_stack([springs, pairs.friction_coefficient[chosen] * normal_stiffness])
-    if contact is None:
-        contact = harmonic_force(displacement, pairs, samples, update)
-    tangent = np.zeros((len(chosen), 3, width, 3, width))
-    tangent_pairs(
-        paths[chosen], limits[chosen], _ratios(springs), scales, normal_stiffness, update == "tractrix", pairs.released,
-        _basis(width // 2, samples), contact.period_start[chosen], tangent,
-    )  # fmt: skip
-    return tangent
+    @classmethod
+    def with_preload(
+        cls,
+        n_pairs: int,
+        normal_stiffness: ArrayLike,
+        tangential_stiffness: ArrayLike,
+        friction_coefficient: ArrayLike,
+        preload: ArrayLike,
+    ) -> CoulombLaw:
+        """The law of ``n_pairs`` pairs from numbers or arrays, with a ``preload`` (n_pairs,) N below zero for a gap.
 
-
-def contact_cycle(displacement: ArrayLike, pairs: ContactPairs, update: Update = "tractrix") -> ContactCycle:
-    """Converged period of the contact pairs under an imposed periodic motion.
-
-    Parameters
-    ----------
-    displacement:
-        (n_samples, n_pairs, 3) m: t1, t2 and n of each pair at n_samples equal steps of one period (the end point,
-        which equals the first, is left out). At least 8 samples.
-    pairs:
-        the constants of the pairs; the operator is not used.
-    update:
-        as in :func:`harmonic_force`.
-
-    Raises
-    ------
-    InputError
-        for a wrong shape, fewer than 8 samples, entries that are not finite, or an unknown update.
-    """
-    motion = finite_array("displacement", displacement)
-    if motion.ndim != 3 or motion.shape[1:] != (pairs.n_pairs, 3):
-        raise InputError(
-            f"displacement must have shape (n_samples, n_pairs, 3) = (n_samples, {pairs.n_pairs}, 3): t1, t2, n of "
-            f"each pair at each sample; found shape {motion.shape}."
+        A negative preload is a gap of ``-preload / normal_stiffness``.
+        """
+        normal = per_pair("normal_stiffness", normal_stiffness, n_pairs)
+        require_positive("normal_stiffness", normal, _ADVICE)
+        force = per_pair("preload", preload, n_pairs)
+        return cls(
+            normal,
+            _tangential(tangential_stiffness, n_pairs),
+            per_pair("friction_coefficient", friction_coefficient, n_pairs),
+            np.maximum(force, 0.0),
+            np.maximum(-force, 0.0) / normal,
         )
-    _check_samples(motion.shape[0], MIN_SAMPLES, "displacement has")
-    springs = pairs.tangential_springs
-    tangential = motion[:, :, :2]
-    origin = tangential.mean(axis=0) if pairs.released else -pairs.resting_traction / springs
-    paths = np.ascontiguousarray(((tangential - origin) * springs).transpose(1, 2, 0))
-    load = pairs.preload + pairs.normal_stiffness * motion[:, :, 2]
-    limits = np.ascontiguousarray((pairs.friction_coefficient * load).T)
-    periods = _periods(paths, limits, pairs, update)
-    force = np.empty_like(motion)
-    force[:, :, :2] = periods.forces.transpose(2, 0, 1)
-    force[:, :, 2] = np.maximum(load, 0.0)
-    energy = np.zeros(pairs.n_pairs)
-    dissipate_pairs(paths, limits, springs, update == "tractrix", periods.forces, periods.modes, periods.state, energy)
-    return ContactCycle(force, tangential - force[:, :, :2] / springs, periods.state, energy, periods.closure)
+
+    def __post_init__(self) -> None:
+        n_pairs = int(np.size(self.normal_stiffness))
+        for name in ("normal_stiffness", "friction_coefficient", "normal_load", "gap"):
+            object.__setattr__(self, name, per_pair(name, getattr(self, name), n_pairs))
+        object.__setattr__(self, "tangential_stiffness", _tangential(self.tangential_stiffness, n_pairs))
+        require_positive("normal_stiffness", self.normal_stiffness, _ADVICE)
+        require_positive("tangential_stiffness", self.tangential_stiffness, _ADVICE)
+        require_positive("friction_coefficient", self.friction_coefficient, "Dry metal joints lie between 0.1 and 0.8.")
+        self._require_rest()
+        if self.residual_traction is not None:
+            object.__setattr__(self, "residual_traction", self._admissible(self.residual_traction))
+
+    def _require_rest(self) -> None:
+        """Raise InputError for a gap or a normal load below zero, or for both at one pair."""
+        for name, unit in (("normal_load", "N"), ("gap", "m")):
+            values = getattr(self, name)
+            wrong = np.flatnonzero(values < 0.0)
+            if wrong.size:
+                raise InputError(
+                    f"{name}[{wrong[0]}] is {values[wrong[0]]:g} {unit}, but it must be 0 or above.", (name,)
+                )
+        both = np.flatnonzero((self.normal_load > 0.0) & (self.gap > 0.0))
+        if both.size:
+            raise InputError(
+                f"pair {both[0]} has a normal load of {self.normal_load[both[0]]:g} N and a gap of "
+                f"{self.gap[both[0]]:g} m at rest; give one of the two.",
+                ("normal_load", "gap"),
+            )
+
+    def _admissible(self, traction: ArrayLike) -> FloatArray:
+        """A residual traction (p, 2), cut to the limit where it is above it by round-off alone."""
+        kept = finite_array("residual_traction", traction)
+        if kept.shape != (self.n_pairs, 2):
+            raise InputError(
+                f"residual_traction must have shape ({self.n_pairs}, 2), N along t1 and t2 of each pair; found "
+                f"{kept.shape}."
+            )
+        size, limit = np.hypot(kept[:, 0], kept[:, 1]), self.slip_force
+        beyond = np.flatnonzero(size > limit * (1.0 + 1e-6))
+        if beyond.size:
+            pair = beyond[0]
+            raise InputError(
+                f"residual_traction[{pair}] is {size[pair]:.4g} N, but friction holds only {limit[pair]:.4g} N at rest "
+                f"(friction_coefficient * preload; {beyond.size} of {self.n_pairs} pairs are above). Take it from a "
+                "static solution with friction, such as static_preload gives."
+            )
+        return np.asarray(kept * np.where(size > limit, limit / np.where(size > 0.0, size, 1.0), 1.0)[:, None])
+
+    @property
+    def n_pairs(self) -> int:
+        """Number of pairs."""
+        return int(self.normal_stiffness.shape[0])
+
+    @property
+    def slip_force(self) -> FloatArray:
+        """(p,) N, ``mu`` times the normal load at rest."""
+        return self.friction_coefficient * self.normal_load
+
+    @property
+    def offset_force(self) -> FloatArray:
+        """(p,) N, the normal force at ``n = 0`` with its sign: the load, or minus what closes the gap."""
+        return np.where(self.gap > 0.0, -self.normal_stiffness * self.gap, self.normal_load)
+
+    @property
+    def tangential_springs(self) -> FloatArray:
+        """(p, 2) N/m along t1 and t2, also where one number was given for both."""
+        if self.tangential_stiffness.ndim == 2:
+            return self.tangential_stiffness
+        return np.repeat(self.tangential_stiffness[:, None], 2, axis=1)
+
+    @property
+    def released(self) -> bool:
+        """True if the sliders start at the mean of the motion, so that no traction at rest is remembered."""
+        return self.residual_traction is None
+
+    @property
+    def resting_traction(self) -> FloatArray:
+        """(p, 2) N along t1, t2 at rest: the residual traction; zero if released."""
+        return np.zeros((self.n_pairs, 2)) if self.residual_traction is None else self.residual_traction
+
+    @property
+    def closed_at_rest(self) -> BoolArray:
+        """(p,) True where a normal load presses the pair together."""
+        return np.asarray(self.normal_load > 0.0)
+
+    def stuck_springs(self) -> FloatArray:
+        """(p, 3) N/m: k_t1, k_t2, k_n of a closed and stuck pair."""
+        return np.column_stack([self.tangential_springs, self.normal_stiffness])
+
+    def resting_springs(self) -> FloatArray:
+        """(p, 3) N/m: those of a stuck pair, none for a pair that is open at rest."""
+        return self.stuck_springs() * self.closed_at_rest[:, None]
+
+    def frictional(self) -> BoolArray:
+        """(p, 3) True along t1 and t2."""
+        return np.tile([True, True, False], (self.n_pairs, 1))
+
+    def undetermined(self) -> BoolArray:
+        """(p, 3) True along t1 and t2 if released."""
+        return self.frictional() & self.released
+
+    def with_update(self, update: Update) -> CoulombLaw:
+        """The law with another return."""
+        return self if update == self.update else replace(self, update=update)
+
+    def period(self, coefficients: FloatArray, samples: int) -> LawPeriod:
+        """See :class:`stickslip.contact.law.law.ContactLaw`."""
+        contact = harmonic_force(coefficients, self, samples, self.update)
+        moves = np.repeat(contact.deviates[:, None], 3, axis=1)
+        moves[:, 2] &= (contact.state == ContactState.SEPARATING) | ~self.closed_at_rest
+        return LawPeriod(contact.force, moves, contact.state, contact.closure, contact.period_start)
+
+    def tangent(self, coefficients: FloatArray, samples: int, select: IndexArray, period: LawPeriod) -> FloatArray:
+        """See :class:`stickslip.contact.law.law.ContactLaw`."""
+        return harmonic_tangent(coefficients, self, samples, select, self.update, period.memory)
+
+    def hidden_springs(self, period: LawPeriod) -> FloatArray:
+        """(p, 3) N/m of pairs with a gap that close."""
+        closing = period.moves.any(axis=1) & ~self.closed_at_rest
+        return self.stuck_springs() * closing[:, None]
+
+    def cycle(self, displacement: FloatArray) -> ContactCycle:
+        """See :class:`stickslip.contact.law.law.ContactLaw`."""
+        return contact_cycle(displacement, self, self.update)
 
 
-def _periods(paths: FloatArray, limits: FloatArray, pairs: ContactPairs, update: Update) -> _Periods:
-    """March all pairs to their periodic states."""
-    require_choice("update", update, get_args(Update))
-    n_pairs, samples = limits.shape
-    periods = _Periods(
-        np.empty((n_pairs, 2, samples)),
-        np.empty((n_pairs, samples), dtype=np.int8),
-        np.empty(n_pairs, dtype=np.int8),
-        np.empty(n_pairs, dtype=np.bool_),
-        np.empty(n_pairs),
-        np.empty((n_pairs, 4)),
-    )
-    settle_pairs(
-        paths, limits, _ratios(pairs.tangential_springs), update == "tractrix",
-        periods.forces, periods.modes, periods.state, periods.deviates, periods.closure, periods.starts,
-    )  # fmt: skip
-    return periods
+_ADVICE = (
+    "A pair without stiffness carries no contact: leave it out of the operator, or check the roughness and the load "
+    "that gave the stiffness."
+)
 
 
-def _sampled(displacement: FloatArray, pairs: ContactPairs, samples: int) -> tuple[FloatArray, FloatArray]:
-    """Tangential paths (n_pairs, 2, n), K (s - mean s) if released, else T0 + K s, and limits mu (N0 + kn n)."""
-    synthesis = synthesis_matrix(displacement.shape[2] // 2, samples)
-    elastic = pairs.tangential_springs[:, :, None] * displacement[:, :2, 1:]
-    paths = (elastic.reshape(-1, elastic.shape[2]) @ synthesis[:, 1:].T).reshape(-1, 2, samples)
-    if not pairs.released:
-        paths += (pairs.resting_traction + pairs.tangential_springs * displacement[:, :2, 0])[:, :, None]
-    load = pairs.normal_stiffness[:, None] * displacement[:, 2]
-    load[:, 0] += pairs.preload
-    return paths, (pairs.friction_coefficient[:, None] * load) @ synthesis.T
-
-
-@lru_cache(maxsize=32)
-def _basis(harmonics: int, samples: int) -> Basis:
-    """The Fourier basis with the running sums that the tangent needs."""
-    synthesis = synthesis_matrix(harmonics, samples)
-    analysis = np.ascontiguousarray(analysis_matrix(harmonics, samples).T)
-    products = analysis[:, :, None] * synthesis[:, None, :]
-    return Basis(
-        synthesis,
-        analysis,
-        np.concatenate([np.zeros_like(analysis[:1]), np.cumsum(analysis, axis=0)]),
-        np.concatenate([np.zeros_like(products[:1]), np.cumsum(products, axis=0)]),
-    )
-
-
-def _ratios(springs: FloatArray) -> FloatArray:
-    """Tangential stiffness over the larger of the two, (n_pairs, 2); equal stiffness gives exactly 1."""
-    ratios: FloatArray = springs / springs.max(axis=1, keepdims=True)
-    return ratios
-
-
-def _coefficients(coefficients: ArrayLike, n_pairs: int, samples: int) -> FloatArray:
-    """Check the shape of displacement coefficients against the pairs and the number of samples."""
-    array = np.asarray(coefficients, dtype=float)
-    if array.ndim != 3 or array.shape[:2] != (n_pairs, 3) or array.shape[2] % 2 == 0 or array.shape[2] < 3:
-        raise InputError(
-            f"coefficients must have shape (n_pairs, 3, 2 * harmonics + 1) = ({n_pairs}, 3, odd number above 1); found "
-            f"shape {array.shape}."
-        )
-    _check_samples(samples, max(MIN_SAMPLES, array.shape[2]), "samples is")
-    return array
-
-
-def _check_samples(samples: int, least: int, subject: str) -> None:
-    if samples < least:
-        raise InputError(
-            f"{subject} {samples} samples a period, but at least {least} are needed (2 * harmonics + 1, and 8). "
-            "Friction has kinks: take 256, or 512 and more with separation."
-        )
+def _tangential(stiffness: ArrayLike, n_pairs: int) -> FloatArray:
+    """(p,) or (p, 2) N/m."""
+    values = finite_array("tangential_stiffness", stiffness)
+    return values if values.shape == (n_pairs, 2) else per_pair("tangential_stiffness", values, n_pairs)

@@ -20,12 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb import HarmonicForce, Update, harmonic_force, harmonic_tangent
+from stickslip.contact.law.law import LawPeriod
 from stickslip.core.validation import FloatArray
 from stickslip.solve.excitation import ExcitationForce
 from stickslip.solve.harmonic.compliance import Compliance, ExternalForce
-
-SEPARATING = 2
 
 
 @dataclass(frozen=True)
@@ -36,7 +34,7 @@ class Trial:
     load: float
     relative: FloatArray
     deviation: FloatArray
-    contact: HarmonicForce
+    contact: LawPeriod
     amplitude: FloatArray  # (2H, n) modal amplitudes of the structure under the force and the deviation
     residual: FloatArray
     error: float  # norm of the residual relative to that of the relative displacement, see Balance.evaluate
@@ -58,13 +56,11 @@ class ActiveRows:
     output_position: NDArray[np.int64]  # position of each output among 3 * len(pairs) rows
 
     @classmethod
-    def of(cls, contact: HarmonicForce, pairs: ContactPairs) -> ActiveRows:
-        """Two tangential rows of every pair that moves, the normal row of those that separate or were open at rest."""
-        moving = np.flatnonzero(contact.deviates)
-        keep = np.ones((moving.size, 3), dtype=bool)
-        keep[:, 2] = (contact.state[moving] == SEPARATING) | ~pairs.closed_at_rest[moving]
+    def of(cls, contact: LawPeriod) -> ActiveRows:
+        """The rows of the pairs whose force deviates from their springs, or can."""
+        moving = np.flatnonzero(contact.moves.any(axis=1))
         inputs = (3 * moving[:, None] + np.arange(3)).ravel()
-        position = np.flatnonzero(keep.ravel())
+        position = np.flatnonzero(contact.moves[moving].ravel())
         return cls(moving, inputs, inputs[position], position)
 
 
@@ -80,9 +76,7 @@ class Balance:
     force:
         the external force.
     samples:
-        time samples per period for the friction law.
-    update:
-        "tractrix" or "radial".
+        time samples per period for the contact laws.
     """
 
     def __init__(
@@ -91,19 +85,18 @@ class Balance:
         pairs: ContactPairs,
         force: ExcitationForce,
         samples: int,
-        update: Update,
     ) -> None:
         self.compliance = compliance
         self.pairs = pairs
         self.force = force
         self.samples = samples
-        self.update = update
         self.harmonics = compliance.harmonics
-        # Springs of a stuck pair, (2H+1, m). On the mean a stuck pair has no traction: its slider sits at the mean.
+        # Springs of the pairs at rest, (2H+1, m). They carry no mean that no force depends on: a released pair that
+        # sticks has its slider at the mean.
         springs = pairs.resting_stiffness().reshape(-1, 3)
+        self._undetermined = pairs.undetermined()
         self._springs = np.repeat(springs.reshape(1, -1), 2 * self.harmonics + 1, axis=0)
-        if pairs.released:
-            self._springs[0] = (springs * np.array([0.0, 0.0, 1.0])).ravel()
+        self._springs[0] = (springs * ~self._undetermined).ravel()
         self._terms = [(power, compliance.external(array)) for power, array in force.terms]
 
     @property
@@ -133,46 +126,43 @@ class Balance:
     def evaluate(self, relative: FloatArray, omega: float, load: float = 1.0) -> Trial:
         """Contact force, deviation and residual; what no force depends on follows (:meth:`determined`)."""
         coefficients = np.ascontiguousarray(relative.T).reshape(self.pairs.n_pairs, 3, -1)
-        contact = harmonic_force(coefficients, self.pairs, self.samples, self.update)
+        contact = self.pairs.period(coefficients, self.samples)
         deviation = contact.force.reshape(self.rows, -1).T - self._springs * relative
-        # Where the pair sticks the tangential deviation is zero by definition, where it never opens the normal one is:
-        # round-off must not enter.
-        still, closed = ~contact.deviates, self.pairs.closed_at_rest & (contact.state != SEPARATING)
-        deviation[:, 0::3][:, still] = 0.0
-        deviation[:, 1::3][:, still] = 0.0
-        deviation[:, 2::3][:, closed] = 0.0
+        # Where a force is that of the springs the deviation is zero by definition: round-off must not enter.
+        deviation[:, ~contact.moves.ravel()] = 0.0
         external = self._external(omega, load)
         amplitude = self.compliance.amplitude(omega, external, deviation)
         answer = self.compliance.relative(amplitude, deviation)
         residual = self.determined(relative - answer)
-        if self.pairs.released:
+        free = self._undetermined.ravel()
+        if free.any():
             relative = relative.copy()
-            relative[0].reshape(-1, 3)[:, :2] = answer[0].reshape(-1, 3)[:, :2]
+            relative[0, free] = answer[0, free]
         error = max(_share(residual, self.determined(relative)), self._closing_error(residual, contact))
         return Trial(omega, load, relative, deviation, contact, amplitude, residual, error)
 
-    def _closing_error(self, residual: FloatArray, contact: HarmonicForce) -> float:
-        """Share of the contact force that the residual means in pairs with a gap that close.
+    def _closing_error(self, residual: FloatArray, contact: LawPeriod) -> float:
+        """Size of the residual as a force of springs that the compliance does not have, over the contact force.
 
-        Their springs are not in the compliance, so a residual that is small beside the motion of an open pair can be a
-        large force where it closes.
+        Such as the springs of pairs with a gap that close: a residual that is small beside the motion of an open pair
+        can be a large force where it closes.
         """
-        closing = np.flatnonzero(contact.deviates & ~self.pairs.closed_at_rest)
-        if not closing.size:
+        springs = self.pairs.hidden_springs(contact)
+        hidden = np.flatnonzero(springs.any(axis=1))
+        if not hidden.size:
             return 0.0
-        springs = self.pairs.stuck_stiffness().reshape(-1, 3)[closing]
-        force = springs[:, :, None] * residual.T.reshape(self.pairs.n_pairs, 3, -1)[closing]
+        force = springs[hidden, :, None] * residual.T.reshape(self.pairs.n_pairs, 3, -1)[hidden]
         return _share(force, contact.force)
 
     def determined(self, relative: FloatArray) -> FloatArray:
-        """A copy (2H+1, m) without what no contact force depends on: the mean tangential displacements if released.
+        """A copy (2H+1, m) without the means that no contact force depends on (:meth:`ContactPairs.undetermined`).
 
-        The slider of a released pair starts at the mean of its motion, so these means only follow from the forces.
-        Where friction alone holds a body they are huge and mean nothing; no norm and no constraint may contain them.
+        The slider of a released pair starts at the mean of its motion, so its mean tangential displacement only follows
+        from the forces. Where friction alone holds a body it is huge and means nothing; no norm and no constraint may
+        contain it.
         """
         part = relative.copy()
-        if self.pairs.released:
-            part[0].reshape(-1, 3)[:, :2] = 0.0
+        part[0, self._undetermined.ravel()] = 0.0
         return part
 
     def displacement(self, trials: Sequence[Trial]) -> FloatArray:
@@ -210,7 +200,7 @@ class Balance:
     def deviation_tangent(self, active: ActiveRows, trial: Trial) -> FloatArray:
         """D (n_moving, 3, 2H+1, 3, 2H+1): derivative of the deviation of the moving pairs."""
         coefficients = np.ascontiguousarray(trial.relative.T).reshape(self.pairs.n_pairs, 3, -1)
-        tangent = harmonic_tangent(coefficients, self.pairs, self.samples, active.pairs, self.update, trial.contact)
+        tangent = self.pairs.tangent(coefficients, self.samples, active.pairs, trial.contact)
         springs = self._springs.T.reshape(self.pairs.n_pairs, 3, -1)[active.pairs]
         width = 2 * self.harmonics + 1
         diagonal = np.einsum("paqaq->paq", tangent.reshape(-1, 3, width, 3, width))

@@ -97,18 +97,18 @@ class StaticFactor:
 
 
 def mean_factor(superelement: Superelement, pairs: ContactPairs) -> tuple[StaticFactor, float]:
-    """The answer to mean forces, and the restraint in it: normal springs only if released, else all springs.
+    """The answer to mean forces, and the restraint in it: springs that carry no mean are left out.
 
     A body that only friction holds gets ``MEAN_RESTRAINT`` on the mean, also where residual tractions are kept: slip of
     all its pairs forgets them. Raises InputError if the structure stays singular.
     """
-    springs = pairs.resting_stiffness().reshape(-1, 3)
-    without_friction = StaticFactor.attempt(superelement, pairs, springs * np.array([0.0, 0.0, 1.0]))
+    springs, frictional = pairs.resting_stiffness().reshape(-1, 3), pairs.frictional()
+    undetermined = pairs.undetermined()
+    without_friction = StaticFactor.attempt(superelement, pairs, springs * ~frictional)
     restraint = MEAN_RESTRAINT if without_friction is None else 0.0
-    if pairs.released and without_friction is not None:
+    if without_friction is not None and (undetermined == frictional).all():
         return without_friction, restraint
-    tangential = restraint if pairs.released else 1.0 + restraint
-    return StaticFactor.build(superelement, pairs, springs * np.array([tangential, tangential, 1.0])), restraint
+    return StaticFactor.build(superelement, pairs, springs * (~undetermined + restraint * frictional)), restraint
 
 
 def _require_held_at_rest(superelement: Superelement, pairs: ContactPairs) -> None:
@@ -175,7 +175,8 @@ class Compliance:
 
     def __init__(self, stuck: StuckStructure, gain: ModalGain) -> None:
         self.harmonics = gain.harmonics
-        self._restraint = stuck.mean_restraint * stuck.pairs.resting_stiffness().reshape(-1, 3)[:, :2]
+        springs = stuck.pairs.resting_stiffness().reshape(-1, 3) * stuck.pairs.frictional()
+        self._restraint = stuck.mean_restraint * springs[:, :2]
         self.gain = gain
         self._modes = stuck.modes
         self._operator = stuck.pairs.operator

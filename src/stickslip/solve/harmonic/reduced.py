@@ -44,7 +44,7 @@ class NewtonSystem:
     """The Newton equations of a trial: unknowns ``dd`` on the rows where the deviation can change, (2H+1, outputs)."""
 
     def __init__(self, balance: Balance, trial: Trial) -> None:
-        self.active = ActiveRows.of(trial.contact, balance.pairs)
+        self.active = ActiveRows.of(trial.contact)
         self.columns = 2 * balance.harmonics + 1
         self.rows = balance.rows
         self.tangent = balance.deviation_tangent(self.active, trial)

@@ -285,7 +285,7 @@ def integrate_to_steady_state(
     slider = at_rest if initial_slider is None else _start_vector("initial_slider", initial_slider, (n_pairs, 2))
     contact_motion = (operator @ displacement).reshape(n_pairs, 3)
     contact_force = _starting_force(pairs, contact_motion, slider)
-    offset = np.column_stack([pairs.resting_traction, pairs.static_load])
+    offset = np.column_stack([pairs.resting_traction, pairs.normal_load])
     unbalanced = load[0] - superelement.stiffness @ displacement - operator.T @ (contact_force - offset).ravel()
     if superelement.damping is not None:
         unbalanced -= superelement.damping @ velocity

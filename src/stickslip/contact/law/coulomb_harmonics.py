@@ -1,0 +1,280 @@
+"""Coulomb friction of contact pairs over one period: force, tangent and dissipated energy of the periodic state.
+
+    N = max(N0 + kn n, 0),   |T| <= mu N,   T = K (s - w),   dw/dt along T and only where |T| = mu N,   T = 0 if N = 0
+
+s = (t1, t2) is the relative tangential displacement of a pair, n its closing, w the slider, K = diag(k1, k2). The
+slider starts at the mean of s ("released" pair: one that sticks all period carries T = K (s - mean s)), or where it was
+at rest (residual traction T0 "kept": T = T0 + K s, s counted from rest), and is carried to the true periodic state.
+Derivations, sign conventions and sources: docs/theory_friction.md.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal, Protocol, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stickslip.contact.law.coulomb_energy import dissipate_pairs
+from stickslip.contact.law.coulomb_kernel import CodeArray
+from stickslip.contact.law.coulomb_period import settle_pairs
+from stickslip.contact.law.coulomb_tangent import Basis, tangent_pairs
+from stickslip.contact.law.law import ContactCycle
+from stickslip.core.errors import InputError
+from stickslip.core.fourier import analysis_matrix, synthesis_matrix
+from stickslip.core.validation import FloatArray, finite_array, require_choice
+
+Update = Literal["tractrix", "radial"]
+MIN_SAMPLES = 8
+
+
+class CoulombConstants(Protocol):
+    """The constants of pairs that these functions read; see :class:`stickslip.contact.law.coulomb.CoulombLaw`."""
+
+    @property
+    def n_pairs(self) -> int: ...
+    @property
+    def normal_stiffness(self) -> FloatArray: ...
+    @property
+    def tangential_springs(self) -> FloatArray: ...
+    @property
+    def friction_coefficient(self) -> FloatArray: ...
+    @property
+    def offset_force(self) -> FloatArray: ...
+    @property
+    def normal_load(self) -> FloatArray: ...
+    @property
+    def closed_at_rest(self) -> NDArray[np.bool_]: ...
+    @property
+    def released(self) -> bool: ...
+    @property
+    def resting_traction(self) -> FloatArray: ...
+
+
+@dataclass(frozen=True)
+class HarmonicForce:
+    """Fourier coefficients of the contact force of each pair in its periodic state.
+
+    Attributes
+    ----------
+    force:
+        (n_pairs, 3, 2 * harmonics + 1) N: T1, T2 and N, each less its value at rest (residual traction, static load),
+        in the order mean, cos 1, sin 1, ...
+    state:
+        (n_pairs,) 0 stuck, 1 stick-slip, 2 separating.
+    deviates:
+        (n_pairs,) False exactly where the force is that of small motions about the rest: the stuck springs of a closed
+        pair (released: with the slider at the mean), nothing for a pair that is open at rest and stays open.
+    closure:
+        (n_pairs,) ``|T_end - T_start| / max(mu N)`` of the last period; 0 where a pair sticks or opens.
+    period_start:
+        (n_pairs, 4) where the periodic state begins, for :func:`harmonic_tangent`.
+    """
+
+    force: FloatArray
+    state: CodeArray
+    deviates: NDArray[np.bool_]
+    closure: FloatArray
+    period_start: FloatArray
+
+
+@dataclass(frozen=True)
+class _Periods:
+    """Periodic states, pair by pair: forces T (n_pairs, 2, n) N, step codes (n_pairs, n), arrays (n_pairs,)."""
+
+    forces: FloatArray
+    modes: CodeArray
+    state: CodeArray
+    deviates: NDArray[np.bool_]
+    closure: FloatArray
+    starts: FloatArray
+
+
+def harmonic_force(
+    coefficients: ArrayLike, pairs: CoulombConstants, samples: int, update: Update = "tractrix"
+) -> HarmonicForce:
+    """Contact force coefficients for displacement coefficients (alternating frequency-time method).
+
+    Parameters
+    ----------
+    coefficients:
+        (n_pairs, 3, 2 * harmonics + 1) m: t1, t2, n of each pair in the order mean, cos 1, sin 1, ...
+    samples:
+        samples of the period, at least ``2 * harmonics + 1`` and 8.
+    update:
+        "tractrix", exact for a step of linear motion and linearly varying normal load, or "radial" (backward Euler).
+        Pairs with different tangential stiffness along t1 and t2 use the associated return with either name.
+
+    Raises
+    ------
+    InputError
+        for a wrong shape, too few samples or an unknown update. Entries are not checked to be finite here: a solver
+        that diverges gets NaN back.
+    """
+    displacement = _coefficients(coefficients, pairs.n_pairs, samples)
+    width = displacement.shape[2]
+    analysis = analysis_matrix(width // 2, samples)
+    paths, limits = _sampled(displacement, pairs, samples)
+    periods = _periods(paths, limits, pairs, update)
+    force = np.empty_like(displacement)
+    force[:, :2] = (periods.forces.reshape(-1, samples) @ analysis.T).reshape(-1, 2, width)
+    deviates = np.where(pairs.closed_at_rest, periods.deviates, (limits > 0.0).any(axis=1))
+    stuck = ~deviates & pairs.closed_at_rest
+    force[stuck, :2] = pairs.tangential_springs[stuck, :, None] * displacement[stuck, :2]
+    if pairs.released:
+        force[stuck, :2, 0] = 0.0
+    else:
+        force[~stuck, :2, 0] -= pairs.resting_traction[~stuck]
+    force[:, 2] = pairs.normal_stiffness[:, None] * displacement[:, 2]
+    force[:, 2, 0] += np.minimum(
+        pairs.offset_force, 0.0
+    )  # a gap that closes for good: N = k_n n - gap force, none at rest
+    opens = (limits <= 0.0).any(axis=1)
+    normal = np.maximum(limits[opens] / pairs.friction_coefficient[opens, None], 0.0)
+    force[opens, 2] = (normal - pairs.normal_load[opens, None]) @ analysis.T
+    return HarmonicForce(force, periods.state, deviates, periods.closure, periods.starts)
+
+
+def harmonic_tangent(
+    coefficients: ArrayLike,
+    pairs: CoulombConstants,
+    samples: int,
+    select: ArrayLike,
+    update: Update = "tractrix",
+    period_start: FloatArray | None = None,
+) -> FloatArray:
+    """Exact derivative of :func:`harmonic_force` for the pairs ``select`` (indices or a mask of pairs).
+
+    Returns an array (n_select, 3, 2 H + 1, 3, 2 H + 1) in N/m: entry [i, a, p, b, q] is the derivative of force
+    coefficient p in direction a by displacement coefficient q in direction b. The dependence of the periodic slider
+    start on the motion is included. With ``period_start``, from
+    :func:`harmonic_force` of the same coefficients, the periodic state is not computed again.
+    """
+    displacement = _coefficients(coefficients, pairs.n_pairs, samples)
+    require_choice("update", update, get_args(Update))
+    chosen = np.arange(pairs.n_pairs)[np.asarray(select)]
+    width = displacement.shape[2]
+    paths, limits = _sampled(displacement, pairs, samples)
+    springs, normal_stiffness = pairs.tangential_springs[chosen], pairs.normal_stiffness[chosen]
+    scales = np.column_stack([springs, pairs.friction_coefficient[chosen] * normal_stiffness])
+    if period_start is None:
+        period_start = harmonic_force(displacement, pairs, samples, update).period_start
+    tangent = np.zeros((len(chosen), 3, width, 3, width))
+    tangent_pairs(
+        paths[chosen], limits[chosen], _ratios(springs), scales, normal_stiffness, update == "tractrix", pairs.released,
+        _basis(width // 2, samples), period_start[chosen], tangent,
+    )  # fmt: skip
+    return tangent
+
+
+def contact_cycle(displacement: ArrayLike, pairs: CoulombConstants, update: Update = "tractrix") -> ContactCycle:
+    """Converged period of the contact pairs under an imposed periodic motion.
+
+    Parameters
+    ----------
+    displacement:
+        (n_samples, n_pairs, 3) m: t1, t2 and n of each pair at n_samples equal steps of one period (the end point,
+        which equals the first, is left out). At least 8 samples.
+    pairs:
+        the constants of the pairs.
+    update:
+        as in :func:`harmonic_force`.
+
+    Raises
+    ------
+    InputError
+        for a wrong shape, fewer than 8 samples, entries that are not finite, or an unknown update.
+    """
+    motion = finite_array("displacement", displacement)
+    if motion.ndim != 3 or motion.shape[1:] != (pairs.n_pairs, 3):
+        raise InputError(
+            f"displacement must have shape (n_samples, n_pairs, 3) = (n_samples, {pairs.n_pairs}, 3): t1, t2, n of "
+            f"each pair at each sample; found shape {motion.shape}."
+        )
+    _check_samples(motion.shape[0], MIN_SAMPLES, "displacement has")
+    springs = pairs.tangential_springs
+    tangential = motion[:, :, :2]
+    origin = tangential.mean(axis=0) if pairs.released else -pairs.resting_traction / springs
+    paths = np.ascontiguousarray(((tangential - origin) * springs).transpose(1, 2, 0))
+    load = pairs.offset_force + pairs.normal_stiffness * motion[:, :, 2]
+    limits = np.ascontiguousarray((pairs.friction_coefficient * load).T)
+    periods = _periods(paths, limits, pairs, update)
+    force = np.empty_like(motion)
+    force[:, :, :2] = periods.forces.transpose(2, 0, 1)
+    force[:, :, 2] = np.maximum(load, 0.0)
+    energy = np.zeros(pairs.n_pairs)
+    dissipate_pairs(paths, limits, springs, update == "tractrix", periods.forces, periods.modes, periods.state, energy)
+    return ContactCycle(force, tangential - force[:, :, :2] / springs, periods.state, energy, periods.closure)
+
+
+def _periods(paths: FloatArray, limits: FloatArray, pairs: CoulombConstants, update: Update) -> _Periods:
+    """March all pairs to their periodic states."""
+    require_choice("update", update, get_args(Update))
+    n_pairs, samples = limits.shape
+    periods = _Periods(
+        np.empty((n_pairs, 2, samples)),
+        np.empty((n_pairs, samples), dtype=np.int8),
+        np.empty(n_pairs, dtype=np.int8),
+        np.empty(n_pairs, dtype=np.bool_),
+        np.empty(n_pairs),
+        np.empty((n_pairs, 4)),
+    )
+    settle_pairs(
+        paths, limits, _ratios(pairs.tangential_springs), update == "tractrix",
+        periods.forces, periods.modes, periods.state, periods.deviates, periods.closure, periods.starts,
+    )  # fmt: skip
+    return periods
+
+
+def _sampled(displacement: FloatArray, pairs: CoulombConstants, samples: int) -> tuple[FloatArray, FloatArray]:
+    """Tangential paths (n_pairs, 2, n), K (s - mean s) if released, else T0 + K s, and limits mu (N0 + kn n)."""
+    synthesis = synthesis_matrix(displacement.shape[2] // 2, samples)
+    elastic = pairs.tangential_springs[:, :, None] * displacement[:, :2, 1:]
+    paths = (elastic.reshape(-1, elastic.shape[2]) @ synthesis[:, 1:].T).reshape(-1, 2, samples)
+    if not pairs.released:
+        paths += (pairs.resting_traction + pairs.tangential_springs * displacement[:, :2, 0])[:, :, None]
+    load = pairs.normal_stiffness[:, None] * displacement[:, 2]
+    load[:, 0] += pairs.offset_force
+    return paths, (pairs.friction_coefficient[:, None] * load) @ synthesis.T
+
+
+@lru_cache(maxsize=32)
+def _basis(harmonics: int, samples: int) -> Basis:
+    """The Fourier basis with the running sums that the tangent needs."""
+    synthesis = synthesis_matrix(harmonics, samples)
+    analysis = np.ascontiguousarray(analysis_matrix(harmonics, samples).T)
+    products = analysis[:, :, None] * synthesis[:, None, :]
+    return Basis(
+        synthesis,
+        analysis,
+        np.concatenate([np.zeros_like(analysis[:1]), np.cumsum(analysis, axis=0)]),
+        np.concatenate([np.zeros_like(products[:1]), np.cumsum(products, axis=0)]),
+    )
+
+
+def _ratios(springs: FloatArray) -> FloatArray:
+    """Tangential stiffness over the larger of the two, (n_pairs, 2); equal stiffness gives exactly 1."""
+    ratios: FloatArray = springs / springs.max(axis=1, keepdims=True)
+    return ratios
+
+
+def _coefficients(coefficients: ArrayLike, n_pairs: int, samples: int) -> FloatArray:
+    """Check the shape of displacement coefficients against the pairs and the number of samples."""
+    array = np.asarray(coefficients, dtype=float)
+    if array.ndim != 3 or array.shape[:2] != (n_pairs, 3) or array.shape[2] % 2 == 0 or array.shape[2] < 3:
+        raise InputError(
+            f"coefficients must have shape (n_pairs, 3, 2 * harmonics + 1) = ({n_pairs}, 3, odd number above 1); found "
+            f"shape {array.shape}."
+        )
+    _check_samples(samples, max(MIN_SAMPLES, array.shape[2]), "samples is")
+    return array
+
+
+def _check_samples(samples: int, least: int, subject: str) -> None:
+    if samples < least:
+        raise InputError(
+            f"{subject} {samples} samples a period, but at least {least} are needed (2 * harmonics + 1, and 8). "
+            "Friction has kinks: take 256, or 512 and more with separation."
+        )

@@ -1,0 +1,175 @@
+"""What a contact law is: the force of contact pairs over a period of their relative motion, with its derivative.
+
+A law is an object that holds the constants of a group of pairs. The harmonic balance asks it for the springs that small
+motions feel, for the force over a period, and for the derivative of that force; pages ask for the names of its states.
+A new law is one file with one class and one call of :func:`register_contact_law`; a law of another package is found
+through an entry point of the group ``stickslip.contact_laws``. docs/extending.md shows one from start to end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from enum import IntEnum
+from importlib.metadata import entry_points
+from typing import Any, ClassVar, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray
+
+BoolArray = NDArray[np.bool_]
+CodeArray = NDArray[np.int8]
+IndexArray = NDArray[np.int64]
+
+ENTRY_POINTS = "stickslip.contact_laws"
+
+
+class ContactState(IntEnum):
+    """What a pair does over a period; the codes of every ``contact_state``."""
+
+    STUCK = 0
+    STICK_SLIP = 1
+    SEPARATING = 2
+
+
+@dataclass(frozen=True)
+class LawPeriod:
+    """The force of a group of p pairs over one period, in its periodic state.
+
+    Coefficients are (2H+1) in the order mean, cos 1, sin 1, ...
+
+    Attributes
+    ----------
+    force:
+        (p, 3, 2H+1) N along t1, t2, n, less its value at rest.
+    moves:
+        (p, 3) False exactly where the force is that of the springs of the law (:meth:`ContactLaw.resting_springs`), so
+        that neither it nor its derivative deviates from them.
+    state:
+        (p,) codes of :class:`ContactState`.
+    closure:
+        (p,) relative distance between the start and the end of the period; 0 for a law without memory.
+    memory:
+        what :meth:`ContactLaw.tangent` needs again.
+    """
+
+    force: FloatArray
+    moves: BoolArray
+    state: CodeArray
+    closure: FloatArray
+    memory: Any = None
+
+
+@dataclass(frozen=True)
+class ContactCycle:
+    """The converged period of contact pairs under an imposed motion.
+
+    Attributes
+    ----------
+    force:
+        (n_samples, n_pairs, 3) N along t1, t2, n; the whole normal force, not that less the preload.
+    slider:
+        (n_samples, n_pairs, 2) m: slider position w = s - T / k along t1, t2; it follows s while the pair is open, and
+        always for a law without a slider.
+    state:
+        (n_pairs,) codes of :class:`ContactState`.
+    dissipated_energy:
+        (n_pairs,) J per period, never negative, exactly 0 for a stuck pair.
+    closure:
+        (n_pairs,) relative distance between the start and the end of the last period.
+    """
+
+    force: FloatArray
+    slider: FloatArray
+    state: CodeArray
+    dissipated_energy: FloatArray
+    closure: FloatArray
+
+
+@runtime_checkable
+class ContactLaw(Protocol):
+    """The law of a group of p pairs; a frozen dataclass whose fields are its constants.
+
+    Displacements are those of a pair, t1, t2, n > 0 closing, m, counted from the state at rest; forces act on the
+    left-hand side of the equation of motion.
+    """
+
+    name: ClassVar[str]
+    states: ClassVar[Mapping[ContactState, str]]  # names for results and pages; states that it can have
+
+    @property
+    def n_pairs(self) -> int:
+        """Number p of pairs."""
+
+    @property
+    def normal_load(self) -> FloatArray:
+        """(p,) N, the normal force at rest; zero for a law that needs none."""
+
+    @property
+    def slip_force(self) -> FloatArray:
+        """(p,) N, the largest tangential force at rest that slip can set free; zero for an elastic law."""
+
+    def resting_springs(self) -> FloatArray:
+        """(p, 3) N/m, the springs along t1, t2, n that small motions about the rest feel."""
+
+    def frictional(self) -> BoolArray:
+        """(p, 3) True for the springs that slip can release, so that they hold no body for certain."""
+
+    def undetermined(self) -> BoolArray:
+        """(p, 3) True for mean displacements that the force does not depend on; their springs carry no mean."""
+
+    def period(self, coefficients: FloatArray, samples: int) -> LawPeriod:
+        """The force for displacement coefficients (p, 3, 2H+1), with ``samples`` samples of the period."""
+
+    def tangent(self, coefficients: FloatArray, samples: int, select: IndexArray, period: LawPeriod) -> FloatArray:
+        """Derivative (k, 3, 2H+1, 3, 2H+1) N/m of the force of the pairs ``select`` (k,) by the displacement.
+
+        Entry [i, a, p, b, q] is that of coefficient p in direction a by coefficient q in direction b; ``period`` is
+        that of the same coefficients.
+        """
+
+    def hidden_springs(self, period: LawPeriod) -> FloatArray:
+        """(p, 3) N/m that act in this period and are not among the resting springs, such as those of a closed gap."""
+
+    def cycle(self, displacement: FloatArray) -> ContactCycle:
+        """The periodic state under a motion (n_samples, p, 3) m."""
+
+
+def law_constants(law: ContactLaw) -> dict[str, Any]:
+    """The constants of a law by name, as :func:`contact_law` takes them."""
+    return {field.name: getattr(law, field.name) for field in fields(law)}  # type: ignore[arg-type]
+
+
+_registered: dict[str, Callable[..., ContactLaw]] = {}
+
+
+def register_contact_law(name: str, law: Callable[..., ContactLaw]) -> None:
+    """Make a law known under a name: what ``law(**constants)`` returns is a :class:`ContactLaw`.
+
+    Raises InputError for a name that another law has.
+    """
+    if _registered.get(name, law) is not law:
+        raise InputError(f'there is a contact law "{name}" already; register the new one under another name.')
+    _registered[name] = law
+
+
+def contact_law_names() -> tuple[str, ...]:
+    """Names of all laws: built in, registered, and of installed packages."""
+    from stickslip.contact.law import builtin
+
+    builtin.register_all()
+    found = {*_registered, *(point.name for point in entry_points(group=ENTRY_POINTS))}
+    return tuple(sorted(found))
+
+
+def contact_law(name: str) -> Callable[..., ContactLaw]:
+    """The law of a name. Raises InputError for a name that no law has."""
+    if name not in contact_law_names():
+        raise InputError(f'there is no contact law "{name}"; there are: {", ".join(contact_law_names())}.')
+    if name not in _registered:
+        (point,) = entry_points(group=ENTRY_POINTS, name=name)
+        register_contact_law(name, point.load())
+    return _registered[name]
