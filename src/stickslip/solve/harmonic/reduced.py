@@ -8,7 +8,6 @@ that one Newton step can use; where they do not, the matrix is formed and factor
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -127,16 +126,14 @@ class BorderedSystem:
                 line += row.deviation[:, system.active.outputs].ravel()
             lines.append(line)
         self._column_scale = np.array([_inverse(float(np.linalg.norm(column))) for column in columns])
-        corner = corner * self._column_scale
-        self._row_scale = np.array(
-            [
-                _inverse(reduce(math.hypot, part, float(np.linalg.norm(line))))
-                for line, part in zip(lines, corner, strict=True)
-            ]
-        )
+        lengths = [
+            reduce(np.hypot, self._column_scale * part, np.linalg.norm(line))
+            for line, part in zip(lines, corner, strict=True)
+        ]
+        self._row_scale = np.array([_inverse(float(length)) for length in lengths])
         self._columns = [scale * column for scale, column in zip(self._column_scale, columns, strict=True)]
         self._lines = [scale * line for scale, line in zip(self._row_scale, lines, strict=True)]
-        self._corner = self._row_scale[:, None] * corner
+        self._corner = np.outer(self._row_scale, self._column_scale) * corner
         self._factor: Any = None
 
     def solve(self, residual: FloatArray, values: FloatArray, tolerance: float) -> Step:
