@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
+import shutil
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from damage import damaged
+from stickslip.core.errors import StickslipWarning
 from stickslip.model.kinds.two_blade_mesh import BladePairElements, BladePairGeometry, blade_pair_mesh
 from stickslip.structure import cache
 from stickslip.structure.cache import cache_folder, cached_superelement
@@ -71,15 +75,72 @@ def test_changed_code_computes_again(reduction: Counted, monkeypatch: pytest.Mon
     assert reduction.calls == 2
 
 
-def test_damaged_file_computes_again(reduction: Counted) -> None:
-    reduction.cached()
+def test_changed_code_in_a_sub_folder_is_changed_code(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    shutil.copytree(Path(cache.__file__).parent, tmp_path / "structure")
+    monkeypatch.setattr(cache, "__file__", str(tmp_path / "structure" / "cache.py"))
+    code = cache._code.__wrapped__
+    before = code()
+    with (tmp_path / "structure" / "importers" / "build.py").open("a", encoding="utf-8") as stream:
+        stream.write("# changed\n")
+    assert code() != before
+
+
+def kept_file() -> Path:
     folder = cache_folder()
     assert folder is not None
     (file,) = folder.iterdir()
-    file.write_bytes(file.read_bytes()[:1000])
-    reduction.cached()
+    return file
+
+
+def test_damaged_file_is_named_and_made_again(reduction: Counted) -> None:
+    first = reduction.cached()
+    file = kept_file()
+    whole = file.read_bytes()
+    place = whole.index(first.stiffness.tobytes()[:64])
+    file.write_bytes(whole[:place] + np.nextafter(first.stiffness[0, 0], 0.0).tobytes() + whole[place + 8 :])
+    with pytest.warns(StickslipWarning) as told:
+        again = reduction.cached()
+    assert [str(warning.message) for warning in told] == [
+        f'The reduced structure kept in "{file}" is not used: its digest does not fit: it is damaged, or belongs to '
+        "other inputs or another version. It is computed again."
+    ]
     assert reduction.calls == 2
+    assert np.array_equal(again.stiffness, first.stiffness)
+    reduction.cached()  # without a warning, which would be an error
+    assert reduction.calls == 2
+
+
+def test_no_damage_gives_numbers_or_a_fault(reduction: Counted) -> None:
     reduction.cached()
+    file = kept_file()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", StickslipWarning)
+        for what, content in damaged(file.read_bytes(), 150):
+            file.write_bytes(content)
+            assert cache._read(file) is None, what
+
+
+def test_a_file_under_the_name_of_another_is_not_taken(reduction: Counted) -> None:
+    reduction.cached()
+    first = kept_file()
+    more_modes = Counted(reduction.structure, reduction.nodes, 5)
+    more_modes.cached()
+    folder = cache_folder()
+    assert folder is not None
+    (second,) = set(folder.iterdir()) - {first}
+    shutil.copy(first, second)
+    with pytest.warns(StickslipWarning, match="belongs to other inputs"):
+        assert more_modes.cached().size == reduction.cached().size + 1
+    assert (more_modes.calls, reduction.calls) == (2, 1)
+
+
+def test_a_file_that_cannot_be_read_is_told(reduction: Counted) -> None:
+    reduction.cached()
+    file = kept_file()
+    file.unlink()
+    file.mkdir()
+    with pytest.warns(StickslipWarning, match=r"is not used: Is a directory\. It is computed again"):
+        reduction.cached()
     assert reduction.calls == 2
 
 

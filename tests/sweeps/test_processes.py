@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
 import traceback
-from concurrent.futures import BrokenExecutor, Executor
+from concurrent.futures import BrokenExecutor, Executor, ThreadPoolExecutor
+from dataclasses import replace
+from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -17,9 +20,9 @@ import pytest
 import stickslip as ss
 import sweep_deaths
 from stickslip.case.case import load_case
-from stickslip.core.errors import InputError
+from stickslip.core.errors import InputError, WorkersError
 from stickslip.core.threads import usable_cores
-from stickslip.sweeps import schedule
+from stickslip.sweeps import schedule, work
 from stickslip.sweeps.pool import LocalProcesses, WorkerDied
 from stickslip.sweeps.schedule import Schedule, StructureGroup
 from sweep_cases import quick_file
@@ -181,3 +184,67 @@ def test_an_interrupted_and_a_killed_sweep_go_on_without_solving_again(tmp_path:
     assert {file: file.stat().st_mtime_ns for file in finished} == finished
     assert [row.converged for row in result.table.rows] == [True] * 6
     assert result.notices == ()
+
+
+def test_a_task_checks_the_code_before_it_reads_its_arguments() -> None:
+    sent = work.parcel(pow, 2, 5)
+    assert work.open_parcel(sent) == 32
+    for version in ("0.0.9 (code 0123456789ab)", sent.version[:-2] + ")", ""):
+        with pytest.raises(WorkersError) as caught:
+            work.open_parcel(work.Parcel(version, b"pickled by other code"))
+        here = f"{socket.gethostname()} (process {os.getpid()}) runs stickslip {work.worker_version()}"
+        assert str(caught.value).startswith(f"the worker on {here}, but the sweep runs {version}.")
+
+
+@pytest.mark.usefixtures("light_tasks")
+@pytest.mark.parametrize("executor", [LocalProcesses, ThreadPoolExecutor])
+def test_workers_of_other_code_end_the_sweep_without_a_row(
+    executor: type[Executor], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(schedule, "parcel", lambda *call: replace(work.parcel(*call), version="0.0.9 (code 0)"))
+    rows: list[object] = []
+    pool = executor(1)
+    try:
+        with pytest.raises(
+            WorkersError, match=r"the worker on .* \(process \d+\) runs stickslip .* the sweep runs 0.0.9"
+        ):
+            Schedule(pool, lambda: 2, lambda *row: rows.append(row), lambda *row: rows.append(row)).run(
+                [group(["good", "good"], tmp_path)]
+            )
+    finally:
+        pool.shutdown()
+    assert rows == []
+
+
+def test_a_process_that_cannot_be_started_is_a_worker_that_died(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(process: SpawnProcess) -> None:
+        raise BlockingIOError("Resource temporarily unavailable")
+
+    monkeypatch.setattr(SpawnProcess, "start", refused)
+    pool = LocalProcesses(1)
+    try:
+        with pytest.raises(InputError, match="worker processes cannot be started"):
+            pool.require_start(os.getpid)
+        assert isinstance(pool.submit(os.getpid).exception(), WorkerDied)
+    finally:
+        pool.shutdown(wait=False)
+
+
+def test_what_a_worker_imports_lies_in_the_code_that_its_digest_covers(tmp_path: Path) -> None:
+    quick_file(tmp_path)
+    script = f"""
+import sys
+from pathlib import Path
+import stickslip.sweeps.work as work
+from stickslip.case.case import load_case
+from stickslip.model.model import load_joint, set_up
+case = load_case({str(tmp_path / "study.toml")!r})
+setup = set_up(case)
+task = work.CaseTask(case, "key", load_joint(case, setup.layout), 1, wants_file=True)
+assert work.solve_task(task, work.reduce_task(case, setup, 1)).converged
+used = {{Path(module.__file__) for name, module in sys.modules.items() if name.partition(".")[0] == "stickslip"}}
+assert len(used) > 50
+print(*sorted(used - set(work.answering_files())))
+"""
+    result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == ""

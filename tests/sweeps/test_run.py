@@ -7,7 +7,7 @@ import math
 import os
 import shutil
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,9 +21,8 @@ from stickslip.core.errors import ConvergenceError, InputError, RoughnessError
 from stickslip.model.model import ReducedModel
 from stickslip.results.measures import summary
 from stickslip.results.response import ForcedResponse
-from stickslip.results.storage import SavedResults, load_results
+from stickslip.results.storage import load_results
 from stickslip.study import run as study
-from stickslip.sweeps import folder as sweep_folder
 from stickslip.sweeps import run as sweep_run
 from stickslip.sweeps import schedule, work
 from sweep_cases import quick_case
@@ -139,6 +138,27 @@ def test_two_processes_and_any_executor_give_the_same_table(swept: tuple, tmp_pa
     assert (other.files, other.case_files) == ((), (None, None))
 
 
+def test_an_executor_without_answer_is_told_and_its_version_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Slow(Executor):
+        """Answers, with another version, once the wait was told."""
+
+        def submit(self, *_: object, **__: object) -> Future:
+            self.future: Future = Future()
+            return self.future
+
+    class Listening(Heard):
+        def update(self, stage: str, fraction: float, detail: str = "") -> None:
+            super().update(stage, fraction, detail)
+            if detail.startswith("no answer of the executor for "):
+                executor.future.set_result("0.0.9 (code 0)")
+
+    executor, heard = Slow(), Listening()
+    monkeypatch.setattr(sweep_run, "LOOK_SECONDS", 0.01)
+    with pytest.raises(InputError, match=r"the workers run stickslip 0\.0\.9 \(code 0\), but this is "):
+        ss.sweep(quick_case(), VARY, executor, progress=heard)
+    assert heard.news[-1][2].endswith("has it workers?")
+
+
 def test_a_sweep_goes_on_where_it_ended(swept: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
     folder, result, _, _ = swept
     monkeypatch.setattr(schedule, "solve_task", None)  # solving would be a fault
@@ -152,56 +172,32 @@ def test_a_sweep_goes_on_where_it_ended(swept: tuple, monkeypatch: pytest.Monkey
     assert part.table.rows == result.table.rows[1::2]
 
 
-def test_going_on_reads_rows_and_whole_results_only_where_a_row_is_missing(
-    swept: tuple, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    folder, result, _, _ = swept
-    copy = tmp_path / "copy"
-    shutil.copytree(folder, copy)
-    opened: list[Path] = []
-
-    def load(path: Path) -> SavedResults:
-        opened.append(path)
-        return load_results(path)
-
-    monkeypatch.setattr(sweep_folder, "load_results", load)
-    assert ss.sweep(quick_case(), VARY, out=copy).table == result.table
-    assert opened == []
-    cases = [copy / row.file for row in result.table.rows]
-    cases[0].with_name("row.json").unlink()  # killed between the two files
-    cases[1].with_name("row.json").write_text("half", encoding="utf-8")
-    cases[2].with_name("row.json").write_text(cases[3].with_name("row.json").read_text("utf-8"), encoding="utf-8")
-    again = ss.sweep(quick_case(), VARY, out=copy)
-    assert (again.found, again.notices, again.table) == (4, (), result.table)
-    assert opened == cases[:3]
-    content = bytearray(cases[3].read_bytes())
-    content[len(content) // 2] ^= 0xFF
-    cases[3].write_bytes(content)
-    damaged = ss.sweep(quick_case(), VARY, out=copy, workers=1)
-    assert (damaged.found, damaged.table) == (3, result.table)
-    assert str(cases[3]) in damaged.notices[0]
-
-
 def test_damaged_and_foreign_files_are_told_and_solved_again(swept: tuple, tmp_path: Path) -> None:
-    _, result, _, _ = swept
-    vary = {"preload.centrifugal_force": "450,600", "excitation.mode": ["single"]}
-    files = [tmp_path / "cases" / result.table.rows[place].name / "results.nc" for place in (0, 2)]
-    for file in files:
-        file.parent.mkdir(parents=True)
-    content = result.case_files[0].read_bytes()
-    files[0].write_bytes(content[: len(content) // 2])
-    files[1].write_bytes(content)  # whole, but of another case
+    folder, result, _, _ = swept
+    shutil.copytree(folder, tmp_path / "copy")
+    files = [tmp_path / "copy" / row.file for row in result.table.rows]
+    text = files[0].with_name("row.json").read_text(encoding="utf-8")
+    peak = repr(result.table.rows[0].measures["peak_amplitude_m"])
+    assert f'"peak_amplitude_m": {peak}' in text
+    files[0].with_name("row.json").write_text(text.replace(peak, "9" + peak[1:]), encoding="utf-8")
+    shutil.copytree(files[0].parent, files[1].parent, dirs_exist_ok=True)  # whole, but of another case
+    files[2].unlink()
     abandoned = files[0].with_name(".results.nc.1.part")
     abandoned.write_bytes(b"half")
     os.utime(abandoned, (0.0, 0.0))
-    again = ss.sweep(quick_case(), vary, out=tmp_path, workers=1)
-    assert again.found == 0
-    assert "is damaged or incomplete" in again.notices[0]
-    assert "does not hold the results of this case" in again.notices[1]
-    assert again.table.rows == result.table.rows[::2]
+    again = ss.sweep(quick_case(), VARY, out=tmp_path / "copy", workers=1)
+    assert again.found == 1
+    unfit = "is not used: its digest does not fit: it is damaged, or belongs to other inputs or another version."
+    assert again.notices == (
+        f'"{files[0].with_name("row.json")}" {unfit} This case is solved again.',
+        f'"{files[1].with_name("row.json")}" {unfit} This case is solved again.',
+        f'"{files[2]}" is missing. This case is solved again.',
+    )
+    assert again.table == result.table
     displacement = [load_results(file).response.displacement for file in (files[0], result.case_files[0])]
     np.testing.assert_array_equal(*displacement)
     assert not abandoned.exists()
+    assert ss.sweep(quick_case(), VARY, out=tmp_path / "copy", workers=1).found == 4
 
 
 def test_cases_that_fail_are_rows_and_the_others_go_on(swept: tuple, tmp_path: Path) -> None:

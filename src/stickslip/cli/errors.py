@@ -10,7 +10,7 @@ from pathlib import Path
 
 import typer
 
-from stickslip.core.errors import InputError, StickslipError
+from stickslip.core.errors import InputError, StickslipError, show_warnings_as_sentences
 
 EXIT_FAULT = 1
 EXIT_INTERRUPTED = 130
@@ -20,6 +20,7 @@ LOG_NAME = "stickslip-error.log"
 @contextmanager
 def error_sentences(debug: bool, log_folder: Path | None = None) -> Iterator[None]:
     """Turn whatever goes wrong into a sentence on stderr and an exit code; tracebacks go to a log or to --debug."""
+    show_warnings_as_sentences()
     try:
         yield
     except (typer.Exit, typer.Abort, BrokenPipeError):

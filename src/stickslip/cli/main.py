@@ -170,10 +170,13 @@ def sweep(
         varied = axes.split_options(vary)
         axes.swept_keys(varied)  # a wrong key is told before a folder is made or a cluster is asked
         _require_writable(out)
-        cluster = cluster_executor(scheduler) if scheduler else nullcontext(None)
         places = replace(places, varied=tuple(varied))
         try:
-            with terminal_progress(quiet) as progress, _about(places), cluster as executor:
+            with (
+                terminal_progress(quiet) as progress,
+                _about(places),
+                cluster_executor(scheduler, progress) if scheduler is not None else nullcontext(None) as executor,
+            ):
                 result = run.sweep(case, varied, executor, out, progress, workers=workers, threads=threads)
         except KeyboardInterrupt:
             typer.echo("Finished cases are kept; the same command goes on with the others.", err=True)

@@ -5,15 +5,41 @@ A message says what is wrong, where in the input it stands, what was found, what
 
 from __future__ import annotations
 
+import sys
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Self
+from typing import Self, TextIO
 
 
 class StickslipError(Exception):
     """Root of all errors that stickslip raises on purpose. ``exit_code`` is what the command line returns."""
 
     exit_code = 2
+
+
+class StickslipWarning(UserWarning):
+    """Something was amiss that stickslip could mend; the results are right."""
+
+
+def show_warnings_as_sentences() -> None:
+    """From now on show a StickslipWarning as one line on stderr, without the place in the code that it comes from."""
+    usual = warnings.showwarning
+
+    def show(
+        message: Warning | str,
+        category: type[Warning],
+        filename: str,
+        lineno: int,
+        file: TextIO | None = None,
+        line: str | None = None,
+    ) -> None:
+        if issubclass(category, StickslipWarning):
+            print(f"Warning: {message}", file=file or sys.stderr)
+        else:
+            usual(message, category, filename, lineno, file, line)
+
+    warnings.showwarning = show
 
 
 class InputError(StickslipError, ValueError):
@@ -75,6 +101,10 @@ class RoughnessError(InputError):
 
 class ResultsFileError(InputError):
     """A results file is missing, damaged, or was written by another version."""
+
+
+class WorkersError(StickslipError, RuntimeError):
+    """The workers of a sweep cannot go on: none is left, their scheduler is gone, or one of them runs other code."""
 
 
 class MissingPackageError(StickslipError, ImportError):

@@ -2,15 +2,17 @@
 
 The folder is ``$STICKSLIP_CACHE`` ("off" keeps nothing), else ``stickslip`` in the user's cache folder. The name of a
 file is a digest of all that the reduction depends on: the matrices, the nodes, and the code of this package. A file
-that cannot be read is computed again; the oldest files give way beyond ``LARGEST_FOLDER``.
+whose seal does not fit is never taken: a warning names it, and it is made again. The oldest files give way beyond
+``LARGEST_FOLDER``.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
-import zipfile
+import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -18,8 +20,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.core.errors import StickslipError
+from stickslip.core.errors import ResultsFileError, StickslipError, StickslipWarning
 from stickslip.core.files import source_digest, whole_file
+from stickslip.core.seal import require_seal, seal
 from stickslip.core.validation import FloatArray
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import NodePairs, joined_modes
@@ -103,25 +106,34 @@ def _digest(structure: Structure, *numbers: NDArray[Any]) -> str:
 @cache
 def _code() -> bytes:
     """Digest of the modules that reduce structures: results of other code are never taken."""
-    return source_digest(Path(__file__).parent.glob("*.py")).encode()
+    return source_digest(Path(__file__).parent.rglob("*.py")).encode()
 
 
 def _read(path: Path) -> Arrays | None:
-    """The arrays of a file; None if there is none, or if it is damaged."""
+    """The arrays of a file; None if there is none, or, with a warning, if it is damaged."""
     try:
-        with path.open("rb") as stream, np.load(stream) as data:
-            arrays = {name: data[name] for name in data.files}
-        os.utime(path)  # the file used last is the last to go
-    except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile):
+        with path.open("rb") as stream:
+            require_seal(stream, path.stem)
+            with np.load(stream, allow_pickle=False) as data:
+                arrays = {name: data[name] for name in data.files}
+    except (FileNotFoundError, NotADirectoryError):
         return None
+    except (OSError, ResultsFileError) as error:
+        problem = f"{error.strerror}." if isinstance(error, OSError) else error
+        sentence = f'The reduced structure kept in "{path}" is not used: {problem} It is computed again.'
+        warnings.warn(sentence, StickslipWarning, stacklevel=2)
+        return None
+    with suppress(OSError):  # a folder that may only be read serves as well
+        os.utime(path)  # the file used last is the last to go
     return arrays
 
 
 def _write(path: Path, arrays: Arrays) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(path, "kept structure", StickslipError) as part, part.open("wb") as stream:
+        with whole_file(path, "kept structure", StickslipError) as part, part.open("w+b") as stream:
             np.savez(stream, allow_pickle=False, **arrays)
+            seal(stream, path.stem)
         _make_room(path.parent)
     except (OSError, StickslipError):
         return

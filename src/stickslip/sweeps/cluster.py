@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import logging
+import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future
+from concurrent.futures import BrokenExecutor, CancelledError, Future
 from contextlib import contextmanager
 from typing import Any, ParamSpec, TypeVar
 
-from stickslip.core.errors import InputError, MissingPackageError
+from stickslip.core.errors import InputError, MissingPackageError, WorkersError
+from stickslip.core.progress import Progress, SilentProgress
 from stickslip.sweeps.pool import SizedExecutor
+from stickslip.sweeps.work import open_parcel, parcel, worker_version
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
 CONNECT_SECONDS = 20
+# A scheduler answers in milliseconds; one that is busy with the matrices of many tasks may need seconds.
+ANSWER_SECONDS = 60
+# Workers of a batch system may all end at once and be replaced minutes later.
+WITHOUT_WORKER_SECONDS = 600
 # Each task carries the matrices of its structure (some 10 MB), about which the client would warn.
 _CONFIG = {"distributed.admin.large-graph-warning-threshold": "1GB"}
 
@@ -21,27 +29,72 @@ _CONFIG = {"distributed.admin.large-graph-warning-threshold": "1GB"}
 class ClusterExecutor(SizedExecutor):
     """Hands tasks to a Dask client; workers may come and go meanwhile."""
 
-    def __init__(self, client: Any) -> None:
-        self._client = client
-        self._executor = client.get_executor()
+    def __init__(self, client: Any, address: str) -> None:
+        self._client, self._address = client, address
+        # not pure: a task that is tried again must not get the answer that the scheduler remembers
+        self._executor = client.get_executor(pure=False)
+        self._last_worker = time.monotonic()
 
     @property
     def tasks_at_a_time(self) -> int:
         """One for each thread of the workers that are there now, and one that waits for it."""
-        threads: dict[str, int] = self._client.nthreads()
-        return max(2, 2 * sum(threads.values()))
+        return max(2, 2 * self._threads())
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Hand a task to the cluster."""
+        """Hand a task to the cluster. Raises WorkersError if the scheduler is gone."""
+        self._require_connection()
         future: Future[T] = self._executor.submit(fn, *args, **kwargs)
         return future
 
+    def waiting_for(self) -> str:
+        """How long there has been no worker. Raises WorkersError if that is too long, or the scheduler is gone."""
+        if self._threads():
+            return ""
+        waited = time.monotonic() - self._last_worker
+        if waited >= WITHOUT_WORKER_SECONDS:
+            raise WorkersError(
+                f'the Dask scheduler at "{self._address}" has had no worker for {waited:.0f} s. Look why its workers '
+                f'ended (too little memory, or the time limit of a job), and start some with "dask worker '
+                f'{self._address}".'
+            )
+        return f"no worker is left, waiting for one since {waited:.0f} s (at most {WITHOUT_WORKER_SECONDS:.0f} s)"
+
+    def meaning(self, error: BaseException) -> BaseException:
+        """The client cancels what is out when it loses its scheduler; a task that killed its workers is given up."""
+        from distributed.scheduler import KilledWorker
+
+        if isinstance(error, CancelledError):
+            return self._lost()
+        return BrokenExecutor(str(error)) if isinstance(error, KilledWorker) else error
+
+    def _threads(self) -> int:
+        """Threads of the workers that are there now. Raises WorkersError if the scheduler does not answer."""
+        self._require_connection()
+        try:
+            threads: dict[str, int] = self._client.nthreads(callback_timeout=ANSWER_SECONDS)
+        except Exception as error:  # a client that is closing has many kinds of them
+            raise self._lost() from error
+        if threads:
+            self._last_worker = time.monotonic()
+        return sum(threads.values())
+
+    def _require_connection(self) -> None:
+        if self._client.status != "running":
+            raise self._lost()
+
+    def _lost(self) -> WorkersError:
+        return WorkersError(
+            f'the Dask scheduler at "{self._address}" does not answer any more: it ended, or the network failed.'
+        )
+
 
 @contextmanager
-def cluster_executor(address: str) -> Iterator[ClusterExecutor]:
-    """Executor of the cluster whose scheduler has this address, for example "tcp://host:8786".
+def cluster_executor(address: str, progress: Progress | None = None) -> Iterator[ClusterExecutor]:
+    """Executor of the cluster whose scheduler has this address, for example "tcp://host:8786" or "tls://host:8786".
 
-    Raises MissingPackageError without the extra, InputError if no scheduler or no worker answers.
+    Certificates for "tls://" are those of Dask's own configuration (``distributed.comm.tls``). Raises
+    MissingPackageError without the extra, InputError if no scheduler or no worker answers, and WorkersError if a worker
+    does not run this version and code of stickslip.
     """
     try:
         import dask
@@ -50,19 +103,107 @@ def cluster_executor(address: str) -> Iterator[ClusterExecutor]:
         raise MissingPackageError(
             'a Dask cluster needs the package distributed. Install it: pip install "stickslip[cluster]".'
         ) from error
+    progress = progress or SilentProgress()
     with dask.config.set(_CONFIG):
+        progress.update("Cluster", 0.0, f"connecting to {address}")
+        _require_answer(address)
+        with _without_log(), Client(address, timeout=CONNECT_SECONDS, set_as_default=False) as client:
+            workers = _workers_of_this_version(client, address, progress)
+            _require_passage(client, address)
+            progress.update("Cluster", 1.0, f"{workers} workers with the same version as here")
+            yield ClusterExecutor(client, address)
+
+
+@contextmanager
+def _without_log() -> Iterator[None]:
+    """Keep the client from writing tracebacks to stderr when it loses its scheduler: WorkersError says so."""
+    logger = logging.getLogger("distributed.client")
+    before = logger.level
+    logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logger.setLevel(before)
+
+
+def _require_answer(address: str) -> None:
+    """Raise InputError unless a scheduler answers; a client that cannot connect would hang and print a traceback."""
+    from distributed import Security
+    from distributed.comm import connect
+    from distributed.utils import LoopRunner
+
+    async def ask() -> None:
+        comm = await connect(address, timeout=CONNECT_SECONDS, **Security().get_connection_args("client"))
+        await comm.close()
+
+    runner = LoopRunner()
+    runner.start()
+    try:
+        runner.run_sync(ask)
+    # address without port or of an unknown kind, name or port without answer, missing or wrong certificates
+    except (OSError, ValueError, TypeError, RuntimeError) as error:
+        raise InputError(
+            f'no Dask scheduler answers at "{address}" ({error}). Give the address that "dask scheduler" prints, for '
+            "example tcp://host:8786. An address tls://host:8786 needs certificates in Dask's configuration "
+            "(distributed.comm.tls)."
+        ) from error
+    finally:
+        runner.stop()
+
+
+def _workers_of_this_version(client: Any, address: str, progress: Progress) -> int:
+    """How many workers there are now, all of this version. Raises InputError if none answers, WorkersError."""
+    deadline = time.monotonic() + CONNECT_SECONDS
+    while (left := deadline - time.monotonic()) > 0.0:
+        progress.update("Cluster", 0.0, f"waiting for a worker, at most {left:.0f} s")
         try:
-            client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
-        except (OSError, ValueError) as error:
-            raise InputError(
-                f'no Dask scheduler answers at "{address}" ({error}). Give the address that "dask scheduler" prints, '
-                "for example tcp://host:8786."
-            ) from error
-        with client:
-            try:
-                client.wait_for_workers(1, timeout=CONNECT_SECONDS)
-            except TimeoutError as error:
-                raise InputError(
-                    f'the Dask scheduler at "{address}" has no worker. Start some with "dask worker {address}".'
-                ) from error
-            yield ClusterExecutor(client)
+            client.wait_for_workers(1, timeout=left)
+            answers = client.run(worker_version, on_error="return", callback_timeout=ANSWER_SECONDS)
+        except (OSError, TimeoutError):
+            break
+        _require_this_version(answers)
+        count = sum(isinstance(answer, str) for answer in answers.values())
+        if count:
+            return count
+        time.sleep(0.2)  # until the scheduler knows that they died
+    raise _no_worker(address)
+
+
+def _require_passage(client: Any, address: str) -> None:
+    """Raise WorkersError unless a task comes through, which the scheduler reads too, InputError without an answer."""
+    try:
+        client.submit(open_parcel, parcel(worker_version), pure=False).result(timeout=ANSWER_SECONDS)
+    except WorkersError:
+        raise
+    except (OSError, TimeoutError) as error:
+        raise _no_worker(address) from error
+    except Exception as error:  # whatever another version makes of it
+        raise WorkersError(
+            f'the Dask scheduler at "{address}" or its worker cannot read a task of stickslip ({type(error).__name__}: '
+            f"{' '.join(str(error).split())}). Install stickslip {worker_version()} where the scheduler and the "
+            "workers run."
+        ) from error
+
+
+def _no_worker(address: str) -> InputError:
+    return InputError(
+        f'the Dask scheduler at "{address}" has no worker that answers. Start some with "dask worker {address}", and '
+        "look at their log if they end at once."
+    )
+
+
+def _require_this_version(answers: dict[str, Any]) -> None:
+    """Raise WorkersError unless every worker, named by its address, answers with this version or has died meanwhile."""
+    wrong = []
+    for worker, answer in answers.items():
+        if isinstance(answer, OSError) and answer.errno is None:  # of Dask: the worker died while it was asked
+            continue
+        if isinstance(answer, Exception):
+            wrong.append(f"{worker} cannot run stickslip ({type(answer).__name__}: {answer})")
+        elif answer != worker_version():
+            wrong.append(f"{worker} runs stickslip {answer}")
+    if wrong:
+        raise WorkersError(
+            f"the sweep runs stickslip {worker_version()}, but of its Dask workers {'; '.join(wrong)}. Install the "
+            "same version there, or end these workers."
+        )

@@ -2,28 +2,31 @@
 
 ``DIR/cases/NAME/results.nc`` holds a case that was solved, ``row.json`` beside it what table and page need of it with
 the digest of that file, ``failed.json`` the message of a case that stickslip refused or could not start. NAME ends with
-the hash of its inputs, the version and the code.
+the hash of its inputs, the version and the code. Both JSON files are sealed with that hash. A case is finished only if
+row and results are there and whole; else the file at fault is named and the case solved again.
 """
 
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 import time
 import traceback
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from stickslip.core.errors import ResultsFileError
 from stickslip.core.files import whole_file
-from stickslip.results.storage import load_results
-from stickslip.results.sweep_table import SweepCurve, curve_and_measures
+from stickslip.core.seal import require_seal, seal
+from stickslip.results.sweep_table import SweepCurve
 from stickslip.study.run import RESULTS_FILE
 from stickslip.sweeps.plan import PlannedCase
-from stickslip.sweeps.work import CASE_KEY, CaseOutcome
+from stickslip.sweeps.work import CaseOutcome
 
 CASES = "cases"
 FAILED_FILE = "failed.json"
@@ -53,17 +56,17 @@ class SweepFolder:
 
     def store(self, planned: PlannedCase, outcome: CaseOutcome) -> None:
         """Keep the results of a case, or the message of one that has none; whole or not at all."""
-        target = self.results_file(planned) if outcome.file else self.results_file(planned).with_name(FAILED_FILE)
-        content = outcome.file or json.dumps({CASE_KEY: planned.key, "message": outcome.message}).encode()
-        _make(target.parent)
-        with whole_file(target, "results", ResultsFileError) as part:
-            part.write_bytes(content)
-        if outcome.file:
-            # after the results: a process that is killed between the two leaves a case that is read whole
-            with whole_file(target.with_name(ROW_FILE), "row of a case", ResultsFileError) as part:
-                part.write_text(_row_text(planned.key, outcome), encoding="utf-8")
-            for left_over in (FAILED_FILE, TRACEBACK_FILE):
-                target.with_name(left_over).unlink(missing_ok=True)
+        results = self.results_file(planned)
+        _make(results.parent)
+        if not outcome.file:
+            _write_sealed(results.with_name(FAILED_FILE), planned.key, {"message": outcome.message})
+            return
+        # The row before the results: where results are, even after a kill between the two, there is their row.
+        _write_sealed(results.with_name(ROW_FILE), planned.key, _row(outcome))
+        with whole_file(results, "results", ResultsFileError) as part:
+            part.write_bytes(outcome.file)
+        for left_over in (FAILED_FILE, TRACEBACK_FILE):
+            results.with_name(left_over).unlink(missing_ok=True)
 
     def store_traceback(self, planned: PlannedCase, error: BaseException) -> Path:
         """Keep the traceback of a fault of the program; returns its file."""
@@ -75,24 +78,18 @@ class SweepFolder:
 
     def finished(self, planned: PlannedCase) -> tuple[CaseOutcome | None, str]:
         """What an earlier sweep found for these inputs and this version, or None; and a sentence about a bad file."""
-        file = self.results_file(planned)
-        self._remove_abandoned(file.parent)
-        failed = file.with_name(FAILED_FILE)
-        if not file.exists():
-            return _failure(failed, planned.key) if failed.exists() else (None, "")
-        row = _row(file, planned.key)
-        if row is not None:
-            return row, ""
+        results = self.results_file(planned)
+        self._remove_abandoned(results.parent)
+        row, failed = results.with_name(ROW_FILE), results.with_name(FAILED_FILE)
         try:
-            saved = load_results(file)
+            if results.exists() or row.exists():
+                return _solved(results, _read_sealed(row, planned.key)), ""
+            if failed.exists():
+                message = str(_read_sealed(failed, planned.key)["message"])
+                return CaseOutcome(converged=False, message=message, measures={}), ""
         except ResultsFileError as error:
             return None, f"{error} This case is solved again."
-        if saved.study is None or saved.response.provenance.get(CASE_KEY) != planned.key:
-            return None, f'"{file}" does not hold the results of this case. It is solved again.'
-        response = saved.response
-        curve, measures = curve_and_measures(response, saved.study)
-        warnings = (*saved.study.warnings, *response.warnings)
-        return CaseOutcome(response.converged, response.message, measures, curve, warnings), ""
+        return None, ""
 
     def _remove_abandoned(self, folder: Path) -> None:
         for part in _parts(folder):
@@ -114,12 +111,11 @@ def _parts(folder: Path) -> Iterator[Path]:
     return folder.glob(".*.part")
 
 
-def _row_text(key: str, outcome: CaseOutcome) -> str:
-    """What a row, its curve and its warnings need of the results, as JSON; numbers keep every digit."""
+def _row(outcome: CaseOutcome) -> dict[str, Any]:
+    """What a row, its curve and its warnings need of the results, and the digest of these; numbers keep every digit."""
     curve = outcome.curve
     assert curve is not None  # a case with a results file has one
-    row = {
-        CASE_KEY: key,
+    return {
         "results": _digest(outcome.file),
         "converged": outcome.converged,
         "message": outcome.message,
@@ -128,33 +124,46 @@ def _row_text(key: str, outcome: CaseOutcome) -> str:
         "frequency_hz": curve.frequency_hz.tolist(),
         "amplitude_m": curve.amplitude_m.tolist(),
     }
-    return json.dumps(row)
 
 
-def _row(results: Path, key: str) -> CaseOutcome | None:
-    """The row kept beside a results file, without opening that as NetCDF; None unless both belong to the case.
-
-    The caller reads the results themselves then, and tells what is wrong with them.
-    """
-    try:
-        kept = json.loads(results.with_name(ROW_FILE).read_text(encoding="utf-8"))
-        if kept[CASE_KEY] != key or kept["results"] != _digest(results.read_bytes()):
-            return None
-        curve = SweepCurve(np.array(kept["frequency_hz"]), np.array(kept["amplitude_m"]))
-        return CaseOutcome(kept["converged"], kept["message"], kept["measures"], curve, tuple(kept["warnings"]))
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+def _solved(results: Path, row: dict[str, Any]) -> CaseOutcome:
+    """The outcome that a row tells. Raises ResultsFileError unless its results file is there, unchanged."""
+    if row["results"] != _digest(_content(results)):
+        raise ResultsFileError(f'"{results}" is not used: it is not the file that "{ROW_FILE}" beside it belongs to.')
+    curve = SweepCurve(np.array(row["frequency_hz"]), np.array(row["amplitude_m"]))
+    return CaseOutcome(row["converged"], row["message"], row["measures"], curve, tuple(row["warnings"]))
 
 
 def _digest(content: bytes) -> str:
     return hashlib.blake2b(content, digest_size=16).hexdigest()
 
 
-def _failure(file: Path, key: str) -> tuple[CaseOutcome | None, str]:
+def _write_sealed(file: Path, key: str, entries: dict[str, Any]) -> None:
+    """Write a JSON object that belongs to the case with this key."""
+    with whole_file(file, "row of a case", ResultsFileError) as part, part.open("w+b") as stream:
+        stream.write(json.dumps(entries).encode())
+        seal(stream, _subject(file, key))
+
+
+def _read_sealed(file: Path, key: str) -> dict[str, Any]:
+    """The object that ``_write_sealed`` wrote for this case. Raises ResultsFileError for anything else."""
+    stream = io.BytesIO(_content(file))
     try:
-        kept = json.loads(file.read_text(encoding="utf-8"))
-        if kept[CASE_KEY] == key:
-            return CaseOutcome(converged=False, message=str(kept["message"]), measures={}), ""
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        return None, f'"{file}" is damaged ({type(error).__name__}). This case is solved again.'
-    return None, f'"{file}" does not belong to this case. It is solved again.'
+        size = require_seal(stream, _subject(file, key))
+    except ResultsFileError as error:
+        raise ResultsFileError(f'"{file}" is not used: {error}') from error
+    entries: dict[str, Any] = json.loads(stream.read(size))
+    return entries
+
+
+def _subject(file: Path, key: str) -> str:
+    return f"{file.name} of case {key}"
+
+
+def _content(file: Path) -> bytes:
+    try:
+        return file.read_bytes()
+    except FileNotFoundError as error:
+        raise ResultsFileError(f'"{file}" is missing.') from error
+    except OSError as error:
+        raise ResultsFileError(f'"{file}" cannot be read ({error.strerror}).') from error

@@ -19,7 +19,7 @@ from multiprocessing.context import SpawnProcess
 from queue import Empty, SimpleQueue
 from typing import Any, ParamSpec, TypeVar
 
-from stickslip.core.errors import InputError
+from stickslip.core.errors import InputError, show_warnings_as_sentences
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -31,7 +31,15 @@ class SizedExecutor(Executor, ABC):
     @property
     @abstractmethod
     def tasks_at_a_time(self) -> int:
-        """How many tasks may be out now."""
+        """How many tasks may be out now. Raises WorkersError once there is no hope for workers."""
+
+    def waiting_for(self) -> str:
+        """What keeps all tasks waiting, in words; "" if they are at work. Raises WorkersError once there is no hope."""
+        return ""
+
+    def meaning(self, error: BaseException) -> BaseException:
+        """What an exception of a task means: WorkerDied, BrokenExecutor or WorkersError, else the exception itself."""
+        return error
 
 
 class InProcess(SizedExecutor):
@@ -160,10 +168,11 @@ class _Worker:
                 raise WorkerDied("the worker processes were ended")
             if self._pipe is None:
                 context = multiprocessing.get_context("spawn")
-                self._pipe, theirs = context.Pipe()
-                self._process = context.Process(target=_work, args=(theirs,), daemon=True)
-                self._process.start()
+                pipe, theirs = context.Pipe()
+                process = context.Process(target=_work, args=(theirs,), daemon=True)
+                process.start()
                 theirs.close()  # else the pipe would stay open when the process dies
+                self._pipe, self._process = pipe, process  # only now: what did not start cannot be ended
             return self._pipe
 
     def _close(self) -> None:
@@ -178,6 +187,7 @@ class _Worker:
 def _work(pipe: Connection) -> None:
     """Life of a worker process: answer calls until the pipe is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    show_warnings_as_sentences()
     threading.Thread(target=_end_with_parent, daemon=True).start()
     while True:
         try:

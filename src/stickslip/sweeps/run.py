@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import BrokenExecutor, Executor
+from concurrent.futures import BrokenExecutor, Executor, wait
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from os import PathLike
@@ -12,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from stickslip.case.case import Case
-from stickslip.core.errors import InputError, StickslipError
+from stickslip.core.errors import InputError, StickslipError, WorkersError
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import usable_cores
 from stickslip.core.validation import whole_number
@@ -26,7 +27,7 @@ from stickslip.sweeps.axes import Vary, swept_keys
 from stickslip.sweeps.folder import SweepFolder
 from stickslip.sweeps.plan import PlannedCase, plan_cases
 from stickslip.sweeps.pool import InProcess, LocalProcesses, SizedExecutor, WorkerDied
-from stickslip.sweeps.schedule import Schedule, StructureGroup
+from stickslip.sweeps.schedule import LOOK_SECONDS, Schedule, StructureGroup
 from stickslip.sweeps.work import CaseOutcome, CaseTask, worker_version
 
 TABLE_FILE = "sweep.csv"
@@ -115,7 +116,8 @@ def sweep(
     if groups:
         count = sum(len(group.cases) for group in groups)
         if executor is not None:
-            _require_same_version(executor)
+            if not isinstance(executor, SizedExecutor):  # that of a cluster asked every worker already
+                run.require_same_version(executor)
             run.solve(groups, executor, _room(executor, workers))
         else:
             wanted = workers or max(1, usable_cores() // threads)
@@ -152,22 +154,6 @@ def _room(executor: Executor, workers: int | None) -> Callable[[], int]:
         return lambda: executor.tasks_at_a_time
     number = TASKS_AT_A_TIME if workers is None else 2 * workers
     return lambda: number
-
-
-def _require_same_version(executor: Executor) -> None:
-    """Raise InputError unless the executor runs tasks with the same version of stickslip."""
-    try:
-        found = executor.submit(worker_version).result()
-    except (ImportError, BrokenExecutor) as error:
-        raise InputError(
-            f"the workers of the executor cannot run stickslip ({type(error).__name__}: {error}). Install it where "
-            'they run; in a script the call must stand below if __name__ == "__main__":.'
-        ) from error
-    if found != worker_version():
-        raise InputError(
-            f"the workers run stickslip {found}, but this is {worker_version()}. Install the same version where they "
-            "run."
-        )
 
 
 class _Run:
@@ -236,11 +222,41 @@ class _Run:
             raise known
         return known
 
+    def require_same_version(self, executor: Executor) -> None:
+        """Raise InputError unless the first worker that answers can run stickslip and runs this code.
+
+        How long a queue makes its workers wait only the caller knows, so that there is no time limit. Every task is
+        looked at again where it runs (``work.open_parcel``).
+        """
+        self._progress.update("Workers", 0.0, "waiting for the first answer of the executor")
+        try:
+            future, began = executor.submit(worker_version), time.monotonic()
+            while not wait([future], LOOK_SECONDS).done:
+                words = f"no answer of the executor for {time.monotonic() - began:.0f} s; has it workers?"
+                self._progress.update("Workers", 0.0, words)
+            found = future.result()
+        except (ImportError, AttributeError, BrokenExecutor) as error:
+            raise InputError(
+                f"the workers of the executor cannot run stickslip ({type(error).__name__}: {error}). Install it where "
+                'they run; in a script the call must stand below if __name__ == "__main__":.'
+            ) from error
+        if found != worker_version():
+            raise InputError(
+                f"the workers run stickslip {found}, but this is {worker_version()}. Install the same version where "
+                "they run."
+            )
+        self._progress.update("Workers", 1.0, "same version as here")
+
     def solve(self, groups: list[StructureGroup], executor: Executor, at_a_time: Callable[[], int]) -> None:
         """Solve the cases of the groups; each is kept as soon as it is there."""
         self._to_solve = sum(len(group.cases) for group in groups)
-        self._progress.update("Cases", 0.0, f"0 of {self._to_solve}")
-        Schedule(executor, at_a_time, self._finish, self._break).run(groups)
+        self._show("")
+        try:
+            Schedule(executor, at_a_time, self._finish, self._break, waiting=self._show).run(groups)
+        except WorkersError as error:
+            kept = " and kept; the same command goes on with the others" if self.folder is not None else ""
+            count, total = self.found + self._solved - self._failed, len(self.planned)
+            raise WorkersError(f"{error} {count} of {total} cases are finished{kept}.") from error
 
     def _finish(self, planned: PlannedCase, outcome: CaseOutcome) -> None:
         if self.folder is not None:
@@ -253,8 +269,8 @@ class _Run:
         """A case that ended with an exception of another kind is not kept as finished, so it is tried again."""
         if isinstance(error, BrokenExecutor | WorkerDied):
             words = (
-                "the worker process died twice while it solved this case, perhaps because the memory was too small. "
-                "Try fewer workers."
+                "its worker processes died, twice or more often, perhaps because the memory was too small. Try fewer "
+                "workers."
             )
         elif isinstance(error, MemoryError):
             words = (
@@ -270,8 +286,14 @@ class _Run:
         self.outcomes[planned.key] = replace(outcome, file=b"")  # on the disk by now, and too large to collect
         self._solved += 1
         self._failed += not outcome.converged
-        failed = f", {self._failed} failed" if self._failed else ""
-        self._progress.update("Cases", self._solved / self._to_solve, f"{self._solved} of {self._to_solve}{failed}")
+        self._show("")
+
+    def _show(self, waiting_for: str) -> None:
+        """Say how many cases are done, and what the others wait for, if they do."""
+        words = f"{self._solved} of {self._to_solve}"
+        words += f", {self._failed} failed" if self._failed else ""
+        words += f"; {waiting_for}" if waiting_for else ""
+        self._progress.update("Cases", self._solved / self._to_solve, words)
 
     def row(self, planned: PlannedCase) -> SweepRow:
         """The row of a case that has an outcome."""

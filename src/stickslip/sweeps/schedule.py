@@ -8,12 +8,15 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, 
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.core.errors import StickslipError
+from stickslip.core.errors import StickslipError, WorkersError
 from stickslip.model.layout import Setup
 from stickslip.model.model import ReducedStructure
 from stickslip.sweeps.plan import PlannedCase
-from stickslip.sweeps.pool import WorkerDied
-from stickslip.sweeps.work import CaseOutcome, CaseTask, reduce_task, solve_task
+from stickslip.sweeps.pool import InProcess, SizedExecutor, WorkerDied
+from stickslip.sweeps.work import CaseOutcome, CaseTask, open_parcel, parcel, reduce_task, solve_task
+
+# How often a schedule without news looks whether its workers are still there.
+LOOK_SECONDS = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +47,8 @@ class Schedule:
 
     ``finished(planned, outcome)`` hears of every case that stickslip answered, ``broke(planned, error)`` of every case
     that ended with another exception. A task whose worker process dies is tried once more. ``solve`` is what a worker
-    does with a case, a function of a module, so that it can travel; by default :func:`solve_task`.
+    does with a case, a function of a module, so that it can travel; by default :func:`solve_task`. ``waiting(words)``
+    hears every few seconds what all tasks wait for, "" while they are at work.
     """
 
     def __init__(
@@ -54,20 +58,26 @@ class Schedule:
         finished: Callable[[PlannedCase, CaseOutcome], None],
         broke: Callable[[PlannedCase, BaseException], None],
         solve: Callable[[CaseTask, ReducedStructure], CaseOutcome] | None = None,
+        waiting: Callable[[str], None] = lambda words: None,
     ) -> None:
         self._executor, self._at_a_time, self._solve = executor, at_a_time, solve or solve_task
-        self._finished, self._broke = finished, broke
+        self._finished, self._broke, self._waiting = finished, broke, waiting
         self._reductions: deque[_Job] = deque()
         self._solutions: deque[_Job] = deque()
         self._out: dict[Future[Any], _Job] = {}
 
     def run(self, groups: list[StructureGroup]) -> None:
-        """Carry every case to its end; on an exception (an interrupt, a full disk) what is out is cancelled."""
+        """Carry every case to its end; on an exception (an interrupt, a full disk) what is out is cancelled.
+
+        Raises WorkersError where the workers cannot go on.
+        """
         self._reductions.extend(_Job(group) for group in groups)
         try:
             while self._out or self._solutions or self._reductions:
                 self._fill()
-                done, _ = wait(self._out, return_when=FIRST_COMPLETED)
+                done, _ = wait(self._out, LOOK_SECONDS, return_when=FIRST_COMPLETED)
+                if not done and isinstance(self._executor, SizedExecutor):
+                    self._waiting(self._executor.waiting_for())
                 for future in done:
                     self._take(self._out.pop(future), future)
         except BaseException:
@@ -87,12 +97,20 @@ class Schedule:
     def _submit(self, job: _Job) -> Future[Any]:
         if job.planned is None or job.task is None or job.reduced is None:
             planned, task = job.group.cases[0]
-            return self._executor.submit(reduce_task, planned.case, job.group.setup, task.threads)
-        return self._executor.submit(self._solve, job.task, job.reduced)
+            return self._hand_out(reduce_task, planned.case, job.group.setup, task.threads)
+        return self._hand_out(self._solve, job.task, job.reduced)
+
+    def _hand_out(self, task: Callable[..., Any], *arguments: Any) -> Future[Any]:
+        """Submit a task; one that leaves this process takes along the version of the code that it needs."""
+        if isinstance(self._executor, InProcess):
+            return self._executor.submit(task, *arguments)
+        return self._executor.submit(open_parcel, parcel(task, *arguments))
 
     def _take(self, job: _Job, future: Future[Any]) -> None:
         try:
-            result = future.result()
+            result = self._result(future)
+        except WorkersError:
+            raise
         except WorkerDied as error:
             job.deaths += 1
             if job.deaths > 1:
@@ -109,6 +127,16 @@ class Schedule:
                 self._solutions.extend(_Job(job.group, planned, task, result) for planned, task in job.group.cases)
             else:
                 self._finished(job.planned, result)
+
+    def _result(self, future: Future[Any]) -> Any:
+        """Result of a task, or an exception that says what went wrong in words that every executor shares."""
+        try:
+            return future.result()
+        except (Exception, CancelledError) as error:
+            meaning = self._executor.meaning(error) if isinstance(self._executor, SizedExecutor) else error
+            if meaning is error:
+                raise
+            raise meaning from error
 
     def _fail(self, job: _Job, error: BaseException) -> None:
         for planned in job.cases:

@@ -6,17 +6,21 @@ receive it without the large recovery matrix. A worker writes no file; it return
 
 from __future__ import annotations
 
+import os
+import pickle
+import socket
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from threadpoolctl import threadpool_limits
 
 from stickslip.case.case import Case
-from stickslip.core.errors import StickslipError
+from stickslip.core.errors import StickslipError, WorkersError
 from stickslip.core.files import source_digest
 from stickslip.model.joint import Joint
 from stickslip.model.layout import Setup
@@ -54,15 +58,47 @@ class CaseOutcome:
 
 @cache
 def code_digest() -> str:
-    """Digest of the code that a result follows from: the package without the folders that only show results."""
+    """Digest of the code that a result follows from, see :func:`answering_files`."""
+    return source_digest(answering_files())
+
+
+def answering_files() -> list[Path]:
+    """Every module of the package but those of the folders that only show results.
+
+    A test requires that a worker which solves a case imports none of the others.
+    """
     package = Path(__file__).parents[1]
     shown = tuple(package / name for name in ("paper", "report"))
-    return source_digest(file for file in package.rglob("*.py") if not any(map(file.is_relative_to, shown)))
+    return [file for file in package.rglob("*.py") if not any(map(file.is_relative_to, shown))]
 
 
 def worker_version() -> str:
     """Version and code of stickslip where the tasks run; also the sign that a worker runs at all."""
     return f"{version('stickslip')} (code {code_digest()[:12]})"
+
+
+@dataclass(frozen=True)
+class Parcel:
+    """A task on its way to a worker. Its content stays pickled until the worker knows that it runs the same code."""
+
+    version: str
+    content: bytes
+
+
+def parcel(task: Callable[..., Any], *arguments: Any) -> Parcel:
+    """Pack a call of a function of a module."""
+    return Parcel(worker_version(), pickle.dumps((task, arguments)))
+
+
+def open_parcel(received: Parcel) -> Any:
+    """Do the task of a parcel. Raises WorkersError where the code is not that of the sender, whatever it would give."""
+    if received.version != worker_version():
+        raise WorkersError(
+            f"the worker on {socket.gethostname()} (process {os.getpid()}) runs stickslip {worker_version()}, but the "
+            f"sweep runs {received.version}. Install the same version there, or end that worker."
+        )
+    task, arguments = pickle.loads(received.content)
+    return task(*arguments)
 
 
 def reduce_task(case: Case, setup: Setup, threads: int) -> ReducedStructure:

@@ -110,6 +110,7 @@ def test_a_stopped_study_goes_on_and_damage_is_computed_again(
     files = sorted((folder / computing.FOLDER).iterdir())
     files[0].unlink()
     files[1].write_bytes(files[1].read_bytes()[:100])
+    files[2].write_bytes(files[3].read_bytes())
     solved: list[object] = []
     original = computing.solve_setting
 
@@ -120,10 +121,14 @@ def test_a_stopped_study_goes_on_and_damage_is_computed_again(
     monkeypatch.setattr(computing, "solve_setting", counted)
     monkeypatch.setattr(study, "_written", lambda folder, scope, computed, told: computed)
     again = paper_study(folder, workers=1, scope=coarse_scope())
-    assert (again.found, len(solved), len(again.solved)) == (outcome.curves - 2, 2, outcome.curves)
-    (notice,) = again.notices  # the file that was missing needs no sentence
-    assert notice.startswith(f'"{files[1]}": the file of the computation')
-    assert notice.endswith("This curve is computed again.")
+    assert (again.found, len(solved), len(again.solved)) == (outcome.curves - 3, 3, outcome.curves)
+    # the file that was missing needs no sentence
+    assert sorted(again.notices) == [
+        f'"{files[1]}" is not used: it has no digest: it is damaged, was cut, or an older version wrote it. '
+        "This curve is computed again.",
+        f'"{files[2]}" is not used: its digest does not fit: it is damaged, or belongs to other inputs or another '
+        "version. This curve is computed again.",
+    ]
 
 
 def test_a_curve_that_fails_is_told_and_without_any_curve_there_is_no_page(tmp_path: Path) -> None:

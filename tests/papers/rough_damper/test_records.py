@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from damage import damaged
 from paper_curves import curve
 from stickslip.core.errors import ResultsFileError
 from stickslip.core.plain_data import same_content
+from stickslip.papers.rough_damper import records
 from stickslip.papers.rough_damper.records import Solved, rigid_shares
 
 POINTS = np.random.default_rng(3).normal(size=(20, 3)) * 1e-2
@@ -32,15 +34,22 @@ def test_file_is_read_back_whole() -> None:
     assert same_content(Solved.from_bytes(one.to_bytes("key"), "key"), one)
 
 
-@pytest.mark.parametrize("content", [b"", b"no file", curve().to_bytes("key")[:500]])
-def test_damaged_file_is_refused(content: bytes) -> None:
-    with pytest.raises(ResultsFileError, match="damaged"):
-        Solved.from_bytes(content, "key")
+def test_any_damage_is_noticed() -> None:
+    for _, content in damaged(curve().to_bytes("key"), 600):
+        with pytest.raises(ResultsFileError, match="damaged"):
+            Solved.from_bytes(content, "key")
 
 
 def test_file_of_other_inputs_is_refused() -> None:
     with pytest.raises(ResultsFileError, match="other inputs"):
         Solved.from_bytes(curve().to_bytes("key"), "another")
+
+
+def test_file_of_other_code_of_records_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    content = curve().to_bytes("key")
+    monkeypatch.setattr(records, "_code", lambda: "changed")
+    with pytest.raises(ResultsFileError, match="another version"):
+        Solved.from_bytes(content, "key")
 
 
 def test_peaks_leave_out_small_ones_and_ends() -> None:

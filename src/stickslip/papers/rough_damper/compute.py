@@ -105,8 +105,9 @@ class _Run:
                 continue
             try:
                 self.solved[each.planned.key] = Solved.from_bytes(file.read_bytes(), each.planned.key)
-            except ResultsFileError as error:
-                self.notices.append(f'"{file}": {error} This curve is computed again.')
+            except (OSError, ResultsFileError) as error:
+                problem = f"{error.strerror}." if isinstance(error, OSError) else error
+                self.notices.append(f'"{file}" is not used: {problem} This curve is computed again.')
         self.found = len(self.solved)
 
     def check(self) -> list[StructureGroup]:

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import io
 import json
-import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.contact.pairing.pairing import FacePairs
-from stickslip.core.errors import ResultsFileError
+from stickslip.core.files import source_digest
+from stickslip.core.seal import require_seal, seal
 from stickslip.core.validation import FloatArray
 from stickslip.model.model import ReducedModel
 from stickslip.papers.rough_damper.plan import Setting
@@ -21,8 +23,6 @@ from stickslip.results.measures import half_power_damping, peaks, state_counts
 from stickslip.results.response import ForcedResponse
 from stickslip.structure.superelement import Superelement
 
-# Raise it when the content of the file changes, so that files of an older version are computed again.
-RECORD_VERSION = 1
 SHOWN_PLACES = ("lower edge", "middle", "upper edge")
 
 
@@ -76,32 +76,37 @@ class Solved:
         return sorted((p.frequency_hz, p.amplitude) for p in found if p.amplitude > 0.02 * found[0].amplitude)
 
     def to_bytes(self, key: str) -> bytes:
-        """The content of its file; ``key`` is the hash of the inputs."""
+        """The content of its file, sealed; ``key`` is the hash of the inputs."""
         words = {
-            "version": RECORD_VERSION,
-            "key": key,
             "setting": asdict(self.setting),
             "numbers": dict(self.numbers),
             "warnings": list(self.warnings),
         }
         stream = io.BytesIO()
         np.savez_compressed(stream, words=json.dumps(words), **{name: getattr(self, name) for name in _arrays()})
+        seal(stream, _subject(key))
         return stream.getvalue()
 
     @classmethod
     def from_bytes(cls, content: bytes, key: str) -> Solved:
-        """Read it back. Raises ResultsFileError for a damaged file, or one of other inputs or an older version."""
-        try:
-            with np.load(io.BytesIO(content), allow_pickle=False) as data:
-                words = json.loads(str(data["words"]))
-                if (words["version"], words["key"]) != (RECORD_VERSION, key):
-                    raise ResultsFileError("the file answers other inputs or an older version.")
-                arrays = {name: data[name] for name in _arrays()}
-        except (zipfile.BadZipFile, KeyError, ValueError, OSError, EOFError) as error:
-            if isinstance(error, ResultsFileError):
-                raise
-            raise ResultsFileError(f"the file of the computation {key[:12]} is damaged ({error}).") from error
+        """Read it back. Raises ResultsFileError for a damaged file, or one of other inputs or another version."""
+        stream = io.BytesIO(content)
+        require_seal(stream, _subject(key))
+        with np.load(stream, allow_pickle=False) as data:
+            words = json.loads(str(data["words"]))
+            arrays = {name: data[name] for name in _arrays()}
         return cls(Setting(**words["setting"]), words["numbers"], warnings=tuple(words["warnings"]), **arrays)
+
+
+def _subject(key: str) -> str:
+    """What the file of a curve is sealed as. The hash of its inputs covers the code that solves, not this folder."""
+    return f"computation {key}, records {_code()}"
+
+
+@cache
+def _code() -> str:
+    """Digest of this module, which chooses what is kept."""
+    return source_digest([Path(__file__)])
 
 
 def _arrays() -> tuple[str, ...]:

@@ -1,0 +1,202 @@
+"""Dask clusters in trouble: other code on a worker, a scheduler or workers that end: sentences, no wrong row."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+from collections.abc import Iterator
+from concurrent.futures import BrokenExecutor
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+import stickslip
+import sweep_deaths
+from dask_processes import (
+    PATIENCE_SECONDS,
+    address_of,
+    require_distributed,
+    scheduler_arguments,
+    started,
+    started_scheduler,
+    started_sweep,
+    wait_until,
+    worker_arguments,
+)
+from stickslip.core.errors import InputError, WorkersError
+from stickslip.sweeps import cluster, schedule
+from stickslip.sweeps.cluster import ClusterExecutor, cluster_executor
+from stickslip.sweeps.schedule import Schedule, StructureGroup
+from stickslip.sweeps.work import open_parcel, parcel, worker_version
+from sweep_cases import quick_file
+
+LOADS = "450:700:6"
+
+
+@pytest.fixture(autouse=True)
+def distributed() -> None:
+    require_distributed()
+
+
+@pytest.fixture
+def other_code(tmp_path: Path) -> dict[str, str]:
+    """Environment of a process that runs stickslip with one line more."""
+    package = tmp_path / "other" / "stickslip"
+    shutil.copytree(Path(stickslip.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))
+    with (package / "solve" / "newton.py").open("a", encoding="utf-8") as stream:
+        stream.write("# other\n")
+    return {"PYTHONPATH": str(package.parent)}
+
+
+@pytest.fixture
+def own_cluster(tmp_path: Path) -> Iterator[tuple[object, object, ClusterExecutor]]:
+    """The processes of a scheduler and of its worker, and the executor of both."""
+    with (
+        started_scheduler(tmp_path, extra={"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}) as (head, address),
+        started(*worker_arguments(tmp_path)) as worker,
+        cluster_executor(address) as executor,
+    ):
+        yield head, worker, executor
+
+
+def require_workers(address: str, count: int) -> None:
+    """Wait until so many workers are there."""
+    from distributed import Client
+
+    with Client(address, set_as_default=False) as client:
+        client.wait_for_workers(count, timeout=PATIENCE_SECONDS)
+
+
+def group() -> StructureGroup:
+    """One case without mechanics."""
+    task = SimpleNamespace(deed="good", marker="", threads=1)
+    return StructureGroup(None, [(SimpleNamespace(name="only", case=None), task)])
+
+
+def test_one_worker_with_other_code_among_others_is_named_before_anything_is_solved(
+    tmp_path: Path, other_code: dict[str, str]
+) -> None:
+    study, out = quick_file(tmp_path), tmp_path / "out"
+    with (
+        started_scheduler(tmp_path) as (_, address),
+        started(*worker_arguments(tmp_path)),
+        started(*worker_arguments(tmp_path), extra=other_code),
+    ):
+        require_workers(address, 2)
+        with started_sweep(study, out, LOADS, address) as sweep:
+            _, complained = sweep.communicate(timeout=PATIENCE_SECONDS)
+    assert sweep.returncode == 2, complained
+    assert f"Error: the sweep runs stickslip {worker_version()}, but of its Dask workers tcp://127.0.0.1:" in complained
+    assert complained.count(" runs stickslip ") == 1 + 1
+    assert "Install the same version there" in complained
+    assert "Traceback" not in complained
+    assert not list(out.glob("cases/*"))
+
+
+def test_a_worker_with_other_code_that_comes_later_solves_nothing(
+    tmp_path: Path, other_code: dict[str, str], own_cluster: tuple
+) -> None:
+    _, worker, executor = own_cluster
+    assert executor.submit(open_parcel, parcel(pow, 2, 5)).result() == 32
+    worker.kill()
+    wait_until(executor.waiting_for, "the scheduler does not miss its worker")
+    with started(*worker_arguments(tmp_path), extra=other_code) as late:
+        error = executor.submit(open_parcel, parcel(pow, 2, 5)).exception(PATIENCE_SECONDS)
+    assert isinstance(error, WorkersError)
+    assert f"(process {late.pid}) runs stickslip " in str(error)
+    assert f"but the sweep runs {worker_version()}. Install the same version there" in str(error)
+
+
+def without_stickslip(arguments: tuple[str, ...]) -> tuple[str, ...]:
+    """Arguments of Python for the same program of Dask where stickslip is not installed."""
+    _, module, *options = arguments
+    code = f"import sys; sys.modules['stickslip'] = None; from {module} import main; main()"
+    return ("-c", code, *options)
+
+
+def test_a_worker_without_stickslip_is_named(tmp_path: Path) -> None:
+    with (
+        started_scheduler(tmp_path) as (_, address),
+        started(*without_stickslip(worker_arguments(tmp_path))),
+        pytest.raises(
+            WorkersError, match=r"Dask workers tcp://127\.0\.0\.1:\d+ cannot run stickslip \(.*ModuleNotFound"
+        ),
+        cluster_executor(address),
+    ):
+        pass
+
+
+def test_a_scheduler_without_stickslip_is_told(tmp_path: Path) -> None:
+    with (
+        started(*without_stickslip(scheduler_arguments(tmp_path))),
+        started(*worker_arguments(tmp_path)),
+        pytest.raises(WorkersError, match=r"cannot read a task of stickslip .*where the scheduler and the workers run"),
+        cluster_executor(address_of(tmp_path)),
+    ):
+        pass
+
+
+def test_a_scheduler_that_dies_ends_the_sweep_and_keeps_what_is_finished(tmp_path: Path) -> None:
+    study, out = quick_file(tmp_path), tmp_path / "out"
+    with (
+        started_scheduler(tmp_path) as (head, address),
+        started(*worker_arguments(tmp_path)),
+        started_sweep(study, out, LOADS, address) as sweep,
+    ):
+        finished = lambda: len(list(out.glob("cases/*/results.nc")))  # noqa: E731
+        wait_until(lambda: finished() >= 1 or sweep.poll() is not None, "no case is finished")
+        head.kill()
+        _, complained = sweep.communicate(timeout=PATIENCE_SECONDS)
+    assert sweep.returncode == 2, complained
+    assert 1 <= finished() < 6
+    assert f'Error: the Dask scheduler at "{address}" does not answer any more: it ended, or the net' in complained
+    assert f"{finished()} of 6 cases are finished and kept; the same command goes on with the others." in complained
+    assert "Traceback" not in complained
+
+
+def test_a_scheduler_that_hangs_is_told(own_cluster: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
+    head, _, executor = own_cluster
+    monkeypatch.setattr(cluster, "ANSWER_SECONDS", 1)
+    head.send_signal(signal.SIGSTOP)
+    try:
+        with pytest.raises(WorkersError, match="does not answer any more"):
+            executor.waiting_for()
+    finally:
+        head.send_signal(signal.SIGCONT)
+
+
+def test_without_workers_the_wait_is_told_and_ends(own_cluster: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
+    _, worker, executor = own_cluster
+    monkeypatch.setattr(schedule, "reduce_task", sweep_deaths.reduce)
+    monkeypatch.setattr(schedule, "LOOK_SECONDS", 0.5)
+    assert executor.waiting_for() == ""
+    worker.kill()
+    wait_until(executor.waiting_for, "the scheduler does not miss its worker")
+    monkeypatch.setattr(cluster, "WITHOUT_WORKER_SECONDS", 5.0)
+    told: list[str] = []
+    with pytest.raises(WorkersError, match=r"has had no worker for . s\. Look why its workers ended"):
+        Schedule(executor, lambda: executor.tasks_at_a_time, lambda *_: None, lambda *_: None, waiting=told.append).run(
+            [group()]
+        )
+    assert any(words.startswith("no worker is left, waiting for one since ") for words in told)
+
+
+def test_a_task_whose_workers_die_is_given_up(own_cluster: tuple) -> None:
+    _, _, executor = own_cluster
+    error = executor.submit(os._exit, 1).exception(PATIENCE_SECONDS)
+    assert isinstance(executor.meaning(error), BrokenExecutor)
+    assert "workers died while running it" in str(executor.meaning(error))
+
+
+def test_a_worker_that_is_killed_at_its_start_is_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "CONNECT_SECONDS", 3)
+    with started_scheduler(tmp_path) as (_, address):
+        with started(*worker_arguments(tmp_path)):
+            pass
+        with (
+            pytest.raises(InputError, match=r"no worker that answers\..* look at their log"),
+            cluster_executor(address),
+        ):
+            pass
