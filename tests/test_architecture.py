@@ -16,7 +16,7 @@ ROOT = "stickslip"
 
 # A module imports from its own layer or from layers that stand before it; layers in one row do not know each other.
 ROWS = (
-    ("errors", "validation", "fourier", "progress", "reference", "files", "threads"),
+    ("errors", "validation", "fourier", "progress", "reference", "files", "input_files", "threads"),
     ("structure",),
     ("interface",),
     ("results",),
