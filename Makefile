@@ -17,7 +17,7 @@ $(INSTALLED): pyproject.toml constraints.txt
 	@echo "Preparing $(VENV) (once)"
 	$(PYTHON) -m venv $(VENV)
 	$(PIP) install --upgrade pip --constraint constraints.txt
-	$(PIP) install --constraint constraints.txt --group dev --editable .
+	$(PIP) install --constraint constraints.txt --build-constraint constraints.txt --group dev --editable .
 	@touch $@
 
 demo: $(INSTALLED)
@@ -37,7 +37,7 @@ test: lint
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
 
 bench: $(INSTALLED)
-	$(PIP) install --constraint constraints.txt --editable .[bench]
+	$(PIP) install --constraint constraints.txt --build-constraint constraints.txt --editable .[bench]
 	$(BIN)/python -W ignore benchmarks/bench.py
 
 clean:

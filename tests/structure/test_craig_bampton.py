@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_limits
 
 from calculix import cut_bricks
 from stickslip.core.errors import InputError
@@ -126,3 +127,23 @@ def test_tetrahedra_and_wedges_are_reduced_and_kept(make_block, kind, tmp_path, 
     moved = assemble_bodies(replace(mesh, points=1.01 * mesh.points), [Material()], fixed_nodes=ends[0])
     cache.cached_superelement(moved, ends[1], 30, reduce)
     assert len(calls) == 2, "another mesh is reduced anew"
+
+
+def test_the_reduction_is_the_same_with_any_number_of_threads(blade_structure, blade_superelement):
+    """Bit for bit, whatever the threads of the linear algebra around it."""
+    nodes = blade_superelement.boundary_nodes
+    for threads in (2, 4):  # the fixture has 1
+        with threadpool_limits(limits=threads):
+            other = craig_bampton(blade_structure, nodes, 30, threads=threads)
+        for name in ("mass", "stiffness"):
+            assert np.array_equal(getattr(other, name), getattr(blade_superelement, name)), (name, threads)
+        assert np.array_equal(other.recovery.modes, blade_superelement.recovery.modes), threads
+
+
+def test_the_sign_of_a_mode_does_not_hang_on_the_last_digit():
+    """Two equal masses that move against each other: both components are equal but for round-off."""
+    mass = np.eye(3)
+    for last_digit in (-1e-12, 0.0, 1e-12):
+        stiffness = np.array([[2.0 + last_digit, -1.0, 0.0], [-1.0, 2.0, 0.0], [0.0, 0.0, 9.0]])
+        _, modes = natural_frequencies(stiffness, mass, 2)
+        np.testing.assert_allclose(modes[:, 1], [np.sqrt(0.5), -np.sqrt(0.5), 0.0], atol=1e-9)

@@ -38,7 +38,7 @@ FOREIGN_KEYS: dict[Kind, frozenset[str]] = {
     "matrices": frozenset(
         {
             *_WEDGE,
-            *(f"structure.{key}" for key in ("fixed", "element")),
+            *(f"structure.{key}" for key in ("fixed", "element", "includes_outside")),
             *(f"interfaces.{key}" for key in INTERFACE_OF_MESH),
             *(f"{section}.spread" for section in ("forces", "responses", "static_loads")),
         }
@@ -60,6 +60,9 @@ class StructureSection(Section):
         default=None, description="of the mesh or matrix files: m, mm, in ...", examples=["mm"]
     )
     unit_system: str | None = Field(default=None, description="of all other units in these files", examples=["mm-t-s"])
+    includes_outside: bool | None = Field(
+        default=None, description="whether the deck may include files outside of its folder", examples=[True]
+    )
     stiffness: str | None = Field(
         default=None, description="matrices, instead of file: .mtx, .mat, .npy ...", examples=["stiffness.mtx"]
     )

@@ -15,7 +15,9 @@ from typing import Any
 from pydantic_core import ErrorDetails
 
 from stickslip.core.errors import InputError, StudyFileError
+from stickslip.core.input_files import read_regular
 
+LARGEST_STUDY = 10_000_000  # bytes; a study file with every key has some 10 kB
 _KEY = re.compile(r"\s*([\w-]+)\s*=")
 _NEW_FILE = '"stickslip new FILE" writes a commented one to start from.'
 
@@ -23,7 +25,7 @@ _NEW_FILE = '"stickslip new FILE" writes a commented one to start from.'
 def read_text(path: str | PathLike[str]) -> str:
     """The text of a study file. Raises StudyFileError if it cannot be read or is not UTF-8."""
     try:
-        raw = Path(path).read_bytes()
+        raw = read_regular(Path(path), LARGEST_STUDY)
     except FileNotFoundError as error:
         raise StudyFileError(f"{path}: there is no such file. {_NEW_FILE}") from error
     except OSError as error:

@@ -246,13 +246,16 @@ def import_model(
     unit_system: Annotated[
         str | None, typer.Option("--unit-system", help="System of materials: mm-t-s, SI, ...")
     ] = None,
+    includes_outside: Annotated[
+        bool, typer.Option("--includes-outside", help="Let a deck include files outside of its folder.")
+    ] = False,
     debug: Debug = False,
 ) -> None:
     """Show bodies, sets, masses and size of a model file."""
     with error_sentences(debug):
         from stickslip.cli.model_listing import print_model
 
-        print_model(path, length_unit, unit_system)
+        print_model(path, length_unit, unit_system, includes_outside)
 
 
 def _print_rows(rows: list[tuple[str, str]]) -> None:

@@ -23,7 +23,7 @@ _AXES = ("x", "y", "z")
 Rows = list[tuple[str, ...]]
 
 
-def print_model(path: Path, length_unit: str | None, unit_system: str | None) -> None:
+def print_model(path: Path, length_unit: str | None, unit_system: str | None, includes_outside: bool) -> None:
     """Print bodies, sets, constraints and messages of a model file as tables. Raises ImportFileError and InputError.
 
     Without a length unit sizes are left out, and two guesses of the size ask for one.
@@ -35,7 +35,7 @@ def print_model(path: Path, length_unit: str | None, unit_system: str | None) ->
         raise InputError("--unit-system needs --length-unit, too: give both.")
     known = length_unit is not None
     units = find_unit_system(length_unit or "m", unit_system)
-    raw = read_raw(path)
+    raw = read_raw(path, includes_outside)
     model = build_model(raw, units)
     console = Console(soft_wrap=True)
     console.print(f"{model.source}: {model.format}", markup=False)

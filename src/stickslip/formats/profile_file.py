@@ -12,9 +12,11 @@ from pathlib import Path
 import numpy as np
 
 from stickslip.core.errors import InputError
+from stickslip.core.input_files import read_regular
 from stickslip.core.units import Quantity
 from stickslip.core.validation import FloatArray
 
+LARGEST_PROFILE = 200_000_000  # bytes: some 10 million points, where instruments write 10 to 100 thousand
 SPACING_TOLERANCE = 0.01  # of one spacing: files hold rounded positions
 _SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
 _UNIT = re.compile(r"[\[(]\s*([A-Za-zµμ]+)\s*[\])]")
@@ -73,7 +75,7 @@ _WANTED = "A profile is a position and a height on each line, such as 0.5, 1.25;
 
 def _lines(source: Path) -> Iterator[tuple[int, str]]:
     try:
-        text = source.read_bytes().decode("utf-8-sig")
+        text = read_regular(source, LARGEST_PROFILE).decode("utf-8-sig")
     except OSError as error:
         raise InputError(
             f"{source}: the file cannot be read ({error.strerror}). Give the path of a profile."

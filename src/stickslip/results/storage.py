@@ -17,9 +17,10 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.core.errors import ResultsFileError
+from stickslip.core.errors import ImportFileError, ResultsFileError
 from stickslip.core.files import whole_file
 from stickslip.core.plain_data import plain
+from stickslip.core.input_files import open_hdf5, open_regular
 from stickslip.core.validation import FloatArray
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse, LinearCurves
@@ -76,7 +77,7 @@ def load_results(path: str | PathLike[str]) -> SavedResults:
     """
     source = Path(path)
     try:
-        with source.open("rb") as stream:
+        with open_regular(source, largest=None) as stream:
             signature = stream.read(len(_HDF5_SIGNATURE))
     except OSError as error:
         raise ResultsFileError(
@@ -89,9 +90,12 @@ def load_results(path: str | PathLike[str]) -> SavedResults:
             '"stickslip run" wrote.'
         )
     try:
+        open_hdf5(source, largest=None).close()
         return _read(source)
     except ResultsFileError:
         raise
+    except ImportFileError as error:
+        raise ResultsFileError(f"the results file is not read: {error}") from error
     except (OSError, KeyError, ValueError, RuntimeError, AttributeError) as error:
         raise ResultsFileError(
             f'the results file "{source}" is damaged or incomplete ({type(error).__name__}: {error}). Copy it again '

@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip.core.errors import InputError, SingularMatrixError
 from stickslip.core.progress import ProgressCallback
+from stickslip.core.threads import in_threads
 from stickslip.core.validation import FloatArray
 from stickslip.structure.cache import cached_tied_modes
 from stickslip.structure.elasticity import Structure, natural_frequencies
@@ -23,8 +24,8 @@ from stickslip.structure.mesh import IntArray
 from stickslip.structure.recovery import FullModel, Recovery, partition
 from stickslip.structure.superelement import RIGID_BODY_HZ, Superelement
 
-# Columns that matrix products take at a time.
-BLOCK = 256
+# Columns that matrix products take at a time; so many for each thread are in memory.
+BLOCK = 64
 
 
 def craig_bampton(
@@ -50,7 +51,8 @@ def craig_bampton(
     n_modes:
         number of fixed-interface modes; their amplitudes are the last unknowns. 0 gives the Guyan reduction.
     backend, threads:
-        how to factor, and how many right-hand sides to solve at a time (:func:`stickslip.structure.factor.factorize`).
+        how to factor, and how many blocks of columns to work on at a time
+        (:func:`stickslip.structure.factor.factorize`). With SuperLU the numbers are the same for any ``threads``.
     progress:
         called with the share that is done and a sentence, which says how long the factor of a large mesh may take.
 
@@ -67,6 +69,21 @@ def craig_bampton(
 
     Source: R. R. Craig, M. C. C. Bampton, Coupling of substructures for dynamic analyses, AIAA J. 6 (1968) 1313-1319.
     """
+    # Sums of a matrix product depend in their last digits on the threads of the linear algebra, and a curve that folds
+    # makes 1e-6 of them. Each product has one thread, and several products are worked on at a time.
+    with threadpool_limits(limits=1):
+        return _reduced(structure, boundary_nodes, n_modes, backend, threads, progress)
+
+
+def _reduced(
+    structure: FullModel,
+    boundary_nodes: ArrayLike,
+    n_modes: int,
+    backend: Backend,
+    threads: int,
+    progress: ProgressCallback | None,
+) -> Superelement:
+    """:func:`craig_bampton` with one thread for each product of the linear algebra."""
     nodes = _boundary(boundary_nodes)
     boundary, interior = partition(structure, nodes)
     if not 0 <= n_modes < len(interior):
@@ -105,17 +122,18 @@ def craig_bampton(
         reduced_stiffness[:n_boundary, columns] = stiffness_ib.T @ constraint[:, columns]
     _add_sparse(reduced_stiffness, stiffness[boundary][:, boundary])
     reduced_stiffness[n_boundary:, n_boundary:] = np.diag(squared)
-    with threadpool_limits(limits=threads):
-        reduced_mass = _projected(mass, boundary, interior, transformation)
-        damping = getattr(structure, "damping", None)
-        reduced_damping = None if damping is None else _projected(damping, boundary, interior, transformation)
+    reduced_mass = _projected(mass, boundary, interior, transformation, threads)
+    damping = getattr(structure, "damping", None)
+    reduced_damping = None if damping is None else _projected(damping, boundary, interior, transformation, threads)
     recovery = Recovery(structure, nodes, transformation[:, n_boundary:].copy(), backend, threads, factor)
     return Superelement(reduced_mass, reduced_stiffness, reduced_damping, boundary_nodes=nodes, recovery=recovery)
 
 
-def _projected(matrix: Any, boundary: IntArray, interior: IntArray, transformation: FloatArray) -> FloatArray:
+def _projected(
+    matrix: Any, boundary: IntArray, interior: IntArray, transformation: FloatArray, threads: int
+) -> FloatArray:
     """``T^T A T`` of a sparse symmetric matrix, with ``T = [I 0; transformation]`` in boundary and interior rows."""
-    result = _congruence(matrix[interior][:, interior], transformation)
+    result = _congruence(matrix[interior][:, interior], transformation, threads)
     coupling = matrix[interior][:, boundary].T @ transformation
     result[: len(boundary)] += coupling
     result[:, : len(boundary)] += coupling.T
@@ -130,14 +148,17 @@ def _add_sparse(dense: FloatArray, part: Any) -> None:
     dense[entries.row, entries.col] += entries.data
 
 
-def _congruence(matrix: Any, basis: FloatArray) -> FloatArray:
+def _congruence(matrix: Any, basis: FloatArray, threads: int) -> FloatArray:
     """``basis^T matrix basis`` (k, k) of a sparse symmetric matrix, block by block and one triangle only."""
     size = basis.shape[1]
     answer = np.empty((size, size))
-    for start in range(0, size, BLOCK):
+
+    def rows_from(start: int) -> None:
         stop = min(start + BLOCK, size)
         answer[start:stop, start:] = (matrix @ basis[:, start:stop]).T @ basis[:, start:]
         answer[stop:, start:stop] = answer[start:stop, stop:].T
+
+    in_threads(rows_from, range(0, size, BLOCK), threads)
     return answer
 
 

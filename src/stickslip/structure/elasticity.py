@@ -11,6 +11,7 @@ import scipy.linalg
 import scipy.sparse
 import scipy.sparse.linalg
 from numpy.typing import ArrayLike
+from threadpoolctl import threadpool_limits
 
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.validation import FloatArray, positive_number, real_number, require_allowed, require_choice
@@ -25,6 +26,7 @@ Hexahedron = Literal["incompatible", "trilinear"]
 
 # Cells are worked on in groups, so that the temporary arrays of fine 20-node meshes stay below about 100 MB.
 _CELLS_AT_ONCE = 2000
+_EQUAL = 1e-6  # relative difference of components of a mode that symmetry makes equal
 
 
 @dataclass(frozen=True)
@@ -255,7 +257,8 @@ def natural_frequencies(
     Sparse matrices are solved by shift-invert Lanczos about ``shift`` ((rad/s)^2), dense ones directly. Without a
     shift a small negative one is taken (1e-8 of the mean ratio of the diagonals), which also suits free structures:
     their rigid-body modes come out at 0 Hz. ``factor`` is that of ``stiffness - shift * mass`` where it exists already.
-    The largest component of each mode is positive.
+    The largest component of each mode is positive, the first one of those that are equal within 1e-6: symmetric
+    structures have pairs of them with opposite signs.
 
     Raises
     ------
@@ -274,7 +277,9 @@ def natural_frequencies(
         inverse = scipy.sparse.linalg.LinearOperator((size, size), matvec=factor.solve, dtype=float)
         start = np.random.default_rng(0).standard_normal(size)
         try:
-            eigenvalues, modes = scipy.sparse.linalg.eigsh(stiffness, count, mass, centre, OPinv=inverse, v0=start)
+            # one thread and one start, so that modes, which are kept on disk, are the same in every run
+            with threadpool_limits(limits=1):
+                eigenvalues, modes = scipy.sparse.linalg.eigsh(stiffness, count, mass, centre, OPinv=inverse, v0=start)
         except scipy.sparse.linalg.ArpackNoConvergence as error:
             raise ConvergenceError(
                 f"only {len(error.eigenvalues)} of {count} natural frequencies converged. Ask for fewer, or give a "
@@ -290,6 +295,8 @@ def natural_frequencies(
             f"the stiffness has the negative eigenvalue {eigenvalues[0]:.3g} (rad/s)^2: it is not that of an elastic "
             "structure. Check the signs of the springs that were added."
         )
-    largest = modes[np.abs(modes).argmax(axis=0), np.arange(count)]
+    size_of = np.abs(modes)
+    first = (size_of >= (1.0 - _EQUAL) * size_of.max(axis=0)).argmax(axis=0)
+    largest = modes[first, np.arange(count)]
     modes = modes / (np.sign(largest) * np.sqrt(np.einsum("ij,ij->j", modes, mass @ modes)))
     return np.sqrt(np.maximum(eigenvalues, 0.0)) / (2.0 * np.pi), modes

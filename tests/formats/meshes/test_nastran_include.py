@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from stickslip.core.errors import ImportFileError
+from stickslip.formats.meshes.included_files import IncludedFiles
 from stickslip.formats.meshes.nastran_include import join_files
 from stickslip.formats.meshes.read import read_model
 
@@ -86,7 +87,7 @@ def test_every_joined_line_knows_its_file_and_line(tmp_path):
         one="d\nINCLUDE 'two.bdf'\nINCLUDE two.bdf\ne",
         two="f",
     )
-    lines, places = join_files(path)
+    lines, places = join_files(path, IncludedFiles(path, outside=False))
     assert lines == [*"adffebdffec"]
     found = [(file.stem, line) for file, line in map(places.of, range(1, 12))]
     inner = [("one", 1), ("two", 1), ("two", 1), ("one", 4)]

@@ -14,6 +14,7 @@ from stickslip.core.errors import ImportFileError, MissingPackageError
 from stickslip.formats.matrices.coordinates import Matrices
 from stickslip.formats.matrices.source import file_bytes, numpy_arrays
 
+# -P: no Python file of the current folder is taken for a package.
 # The reader is compiled code without checks: a damaged file may end its process or keep it busy for ever.
 _SECONDS = 600
 _CHILD = """
@@ -49,7 +50,7 @@ def ansys_full(path: Path) -> Matrices:
         )
     with tempfile.TemporaryDirectory() as folder:
         result = Path(folder) / "matrices.npz"
-        command = [sys.executable, "-c", _CHILD, str(path), str(result)]
+        command = [sys.executable, "-P", "-c", _CHILD, str(path), str(result)]
         try:
             done = subprocess.run(command, capture_output=True, text=True, timeout=_SECONDS, check=False)
         except subprocess.TimeoutExpired as problem:

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import io
+import struct
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import scipy.sparse
 
+from stickslip.core.input_files import open_hdf5, open_regular, read_regular, require_unpackable_zlib
 from stickslip.formats.matrices.coordinates import Matrices
 from stickslip.formats.matrices.source import numpy_arrays, readable
 
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _MATLAB_HEADER = 512  # bytes before the HDF5 part of a version 7.3 file
+_MATLAB_5_HEADER, _MATLAB_PACKED = 128, 15
 
 
 def numpy_matrices(path: Path) -> Matrices:
@@ -21,7 +26,7 @@ def numpy_matrices(path: Path) -> Matrices:
     Raises ImportFileError.
     """
     if path.suffix.lower() == ".npy":
-        with readable(path, "a NumPy .npy file"), path.open("rb") as stream:
+        with readable(path, "a NumPy .npy file"), open_regular(path) as stream:
             return {"": np.lib.format.read_array(stream, allow_pickle=False)}
     arrays = numpy_arrays(path)
     if not {"format", "shape", "data"} <= arrays.keys():
@@ -41,13 +46,13 @@ def matlab_matrices(path: Path) -> Matrices:
     from scipy.io import loadmat
 
     with readable(path, "a MATLAB .mat file"):
-        with path.open("rb") as stream:
-            start = stream.read(_MATLAB_HEADER + len(_HDF5_SIGNATURE))
+        content = read_regular(path)
+        start = content[: _MATLAB_HEADER + len(_HDF5_SIGNATURE)]
         if start[_MATLAB_HEADER:] == _HDF5_SIGNATURE or start.startswith(_HDF5_SIGNATURE):
             return _matlab_73(path)
-        content = loadmat(path)
+        require_unpackable_zlib(path, len(content), _packed_elements(content))
         found = {}
-        for name, value in content.items():
+        for name, value in loadmat(io.BytesIO(content)).items():
             if scipy.sparse.issparse(value):
                 value = scipy.sparse.csc_matrix(value)
                 value.check_format(full_check=True)
@@ -57,12 +62,26 @@ def matlab_matrices(path: Path) -> Matrices:
         return found
 
 
+def _packed_elements(content: bytes) -> Iterator[bytes]:
+    """The packed elements of a version 5 file: header of 128 bytes, then type, size and data of each element.
+
+    Source: The MathWorks, MAT-File Format, version 5 (2023), data elements.
+    """
+    order = "<" if content[126:128] == b"IM" else ">"
+    at = _MATLAB_5_HEADER
+    while at + 8 <= len(content):
+        kind, size = struct.unpack_from(f"{order}II", content, at)
+        if kind == _MATLAB_PACKED:
+            yield content[at + 8 : at + 8 + size]
+        at += 8 + size
+
+
 def _matlab_73(path: Path) -> Matrices:
     """Version 7.3 files are HDF5: a dense matrix is a transposed data set, a sparse one a group of its columns."""
     import h5py
 
     found: Matrices = {}
-    with h5py.File(path, "r") as file:
+    with open_hdf5(path) as file:
         for name, item in file.items():
             rows = item.attrs.get("MATLAB_sparse")
             if rows is not None:

@@ -11,7 +11,7 @@ import scipy.sparse
 
 from stickslip.core.errors import ImportFileError
 from stickslip.core.validation import FloatArray
-from stickslip.formats.matrices.source import text_lines
+from stickslip.formats.matrices.source import quoted, text_lines
 from stickslip.structure.mesh import IntArray
 
 Matrices = dict[str, Any]
@@ -47,19 +47,18 @@ def _name_bad_line(path: Path, lines: Sequence[str], numbers: IntArray, first_li
     for number in numbers:
         line = lines[number - first_line]
         words = line.split()
-        shown = line.strip()[:60]
+        shown = quoted(line)
         if len(words) != width:
             raise ImportFileError(
-                f'"{path}", line {number}: "{shown}" has {len(words)} words, but each line must have {width} numbers. '
+                f'"{path}", line {number}: {shown} has {len(words)} words, but each line must have {width} numbers. '
                 "Is the file complete?"
             )
         for word in words:
             try:
                 float(word)
             except ValueError as problem:
-                raise ImportFileError(
-                    f'"{path}", line {number}: "{word[:40]}" in "{shown}" is not a number.'
-                ) from problem
+                what = f'"{word[:40]}" in {shown}' if shown.startswith('"') else shown
+                raise ImportFileError(f'"{path}", line {number}: {what} is not a number.') from problem
 
 
 def coordinate_matrix(path: Path, table: FloatArray, lines: IntArray, size: int | None = None) -> Any:
@@ -146,8 +145,9 @@ def matrix_market(path: Path) -> Matrices:
     words = lines[0].lower().split()
     allowed = (("%%matrixmarket",), ("matrix",), ("coordinate", "array"), ("real", "integer"), ("general", "symmetric"))
     if len(words) != 5 or any(word not in known for word, known in zip(words, allowed, strict=True)):
+        header = f'"{lines[0][:80]}"' if lines[0].startswith("%%") else "what stands there"
         raise ImportFileError(
-            f'"{path}", line 1: "{lines[0][:80]}" must read "%%MatrixMarket matrix", then coordinate or array, then '
+            f'"{path}", line 1: {header} must read "%%MatrixMarket matrix", then coordinate or array, then '
             "real or integer, then general or symmetric. Complex, pattern and skew matrices make no model."
         )
     coordinate, symmetric = words[2] == "coordinate", words[4] == "symmetric"
@@ -160,9 +160,7 @@ def matrix_market(path: Path) -> Matrices:
         or (promised != np.floor(promised)).any()
         or promised[0, 0] != promised[0, 1]
     ):
-        raise ImportFileError(
-            f'"{path}", line {start + 1}: "{lines[start].strip()[:60]}" is no size of a square matrix.'
-        )
+        raise ImportFileError(f'"{path}", line {start + 1}: {quoted(lines[start])} is no size of a square matrix.')
     size = int(promised[0, 0])
     table, numbers = number_table(path, lines[start + 1 :], start + 2, 3 if coordinate else 1)
     full = size * (size + 1) // 2 if symmetric else size * size

@@ -10,7 +10,7 @@ import scipy.sparse
 
 from stickslip.core.errors import ImportFileError
 from stickslip.formats.matrices.coordinates import Matrices, one_triangle, require_plausible
-from stickslip.formats.matrices.source import text_lines
+from stickslip.formats.matrices.source import quoted, text_lines
 
 # (8I10), (4E20.12), (1P,3D25.16), (1P3E25.16), (10F7.1E3): how many a line, which letter, how many columns each.
 _FORMAT = re.compile(r"^\((?:\d+P,?)?(\d*)([IEDFG])(\d+)(?:\.\d+)?(?:E\d+)?\)$")
@@ -74,7 +74,7 @@ def _whole_numbers(path: Path, line: str, number: int, width: int, start: int) -
     words = [line[i : i + width].strip() for i in range(start, len(line.rstrip()), width)]
     if len(words) < 3 or not all(re.fullmatch(r"[+-]?\d{1,12}", word) for word in words):
         raise ImportFileError(
-            f'"{path}", line {number}: "{line.strip()[:80]}" must hold whole numbers in columns of {width}, as the '
+            f'"{path}", line {number}: {quoted(line)} must hold whole numbers in columns of {width}, as the '
             "header of a Harwell-Boeing file does."
         )
     return [int(word) for word in words]

@@ -14,7 +14,7 @@ import scipy.sparse
 from stickslip.core.errors import ImportFileError, InputError
 from stickslip.core.validation import FloatArray
 from stickslip.formats.matrices.coordinates import Matrices, require_plausible
-from stickslip.formats.matrices.source import file_bytes, text_lines, told_of
+from stickslip.formats.matrices.source import file_bytes, quoted, text_lines, told_of
 
 _FORMAT = re.compile(r"(?:1P,?)?(\d+)[ED](\d+)\.\d+", re.IGNORECASE)
 _DEFAULT_FORMAT = "1P,5E16.9"
@@ -219,7 +219,7 @@ class _TextFile:
             words = [line.strip()]  # a packed string header may take more than eight columns
         if not all(re.fullmatch(r"-?\d{1,12}", word) for word in words):
             raise ImportFileError(
-                f'"{self._path}", {self.place}: "{line.strip()[:60]}" must begin with {count} whole numbers in columns '
+                f'"{self._path}", {self.place}: {quoted(line)} must begin with {count} whole numbers in columns '
                 "of 8. Is the file complete?"
             )
         return [int(word) for word in words]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,6 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.errors import ImportFileError, InputError, MissingPackageError
+from stickslip.core.input_files import UnsuitableFileError, open_regular, read_regular, require_unpackable_zip
+
+_BEGINS_WITH_NUMBER = re.compile(r"[-+]?\.?\d")
 
 
 @contextmanager
@@ -35,7 +39,7 @@ def readable(path: Path, kind: str) -> Iterator[None]:
             yield
     except (InputError, MissingPackageError):
         raise
-    except (FileNotFoundError, IsADirectoryError, PermissionError) as error:
+    except (FileNotFoundError, PermissionError, UnsuitableFileError) as error:
         raise not_opened(path, error) from error
     except Exception as error:  # what a foreign reader raises on a damaged file is not documented
         raise ImportFileError(
@@ -49,10 +53,19 @@ def not_opened(path: Path, error: OSError) -> ImportFileError:
     return ImportFileError(f'"{path}" could not be opened: {error.strerror or error}. Check the name and the folder.')
 
 
+def quoted(text: str) -> str:
+    """The start of a line of numbers for a sentence, in quotes; nothing of a line that does not begin with a number.
+
+    Such a line is no damaged row: the file is another one than was meant, and what it holds is not for an error text.
+    """
+    shown = text.strip()[:60]
+    return f'"{shown}"' if _BEGINS_WITH_NUMBER.match(shown) else "what stands there"
+
+
 def file_bytes(path: Path) -> bytes:
     """The content of a file; raises ImportFileError if there is none, or it is empty."""
     try:
-        content = path.read_bytes()
+        content = read_regular(path)
     except OSError as error:
         raise not_opened(path, error) from error
     if not content:
@@ -83,7 +96,8 @@ def text_lines(path: Path, cut_is_seen: bool = False) -> list[str]:
 
 def numpy_arrays(path: Path) -> dict[str, NDArray[Any]]:
     """All arrays of a ``.npz`` file (no pickled objects). Raises ImportFileError."""
-    with readable(path, "a NumPy .npz file"), path.open("rb") as stream:
+    with readable(path, "a NumPy .npz file"), open_regular(path) as stream:
+        require_unpackable_zip(path, stream)
         data = np.load(stream, allow_pickle=False)
         if not isinstance(data, np.lib.npyio.NpzFile):
             raise ImportFileError(f'"{path}" holds one array, but a .npz file holds several with names.')

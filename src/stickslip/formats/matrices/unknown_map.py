@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.core.errors import ImportFileError
 from stickslip.core.validation import FloatArray
-from stickslip.formats.matrices.source import text_lines
+from stickslip.formats.matrices.source import quoted, text_lines
 from stickslip.structure.mesh import IntArray
 
 # Names of directions: ours, Ansys, and numbers as CalculiX and Nastran count them.
@@ -56,7 +56,7 @@ def read_unknown_map(path: Path) -> tuple[IntArray, IntArray]:
             expected = "a node and a direction, such as 17, y"
         if len(words) != 2 or not _WHOLE.fullmatch(words[0]) or words[1].lower() not in _DIRECTION:
             raise ImportFileError(
-                f'"{path}", line {number}: "{line.strip()[:60]}" must be {expected}. Directions are x, y, z, rx, ry, '
+                f'"{path}", line {number}: {quoted(line)} must be {expected}. Directions are x, y, z, rx, ry, '
                 "rz, other; UX ... ROTZ; or 1 to 6."
             )
         nodes.append(int(words[0]))
@@ -89,7 +89,7 @@ def read_node_positions(path: Path) -> tuple[IntArray, FloatArray]:
             position = []
         if len(position) != 3 or not _WHOLE.fullmatch(words[0]) or not np.isfinite(position).all():
             raise ImportFileError(
-                f'"{path}", line {number}: "{line.strip()[:60]}" must be a node and three coordinates, such as '
+                f'"{path}", line {number}: {quoted(line)} must be a node and three coordinates, such as '
                 "17, 0.5, 1.0, 0.0."
             )
         node = int(words[0])

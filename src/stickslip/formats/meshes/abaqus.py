@@ -21,6 +21,7 @@ from stickslip.formats.meshes.abaqus_keywords import (
     REFUSED,
     SILENT,
 )
+from stickslip.formats.meshes.included_files import IncludedFiles
 from stickslip.formats.meshes.keyword_deck import Card, read_cards
 from stickslip.formats.meshes.raw_model import (
     RawBlock,
@@ -34,15 +35,20 @@ from stickslip.formats.meshes.raw_model import (
 from stickslip.structure.cell_kinds import CELL_KINDS, IntArray
 
 
-def read_abaqus(source: Path) -> RawModel:
-    """The entries of a deck in its own units. Raises ImportFileError that names file and line."""
-    deck = flatten(read_cards(source))
-    reader = _Reader(source)
-    reader.raw.label_ranges = deck.ranges
-    reader.raw.messages += deck.messages
-    for card in deck.cards:
-        reader.take(card)
-    return reader.finished()
+def read_abaqus(source: Path, includes_outside: bool = False) -> RawModel:
+    """The entries of a deck and of the files that it includes, in their own units.
+
+    ``includes_outside``: also from outside of its folder. Raises ImportFileError that names file and line.
+    """
+    included = IncludedFiles(source, includes_outside)
+    with included.hidden_if_foreign():
+        deck = flatten(read_cards(source, included))
+        reader = _Reader(source)
+        reader.raw.label_ranges = deck.ranges
+        reader.raw.messages += deck.messages
+        for card in deck.cards:
+            reader.take(card)
+        return reader.finished()
 
 
 class _Reader:
@@ -60,6 +66,7 @@ class _Reader:
         self._blocks_named: list[tuple[str, str, IntArray, int]] = []  # instance, set, elements, line
         self._sections: list[tuple[str, RawBody]] = []  # with their instance
         self._left_out: dict[str, int] = {}
+        self._told: set[str] = set()  # element types with another formulation
         self._step = 0
         self._cards: dict[str, Callable[[Card], None]] = {
             "NODE": self._nodes,
@@ -109,15 +116,15 @@ class _Reader:
 
     def _bodies_of_blocks(self) -> list[tuple[str, RawBody]]:
         """Bodies of a deck without sections: element sets or instances; none where an element is in neither."""
-        names = dict.fromkeys((instance, name) for instance, name, _, _ in self._blocks_named)
-        if any(not name for _, name in names):
-            return []
-        bodies = []
-        for key in names:
-            found = [(labels, line) for *each, labels, line in self._blocks_named if tuple(each) == key]
-            elements = np.concatenate([labels for labels, _ in found])
-            bodies.append((key[0], RawBody(key[1], elements, None, found[0][1])))
-        return bodies
+        found: dict[tuple[str, str], list[tuple[IntArray, int]]] = {}
+        for instance, name, labels, line in self._blocks_named:
+            if not name:
+                return []
+            found.setdefault((instance, name), []).append((labels, line))
+        return [
+            (instance, RawBody(name, np.concatenate([labels for labels, _ in parts]), None, parts[0][1]))
+            for (instance, name), parts in found.items()
+        ]
 
     def _require_members(self) -> None:
         """Raise ImportFileError for a set that names a node or an element which the file does not define."""
@@ -126,8 +133,9 @@ class _Reader:
             ("node", self.raw.node_sets, self.raw.node_labels),
             ("element", self.raw.element_sets, elements),
         ):
+            ordered = np.unique(known)
             for name, members in sets.items():
-                missing = np.setdiff1d(members, known)
+                missing = np.setdiff1d(members, ordered, assume_unique=True)
                 if missing.size:
                     self.raw.fail(
                         f"{what} set '{name}' names {what} {self.raw.shown(missing[0])}, which the file does not "
@@ -174,9 +182,11 @@ class _Reader:
         self.raw.blocks.append(RawBlock(solid, labels, cells, np.array(lines, dtype=np.int64)))
         self._blocks_named.append((card.instance, elset or card.instance, labels, card.line))
         if name in OTHER_FORMULATIONS:
-            message = f"elements {name} are taken with the formulation of this program for a {solid}."
-            if message not in self.raw.messages:
-                self.raw.messages.append(message)
+            if name not in self._told:
+                self.raw.messages.append(
+                    f"elements {name} are taken with the formulation of this program for a {solid}."
+                )
+            self._told.add(name)
 
     def _rows(self, card: Card, width: int) -> tuple[list[list[int]], list[int]]:
         """Rows of ``width`` numbers, which may go on over several lines, and the line at which each starts."""
@@ -207,7 +217,9 @@ class _Reader:
         """Labels of a set by its name, or of the one node or element that ``word`` numbers."""
         key = (what, word.upper().strip('"'))
         if key in self._pieces:
-            return np.concatenate(self._pieces[key])
+            # joined once, however many lines name the set, and without the repeats of sets that take each other
+            self._pieces[key] = [np.unique(np.concatenate(self._pieces[key]))]
+            return self._pieces[key][0]
         if not word[:1].isdigit():
             card.fail(f"there is no {what} set '{word[:60]}' above this line.", line)
         return np.array([card.label(word, line)], dtype=np.int64)
@@ -217,31 +229,37 @@ class _Reader:
         if what == "node" and "ELSET" in card.parameters:
             elements = self._find(card, "element", card.parameter("ELSET"), card.line)
             pieces += [block.cells[np.isin(block.labels, elements)].ravel() for block in self.raw.blocks]
-        for line, words in card.data:
-            given = [word for word in words if word]
-            if "GENERATE" in card.parameters:
-                pieces.append(self._generated(card, what, [card.label(word, line) for word in given], line))
-            else:
-                pieces += [self._find(card, what, word, line) for word in given]
+        if "GENERATE" in card.parameters:
+            pieces.append(self._generated(card, what))
+        else:
+            given: dict[str, int] = {}
+            for line, words in card.data:
+                for word in words:
+                    given.setdefault(word, line)
+            pieces += [self._find(card, what, word, line) for word, line in given.items() if word]
         members = np.concatenate(pieces)
         if not members.size:
             card.fail(f"{what} set '{name}' is empty. Give it members, or remove it.")
         self._add(what, name, members, card.line)
 
-    def _generated(self, card: Card, what: str, limits: list[int], line: int) -> IntArray:
-        """The labels first, first + step, ... last that exist."""
-        if len(limits) not in (2, 3) or limits[1] < limits[0]:
-            card.fail("GENERATE needs the first and the last number, and a step above 0.", line)
-        existing = (
+    def _generated(self, card: Card, what: str) -> IntArray:
+        """Of every line the labels first, first + step, ... last that exist."""
+        existing = np.sort(
             np.array(self._labels, dtype=np.int64)
             if what == "node"
             else np.concatenate(
                 [np.array(self._other_labels, dtype=np.int64), *(block.labels for block in self.raw.blocks)]
             )
         )
-        step = limits[2] if len(limits) == 3 else 1
-        inside = (existing >= limits[0]) & (existing <= limits[1]) & ((existing - limits[0]) % step == 0)
-        return np.asarray(existing[inside])
+        chosen = np.zeros(existing.size, dtype=bool)
+        for line, words in card.data:
+            limits = [card.label(word, line) for word in words if word]
+            if len(limits) not in (2, 3) or limits[1] < limits[0]:
+                card.fail("GENERATE needs the first and the last number, and a step above 0.", line)
+            step = limits[2] if len(limits) == 3 else 1
+            inside = slice(*np.searchsorted(existing, [limits[0], limits[1] + 1]))
+            chosen[inside] |= (existing[inside] - limits[0]) % step == 0
+        return np.asarray(existing[chosen])
 
     def _surface(self, card: Card) -> None:
         name = card.parameter("NAME")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.spatial
+from numpy.typing import NDArray
 
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
@@ -38,7 +39,7 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
     used, cells = _used_nodes(raw)
     points = units.length * raw.coordinates[used]
     labels = raw.node_labels[used]
-    blocks = [(block, numbers) for block, numbers in zip(raw.blocks, cells, strict=True)]
+    blocks = [*zip(raw.blocks, cells, strict=True)]
     require_sound_elements(raw, points, blocks)
     element_labels = np.concatenate([block.labels for block in raw.blocks])
     messages = list(raw.messages)
@@ -55,6 +56,7 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
     messages += _clashes(mesh, nodes, face_nodes)
     materials = _materials(raw, units, names, messages)
     messages += _parts(mesh)
+    numbers = _NodeNumbers(raw, labels)
     return ImportedModel(
         mesh=mesh,
         source=str(raw.source),
@@ -65,8 +67,8 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
         length_unit=units.length_unit,
         unit_system=units.name,
         materials=materials,
-        fixed_unknowns=_fixed(raw, labels),
-        node_forces=_forces(raw, units, labels),
+        fixed_unknowns=_fixed(raw, numbers, len(labels)),
+        node_forces=_forces(raw, units, numbers, len(labels)),
         messages=tuple(messages),
         warnings=tuple(plausibility_warnings(mesh, materials)),
     )
@@ -217,27 +219,44 @@ def _parts(mesh: FiniteElementMesh) -> list[str]:
     return sentences
 
 
-def _numbers(raw: RawModel, labels: IntArray, wanted: IntArray, line: int) -> IntArray:
-    """Numbers of nodes given by label; those of no solid element are left out."""
-    unknown = np.setdiff1d(wanted, raw.node_labels)
-    if unknown.size:
-        raw.fail(f"node {raw.shown(unknown[0])} does not exist.", line)
-    return np.flatnonzero(np.isin(labels, wanted))
+class _NodeNumbers:
+    """Numbers of nodes by label. The labels are sorted once, because a deck may hold each node in a line of its own."""
+
+    def __init__(self, raw: RawModel, labels: IntArray) -> None:
+        self._raw = raw
+        self._known = np.sort(raw.node_labels)
+        self._order = np.argsort(labels)
+        self._labels = labels[self._order]
+
+    def of(self, wanted: IntArray, line: int) -> IntArray:
+        """Numbers of nodes given by label in ``line``, rising; those of no solid element are left out."""
+        exists = _found(self._known, wanted)
+        if not exists.all():
+            self._raw.fail(f"node {self._raw.shown(wanted[~exists].min())} does not exist.", line)
+        mine = wanted[_found(self._labels, wanted)]
+        return np.unique(self._order[np.searchsorted(self._labels, mine)])
 
 
-def _fixed(raw: RawModel, labels: IntArray) -> IntArray:
-    found: list[IntArray] = [np.empty(0, dtype=np.int64)]
-    for held in raw.held:
-        numbers = _numbers(raw, labels, held.nodes, held.line)
-        found.append((3 * numbers[:, None] + np.array(held.directions, dtype=np.int64)).ravel())
-    return np.unique(np.concatenate(found))
+def _found(known: IntArray, wanted: IntArray) -> NDArray[np.bool_]:
+    """Which of ``wanted`` (k,) are among ``known``, which are sorted."""
+    if not known.size:
+        return np.zeros(wanted.shape, dtype=bool)
+    return np.asarray(known[np.searchsorted(known, wanted).clip(max=known.size - 1)] == wanted)
 
 
-def _forces(raw: RawModel, units: UnitSystem, labels: IntArray) -> FloatArray:
+def _fixed(raw: RawModel, numbers: _NodeNumbers, n_nodes: int) -> IntArray:
+    """Positions among the 3 * n_nodes displacements that the file holds at zero."""
+    held = np.zeros((n_nodes, 3), dtype=bool)
+    for each in raw.held:
+        held[numbers.of(each.nodes, each.line)[:, None], list(each.directions)] = True
+    return np.flatnonzero(held)
+
+
+def _forces(raw: RawModel, units: UnitSystem, node_numbers: _NodeNumbers, n_nodes: int) -> FloatArray:
     """Forces (n_nodes, 3) N."""
-    forces = np.zeros((len(labels), 3))
+    forces = np.zeros((n_nodes, 3))
     for load in raw.loads:
-        numbers = _numbers(raw, labels, load.nodes, load.line)
+        numbers = node_numbers.of(load.nodes, load.line)
         if not numbers.size:
             raw.fail(f"a force acts on node {raw.shown(load.nodes[0])}, which belongs to no solid element.", load.line)
         with np.errstate(over="ignore"):

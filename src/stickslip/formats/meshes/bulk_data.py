@@ -10,20 +10,30 @@ from typing import NoReturn
 
 from stickslip.formats.meshes.raw_model import LARGEST_LABEL, LinePlaces
 
+# A line of 20 characters can name a million grids; this is five sets of all grids of the largest solved meshes.
+MOST_IN_RANGES = 5_000_000
 _EXPONENT = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))([-+]\d+)")  # 1.5-3 is 1.5e-3
+
+
+@dataclass
+class RangesLeft:
+    """How many numbers the ranges of a deck may still name."""
+
+    count: int = MOST_IN_RANGES
 
 
 @dataclass
 class BulkCard:
     """One entry: its name in capitals, its fields from the second on, blank ones as "", and its line.
 
-    ``places`` says to which file and line of it ``line`` belongs.
+    ``places`` says to which file and line of it ``line`` belongs; ``ranges`` is shared by all entries of a deck.
     """
 
     places: LinePlaces
     name: str
     fields: list[str]
     line: int
+    ranges: RangesLeft
 
     def fail(self, sentence: str) -> NoReturn:
         """Raise ImportFileError that names the file, the line and the card."""
@@ -72,8 +82,12 @@ class BulkCard:
                 continue
             value = self.integer(position)
             if through and answer:
-                if value - answer[-1] > 10_000_000:
-                    self.fail(f"{answer[-1]} THRU {value} is too long a range.")
+                self.ranges.count -= max(value - answer[-1], 0)
+                if self.ranges.count < 0:
+                    self.fail(
+                        f"{answer[-1]} THRU {value} is too long: the ranges of the deck name more than "
+                        f"{MOST_IN_RANGES} numbers in total, the most that are read."
+                    )
                 answer += range(answer[-1] + 1, value)
             through = False
             answer.append(value)
@@ -97,6 +111,7 @@ def read_bulk(lines: list[str], places: LinePlaces) -> Iterator[BulkCard]:
     """
     start = start_of_bulk(lines)
     card: BulkCard | None = None
+    ranges = RangesLeft()
     for number, text in enumerate(lines[start:], start=start + 1):
         line = text.split("$")[0].rstrip()
         if not line.strip():
@@ -117,7 +132,7 @@ def read_bulk(lines: list[str], places: LinePlaces) -> Iterator[BulkCard]:
             )
         if card is not None:
             yield card
-        card = BulkCard(places, name.rstrip("*").upper(), fields, number)
+        card = BulkCard(places, name.rstrip("*").upper(), fields, number, ranges)
     if card is not None:
         yield card
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 
 from stickslip.formats.meshes.raw_model import RawModel, RawSides
@@ -9,6 +12,61 @@ from stickslip.structure.cell_kinds import CELL_KINDS, CORNERS_OF_SIDE, IntArray
 from stickslip.structure.finite_element_mesh import CellBlock
 
 Sides = tuple[IntArray, ...]
+
+
+@dataclass(frozen=True)
+class _Entries:
+    """Entries of a face set of one kind: the same side of elements (k,), or all their free sides, or corners (k, c).
+
+    ``lines`` (k,) are those of the file. A file may name each side in a line of its own, so they are looked up at once.
+    """
+
+    side: int | None
+    elements: IntArray | None
+    corners: IntArray | None
+    lines: IntArray
+
+
+def _gathered(entries: Sequence[RawSides]) -> list[_Entries]:
+    """The entries of a face set by their kind."""
+    groups: dict[tuple[int | None, int], list[RawSides]] = {}
+    for entry in entries:
+        width = 0 if entry.corners is None else entry.corners.shape[1]
+        groups.setdefault((entry.side, width), []).append(entry)
+    answer = []
+    for (side, _), group in groups.items():
+        elements = [entry.elements for entry in group if entry.elements is not None]
+        corners = [entry.corners for entry in group if entry.corners is not None]
+        lines = np.repeat([entry.line for entry in group], [len(part) for part in elements or corners])
+        answer.append(
+            _Entries(
+                side, np.concatenate(elements) if elements else None, np.vstack(corners) if corners else None, lines
+            )
+        )
+    return answer
+
+
+class _RowNumbers:
+    """A number for each distinct row of whole numbers (m, c), found for other rows by bisection, column by column."""
+
+    def __init__(self, rows: IntArray) -> None:
+        self._factor = int(rows.max(initial=0)) + 1
+        self._levels: list[IntArray] = []
+        self.number = rows[:, 0]  # (m,) of each row
+        for column in rows[:, 1:].T:
+            level, self.number = np.unique(self.number * self._factor + column, return_inverse=True)
+            self._levels.append(level)
+
+    def of(self, rows: IntArray) -> IntArray:
+        """Number (k,) of each of other rows (k, c), -1 for a row that is not there."""
+        number = rows[:, 0]
+        for level, column in zip(self._levels, rows[:, 1:].T, strict=True):
+            # an entry above all of the table, or -1, must not be taken for another row
+            known = (number >= 0) & (column >= 0) & (column < self._factor)
+            key = number * self._factor + column
+            place = np.searchsorted(level, key).clip(max=max(len(level) - 1, 0))
+            number = np.where(known & (level[place] == key), place, -1) if len(level) else np.full(len(rows), -1)
+        return number
 
 
 class _Sides:
@@ -19,6 +77,7 @@ class _Sides:
         self.nodes = [nodes for nodes, _ in tables]
         self.cell = [cell for _, cell in tables]
         self.free = single_sides(self.nodes)
+        self._rows = [_RowNumbers(np.sort(nodes[:, : CORNERS_OF_SIDE[nodes.shape[1]]], axis=1)) for nodes in self.nodes]
 
     def of_cells(self, wanted: IntArray) -> list[IntArray]:
         """Positions in each table of the free sides of cells."""
@@ -29,15 +88,15 @@ class _Sides:
         wanted = np.sort(corners, axis=1)
         known = np.zeros(len(corners), dtype=bool)
         found = []
-        for nodes in self.nodes:
+        for nodes, rows in zip(self.nodes, self._rows, strict=True):
             if CORNERS_OF_SIDE[nodes.shape[1]] != corners.shape[1]:
                 found.append(np.empty(0, dtype=np.int64))
                 continue
-            mine = np.sort(nodes[:, : corners.shape[1]], axis=1)
-            _, position = np.unique(np.vstack([mine, wanted]), axis=0, return_inverse=True)
-            position = position.ravel()
-            known |= np.isin(position[len(mine) :], position[: len(mine)])
-            found.append(np.flatnonzero(np.isin(position[: len(mine)], position[len(mine) :])))
+            number = rows.of(wanted)
+            known |= number >= 0
+            chosen = np.zeros(len(nodes) + 1, dtype=bool)
+            chosen[number[number >= 0]] = True
+            found.append(np.flatnonzero(chosen[rows.number]))
         return found, ~known
 
 
@@ -59,7 +118,7 @@ def build_face_sets(
     faces, nodes = {}, {}
     for name, entries in raw.face_sets.items():
         chosen = [np.zeros(len(each), dtype=bool) for each in table.nodes]
-        for entry in entries:
+        for entry in _gathered(entries):
             for flags, found in zip(
                 chosen, _positions(raw, name, entry, table, node_labels, element_labels, blocks), strict=True
             ):
@@ -82,21 +141,22 @@ def build_face_sets(
 def _positions(
     raw: RawModel,
     name: str,
-    entry: RawSides,
+    entry: _Entries,
     table: _Sides,
     node_labels: IntArray,
     element_labels: IntArray,
     blocks: tuple[CellBlock, ...],
 ) -> list[IntArray]:
-    """Positions in each table of the sides that one entry of a face set names."""
+    """Positions in each table of the sides that entries of one kind name."""
     if entry.corners is not None:
         return _by_corners(raw, name, entry, entry.corners, table, node_labels)
     assert entry.elements is not None
-    missing = np.setdiff1d(entry.elements, element_labels)
+    missing = np.flatnonzero(~np.isin(entry.elements, element_labels))
     if missing.size:
         raw.fail(
-            f"surface '{name}' names element {raw.shown(missing[0])}, which is no solid element of the file.",
-            entry.line,
+            f"surface '{name}' names element {raw.shown(entry.elements[missing[0]])}, which is no solid element of the "
+            "file.",
+            int(entry.lines[missing[0]]),
         )
     cells = np.flatnonzero(np.isin(element_labels, entry.elements))
     if entry.side is None:
@@ -108,11 +168,11 @@ def _positions(
         mine = cells[(cells >= first) & (cells < first + len(block.cells))] - first
         if mine.size:
             if entry.side >= len(kind.sides):
+                label = element_labels[first + mine[0]]
                 raw.fail(
-                    f"surface '{name}' names side S{entry.side + 1} of element "
-                    f"{raw.shown(element_labels[first + mine[0]])}, but a {block.kind} has sides S1 to "
-                    f"S{len(kind.sides)}.",
-                    entry.line,
+                    f"surface '{name}' names side S{entry.side + 1} of element {raw.shown(label)}, but a {block.kind} "
+                    f"has sides S1 to S{len(kind.sides)}.",
+                    int(entry.lines[entry.elements == label][0]),
                 )
             side = kind.sides[entry.side]
             corners[CORNERS_OF_SIDE[len(side)]].append(block.cells[mine][:, side[: CORNERS_OF_SIDE[len(side)]]])
@@ -130,7 +190,7 @@ def _positions(
 
 
 def _by_corners(
-    raw: RawModel, name: str, entry: RawSides, corners: IntArray, table: _Sides, node_labels: IntArray
+    raw: RawModel, name: str, entry: _Entries, corners: IntArray, table: _Sides, node_labels: IntArray
 ) -> list[IntArray]:
     order = np.argsort(node_labels)
     place = order[np.searchsorted(node_labels, corners, sorter=order).clip(max=len(order) - 1)]
@@ -141,6 +201,6 @@ def _by_corners(
         raw.fail(
             f"surface '{name}' has a side with nodes {', '.join(raw.shown(node) for node in corners[at])}, which is no "
             f"side of a solid element ({int(lone.sum())} of {len(corners)} sides are not).",
-            entry.line,
+            int(entry.lines[at]),
         )
     return found

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.core.input_files import read_regular
 from stickslip.formats.meshes.raw_model import fail
 
 _LARGEST_TAG = 10_000_000  # meshio's table then takes 80 MB
@@ -31,11 +32,13 @@ def readable_content(source: Path) -> bytes:
     node numbers, and, in version 4.0, entities in several groups.
     """
     try:
-        content = source.read_bytes()
+        content = read_regular(source)
     except OSError as error:
         fail(source, f"the file cannot be read ({error.strerror}). Give the path of a model file.")
-    while comments := _COMMENTS.match(content):
-        content = content[comments.end() :]
+    start = 0
+    while comments := _COMMENTS.match(content, start):
+        start = comments.end()
+    content = content[start:]
     words = content[: content.find(b"\n", content.find(b"\n") + 1) + 1].split()
     if (
         words[:1] != [b"$MeshFormat"]

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NoReturn
 
-from stickslip.formats.meshes.raw_model import DEEPEST_INCLUDE, LARGEST_LABEL, fail, read_text
+from stickslip.formats.meshes.included_files import IncludedFiles
+from stickslip.formats.meshes.raw_model import LARGEST_LABEL, fail, read_text
 
 
 @dataclass
@@ -57,33 +58,36 @@ class Card:
         return value
 
 
-def read_cards(source: Path, depth: int = 0) -> list[Card]:
+def read_cards(source: Path, included: IncludedFiles) -> list[Card]:
     """Cards of a deck in their order; included files (path relative to the deck) stand in the place of *INCLUDE.
 
-    Raises ImportFileError where a file cannot be read, or does not start with a keyword.
+    Raises ImportFileError where a file cannot be read, may not be included, or does not start with a keyword.
     """
+    return _cards(source, read_text(source), included, 0)
+
+
+def _cards(source: Path, text: list[str], included: IncludedFiles, depth: int) -> list[Card]:
     cards: list[Card] = []
-    lines = enumerate(read_text(source), start=1)
-    for number, text in lines:
-        line = text.strip()
+    lines = enumerate(text, start=1)
+    for number, whole in lines:
+        line = whole.strip()
         if not line or line.startswith("**"):
             continue
         if line.startswith("*"):
-            start = number
-            while line.endswith(","):  # parameters go on in the next line
-                number, text = next(lines, (number, ""))
-                line = f"{line}{text.strip()}" if text.strip() else line.rstrip(",")
-            card = _keyword(source, start, line)
+            pieces = [line]
+            while pieces[-1].endswith(","):  # parameters go on in the next line
+                pieces.append(next(lines, (number, ""))[1].strip())
+            card = _keyword(source, number, "".join(pieces).rstrip(","))
             if card.keyword == "INCLUDE":
-                if depth >= DEEPEST_INCLUDE:
-                    card.fail(f"files include each other more than {DEEPEST_INCLUDE} deep.")
-                cards += read_cards(source.parent / card.parameter("INPUT"), depth + 1)
+                path = source.parent / card.parameter("INPUT")
+                cards += _cards(path, included.lines(path, source, number, depth + 1), included, depth + 1)
             else:
                 cards.append(card)
         elif cards:
             cards[-1].data.append((number, [word.strip() for word in line.split(",")]))
         else:
-            fail(source, f'"{line[:40]}" stands before the first keyword; this is no Abaqus or CalculiX deck.', number)
+            # not quoted: it is no entry of a deck, and may be any file
+            fail(source, "something stands before the first keyword; this is no Abaqus or CalculiX deck.", number)
     return cards
 
 

@@ -9,14 +9,19 @@ from __future__ import annotations
 
 import contextlib
 import io
+import lzma
+import os
 import tempfile
-from collections.abc import Callable
+import zlib
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.core.errors import ImportFileError
+from stickslip.core.input_files import UnpackedCount, UnsuitableFileError, open_hdf5, open_regular
 from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.gmsh_content import readable_content
 from stickslip.formats.meshes.raw_model import RawBlock, RawBody, RawModel, RawSides, fail
@@ -102,8 +107,12 @@ def _parsed(source: Path, kind: str, readable: Path | None = None) -> Any:
     reader: Callable[[str], Any] = getattr(complete_meshio(), kind).read
     said = io.StringIO()
     try:
-        with contextlib.redirect_stderr(said), contextlib.redirect_stdout(said):
+        with contextlib.redirect_stderr(said), contextlib.redirect_stdout(said), _bounded(source, kind):
             mesh = reader(str(readable or source))
+    except ImportFileError:
+        raise
+    except UnsuitableFileError as error:
+        fail(source, f"the file cannot be read ({error.strerror}). Give the path of a model file.")
     # A damaged file can end in any error of meshio, NumPy, HDF5 or an XML parser; all mean that it cannot be read.
     except (Exception, SystemExit) as error:
         detail = str(error).splitlines()[0][:200] if str(error).strip() else type(error).__name__
@@ -125,6 +134,46 @@ def _parsed(source: Path, kind: str, readable: Path | None = None) -> Any:
         if bad.size:
             fail(source, f"a {block.type} names node {bad[0] + 1}, but the file has nodes 1 to {len(points)}.")
     return mesh
+
+
+@contextlib.contextmanager
+def _bounded(source: Path, kind: str) -> Iterator[None]:
+    """Let meshio read a file that is regular, has all its data in itself, and unpacks to no more than is plausible.
+
+    Raises OSError or ImportFileError.
+    """
+    if kind == "med":
+        open_hdf5(source).close()
+        yield
+        return
+    with open_regular(source) as stream:
+        count = UnpackedCount(source, os.fstat(stream.fileno()).st_size)
+    if kind != "vtu":
+        yield
+        return
+    from meshio.vtu import _vtu
+
+    # A VTU file may name the same packed data for many arrays, so that only what is unpacked tells the size.
+    _vtu.zlib, _vtu.lzma = _Unpacker(count, zlib.decompressobj), _Unpacker(count, lzma.LZMADecompressor)
+    try:
+        yield
+    finally:
+        _vtu.zlib, _vtu.lzma = zlib, lzma
+
+
+class _Unpacker:
+    """Stands for the module zlib or lzma in meshio's reader, and counts what it unpacks."""
+
+    def __init__(self, count: UnpackedCount, new: Callable[[], Any]) -> None:
+        self._count, self._new = count, new
+
+    def decompress(self, content: bytes) -> bytes:
+        """The whole unpacked content. Raises ImportFileError beyond the limit, ValueError where it is cut off."""
+        unpacker = self._new()
+        unpacked = b"".join(self._count.pieces(unpacker, content))
+        if not unpacker.eof:
+            raise ValueError("packed data are cut off")
+        return unpacked
 
 
 def _nobody(mesh: Any) -> Members:

@@ -10,12 +10,14 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from stickslip.formats.meshes.bulk_data import BulkCard, read_bulk
+from stickslip.formats.meshes.included_files import IncludedFiles
 from stickslip.formats.meshes.nastran_case import CaseControl, acting_entries
 from stickslip.formats.meshes.nastran_grids import Grids, held_nodes
 from stickslip.formats.meshes.nastran_include import join_files
@@ -50,19 +52,23 @@ _NAMES = (
     re.compile(r"\$\s*Femap\s+(?:with\s+NX\s+Nastran\s+)?Property\s+(?P<number>\d+)\s*:\s*(?P<name>.+)", re.IGNORECASE),
 )
 _PATRAN = re.compile(r"\$\s*Elements and Element Properties for region\s*:\s*(?P<name>.+)", re.IGNORECASE)
+_CARD_NAME = re.compile(r"[A-Z][A-Z0-9]{0,7}")
 _PROPERTY = re.compile(r"\s*P(?:SOLID|SHELL)\*?[\s,]+(?P<number>\d+)")
 
 
-def read_nastran(source: Path) -> RawModel:
+def read_nastran(source: Path, includes_outside: bool = False) -> RawModel:
     """The entries of a deck and of the files that it includes, in their own units, in basic x, y, z.
 
-    Raises ImportFileError that names the file, also an included one, and its line.
+    ``includes_outside``: also from outside of its folder. Raises ImportFileError that names the file, also an included
+    one, and its line.
     """
-    lines, places = join_files(source)
-    reader = _Reader(source, places, _property_names(lines), CaseControl.of(lines))
-    for card in read_bulk(lines, places):
-        reader.take(card)
-    return reader.finished()
+    included = IncludedFiles(source, includes_outside)
+    with included.hidden_if_foreign():
+        lines, places = join_files(source, included)
+        reader = _Reader(source, places, _property_names(lines), CaseControl.of(lines))
+        for card in read_bulk(lines, places):
+            reader.take(card)
+        return reader.finished()
 
 
 def _property_names(lines: list[str]) -> dict[int, str]:
@@ -91,6 +97,7 @@ class _Reader:
     def __init__(self, source: Path, places: LinePlaces, names: dict[int, str], case: CaseControl) -> None:
         self.raw = RawModel(source, "Nastran", places=places)
         self._names, self._case = names, case
+        self._count = Counter(names.values())
         self._grids = Grids()
         self._systems = Systems(self._grids.place)
         self._elements: dict[str, list[tuple[int, int, list[int], int]]] = {}  # kind -> label, property, nodes, line
@@ -130,7 +137,9 @@ class _Reader:
         if card.name in self._cards:
             self._cards[card.name](card)
         elif card.name not in _SILENT:
-            self._left_out.setdefault(card.name[:16], card.line)
+            # what is no name of an entry is not quoted: the file may be another than was meant
+            name = card.name if _CARD_NAME.fullmatch(card.name) else "lines that are no entries"
+            self._left_out.setdefault(name, card.line)
 
     def finished(self) -> RawModel:
         """The raw model after the last card."""
@@ -163,9 +172,10 @@ class _Reader:
         return raw
 
     def _bodies(self) -> None:
-        rows = [row for rows in self._elements.values() for row in rows]
-        for number in dict.fromkeys(row[1] for row in rows):
-            mine = [row for row in rows if row[1] == number]
+        of_property: dict[int, list[tuple[int, int, list[int], int]]] = {}
+        for row in (row for rows in self._elements.values() for row in rows):
+            of_property.setdefault(row[1], []).append(row)
+        for number, mine in of_property.items():
             card = self._properties.get(number)
             if card is None:
                 self.raw.fail(
@@ -177,7 +187,7 @@ class _Reader:
     def _name(self, number: int) -> str:
         """Name of a property; where two have the same name, the number is added."""
         name = self._names.get(number, f"property {number}")
-        return name if list(self._names.values()).count(name) < 2 else f"{name} {number}"
+        return name if self._count[name] < 2 else f"{name} {number}"
 
     def _faces(self) -> None:
         for (number, _), rows in self._shells.items():

@@ -7,39 +7,39 @@ import re
 from pathlib import Path
 
 from stickslip.formats.meshes.bulk_data import ends_bulk
-from stickslip.formats.meshes.raw_model import DEEPEST_INCLUDE, LinePlaces, fail, read_text
+from stickslip.formats.meshes.included_files import IncludedFiles
+from stickslip.formats.meshes.raw_model import LinePlaces, fail, read_text
 
 _INCLUDE = re.compile(r"\s*INCLUDE\b(?P<name>.*)", re.IGNORECASE)
 _LONGEST_STATEMENT = 10  # lines; beyond them the closing quote has been forgotten
 
 
-def join_files(source: Path) -> tuple[list[str], LinePlaces]:
+def join_files(source: Path, included: IncludedFiles) -> tuple[list[str], LinePlaces]:
     """All lines of a deck and of the files that it includes, and the file and line of each.
 
     ``INCLUDE name`` may stand anywhere up to ENDDATA, the name in single, double or no quotes; inside quotes it may go
     on over several lines, whose blanks at both ends do not count. A name is relative to the folder of the file that
     includes, then to that of ``source``.
 
-    Raises ImportFileError, which names file and line, for a statement without a name, a missing file, files that
-    include each other in a circle or more than ``DEEPEST_INCLUDE`` deep, and entries that follow an included ENDDATA.
+    Raises ImportFileError, which names file and line, for a statement without a name, a missing file, one that
+    ``included`` does not allow, files that include each other in a circle, and entries that follow an included ENDDATA.
     """
-    joiner = _Joiner(source)
-    joiner.take(source, ())
+    joiner = _Joiner(source, included)
+    joiner.take(source, read_text(source), ())
     return joiner.lines, joiner.places
 
 
 class _Joiner:
     """Puts the lines of one file after the other."""
 
-    def __init__(self, top: Path) -> None:
+    def __init__(self, top: Path, included: IncludedFiles) -> None:
         self.lines: list[str] = []
         self.places = LinePlaces()
-        self._top = top
+        self._top, self._included = top, included
         self._end: tuple[Path, int] | None = None  # where ENDDATA stands
 
-    def take(self, source: Path, path: tuple[Path, ...]) -> None:
+    def take(self, source: Path, text: list[str], path: tuple[Path, ...]) -> None:
         """Append a file; ``path`` holds those that include it, the first one being the deck itself."""
-        text = read_text(source)
         path = (*path, source)
         self.places.begin(len(self.lines) + 1, source, 1)
         at = 0
@@ -54,7 +54,8 @@ class _Joiner:
                     self._end = source, at
                 continue
             name, count = _name_and_lines(source, match["name"], text, at)
-            self.take(self._found(name, path, at + 1), path)
+            found = self._found(name, path, at + 1)
+            self.take(found, self._included.lines(found, source, at + 1, len(path)), path)
             at += count
             self.places.begin(len(self.lines) + 1, source, at + 1)
 
@@ -77,7 +78,11 @@ class _Joiner:
         folders = dict.fromkeys((source.parent, self._top.parent))
         spellings = dict.fromkeys((name, name.replace("\\", "/")))  # decks of Windows are read elsewhere, too
         candidates = [folder / spelling for folder in folders for spelling in spellings]
-        found = next((each for each in candidates if os.path.isfile(each)), None)
+        readable = [each for each in candidates if self._included.may_read(each)]
+        # a file that may not be read is refused by its name, whether it exists or not
+        found = next((each for each in readable if os.path.exists(each) and not os.path.isdir(each)), None)
+        if found is None and len(readable) < len(candidates):
+            return next(each for each in candidates if each not in readable)
         if found is None:
             fail(
                 source,
@@ -88,8 +93,6 @@ class _Joiner:
         if found.resolve() in [each.resolve() for each in path]:
             way = " includes ".join(str(each) for each in (*path, found))
             fail(source, f"INCLUDE: files include each other in a circle: {way}. Take one INCLUDE out.", number)
-        if len(path) > DEEPEST_INCLUDE:
-            fail(source, f"INCLUDE: files include each other more than {DEEPEST_INCLUDE} deep.", number)
         return found
 
 

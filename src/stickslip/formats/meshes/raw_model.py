@@ -10,10 +10,10 @@ from typing import NoReturn
 import numpy as np
 
 from stickslip.core.errors import ImportFileError
+from stickslip.core.input_files import read_regular
 from stickslip.core.validation import FloatArray
 from stickslip.structure.mesh import IntArray
 
-DEEPEST_INCLUDE = 5  # files that include each other
 LARGEST_LABEL = 2**31  # numbers of nodes and elements stay below
 
 
@@ -187,7 +187,7 @@ def fail(source: Path, sentence: str, line: int = 0) -> NoReturn:
 def read_text(source: Path) -> list[str]:
     """Lines of a text file. Raises ImportFileError where it cannot be read, is empty, or is no text."""
     try:
-        content = source.read_bytes()
+        content = read_regular(source)
     except OSError as error:
         fail(source, f"the file cannot be read ({error.strerror}). Give the path of a model file.")
     if not content.strip():

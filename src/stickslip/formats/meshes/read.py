@@ -14,16 +14,15 @@ from stickslip.formats.meshes.nastran import read_nastran
 from stickslip.formats.meshes.raw_model import RawModel, fail
 from stickslip.formats.meshes.unit_systems import find_unit_system
 
-_READERS: dict[str, Callable[[Path], RawModel]] = {
+# Decks may include other files; they are asked whether also from outside of their folder.
+_DECK_READERS: dict[str, Callable[[Path, bool], RawModel]] = {
     ".inp": read_abaqus,
     ".bdf": read_nastran,
     ".nas": read_nastran,
     ".dat": read_nastran,
     ".fem": read_nastran,
-    ".msh": read_gmsh,
-    ".vtu": read_vtu,
-    ".med": read_med,
 }
+_READERS: dict[str, Callable[[Path], RawModel]] = {".msh": read_gmsh, ".vtu": read_vtu, ".med": read_med}
 # What to do with a file of another kind.
 _ADVICE = {
     **dict.fromkeys(
@@ -44,7 +43,9 @@ _ADVICE = {
 }
 
 
-def read_model(path: str | PathLike[str], length_unit: str, unit_system: str | None = None) -> ImportedModel:
+def read_model(
+    path: str | PathLike[str], length_unit: str, unit_system: str | None = None, includes_outside: bool = False
+) -> ImportedModel:
     """Read a model into SI units: .inp (Abaqus, CalculiX), .bdf/.nas/.dat/.fem (Nastran), .msh (Gmsh), .vtu, .med.
 
     Parameters
@@ -54,6 +55,8 @@ def read_model(path: str | PathLike[str], length_unit: str, unit_system: str | N
     unit_system:
         consistent system of moduli, densities and forces in the file, a key of ``UNIT_SYSTEMS``; by default newtons and
         seconds with metric lengths (mm: MPa and t/mm3), pounds-force and seconds with inches and feet.
+    includes_outside:
+        whether a deck may include files outside of its folder, for decks that are trusted.
 
     Raises
     ------
@@ -63,22 +66,22 @@ def read_model(path: str | PathLike[str], length_unit: str, unit_system: str | N
         for a unit or system that does not exist or does not fit.
     """
     units = find_unit_system(length_unit, unit_system)
-    return build_model(read_raw(path), units)
+    return build_model(read_raw(path, includes_outside), units)
 
 
-def read_raw(path: str | PathLike[str]) -> RawModel:
-    """The entries of a model file in its own units. Raises ImportFileError."""
+def read_raw(path: str | PathLike[str], includes_outside: bool = False) -> RawModel:
+    """The entries of a model file in its own units; arguments as :func:`read_model`. Raises ImportFileError."""
     source = Path(path)
     if source.is_dir():
         fail(source, "this is a folder. Give the path of a model file.")
     ending = source.suffix.lower()
-    reader = _READERS.get(ending)
-    if reader is None:
+    if ending not in _READERS and ending not in _DECK_READERS:
         advice = _ADVICE.get(ending, "Export the model in one of these, or give the file its usual ending")
         fail(
             source,
-            f"'{source.suffix}' is no model format that can be read; there are: {', '.join(_READERS)}. {advice}.",
+            f"'{source.suffix}' is no model format that can be read; there are: "
+            f"{', '.join((*_DECK_READERS, *_READERS))}. {advice}.",
         )
-    if not source.is_file():
+    if not source.exists():
         fail(source, "there is no such file.")
-    return reader(source)
+    return _DECK_READERS[ending](source, includes_outside) if ending in _DECK_READERS else _READERS[ending](source)

@@ -13,11 +13,13 @@ from stickslip.case.own_sections import GROUND, InterfaceSection, PortSection
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.contact.pairing.local_axes import local_tangents, map_position
 from stickslip.core.errors import ImportFileError, InputError, concerning, keys_of_section
+from stickslip.core.input_files import read_regular
 from stickslip.core.validation import FloatArray
 from stickslip.formats.matrices.exchange import boundary_unknowns, read_superelement
 from stickslip.formats.matrices.model import MatrixModel
 from stickslip.formats.matrices.read import read_matrices
 from stickslip.formats.matrices.reduce import reduce_matrices
+from stickslip.formats.matrices.source import quoted
 from stickslip.model.joint import case_material
 from stickslip.model.kinds.own import port_sections
 from stickslip.model.layout import Layout, Port
@@ -246,9 +248,11 @@ def _sides(book: _Book, entry: str, given: InterfaceSection) -> tuple[IntArray, 
 def _listed_pairs(book: _Book, entry: str, path: Path) -> tuple[IntArray, IntArray | None]:
     """Pairs of a text file: two node numbers a line, or one for the ground. Raises ImportFileError with the line."""
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise ImportFileError(f"{entry}.pairs: {path} cannot be read ({error}). Give a text file.") from error
+        lines = read_regular(path).decode("utf-8").splitlines()
+    except OSError as error:
+        raise ImportFileError(f"{entry}.pairs: {path} cannot be read ({error.strerror}). Give a text file.") from error
+    except UnicodeDecodeError as error:
+        raise ImportFileError(f"{entry}.pairs: {path} is no text file in UTF-8. Give a text file.") from error
     rows: list[list[int]] = []
     for number, line in enumerate(lines, start=1):
         words = line.partition("#")[0].replace(",", " ").split()
@@ -256,7 +260,9 @@ def _listed_pairs(book: _Book, entry: str, path: Path) -> tuple[IntArray, IntArr
             continue
         where = f"{entry}.pairs: {path}, line {number}:"
         if not all(word.lstrip("-").isdecimal() for word in words) or len(words) != len(rows[0] if rows else words):
-            raise ImportFileError(f'{where} "{line}" must be two node numbers, or one in every line for the ground.')
+            raise ImportFileError(
+                f"{where} {quoted(line)} must be two node numbers, or one in every line for the ground."
+            )
         rows.append([int(word) for word in words])
         lone = np.setdiff1d(rows[-1], book.labels)
         if len(words) > 2 or lone.size:

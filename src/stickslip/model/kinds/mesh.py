@@ -118,7 +118,7 @@ def _source(case: Case) -> ImportedModel:
     assert given.file is not None
     assert given.length_unit is not None
     with keys_of_section("structure"), concerning("file"):
-        return read_model(given.file, given.length_unit, given.unit_system)
+        return read_model(given.file, given.length_unit, given.unit_system, bool(given.includes_outside))
 
 
 @contextmanager

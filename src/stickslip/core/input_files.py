@@ -1,0 +1,214 @@
+"""Files that others made: how they are opened, and how much of them is read.
+
+Only regular files are opened: a named pipe or a device may never end, and opening it may wait for ever. Packed files
+are read only where they unpack to a size that their own explains.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+import zipfile
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+from stickslip.core.errors import ImportFileError
+
+if TYPE_CHECKING:
+    import h5py
+
+# A deck of this size has some 30 million lines, ten times more than fit into the memory of the machines that
+# docs/performance.md tells of.
+LARGEST_FILE = 2_000_000_000  # bytes
+# Any packed file may unpack to this: two dense matrices of 7900 unknowns.
+LARGEST_UNPACKED = 1_000_000_000  # bytes
+# Larger ones may unpack to so many times their size. Meshes and responses shrink 2 to 5 times; zeros shrink 1000 times.
+LARGEST_RATIO = 20
+_PIECE = 1 << 20  # bytes unpacked at a time to count them
+
+_KINDS = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a named pipe"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+    (stat.S_ISSOCK, "a socket"),
+)
+
+
+class UnsuitableFileError(OSError):
+    """A file that is not opened because of its kind or its size; ``strerror`` says why."""
+
+
+def open_regular(path: Path, largest: int | None = LARGEST_FILE) -> BinaryIO:
+    """A regular file of at most ``largest`` bytes (None: of any size), opened for reading.
+
+    Raises OSError, whose ``strerror`` is fit for a sentence; at once, also for a pipe without a writer.
+    """
+    status = os.stat(path)  # before opening: to open a device may already do something
+    _require_suitable(status, largest)
+    stream = open(path, "rb", opener=_without_waiting)  # noqa: SIM115  the caller closes it
+    try:
+        _require_suitable(os.fstat(stream.fileno()), largest)
+    except OSError:
+        stream.close()
+        raise
+    return stream
+
+
+def read_regular(path: Path, largest: int = LARGEST_FILE) -> bytes:
+    """The content of a regular file of at most ``largest`` bytes. Raises OSError as :func:`open_regular`."""
+    with open_regular(path, largest) as stream:
+        # what grows while it is read, and what the kernel makes up for an empty file, is cut off
+        return stream.read(os.fstat(stream.fileno()).st_size)
+
+
+def _without_waiting(path: str, flags: int) -> int:
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+
+
+def _require_suitable(status: os.stat_result, largest: int | None) -> None:
+    if not stat.S_ISREG(status.st_mode):
+        kind = next((words for is_kind, words in _KINDS if is_kind(status.st_mode)), "no regular file")
+        raise UnsuitableFileError(errno.EINVAL, f"it is {kind}; only regular files are read")
+    if largest is not None and status.st_size > largest:
+        raise UnsuitableFileError(
+            errno.EFBIG, f"it has {in_words(status.st_size)}; at most {in_words(largest)} are read of such a file"
+        )
+
+
+def in_words(size: int) -> str:
+    """A number of bytes for a sentence: 2.5 GB."""
+    for unit, value in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
+        if size >= value:
+            return f"{size / value:.3g} {unit}"
+    return f"{size} bytes"
+
+
+def unpacked_limit(packed: int) -> int:
+    """Bytes that a file of ``packed`` bytes may unpack to."""
+    return max(LARGEST_UNPACKED, LARGEST_RATIO * packed)
+
+
+def require_unpackable(path: Path, packed: int, unpacked: int, at_least: bool = False) -> None:
+    """Raise ImportFileError for a file whose ``packed`` bytes would unpack to more than is explained by them.
+
+    ``at_least``: ``unpacked`` is where counting ended.
+    """
+    limit = unpacked_limit(packed)
+    if unpacked > limit:
+        raise ImportFileError(
+            f'"{path}" has {in_words(packed)}, but unpacks to {"more than " if at_least else ""}'
+            f"{in_words(limit if at_least else unpacked)}; at most {in_words(limit)} are unpacked "
+            f"({in_words(LARGEST_UNPACKED)}, or {LARGEST_RATIO} times the file). Write it without compression, or "
+            "matrices as sparse ones, if it is no damaged or malicious file."
+        )
+
+
+def require_unpackable_zip(path: Path, stream: BinaryIO) -> None:
+    """Check an opened zip file by its list of contents before it is unpacked; reading ends where that list says.
+
+    Leaves the stream at its start. Raises ImportFileError; what is no zip file is left to its reader.
+    """
+    if zipfile.is_zipfile(stream):
+        with zipfile.ZipFile(stream) as archive:
+            unpacked = sum(entry.file_size for entry in archive.infolist())
+        require_unpackable(path, os.fstat(stream.fileno()).st_size, unpacked)
+    stream.seek(0)
+
+
+class UnpackedCount:
+    """Counts what is unpacked from one file, by the packed parts as they are met, and stops beyond the limit."""
+
+    def __init__(self, path: Path, packed: int) -> None:
+        self._path, self._packed, self._unpacked = path, packed, 0
+
+    def pieces(self, unpacker: Any, content: bytes) -> Iterator[bytes]:
+        """What ``unpacker`` (of zlib or lzma) makes of ``content``, piece by piece. Raises ImportFileError."""
+        while True:
+            piece = unpacker.decompress(content, _PIECE)
+            self._unpacked += len(piece)
+            require_unpackable(self._path, self._packed, self._unpacked, at_least=True)
+            yield piece
+            # zlib hands back what it has not read yet, lzma keeps it; a full piece may be followed by another one
+            content = getattr(unpacker, "unconsumed_tail", b"")
+            if unpacker.eof or not (content or len(piece) == _PIECE):
+                return
+
+
+def require_unpackable_zlib(path: Path, packed: int, parts: Iterator[bytes]) -> None:
+    """Count what the zlib-packed ``parts`` of a file unpack to, without keeping it.
+
+    For formats that do not say it, or not where it can be trusted. A damaged part ends the count; its reader tells it.
+    Raises ImportFileError.
+    """
+    count = UnpackedCount(path, packed)
+    for part in parts:
+        try:
+            for _ in count.pieces(zlib.decompressobj(), part):
+                pass
+        except zlib.error:
+            return
+
+
+def open_hdf5(path: Path, largest: int | None = LARGEST_FILE) -> h5py.File:
+    """An HDF5 file all of whose data lie in itself and unpack to a size that its own explains.
+
+    Raises ImportFileError for external links, external storage, virtual data sets and too much packed data; OSError as
+    :func:`open_regular`, and for what is no HDF5 file.
+    """
+    import h5py
+
+    with open_regular(path, largest) as stream:
+        packed = os.fstat(stream.fileno()).st_size
+    file = h5py.File(path, "r")
+    try:
+        _require_own_data(path, packed, file)
+    except BaseException:
+        file.close()
+        raise
+    return file
+
+
+def _require_own_data(path: Path, packed: int, file: h5py.File) -> None:
+    """Look at every link and data set of an HDF5 file without reading data."""
+    import h5py
+
+    unpacked = 0
+    seen: set[Any] = set()
+    waiting: list[h5py.Group] = [file]
+    while waiting:
+        group = waiting.pop()
+        for name in group:
+            link = group.get(name, getlink=True)
+            if isinstance(link, h5py.ExternalLink):
+                _refuse_foreign_data(path, group, name, "is a link to another file")
+            if not isinstance(link, h5py.HardLink):
+                continue  # what a soft link means in this file is met by its own name
+            item = group[name]
+            address = h5py.h5o.get_info(item.id).addr
+            if address in seen:
+                continue
+            seen.add(address)
+            if isinstance(item, h5py.Group):
+                waiting.append(item)
+            elif isinstance(item, h5py.Dataset):
+                if item.external:
+                    _refuse_foreign_data(path, group, name, "keeps its data in another file")
+                if item.is_virtual:
+                    _refuse_foreign_data(path, group, name, "is put together from data sets of other files")
+                # a chunk is unpacked whole, however little of it belongs to the data set
+                chunk = item.dtype.itemsize
+                for length in item.chunks or ():
+                    chunk *= length
+                unpacked += max(item.nbytes if item.shape is not None else 0, chunk)
+                require_unpackable(path, packed, unpacked)
+
+
+def _refuse_foreign_data(path: Path, group: h5py.Group, name: str, what: str) -> None:
+    raise ImportFileError(
+        f"\"{path}\": '{group.name.rstrip('/')}/{name}' {what}. Other files are not read through an HDF5 file; write "
+        "all data into this one."
+    )

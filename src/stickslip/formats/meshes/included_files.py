@@ -1,0 +1,85 @@
+"""What a deck may bring in by its INCLUDE statements: from which folder, how deep, how often, how much."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from stickslip.core.errors import ImportFileError
+from stickslip.core.input_files import LARGEST_FILE, in_words
+from stickslip.formats.meshes.raw_model import fail, read_text
+
+DEEPEST_INCLUDE = 5  # files that include each other
+# Decks of whole engines have some hundred files; one file comes again for each part that shares it.
+MOST_FILES = 1000
+MOST_REPEATS = 20
+
+
+class IncludedFiles:
+    """The files of one deck. Those outside of its folder (links resolved) are read only where ``outside`` allows it."""
+
+    def __init__(self, deck: Path, outside: bool) -> None:
+        self._folder = deck.parent.resolve()
+        self._outside = outside
+        self._times: Counter[Path] = Counter()
+        self._characters = 0
+        self._foreign: set[Path] = set()
+
+    def may_read(self, path: Path) -> bool:
+        """Whether a file lies where the deck may read it; whether it exists is not looked at."""
+        return self._outside or self._is_inside(path)
+
+    def lines(self, path: Path, source: Path, number: int, depth: int) -> list[str]:
+        """Lines of the file that INCLUDE in line ``number`` of ``source`` names, ``depth`` files below the deck.
+
+        Raises ImportFileError that names ``source`` and the line for a file outside of the deck's folder and where a
+        limit is exceeded; that names ``path`` where it cannot be read.
+        """
+        if not self.may_read(path):
+            fail(
+                source,
+                f"INCLUDE names '{str(path)[:200]}', which lies outside of the deck's folder {self._folder}. A deck "
+                "from somebody else could read any file so. Copy the file into the folder of the deck or below; if you "
+                "trust the deck, allow it with --includes-outside (structure.includes_outside = true in a study file).",
+                number,
+            )
+        if depth > DEEPEST_INCLUDE:
+            fail(source, f"INCLUDE: files include each other more than {DEEPEST_INCLUDE} deep.", number)
+        if not self._is_inside(path):
+            self._foreign.add(path)
+        self._times[path.resolve()] += 1
+        if self._times[path.resolve()] > MOST_REPEATS:
+            fail(source, f"INCLUDE brings in {path} more than {MOST_REPEATS} times. Take some out.", number)
+        if self._times.total() > MOST_FILES:
+            fail(source, f"INCLUDE: the deck brings in more than {MOST_FILES} files. Join some of them.", number)
+        lines = read_text(path)
+        self._characters += len(lines) + sum(map(len, lines))
+        if self._characters > LARGEST_FILE:
+            fail(
+                source,
+                f"INCLUDE: with {path} the included files have more than {in_words(LARGEST_FILE)} in total, the most "
+                "that is read of a model.",
+                number,
+            )
+        return lines
+
+    @contextmanager
+    def hidden_if_foreign(self) -> Iterator[None]:
+        """Take what a file outside of the deck's folder holds out of the sentence of an error about it."""
+        try:
+            yield
+        except ImportFileError as error:
+            for path in self._foreign:
+                place = re.match(re.escape(str(path)) + r"(, line \d+)?: ", str(error))
+                if place:
+                    raise ImportFileError(
+                        f"{place[0]}this file cannot be read as a part of the deck. It lies outside of the deck's "
+                        "folder, so nothing of it is shown. Copy it below that folder to see what is wrong."
+                    ) from None
+            raise
+
+    def _is_inside(self, path: Path) -> bool:
+        return path.resolve().is_relative_to(self._folder)

@@ -1,0 +1,75 @@
+"""The packages of an environment: each held by constraints.txt, with its licence in docs/licences.md."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+# The file is that of this platform; others need a few packages more or less.
+HELD_HERE = pytest.mark.skipif(
+    sys.platform != "linux" or sys.version_info[:2] != (3, 11), reason="constraints.txt is for Linux and Python 3.11"
+)
+
+
+@pytest.fixture
+def tools(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    monkeypatch.syspath_prepend(str(ROOT / "tools"))
+    return importlib.import_module("packages")
+
+
+@HELD_HERE
+def test_every_installed_package_is_held_in_its_version(tools: ModuleType) -> None:
+    """All that the project, its extras and the group dev need, directly or not."""
+    found = tools.installed(tools.requirements(dev=True, extras=True))
+    assert {"numpy", "pandas", "pytest", "python-dateutil"} <= found.keys()
+    versions = {name: package.version for name, package in found.items()}
+    held = tools.pins()
+    assert {name: held.get(name) for name in versions} == versions
+
+
+def test_every_requirement_is_held_in_a_version_that_it_allows(tools: ModuleType) -> None:
+    """Also of extras and of the build, which need not be installed."""
+    from packaging.requirements import Requirement
+
+    wanted = [*tools.requirements(dev=True, extras=True), "hatchling>=1.25", "pip"]
+    held = tools.pins()
+    for each in map(Requirement, wanted):
+        assert each.specifier.contains(held[tools.plain(each.name)]), each
+
+
+def test_no_package_is_held_twice(tools: ModuleType) -> None:
+    lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
+    assert len([line for line in lines if not line.startswith("#")]) == len(tools.pins())
+
+
+@HELD_HERE
+def test_the_file_with_hashes_holds_the_same_versions(tools: ModuleType) -> None:
+    lines = (ROOT / "requirements-hashed.txt").read_text(encoding="utf-8").splitlines()
+    rows = [
+        re.fullmatch(r"(\S+)==(\S+) --hash=sha256:([0-9a-f]{64})", line) for line in lines if not line.startswith("#")
+    ]
+    hashed = {tools.plain(row[1]): row[2] for row in rows if row is not None}
+    assert len(hashed) == len(rows)
+    held = tools.pins()
+    assert {name: held[name] for name in hashed} == hashed
+    assert hashed.keys() == tools.installed(tools.requirements(dev=True)).keys()
+
+
+@HELD_HERE
+def test_the_licences_are_those_of_the_packages(tools: ModuleType) -> None:
+    page = importlib.import_module("make_licences").table()
+    assert (ROOT / "docs" / "licences.md").read_text(encoding="utf-8") == page, "run: python tools/make_licences.py"
+
+
+def test_no_package_of_the_default_set_is_under_the_gpl(tools: ModuleType) -> None:
+    for name, package in tools.installed(tools.requirements()).items():
+        words = tools.licence(package)
+        assert words != "not stated", name
+        # LGPL is allowed, and stated: the page is that of the metadata
+        assert not re.search(r"\bA?GPL|Affero|(?<!Lesser )General Public", words), f"{name}: {words}"
