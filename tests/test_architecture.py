@@ -16,7 +16,18 @@ ROOT = "stickslip"
 
 # A module imports from its own layer or from layers that stand before it; layers in one row do not know each other.
 ROWS = (
-    ("errors", "validation", "fourier", "progress", "reference", "files", "threads"),
+    (
+        "errors",
+        "validation",
+        "fourier",
+        "progress",
+        "reference",
+        "files",
+        "threads",
+        "processes",
+        "compiled",
+        "thread_variables",
+    ),
     ("structure",),
     ("interface",),
     ("results",),
@@ -51,6 +62,8 @@ LAYER_OF = {
     "model": "study",
     "solved_preload": "study",
     "sketching": "study",
+    "run_places": "study",
+    "cli_process": "cli",
 }
 BASE = ROWS[0]
 

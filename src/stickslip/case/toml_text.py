@@ -17,6 +17,7 @@ from pydantic_core import ErrorDetails
 from stickslip.core.errors import InputError, StudyFileError
 
 _KEY = re.compile(r"\s*([\w-]+)\s*=")
+_OF_THE_NAME = "[key]"  # how pydantic marks the place of an error in the name of an entry
 _NEW_FILE = '"stickslip new FILE" writes a commented one to start from.'
 
 
@@ -181,6 +182,8 @@ class _Entry:
 
 def _sentence(entry: _Entry, details: ErrorDetails, data: Mapping[str, Any], known: Mapping[str, Sequence[str]]) -> str:
     """Key, what was found, what is allowed, what to do."""
+    if entry.path[-1] == _OF_THE_NAME:
+        return f"[{entry.path[0]}.{_toml(entry.path[1])}] {details['ctx']['error']}"
     found = f"{entry} = {_toml(details['input'])}"
     match details["type"]:
         case "extra_forbidden":

@@ -77,6 +77,10 @@ class ResultsFileError(InputError):
     """A results file is missing, damaged, or was written by another version."""
 
 
+class PlaceError(InputError):
+    """A folder, a file or the disk does not take what is to be written; the study file has nothing to do with it."""
+
+
 class MissingPackageError(StickslipError, ImportError):
     """An optional package is needed; the message names the extra that installs it."""
 
@@ -85,3 +89,7 @@ class ConvergenceError(StickslipError, RuntimeError):
     """An iteration did not converge; the message says how far it came and what to try."""
 
     exit_code = 3
+
+
+class StickslipWarning(UserWarning):
+    """Something is not as it should be, but the results are right all the same; the message says what to do."""

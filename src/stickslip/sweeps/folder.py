@@ -9,19 +9,18 @@ from __future__ import annotations
 
 import hashlib
 import json
-import time
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from stickslip.core.errors import ResultsFileError
-from stickslip.core.files import whole_file
+from stickslip.core.files import remove_abandoned, require_folder, require_room, whole_file, write_solved
 from stickslip.results.storage import load_results
 from stickslip.results.sweep_table import SweepCurve, curve_and_measures
-from stickslip.study.run import RESULTS_FILE
+from stickslip.study.places import RESULTS_FILE
 from stickslip.sweeps.plan import PlannedCase
 from stickslip.sweeps.work import CASE_KEY, CaseOutcome
 
@@ -29,8 +28,7 @@ CASES = "cases"
 FAILED_FILE = "failed.json"
 ROW_FILE = "row.json"
 TRACEBACK_FILE = "traceback.log"
-# Saving takes seconds: an unfinished file this old was left by a process that was killed.
-_ABANDONED_SECONDS = 600.0
+ROOM_BYTES = 15_000_000  # the page of a sweep and one case of the two-blade study
 
 
 @dataclass(frozen=True)
@@ -39,9 +37,10 @@ class SweepFolder:
 
     path: Path
 
-    def make(self) -> None:
-        """Make the folder itself."""
-        _make(self.path)
+    def make(self, files: Iterable[str]) -> None:
+        """Make the folder itself, for cases and these files. Raises PlaceError where they could not be written."""
+        require_folder(self.path, files, folders=(CASES,))
+        require_room(self.path, ROOM_BYTES, ROOM_BYTES)
 
     def results_file(self, planned: PlannedCase) -> Path:
         """The results file of a case, whether or not it exists."""
@@ -56,8 +55,7 @@ class SweepFolder:
         target = self.results_file(planned) if outcome.file else self.results_file(planned).with_name(FAILED_FILE)
         content = outcome.file or json.dumps({CASE_KEY: planned.key, "message": outcome.message}).encode()
         _make(target.parent)
-        with whole_file(target, "results", ResultsFileError) as part:
-            part.write_bytes(content)
+        write_solved(target, content, "results", ResultsFileError, then="start the same sweep again")
         if outcome.file:
             # after the results: a process that is killed between the two leaves a case that is read whole
             with whole_file(target.with_name(ROW_FILE), "row of a case", ResultsFileError) as part:
@@ -76,7 +74,7 @@ class SweepFolder:
     def finished(self, planned: PlannedCase) -> tuple[CaseOutcome | None, str]:
         """What an earlier sweep found for these inputs and this version, or None; and a sentence about a bad file."""
         file = self.results_file(planned)
-        self._remove_abandoned(file.parent)
+        remove_abandoned(file.parent)
         failed = file.with_name(FAILED_FILE)
         if not file.exists():
             return _failure(failed, planned.key) if failed.exists() else (None, "")
@@ -94,11 +92,6 @@ class SweepFolder:
         warnings = (*saved.study.warnings, *response.warnings)
         return CaseOutcome(response.converged, response.message, measures, curve, warnings), ""
 
-    def _remove_abandoned(self, folder: Path) -> None:
-        for part in _parts(folder):
-            if time.time() - part.stat().st_mtime > _ABANDONED_SECONDS:
-                part.unlink(missing_ok=True)
-
 
 def _make(folder: Path) -> None:
     try:
@@ -107,11 +100,6 @@ def _make(folder: Path) -> None:
         raise ResultsFileError(
             f'the folder "{folder}" cannot be made ({error.strerror}). Give a folder in which you can make files.'
         ) from error
-
-
-def _parts(folder: Path) -> Iterator[Path]:
-    """Unfinished files of ``whole_file``."""
-    return folder.glob(".*.part")
 
 
 def _row_text(key: str, outcome: CaseOutcome) -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-import signal
 import threading
 import traceback
 from abc import ABC, abstractmethod
@@ -20,6 +19,7 @@ from queue import Empty, SimpleQueue
 from typing import Any, ParamSpec, TypeVar
 
 from stickslip.core.errors import InputError
+from stickslip.core.processes import leave_signals_to_parent, safe_path
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -162,7 +162,8 @@ class _Worker:
                 context = multiprocessing.get_context("spawn")
                 self._pipe, theirs = context.Pipe()
                 self._process = context.Process(target=_work, args=(theirs,), daemon=True)
-                self._process.start()
+                with safe_path():
+                    self._process.start()
                 theirs.close()  # else the pipe would stay open when the process dies
             return self._pipe
 
@@ -177,7 +178,7 @@ class _Worker:
 
 def _work(pipe: Connection) -> None:
     """Life of a worker process: answer calls until the pipe is closed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    leave_signals_to_parent()
     threading.Thread(target=_end_with_parent, daemon=True).start()
     while True:
         try:
