@@ -137,3 +137,35 @@ def test_wrong_study_file(text: str, parts: list[str], tmp_path: Path) -> None:
     assert result.exit_code == 2
     assert "Traceback" not in result.stderr
     assert [part for part in parts if part not in result.stderr] == []
+
+
+@pytest.mark.parametrize(
+    "name", ["block/beam", "..", "/etc", "a=b", "a:b", " a", "a ", "a\\b", "a\tb", "", "n" * 65, 'a"b']
+)
+@pytest.mark.parametrize("section", ["interfaces", "forces", "responses", "static_loads"])
+def test_names_that_files_and_keys_cannot_take_are_refused(section: str, name: str) -> None:
+    """A slash was met when the table of a solved sweep was written."""
+    entries = {"interfaces": {"first": "a", "second": "b"}}.get(section, {"set": "a", "direction": [1.0, 0.0, 0.0]})
+    with pytest.raises(StudyFileError, match="is not a name: letters, digits, blanks and") as error:
+        Case.from_mapping({"structure": {"kind": "mesh", "file": "a.inp"}, section: {name: entries}})
+    assert f"[{section}." in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["block-beam", "Gelenk links", "face 1.2 (top)", "_a", "N1"])
+def test_usual_names_pass(name: str) -> None:
+    case = mesh_case().to_dict()
+    case["responses"] = {name: next(iter(case["responses"].values()))}
+    assert list(Case.from_mapping(case).responses) == [name]
+
+
+def test_bodies_are_called_as_in_the_mesh_and_texts_can_be_shown() -> None:
+    data = {"structure": {"kind": "mesh", "file": "a.inp"}, "bodies": {"Part/Body:1": {"density": 7800.0}}}
+    with pytest.raises(StudyFileError) as error:  # it lacks interfaces and more
+        Case.from_mapping(data)
+    assert "Part/Body" not in str(error.value)
+    data["bodies"] = {"a\x1b[2Jb": {"density": 7800.0}}
+    data["structure"]["fixed"] = ["root\x07"]  # type: ignore[assignment]
+    with pytest.raises(StudyFileError) as error:
+        Case.from_mapping(data)
+    assert 'bodies."a\\u001b[2Jb"] holds the control character U+001B' in str(error.value)
+    assert 'structure.fixed = ["root\\u0007"] holds the control character U+0007' in str(error.value)

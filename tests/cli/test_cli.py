@@ -314,6 +314,43 @@ def test_silent_progress_says_nothing(capsys: pytest.CaptureFixture[str]) -> Non
     assert capsys.readouterr() == ("", "")
 
 
-def _stickslip(*arguments: str) -> subprocess.CompletedProcess[str]:
+def _stickslip(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
     code = "from stickslip.cli.main import main; main()"
-    return subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=False)
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, **environment},
+    )
+
+
+@pytest.mark.parametrize("command", ["run", "sweep", "paper", "roughness"])
+def test_an_empty_folder_is_refused(study: Study, study_file: Path, command: str, tmp_path: Path) -> None:
+    """An empty text would be the current folder: a script whose variable is not set writes nothing there."""
+    more = ["--vary", "friction.coefficient=0.2,0.3"] if command == "sweep" else []
+    result = invoke(command, *([] if command == "paper" else [study_file]), *more, "--out", "")
+    assert result.exit_code == 2
+    assert "--out" in result.stderr
+    assert "it is empty. Give a folder" in result.stderr.replace("\n", " ")
+    assert study.calls == []
+
+
+def test_threads_of_the_environment_are_checked_first(
+    study: Study, study_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "0")
+    result = invoke("check", study_file)
+    assert result.exit_code == 2
+    assert "NUMBA_NUM_THREADS is '0', but it must be a whole number" in result.stderr
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_the_real_solver_does_not_meet_numba_without_threads(tmp_path: Path, command: str) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text(Case().to_text(), encoding="utf-8")
+    more = ["--out", str(tmp_path / "out")] if command == "run" else []
+    result = _stickslip(command, str(path), *more, NUMBA_NUM_THREADS="0")
+    assert result.returncode == 2
+    assert result.stderr.startswith("Error: the environment variable NUMBA_NUM_THREADS is '0'")
+    assert not (tmp_path / "out").exists()

@@ -7,7 +7,15 @@ import threading
 import pytest
 
 from stickslip.core.errors import InputError
-from stickslip.core.threads import FEWEST_ROWS, MOST_BY_DEFAULT, blas_threads, in_threads, thread_count, usable_cores
+from stickslip.core.thread_variables import require_thread_variables
+from stickslip.core.threads import (
+    FEWEST_ROWS,
+    MOST_BY_DEFAULT,
+    blas_threads,
+    in_threads,
+    thread_count,
+    usable_cores,
+)
 
 
 def test_the_argument_wins_over_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -25,7 +33,23 @@ def test_an_environment_that_makes_no_sense_is_refused(text: str, monkeypatch: p
         thread_count()
 
 
-@pytest.mark.parametrize("threads", [0, -2, 1.5, True])
+@pytest.mark.parametrize("variable", ["STICKSLIP_THREADS", "NUMBA_NUM_THREADS", "OMP_NUM_THREADS"])
+@pytest.mark.parametrize("text", ["0", "-1", "two", "1.5", "1025", "9" * 5000, "1,2,0"])
+def test_every_variable_of_threads_is_checked(variable: str, text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(variable, text)
+    with pytest.raises(InputError, match=f"{variable} is '.*', but it must be a whole number from 1 to 1024") as error:
+        require_thread_variables()
+    assert len(str(error.value)) < 250
+
+
+def test_usual_variables_pass(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "64")
+    monkeypatch.setenv("OMP_NUM_THREADS", "4, 2")  # for work inside work
+    monkeypatch.setenv("STICKSLIP_THREADS", "")
+    require_thread_variables()
+
+
+@pytest.mark.parametrize("threads", [0, -2, 1.5, True, 1025, 10**9])
 def test_a_count_that_makes_no_sense_is_refused(threads: int) -> None:
     with pytest.raises(InputError, match="threads is"):
         thread_count(threads)

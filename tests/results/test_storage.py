@@ -3,6 +3,9 @@
 import dataclasses
 import os
 import re
+import subprocess
+import sys
+from pathlib import Path
 
 import h5netcdf
 import h5py
@@ -161,6 +164,38 @@ def test_failed_save_leaves_the_old_file_and_no_other(response, saved, monkeypat
         save_results(saved, response)
     assert saved.read_bytes() == before
     assert os.listdir(saved.parent) == ["results.nc"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="limits of files are of POSIX systems")
+def test_a_full_disk_is_a_sentence_and_no_fault_of_hdf5(tmp_path):
+    """HDF5 ended the process with a segmentation fault where a file could not grow."""
+    code = """
+import resource, sys
+from pathlib import Path
+from stickslip.results.storage import save_results
+from synthetic import synthetic_response, synthetic_study
+response, study = synthetic_response(), synthetic_study()
+resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+save_results(Path(sys.argv[1]) / "results.nc", response, study)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1]), *sys.path])},
+    )
+    assert done.returncode == 1
+    assert "ResultsFileError: the results could not be written to" in done.stderr
+    assert "File too large" in done.stderr
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.skipif(not Path("/proc/self/mem").exists(), reason="only Linux has a file that no disk can read")
+def test_a_disk_that_fails_while_it_is_read_is_told(tmp_path):
+    (tmp_path / "results.nc").symlink_to("/proc/self/mem")
+    with pytest.raises(ResultsFileError, match="could not be opened: Input/output error"):
+        load_results(tmp_path / "results.nc")
 
 
 def test_folder_that_does_not_exist(response, tmp_path):

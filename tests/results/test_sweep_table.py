@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import math
 from pathlib import Path
 
@@ -49,6 +50,15 @@ def test_netcdf_has_units_and_words(tmp_path: Path) -> None:
     assert data["shift_from_stuck_hz"].attrs["units"] == "Hz"
     np.testing.assert_array_equal(data["converged"], [1, 0, 1, 1])
     assert all("long_name" in data[name].attrs for name in data.variables)
+
+
+def test_a_body_with_a_slash_in_its_name_loses_no_table(tmp_path: Path) -> None:
+    key = dataclasses.replace(load_key((100.0, 300.0)), name="bodies.Part/Body.density")
+    table = sweep_view((key, MODE), [1e-4, None, 3e-4, 4e-4]).table
+    table.to_netcdf(tmp_path / "t.nc")
+    data = xarray.load_dataset(tmp_path / "t.nc", engine="h5netcdf")
+    np.testing.assert_array_equal(data["bodies.Part%2FBody.density"], [100.0, 100.0, 300.0, 300.0])
+    assert data["bodies.Part%2FBody.density"].attrs["long_name"].startswith("bodies.Part/Body.density")
 
 
 def test_a_place_that_cannot_be_written_is_told(tmp_path: Path) -> None:

@@ -81,7 +81,7 @@ def test_a_write_that_fails_leaves_the_old_files(tmp_path, block, modes, monkeyp
 def test_what_cannot_be_written_gets_a_sentence(tmp_path, block, modes):
     with pytest.raises(InputError, match=r"must end in \.vtu"):
         write_mode_shapes(tmp_path / "modes.vtk", block, modes, [1.0, 2.0])
-    with pytest.raises(InputError, match="output folder that exists"):
+    with pytest.raises(InputError, match="a folder that exists"):
         write_mode_shapes(tmp_path / "nowhere" / "modes.vtu", block, modes, [1.0, 2.0])
     with pytest.raises(InputError, match=r"modes must have shape \(36, k\)"):
         write_mode_shapes(tmp_path / "modes.vtu", block, modes[:-3], [1.0, 2.0])

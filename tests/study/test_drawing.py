@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +17,7 @@ from stickslip.core.errors import InputError
 from stickslip.model.model import load_joint, set_up
 from stickslip.study.facts import derived_quantities
 from stickslip.study.figure_process import Drawing, SecondProcess, rough_patch
+from strangers import is_alive, strangers
 from synthetic import synthetic_response, synthetic_study
 
 CASE = Case.from_mapping({"output": {"figure_formats": ["svg"]}})
@@ -65,11 +71,18 @@ def test_what_the_drawing_refuses_is_raised_here(tmp_path: Path) -> None:
             artist.files()
 
 
-def test_a_fault_of_the_drawing_comes_with_its_traceback(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("not a folder", encoding="utf-8")
     with SecondProcess(Drawing(tmp_path / "file", CASE)) as artist:
         artist.start(synthetic_response(), synthetic_study())
-        with pytest.raises(RuntimeError, match=r"(?s)could not be drawn:.*FileExistsError"):
+        with pytest.raises(InputError, match="of the figures cannot be made"):
+            artist.files()
+
+
+def test_a_fault_of_the_drawing_comes_with_its_traceback(tmp_path: Path) -> None:
+    with SecondProcess(Drawing(tmp_path, CASE)) as artist:
+        artist.start("no response", synthetic_study())  # type: ignore[arg-type]
+        with pytest.raises(RuntimeError, match=r"(?s)could not be drawn:.*AttributeError"):
             artist.files()
 
 
@@ -86,3 +99,75 @@ def test_a_study_without_a_response_ends_the_process(tmp_path: Path) -> None:
     with SecondProcess(Drawing(tmp_path, CASE)) as artist:
         process = artist._process
     assert process.poll() is not None
+
+
+@pytest.mark.parametrize("backend", ["nonsense", "module://matplotlib_inline.backend_inline"])
+def test_figures_need_no_backend(tmp_path: Path, backend: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Jupyter sets a backend for all commands that are started in it; drawing needs none."""
+    monkeypatch.setenv("MPLBACKEND", backend)
+    with SecondProcess(Drawing(tmp_path, CASE)) as artist:
+        artist.start(synthetic_response(), synthetic_study())
+        assert artist.files()
+
+
+def test_files_of_the_current_folder_are_not_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    strangers(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    with SecondProcess(Drawing(tmp_path / "figures", CASE)) as artist:
+        artist.start(synthetic_response(), synthetic_study())
+        assert artist.files()
+    assert not (tmp_path / "ran").exists()
+
+
+PARENT = """
+import os, sys
+from pathlib import Path
+from stickslip.case.case import Case
+from stickslip.study.figure_process import Drawing, SecondProcess
+from stickslip.core.errors import InputError
+from stickslip.core.files import whole_file
+from synthetic import synthetic_response, synthetic_study
+out = Path(sys.argv[1])
+drawing = Drawing(out / "figures", Case.from_mapping({"output": {"figure_formats": ["svg", "png", "pdf"]}}))
+with SecondProcess(drawing) as artist, whole_file(out / "results.nc", "results", InputError) as part:
+    part.write_text("half")
+    if sys.argv[2] == "drawing":
+        artist.start(synthetic_response(), synthetic_study())
+    print(artist._process.pid, flush=True)
+    artist._process.wait()
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="Windows has no SIGKILL")
+@pytest.mark.parametrize("when", ["solving", "drawing"])
+def test_after_the_parent_was_killed_no_process_and_no_half_file_stays(tmp_path: Path, when: str) -> None:
+    paths = os.pathsep.join(["tests", os.environ.get("PYTHONPATH", "")])
+    parent = subprocess.Popen(
+        [sys.executable, "-c", PARENT, str(tmp_path), when],
+        stdout=-1,
+        text=True,
+        env={**os.environ, "PYTHONPATH": paths},
+    )
+    assert parent.stdout is not None
+    with parent.stdout:
+        child = int(parent.stdout.readline())
+        if when == "drawing":  # it is at work
+            while not list(tmp_path.glob("figures/.*.part")):
+                time.sleep(0.001)
+        assert list(tmp_path.glob(".*.part"))
+        parent.kill()
+        parent.wait()
+        deadline = time.monotonic() + 20.0
+        while is_alive(child) and time.monotonic() < deadline:
+            time.sleep(0.02)
+    assert not is_alive(child)
+    assert list(tmp_path.rglob(".*.part")) == []
+
+
+def test_an_interrupt_while_it_draws_leaves_no_half_file(tmp_path: Path) -> None:
+    case = Case.from_mapping({"output": {"figure_formats": ["svg", "png", "pdf"]}})
+    with SecondProcess(Drawing(tmp_path / "figures", case)) as artist:
+        artist.start(synthetic_response(), synthetic_study())
+        while not list(tmp_path.glob("figures/.*.part")):
+            time.sleep(0.001)
+    assert list(tmp_path.rglob(".*.part")) == []

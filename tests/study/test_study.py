@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,10 +13,12 @@ from typer.testing import CliRunner
 
 from stickslip.case.case import Case
 from stickslip.cli.main import app
-from stickslip.core.errors import ResultsFileError
+from stickslip.core.errors import InputError, PlaceError, ResultsFileError
+from stickslip.model.model import build_joint, build_model, build_structure
 from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
 from stickslip.solve.path.continuation import ContinuationSettings
+from stickslip.study import places as run_places
 from stickslip.study import run as study
 from stickslip.study.figure_process import PAGE_GRID, rough_patch
 from sweep_cases import COARSE_MESH
@@ -137,3 +142,72 @@ def test_the_curve_is_the_same_with_one_and_two_threads(tmp_path: Path, monkeypa
         curves.append(load_results(tmp_path / str(threads) / "results.nc").response)
     assert np.array_equal(curves[0].frequency_hz, curves[1].frequency_hz)
     assert np.array_equal(curves[0].displacement, curves[1].displacement)
+
+
+def test_a_folder_that_is_removed_while_the_case_is_solved_loses_no_curve(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    solve = study.solve
+
+    def solve_and_remove(*arguments: Any) -> Any:
+        response = solve(*arguments)
+        shutil.rmtree(tmp_path / "out")
+        return response
+
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setattr(study, "solve", solve_and_remove)
+    with pytest.raises(ResultsFileError, match=r'kept in .*"stickslip report" makes the report') as error:
+        study.run(Case().replace(COARSE), tmp_path / "out")
+    (kept,) = (tmp_path / "cache").rglob("results.nc")
+    assert str(kept) in str(error.value)
+    assert load_results(kept).response.converged
+    assert not (tmp_path / "out").exists()
+
+
+def test_places_that_are_taken_are_found_before_anything_is_built(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(study, "set_up", None)
+    for name in ("results.nc", "report.html", "mode_shapes.vtu", "deflected_shape.pvd", "contact_pairs.vtu"):
+        (tmp_path / name).mkdir()
+        with pytest.raises(PlaceError, match=f'{name}" is a folder, but a file of that name will be written'):
+            study.run(Case().replace(COARSE), tmp_path)
+        (tmp_path / name).rmdir()
+    for name in ("figures", "deflected_shape_frames"):
+        (tmp_path / name).write_text("a file", encoding="utf-8")
+        with pytest.raises(PlaceError, match=f'{name}" is a file, but a folder of that name will be written'):
+            study.run(Case().replace(COARSE), tmp_path)
+        (tmp_path / name).unlink()
+
+
+def test_a_disk_that_fills_up_after_the_results_keeps_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise InputError("the report could not be written: No space left on device.")
+
+    monkeypatch.setattr(study, "_page", full)
+    with pytest.raises(InputError, match=r'No space left on device\. The curve is safe in ".*results\.nc"'):
+        study.run(Case().replace(COARSE), tmp_path)
+    assert load_results(tmp_path / "results.nc").response.converged
+
+
+def test_too_little_room_is_found_before_solving(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(study, "solve", None)
+    usage = SimpleNamespace(free=11_500_000)  # enough at the start, not for the results of this model
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage)
+    with pytest.raises(PlaceError, match=r"has 11\.5 MB free, but about .* MB will be written"):
+        study.run(Case().replace(COARSE), tmp_path)
+
+
+def test_the_estimate_of_the_room_covers_what_a_run_writes(
+    solved: tuple[Path, study.StudyOutcome, Heard], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder, _, _ = solved
+    asked: list[tuple[int, int]] = []
+    monkeypatch.setattr(run_places, "require_room", lambda _, whole, largest: asked.append((whole, largest)))
+    case = Case().replace(COARSE)
+    structure = build_structure(case)
+    run_places.require_room_for(case, build_model(case, structure, build_joint(case, structure)), folder)
+    sizes = [path.stat().st_size for path in folder.rglob("*") if path.is_file()]
+    ((whole, largest),) = asked
+    assert sum(sizes) < whole < 3 * sum(sizes)
+    assert max(sizes) < largest < 3 * max(sizes)

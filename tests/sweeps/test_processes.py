@@ -25,6 +25,7 @@ from stickslip.core.threads import usable_cores
 from stickslip.sweeps import schedule, work
 from stickslip.sweeps.pool import LocalProcesses, WorkerDied
 from stickslip.sweeps.schedule import Schedule, StructureGroup
+from strangers import is_alive
 from sweep_cases import quick_file
 
 LOADS = "450:700:6"
@@ -139,14 +140,6 @@ def wait_for_files(out: Path, count: int, process: subprocess.Popen[str]) -> Non
 def children(process: subprocess.Popen[str]) -> list[int]:
     listed = Path(f"/proc/{process.pid}/task/{process.pid}/children")
     return [int(pid) for pid in listed.read_text().split()] if listed.exists() else []
-
-
-def is_alive(pid: int) -> bool:
-    status = Path(f"/proc/{pid}/stat")
-    try:
-        return status.read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
 
 
 def require_end(pids: list[int]) -> None:

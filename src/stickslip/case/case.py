@@ -15,9 +15,11 @@ from stickslip.case.consistency import require_fit
 from stickslip.case.own_sections import (
     FILE_KEYS,
     FOREIGN_KEYS,
+    BodyName,
     BodySection,
     ForceSection,
     InterfaceSection,
+    Name,
     ResponseSection,
     RotationSection,
     StaticLoadSection,
@@ -60,18 +62,18 @@ class Case(BaseModel):
     geometry: GeometrySection | None = GeometrySection()
     mesh: MeshSection | None = MeshSection()
     material: MaterialSection | None = MaterialSection()
-    bodies: dict[str, BodySection] = Field(default={}, description=BodySection.__doc__)
+    bodies: dict[BodyName, BodySection] = Field(default={}, description=BodySection.__doc__)
     reduction: ReductionSection = ReductionSection()
     roughness: RoughnessSection | None = RoughnessSection()
     contact_stiffness: ContactStiffnessSection | None = Field(default=None, description=ContactStiffnessSection.__doc__)
     friction: FrictionSection = FrictionSection()
-    interfaces: dict[str, InterfaceSection] = Field(default={}, description=InterfaceSection.__doc__)
+    interfaces: dict[Name, InterfaceSection] = Field(default={}, description=InterfaceSection.__doc__)
     preload: PreloadSection = PreloadSection()
     damping: DampingSection = DampingSection()
     excitation: ExcitationSection | None = ExcitationSection()
-    forces: dict[str, ForceSection] = Field(default={}, description=ForceSection.__doc__)
-    responses: dict[str, ResponseSection] = Field(default={}, description=ResponseSection.__doc__)
-    static_loads: dict[str, StaticLoadSection] = Field(default={}, description=StaticLoadSection.__doc__)
+    forces: dict[Name, ForceSection] = Field(default={}, description=ForceSection.__doc__)
+    responses: dict[Name, ResponseSection] = Field(default={}, description=ResponseSection.__doc__)
+    static_loads: dict[Name, StaticLoadSection] = Field(default={}, description=StaticLoadSection.__doc__)
     rotation: RotationSection | None = Field(default=None, description=RotationSection.__doc__)
     solver: SolverSection = SolverSection()
     output: OutputSection = OutputSection()

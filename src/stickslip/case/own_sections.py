@@ -5,13 +5,15 @@ What one section needs of another, and which sections a kind of structure has, i
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
-from stickslip.case.sections import Direction, Force, Section, Stiffness
+from stickslip.case.sections import Direction, Force, Section, Stiffness, require_printable
+from stickslip.core.errors import InputError
 from stickslip.core.units import Quantity
 
 Kind = Literal["two-blade", "mesh", "matrices"]
@@ -45,6 +47,24 @@ FOREIGN_KEYS: dict[Kind, frozenset[str]] = {
     ),
 }
 
+# Names become words of pages, entries of files and keys of --vary, so "/", "=", ":" and quotes are left out.
+_NAME = re.compile(r"\w(?:[\w .+()-]*[\w.+()-])?")
+_LONGEST_NAME = 64
+
+
+def _usable_name(name: str) -> str:
+    """``name`` of an interface, a force, a response or a static load. Raises InputError."""
+    if len(name) > _LONGEST_NAME or not _NAME.fullmatch(name):
+        raise InputError(
+            f"is not a name: letters, digits, blanks and _ . + - ( ) are allowed, at most {_LONGEST_NAME}, with a "
+            "letter, a digit or _ first. Give it another name."
+        )
+    return name
+
+
+Name = Annotated[str, AfterValidator(_usable_name)]
+# Bodies are called as in the mesh file.
+BodyName = Annotated[str, AfterValidator(require_printable)]
 Coordinate = Annotated[float, Quantity("length", shown="mm")]
 Place = tuple[Coordinate, Coordinate, Coordinate]
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
+from unicodedata import category
 
 from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationInfo, field_validator, model_validator
 
@@ -20,6 +21,7 @@ Length = Annotated[float, Quantity("length", shown="mm", above=0.0, at_most=3.0)
 Force = Annotated[float, Quantity("force", above=0.0)]
 Stiffness = Annotated[float, Quantity("stiffness", above=0.0, example='"1.3e8 N/m"')]
 Frequency = Annotated[float, Quantity("frequency", above=0.0)]
+_CONTROLS = ("Cc", "Cs", "Zl", "Zp")  # controls, halves of characters, separators of lines and paragraphs
 Elements = Annotated[int, Count(at_least=1, at_most=1000)]
 
 
@@ -40,10 +42,29 @@ def _unit_vector(value: object) -> tuple[float, float, float]:
 Direction = Annotated[tuple[float, float, float], PlainValidator(_unit_vector)]
 
 
+def require_printable(value: Any) -> Any:
+    """``value``, unless it is a text, or holds one, with a character that no file, page or terminal can show."""
+    if isinstance(value, list | tuple):
+        for entry in value:
+            require_printable(entry)
+    odd = next((letter for letter in value if category(letter) in _CONTROLS), "") if isinstance(value, str) else ""
+    if odd:
+        raise InputError(
+            f"holds the control character U+{ord(odd):04X}, but a text is one line of characters that can be shown. "
+            "Take it out."
+        )
+    return value
+
+
 class Section(BaseModel):
     """A section of the study file."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _texts_can_be_shown(cls, value: Any) -> Any:
+        return require_printable(value)
 
 
 class StudySection(Section):

@@ -19,6 +19,7 @@ from stickslip.core.input_files import read_regular
 
 LARGEST_STUDY = 10_000_000  # bytes; a study file with every key has some 10 kB
 _KEY = re.compile(r"\s*([\w-]+)\s*=")
+_OF_THE_NAME = "[key]"  # how pydantic marks the place of an error in the name of an entry
 _NEW_FILE = '"stickslip new FILE" writes a commented one to start from.'
 
 
@@ -183,6 +184,8 @@ class _Entry:
 
 def _sentence(entry: _Entry, details: ErrorDetails, data: Mapping[str, Any], known: Mapping[str, Sequence[str]]) -> str:
     """Key, what was found, what is allowed, what to do."""
+    if entry.path[-1] == _OF_THE_NAME:
+        return f"[{entry.path[0]}.{_toml(entry.path[1])}] {details['ctx']['error']}"
     found = f"{entry} = {_toml(details['input'])}"
     match details["type"]:
         case "extra_forbidden":

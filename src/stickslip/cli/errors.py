@@ -5,12 +5,14 @@ from __future__ import annotations
 import sys
 import traceback
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import typer
 
-from stickslip.core.errors import InputError, StickslipError, show_warnings_as_sentences
+from stickslip.cli.process import StoppedBySignal, plain_warnings, stopping_signals
+from stickslip.core.errors import InputError, StickslipError
+from stickslip.core.thread_variables import require_thread_variables
 
 EXIT_FAULT = 1
 EXIT_INTERRUPTED = 130
@@ -18,20 +20,29 @@ LOG_NAME = "stickslip-error.log"
 
 
 @contextmanager
-def error_sentences(debug: bool, log_folder: Path | None = None) -> Iterator[None]:
-    """Turn whatever goes wrong into a sentence on stderr and an exit code; tracebacks go to a log or to --debug."""
-    show_warnings_as_sentences()
+def error_sentences(debug: bool, log_folder: Path | None = None, kept: str = "") -> Iterator[None]:
+    """Turn whatever goes wrong into a sentence on stderr and an exit code; tracebacks go to a log or to --debug.
+
+    ``kept`` says what stays of a command that is interrupted or stopped.
+    """
     try:
-        yield
-    except (typer.Exit, typer.Abort, BrokenPipeError):
+        with stopping_signals(), plain_warnings():
+            require_thread_variables()
+            yield
+    except (typer.Exit, typer.Abort):
         raise
     except StickslipError as error:
         _show_traceback(debug)
         typer.echo(f"Error: {error}", err=True)
         raise typer.Exit(error.exit_code) from error
+    except StoppedBySignal as error:
+        with suppress(OSError):  # a lost terminal takes no words
+            _show_traceback(debug)
+            typer.echo(f"Stopped by {error}; the study did not end. {kept}".rstrip(), err=True)
+        raise typer.Exit(128 + error.number) from error
     except KeyboardInterrupt as error:
         _show_traceback(debug)
-        typer.echo("Interrupted; the study did not end.", err=True)
+        typer.echo(f"Interrupted; the study did not end. {kept}".rstrip(), err=True)
         raise typer.Exit(EXIT_INTERRUPTED) from error
     except MemoryError as error:
         _show_traceback(debug)

@@ -1,12 +1,12 @@
 """The command line: ``stickslip new | check | run | sweep | report | roughness | import | paper``.
 
-Exit codes: 0 done, 1 fault of the program, 2 bad input, 3 not converged (what was computed is kept), 130 interrupted.
+Exit codes: 0 done, 1 fault of the program, 2 bad input, 3 not converged (what was computed is kept), 130 interrupted,
+128 + n stopped by signal n.
 Everything heavy is imported inside the commands, so that ``stickslip --help`` answers at once.
 """
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,7 +15,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stickslip.cli.errors import error_sentences
-from stickslip.core.errors import InputError
+from stickslip.cli.process import make_output_patient
+from stickslip.core.errors import InputError, PlaceError, ResultsFileError
+from stickslip.core.files import require_folder, whole_file
 from stickslip.core.progress import terminal_progress
 
 if TYPE_CHECKING:
@@ -36,12 +38,26 @@ app = typer.Typer(
     help="Forced vibration of structures with rough, dry-friction joints.",
 )
 
+
+def _folder(text: str) -> Path:
+    """The folder of an option. Raises BadParameter for an empty text, which would be the current folder."""
+    if not text.strip():
+        raise typer.BadParameter("it is empty. Give a folder; the current one is .")
+    return Path(text)
+
+
+FINISHED_ARE_KEPT = "Finished cases are kept; the same command goes on with the others."
 StudyFile = Annotated[Path, typer.Argument(metavar="FILE", help="The study file (TOML).", show_default=False)]
+OutFolder = Annotated[
+    Path,
+    typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False, parser=_folder),
+]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 
 def main() -> None:
     """Entry point of the command ``stickslip``."""
+    make_output_patient()
     app()
 
 
@@ -81,11 +97,9 @@ def new(
 
         if path.exists() and not force:
             raise InputError(f"{path} exists already. Give another name, or --force to overwrite it.")
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(Case.from_mapping(EXAMPLES[kind]).to_text(), encoding="utf-8")
-        except OSError as error:
-            raise InputError(f"{path} cannot be written ({error.strerror}). Give a path that you can write.") from error
+        require_folder(path.parent, files=(path.name,))
+        with whole_file(path, "study file", InputError) as part:
+            part.write_text(Case.from_mapping(EXAMPLES[kind]).to_text(), encoding="utf-8")
         typer.echo(f'Wrote {path}. Next: stickslip check "{path}"')
 
 
@@ -106,7 +120,9 @@ def check(path: StudyFile, debug: Debug = False) -> None:
 @app.command()
 def run(
     path: StudyFile,
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False)],
+    out: Annotated[
+        Path, typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False, parser=_folder)
+    ],
     threads: Annotated[
         int | None,
         typer.Option(
@@ -122,7 +138,7 @@ def run(
     """Solve a study and write results, report and figures into DIR."""
     with error_sentences(debug, log_folder=out):
         case, places = _load(path, quiet)
-        _require_writable(out)
+        require_folder(out)  # before the packages of the solver are loaded, which takes seconds
         from stickslip.study import run as study
 
         with terminal_progress(quiet) as progress, _about(places):
@@ -143,7 +159,9 @@ def sweep(
             show_default=False,
         ),
     ],
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False)],
+    out: Annotated[
+        Path, typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False, parser=_folder)
+    ],
     workers: Annotated[
         int | None,
         typer.Option("--workers", min=1, help="Processes; one for each processor unless given.", show_default=False),
@@ -157,7 +175,7 @@ def sweep(
     debug: Debug = False,
 ) -> None:
     """Solve a study for every combination of some values; goes on where an earlier sweep into DIR ended."""
-    with error_sentences(debug, log_folder=out):
+    with error_sentences(debug, log_folder=out, kept=FINISHED_ARE_KEPT):
         if scheduler is not None and workers is not None:
             raise InputError("--workers and --scheduler cannot both be given: the cluster has its own workers.")
         case, places = _load(path, quiet)
@@ -169,18 +187,14 @@ def sweep(
 
         varied = axes.split_options(vary)
         axes.swept_keys(varied)  # a wrong key is told before a folder is made or a cluster is asked
-        _require_writable(out)
+        require_folder(out)
         places = replace(places, varied=tuple(varied))
-        try:
-            with (
-                terminal_progress(quiet) as progress,
-                _about(places),
-                cluster_executor(scheduler, progress) if scheduler is not None else nullcontext(None) as executor,
-            ):
-                result = run.sweep(case, varied, executor, out, progress, workers=workers, threads=threads)
-        except KeyboardInterrupt:
-            typer.echo("Finished cases are kept; the same command goes on with the others.", err=True)
-            raise
+        with (
+            terminal_progress(quiet) as progress,
+            _about(places),
+            cluster_executor(scheduler, progress) if scheduler is not None else nullcontext(None) as executor,
+        ):
+            result = run.sweep(case, varied, executor, out, progress, workers=workers, threads=threads)
         _close_sweep(result, quiet)
 
 
@@ -193,7 +207,6 @@ def report(
     with error_sentences(debug):
         if not folder.is_dir():
             raise InputError(f'there is no folder "{folder}". Give the --out folder of a run, which holds results.nc.')
-        _require_writable(folder)
         from stickslip.study import run as study
 
         for file in study.report(folder):
@@ -215,13 +228,15 @@ def roughness(
     hardness: Annotated[
         str | None, typer.Option("--hardness", help='Of the face, for the load that it needs: "3 GPa".')
     ] = None,
-    out: Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder for plot and table.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Folder for plot and table.", parser=_folder)
+    ] = None,
     debug: Debug = False,
 ) -> None:
     """Fractal dimension and fractal roughness of a measured profile."""
     with error_sentences(debug):
         if out is not None:
-            _require_writable(out)
+            require_folder(out)
         from stickslip.cli import measured_roughness
 
         if hardness is not None:
@@ -266,22 +281,19 @@ def _print_rows(rows: list[tuple[str, str]]) -> None:
 
 @app.command()
 def paper(
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the study.", show_default=False)],
+    out: Annotated[
+        Path, typer.Option("--out", metavar="DIR", help="Folder of the study.", show_default=False, parser=_folder)
+    ],
     workers: Annotated[int, typer.Option("--workers", min=1, help="Processes.")] = 2,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
     debug: Debug = False,
 ) -> None:
     """Compute a published study again, with a verdict on each of its claims; goes on where it was stopped."""
-    with error_sentences(debug, log_folder=out):
-        _require_writable(out)
+    with error_sentences(debug, log_folder=out, kept=FINISHED_ARE_KEPT.replace("cases", "curves")):
         from stickslip.papers.rough_damper.study import paper_study
 
-        try:
-            with terminal_progress(quiet) as progress:
-                outcome = paper_study(out, workers, progress)
-        except KeyboardInterrupt:
-            typer.echo("Finished curves are kept; the same command goes on with the others.", err=True)
-            raise
+        with terminal_progress(quiet) as progress:
+            outcome = paper_study(out, workers, progress)
         for notice in outcome.notices:
             typer.echo(notice, err=True)
         if not quiet:
@@ -338,22 +350,12 @@ def _close_sweep(result: Sweep, quiet: bool) -> None:
         raise typer.Exit(EXIT_NOT_CONVERGED)
 
 
-def _require_writable(folder: Path) -> None:
-    """Raise InputError unless files can be written into ``folder``, before any long computation."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        raise InputError(
-            f"the folder {folder} cannot be written ({error.strerror}). Give a folder in which you can make files."
-        ) from error
-
-
 @contextmanager
 def _about(places: KeyPlaces) -> Iterator[None]:
     """Put the study file's name and the lines of its keys before what is found wrong with it after reading."""
     try:
         yield
+    except (PlaceError, ResultsFileError):
+        raise  # the study file has nothing to do with it
     except InputError as error:
         raise error.reworded(places.sentence(error)) from error

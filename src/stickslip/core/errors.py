@@ -107,6 +107,10 @@ class WorkersError(StickslipError, RuntimeError):
     """The workers of a sweep cannot go on: none is left, their scheduler is gone, or one of them runs other code."""
 
 
+class PlaceError(InputError):
+    """A folder, a file or the disk does not take what is to be written; the study file has nothing to do with it."""
+
+
 class MissingPackageError(StickslipError, ImportError):
     """An optional package is needed; the message names the extra that installs it."""
 

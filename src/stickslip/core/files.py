@@ -1,14 +1,22 @@
-"""Files that are written whole or not at all, and the digest of source files."""
+"""Files that are written whole or not at all, checks of places before long work, and the digest of source files."""
 
 from __future__ import annotations
 
 import hashlib
 import os
+import secrets
+import shutil
+import tempfile
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from stickslip.core.errors import StickslipError
+from stickslip.core.errors import PlaceError, StickslipError
+
+_PART = ".part"
+_IN_USE = "in_use"  # in an unfinished folder: the file whose lock says that its writer lives
+_KEPT_FOLDER = "stickslip-unsaved"
+_own_parts: set[Path] = set()
 
 
 @contextmanager
@@ -17,17 +25,142 @@ def whole_file(target: Path, what: str, error: type[StickslipError]) -> Iterator
 
     ``what`` names the content ("results"); an operating system error becomes ``error`` with a sentence.
     """
-    part = target.with_name(f".{target.name}.{os.getpid()}.part")
+    with _sentences(target, what, error):
+        part, held = _claimed(target)
+        try:
+            yield part
+            _flush(part)
+            os.close(held)  # before the new name: Windows renames no open file
+            held = -1
+            os.replace(part, target)
+        finally:
+            if held >= 0:
+                os.close(held)
+            part.unlink(missing_ok=True)
+            _own_parts.discard(part)
+
+
+@contextmanager
+def work_folder(target: Path, what: str, error: type[StickslipError]) -> Iterator[Path]:
+    """A hidden folder beside ``target``, for content of several files; it is gone after the block.
+
+    ``what`` names the content; an operating system error becomes ``error`` with a sentence.
+    """
+    with _sentences(target, what, error):
+        part, held = _claimed(target, is_folder=True)
+        try:
+            yield part
+        finally:
+            os.close(held)
+            shutil.rmtree(part, ignore_errors=True)
+            _own_parts.discard(part)
+
+
+def remove_abandoned(folder: Path) -> None:
+    """Remove what killed writers left unfinished in ``folder``; unfinished files of writers that live stay.
+
+    A writer holds a lock that ends with its process, also where it runs in another container with the same numbers of
+    processes. A file system without locks keeps the left-over files.
+    """
+    for part in folder.glob(f".*{_PART}"):
+        with suppress(OSError):  # another run removes it, or it is not ours to remove
+            if part.is_dir():
+                _remove_abandoned_folder(part)
+                continue
+            with _lock_of_abandoned(part) as is_abandoned:
+                if is_abandoned:
+                    part.unlink()
+
+
+def remove_own_unfinished() -> None:
+    """Remove what this process is writing just now, before it ends in the midst of it."""
+    for part in tuple(_own_parts):
+        with suppress(OSError):
+            if part.is_dir():
+                shutil.rmtree(part)
+            else:
+                part.unlink()
+
+
+def _remove_abandoned_folder(part: Path) -> None:
+    """Remove an unfinished folder whose writer is dead. A writer marks it before it puts anything into it."""
+    has_content = any(part.iterdir())
+    mark = part / _IN_USE
+    if not mark.exists():
+        if has_content:  # its writer was killed while it removed the folder
+            shutil.rmtree(part)
+        else:
+            part.rmdir()  # fails where a new writer marks it meanwhile
+        return
+    with _lock_of_abandoned(mark) as is_abandoned:
+        if is_abandoned:
+            shutil.rmtree(part)
+
+
+def write_solved(target: Path, content: bytes, what: str, error: type[StickslipError], then: str) -> None:
+    """Write what took long to compute; where ``target`` cannot be written it is kept in another place.
+
+    ``then`` is the advice on what to do once there is room, and the file has been moved to ``target``.
+    Raises ``error`` in both cases, with a sentence that says where the content is.
+    """
     try:
-        yield part
-        os.replace(part, target)
-    except OSError as problem:
-        raise error(
-            f'the {what} could not be written to "{target}": {problem.strerror or problem}. Choose a folder that '
-            "exists and that you may write to, with room on the disk."
-        ) from problem
-    finally:
-        part.unlink(missing_ok=True)
+        with whole_file(target, what, error) as part:
+            part.write_bytes(content)
+    except error as problem:
+        kept = _kept_elsewhere(target.name, content)
+        words = (
+            "It could not be kept in another place either: make room, and run the same command again."
+            if kept is None
+            else f'What was solved is kept in "{kept}": make room, move that file to the place above, and {then}.'
+        )
+        raise error(f"{problem} {words}") from problem
+
+
+def require_folder(folder: Path, files: Iterable[str] = (), folders: Iterable[str] = ()) -> None:
+    """Make ``folder``; raise PlaceError unless files can be written into it, before any long computation.
+
+    ``files`` and ``folders`` are the names of what will be written into it: none of these places may be taken by the
+    other kind, and folders that exist must be writable too. What killed runs left unfinished there is removed.
+    """
+    _require_writable(folder)
+    for name in files:
+        if (folder / name).is_dir():
+            raise _taken(folder / name, "folder", "file")
+    inner = [folder / name for name in folders]
+    for place in inner:
+        if place.is_dir():
+            _require_writable(place)
+        elif place.exists() or place.is_symlink():
+            raise _taken(place, "file", "folder")
+    for place in (folder, *inner):
+        remove_abandoned(place)
+
+
+def _taken(place: Path, found: str, wanted: str) -> PlaceError:
+    return PlaceError(
+        f'"{place}" is a {found}, but a {wanted} of that name will be written. Move it, or give another folder.'
+    )
+
+
+def require_room(folder: Path, whole_bytes: int, largest_file_bytes: int) -> None:
+    """Raise PlaceError unless the disk of ``folder`` has so much room, and one file may be as large as the largest."""
+    try:
+        free = shutil.disk_usage(folder).free
+    except OSError as error:
+        raise PlaceError(
+            f"the folder {folder} is not there any more ({error.strerror}), and nothing is solved yet. Start again."
+        ) from error
+    if free < whole_bytes:
+        raise PlaceError(
+            f"the disk of the folder {folder} has {_megabytes(free)} free, but about {_megabytes(whole_bytes)} will be "
+            "written. Make room, or give a folder on another disk."
+        )
+    limit = _size_limit()
+    if limit is not None and limit < largest_file_bytes:
+        raise PlaceError(
+            f"one file may have {_megabytes(limit)} here (ulimit -f), but the largest will have about "
+            f"{_megabytes(largest_file_bytes)}. Raise that limit."
+        )
 
 
 def source_digest(sources: Iterable[Path]) -> str:
@@ -36,3 +169,126 @@ def source_digest(sources: Iterable[Path]) -> str:
     for source in sorted(sources):
         digest.update(source.read_bytes())
     return digest.hexdigest()
+
+
+@contextmanager
+def _sentences(target: Path, what: str, error: type[StickslipError]) -> Iterator[None]:
+    try:
+        yield
+    except OSError as problem:
+        if isinstance(problem, StickslipError):  # MissingPackageError and others have two parents
+            raise
+        raise error(
+            f'the {what} could not be written to "{target}": {problem.strerror or problem}. Choose a folder that '
+            "exists and that you may write to, with room on the disk."
+        ) from problem
+
+
+def _claimed(target: Path, is_folder: bool = False) -> tuple[Path, int]:
+    """A new unfinished file or folder, and the descriptor that holds its lock."""
+    while True:
+        # a random name: processes of two containers may share a number
+        part = target.with_name(f".{target.name}.{secrets.token_hex(8)}{_PART}")
+        if is_folder:
+            part.mkdir()
+        mark = part / _IN_USE if is_folder else part
+        try:
+            held = os.open(mark, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
+        except FileNotFoundError:
+            if is_folder and target.parent.is_dir():
+                continue  # removed as abandoned before it was marked
+            raise
+        _lock(held)
+        if mark.exists():
+            _own_parts.add(part)
+            return part, held
+        os.close(held)  # removed as abandoned before it was locked
+
+
+def _lock(held: int) -> None:
+    """Lock an open file until its descriptor is closed, where the file system has locks."""
+    if os.name == "posix":
+        import fcntl
+
+        with suppress(OSError):  # no locks here: the file is never taken for abandoned then
+            fcntl.flock(held, fcntl.LOCK_EX)
+
+
+@contextmanager
+def _lock_of_abandoned(path: Path) -> Iterator[bool]:
+    """Whether nobody holds the lock of a file; it is held during the block. Windows removes no open file by itself."""
+    if os.name != "posix":
+        yield True
+        return
+    import fcntl
+
+    probe = os.open(path, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(probe, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            yield False  # its writer lives, or the file system has no locks
+        else:
+            yield True
+    finally:
+        os.close(probe)
+
+
+def _flush(part: Path) -> None:
+    """Have the disk take what was written: a disk may be full, and say so only now."""
+    with part.open("rb+") as stream:
+        os.fsync(stream.fileno())
+
+
+def _kept_elsewhere(name: str, content: bytes) -> Path | None:
+    """Write content into a new folder of the user's cache, or of the temporary files; None where neither has room."""
+    for base in (user_cache_folder(), Path(tempfile.gettempdir())):
+        if base is None:
+            continue
+        try:
+            (base / _KEPT_FOLDER).mkdir(parents=True, exist_ok=True)
+            folder = Path(tempfile.mkdtemp(dir=base / _KEPT_FOLDER))
+        except OSError:
+            continue
+        try:
+            with whole_file(folder / name, "results", StickslipError) as part:
+                part.write_bytes(content)
+        except StickslipError:
+            shutil.rmtree(folder, ignore_errors=True)
+            continue
+        return folder / name
+    return None
+
+
+def user_cache_folder() -> Path | None:
+    """The user's folder for caches; None for a user without a home."""
+    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
+    try:
+        return Path(base) if base else Path.home() / ".cache"
+    except RuntimeError:  # a container may run under a number that no user has
+        return None
+
+
+def _require_writable(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise PlaceError(
+            f"the folder {folder} cannot be written ({error.strerror}). Give a folder in which you can make files."
+        ) from error
+
+
+def _size_limit() -> int | None:
+    """Bytes of the largest file that this process may write, None for no limit."""
+    if os.name != "posix":
+        return None
+    import resource
+
+    limit, _ = resource.getrlimit(resource.RLIMIT_FSIZE)
+    return None if limit == resource.RLIM_INFINITY else limit
+
+
+def _megabytes(size: int) -> str:
+    return f"{size / 1e6:.1f} MB"

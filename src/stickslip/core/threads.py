@@ -8,10 +8,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 from threadpoolctl import threadpool_limits
 
-from stickslip.core.errors import InputError
-from stickslip.core.validation import whole_number
+from stickslip.core.thread_variables import MOST_THREADS, VARIABLE, threads_of_variable
+from stickslip.core.validation import require_allowed, whole_number
 
-VARIABLE = "STICKSLIP_THREADS"
 # More than this many bring nothing on the problems that the package is made for.
 MOST_BY_DEFAULT = 4
 
@@ -41,18 +40,13 @@ def blas_threads(rows: int, threads: int) -> int:
 def thread_count(wanted: int | None = None) -> int:
     """``wanted``, else the environment variable STICKSLIP_THREADS, else the usable cores, at most 4.
 
-    Raises InputError for anything but a whole number of at least 1.
+    Raises InputError for anything but a whole number from 1 to ``MOST_THREADS``.
     """
     if wanted is None:
-        text = os.environ.get(VARIABLE, "").strip()
-        if not text:
-            return min(MOST_BY_DEFAULT, usable_cores())
-        if not text.isdecimal() or int(text) < 1:
-            raise InputError(
-                f"the environment variable {VARIABLE} is {text!r}, but it must be a whole number from 1 on."
-            )
-        return int(text)
-    return whole_number("threads", wanted, 1)
+        return threads_of_variable(VARIABLE) or min(MOST_BY_DEFAULT, usable_cores())
+    count = whole_number("threads", wanted, 1)
+    require_allowed("threads", count, count <= MOST_THREADS, f"at most {MOST_THREADS}")
+    return count
 
 
 def usable_cores() -> int:

@@ -6,6 +6,9 @@ name of a user is no mathematics.
 
 from __future__ import annotations
 
+import os
+import sys
+from contextlib import suppress
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -222,10 +225,35 @@ def save_all(
     return [save(figure, Path(folder) / f"{name}.{ending}") for name, figure in drawn.items() for ending in formats]
 
 
-def _new(width: float, height: float) -> tuple[Figure, Axes]:
+def blank_figure(width: float, height: float) -> Figure:
+    """A figure of so many inches without axes; it is written by the format of its file and never needs a backend."""
+    _import_matplotlib()
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width, height), layout="constrained")
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def _import_matplotlib() -> None:
+    """Import matplotlib without MPLBACKEND, of which it refuses what it does not know.
+
+    Jupyter sets a backend of its own for every command that is started in it. Windows that a script opens itself get
+    the backend all the same, if there is one of that name.
+    """
+    if "matplotlib" in sys.modules:
+        return
+    backend = os.environ.pop("MPLBACKEND", None)
+    try:
+        import matplotlib
+    finally:
+        if backend is not None:
+            os.environ["MPLBACKEND"] = backend
+    if backend:
+        with suppress(ValueError):
+            matplotlib.rcParams["backend"] = backend
+
+
+def _new(width: float, height: float) -> tuple[Figure, Axes]:
+    figure = blank_figure(width, height)
     return figure, plain_axes(figure.subplots())
 
 
@@ -239,10 +267,8 @@ def plain_axes(axes: Any) -> Any:
 
 
 def _face_panels(study: StudyRecord, heading: str) -> tuple[Figure, list[Axes]]:
-    from matplotlib.figure import Figure
-
     count = len(study.face_names)
-    figure = Figure(figsize=(7.0, 0.9 + 1.7 * count), layout="constrained")
+    figure = blank_figure(7.0, 0.9 + 1.7 * count)
     panels = [plain_axes(axes) for axes in figure.subplots(count, 1, sharex=True, squeeze=False).ravel()]
     for face, axes in enumerate(panels):
         axes.set_title(f"{study.face_names[face]}, {heading}", fontsize=10, loc="left", parse_math=False)

@@ -7,21 +7,23 @@ in ``linear``, the joint in ``pairs``, the study in ``study``, the picture of it
 
 from __future__ import annotations
 
+import io
 import json
 from dataclasses import dataclass
 from importlib.metadata import version
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import ImportFileError, ResultsFileError
 from stickslip.core.files import whole_file
-from stickslip.core.plain_data import plain
 from stickslip.core.input_files import open_hdf5, open_regular
+from stickslip.core.plain_data import plain
 from stickslip.core.validation import FloatArray
+from stickslip.results.netcdf import COMPRESSED, netcdf_bytes
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse, LinearCurves
 from stickslip.results.rough_patch import RoughPatch
@@ -48,23 +50,20 @@ def save_results(path: str | PathLike[str], response: ForcedResponse, study: Stu
 
     Raises InputError if ``study`` does not belong to ``response``, ResultsFileError if the place cannot be written.
     """
+    with whole_file(Path(path), "results", ResultsFileError) as part:
+        part.write_bytes(results_bytes(response, study))
+
+
+def results_bytes(response: ForcedResponse, study: StudyRecord | None = None) -> bytes:
+    """The content of a results file. Raises InputError if ``study`` does not belong to ``response``."""
     if study is not None:
         study.require_fit(response)
-    target = Path(path)
-    groups = {None: _response_dataset(response), "linear": _linear_dataset(response), "pairs": _pairs_dataset(response)}
+    groups = {"": _response_dataset(response), "linear": _linear_dataset(response), "pairs": _pairs_dataset(response)}
     if study is not None:
         groups["study"] = _study_dataset(study)
         if study.sketch is not None:
             groups["sketch"] = _sketch_dataset(study.sketch)
-    with whole_file(target, "results", ResultsFileError) as part:
-        for group, dataset in groups.items():
-            encoding = {
-                str(name): {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
-                for name, variable in dataset.variables.items()
-                if variable.ndim and variable.dtype.kind in "fi"
-            }
-            mode: Literal["w", "a"] = "w" if group is None else "a"
-            dataset.to_netcdf(part, mode=mode, group=group, engine="h5netcdf", encoding=encoding)
+    return netcdf_bytes(groups.items(), COMPRESSED)
 
 
 def load_results(path: str | PathLike[str]) -> SavedResults:
@@ -79,9 +78,10 @@ def load_results(path: str | PathLike[str]) -> SavedResults:
     try:
         with open_regular(source, largest=None) as stream:
             signature = stream.read(len(_HDF5_SIGNATURE))
+            rest = stream.read() if signature == _HDF5_SIGNATURE else b""
     except OSError as error:
         raise ResultsFileError(
-            f'the results file "{source}" could not be opened: {error.strerror}. "stickslip run" writes it as '
+            f'the results file "{source}" could not be opened: {error.strerror or error}. "stickslip run" writes it as '
             "results.nc in its output folder."
         ) from error
     if signature != _HDF5_SIGNATURE:
@@ -91,7 +91,7 @@ def load_results(path: str | PathLike[str]) -> SavedResults:
         )
     try:
         open_hdf5(source, largest=None).close()
-        return _read(source)
+        return _read(source, signature + rest)
     except ResultsFileError:
         raise
     except ImportFileError as error:
@@ -103,11 +103,12 @@ def load_results(path: str | PathLike[str]) -> SavedResults:
         ) from error
 
 
-def _read(source: Path) -> SavedResults:
+def _read(source: Path, content: bytes) -> SavedResults:
+    """The results in the content of ``source``: read from memory, since HDF5 ends the process where a disk fails."""
     import h5netcdf
     import xarray
 
-    with h5netcdf.File(source, "r") as file:
+    with h5netcdf.File(io.BytesIO(content), "r") as file:
         found, groups = file.attrs.get("stickslip_format"), set(file.groups)
     if found is None:
         raise ResultsFileError(
@@ -121,7 +122,7 @@ def _read(source: Path) -> SavedResults:
         )
 
     def group(name: str | None) -> xarray.Dataset:
-        return xarray.load_dataset(source, group=name, engine="h5netcdf")
+        return xarray.load_dataset(io.BytesIO(content), group=name, engine="h5netcdf")
 
     response = _response_from(group(None), group("linear"), group("pairs"))
     if "study" not in groups:

@@ -15,6 +15,7 @@ from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.core.files import whole_file
 from stickslip.core.validation import FloatArray
 from stickslip.results.measures import Summary, summary
+from stickslip.results.netcdf import netcdf_bytes
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 
@@ -191,19 +192,28 @@ class SweepTable:
             values = [row[place] for row in cells]
             array = np.array(values, dtype=object if isinstance(values[0], str) else None)
             array = array.astype(np.int8) if array.dtype == bool else array
-            data[name] = (("case",), array, {"units": unit, "long_name": meaning} if unit else {"long_name": meaning})
+            data[_variable_name(name)] = (
+                ("case",),
+                array,
+                {"units": unit, "long_name": meaning} if unit else {"long_name": meaning},
+            )
         return xarray.Dataset(data, attrs={"title": "Sweep of stickslip, one entry for each case"})
 
     def to_netcdf(self, path: str | PathLike[str]) -> None:
         """Write ``to_dataset`` as NetCDF-4, whole or not at all. Raises ResultsFileError."""
-        dataset = self.to_dataset()
+        content = netcdf_bytes([("", self.to_dataset())])
         with whole_file(Path(path), "table", ResultsFileError) as part:
-            dataset.to_netcdf(part, engine="h5netcdf")
+            part.write_bytes(content)
 
     def _cells(self) -> Iterator[tuple[Any, ...]]:
         for row in self.rows:
             measures = (row.measures.get(name, float("nan")) for name in MEASURES)
             yield (row.name, *row.values, *measures, row.converged, row.message, " ".join(row.warnings), row.file)
+
+
+def _variable_name(column: str) -> str:
+    """The name of a column in NetCDF, where "/" parts groups; bodies of mesh files may have it in their names."""
+    return column.replace("/", "%2F")
 
 
 def _csv_cell(name: str, cell: Any) -> str:

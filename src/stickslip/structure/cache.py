@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.errors import ResultsFileError, StickslipError, StickslipWarning
-from stickslip.core.files import source_digest, whole_file
+from stickslip.core.files import remove_abandoned, source_digest, user_cache_folder, whole_file
 from stickslip.core.seal import require_seal, seal
 from stickslip.core.validation import FloatArray
 from stickslip.structure.elasticity import Structure
@@ -83,12 +83,12 @@ def _kept(kind: str, digest: str, compute: Callable[[], Arrays]) -> Arrays:
 
 
 def cache_folder() -> Path | None:
-    """Where reduced structures are kept; None if the user wants none."""
+    """Where reduced structures are kept; None if the user wants none, or has no home."""
     chosen = os.environ.get(VARIABLE)
     if chosen is not None:
         return None if chosen.strip().lower() in ("", "off") else Path(chosen)
-    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
-    return (Path(base) if base else Path.home() / ".cache") / "stickslip"
+    base = user_cache_folder()
+    return None if base is None else base / "stickslip"
 
 
 def _digest(structure: Structure, *numbers: NDArray[Any]) -> str:
@@ -140,7 +140,8 @@ def _write(path: Path, arrays: Arrays) -> None:
 
 
 def _make_room(folder: Path) -> None:
-    """Remove the files that were not used for longest until the folder is small enough."""
+    """Remove what killed runs left, and the files that were not used for longest until the folder is small enough."""
+    remove_abandoned(folder)
     files = sorted(folder.glob("*.npz"), key=lambda file: file.stat().st_mtime)
     total = sum(file.stat().st_size for file in files)
     for file in files:

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import os
-import shutil
-import tempfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
 from stickslip.core.errors import InputError
+from stickslip.core.files import whole_file, work_folder
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import FloatArray, finite_array
 from stickslip.structure.finite_element_mesh import AnyMesh
@@ -44,9 +42,8 @@ def write_mode_shapes(path: str | Path, mesh: AnyMesh, modes: FloatArray, freque
     if not largest.all():
         raise InputError(f"modes[:, {int(largest.argmin())}] is zero everywhere, so it has no shape to draw.")
     fields = {f"mode {k + 1:02d}, {frequency[k]:.1f} Hz": shapes[:, :, k] / largest[k] for k in range(len(frequency))}
-    with _work_folder(target) as folder:
-        _write_vtu(folder / target.name, mesh, fields)
-        os.replace(folder / target.name, target)
+    with whole_file(target, "mode shapes", InputError) as part:
+        _write_vtu(part, mesh, fields)
     return target
 
 
@@ -84,7 +81,7 @@ def write_deflected_period(path: str | Path, mesh: AnyMesh, coefficients: FloatA
         f'    <DataSet timestep="{frame / n_frames:.6f}" part="0" file="{frames.name}/{name}"/>'
         for frame, name in enumerate(names)
     )
-    with _work_folder(target) as folder:
+    with work_folder(target, "deflected shape", InputError) as folder:
         (folder / "new").mkdir()
         for name, row in zip(names, synthesis, strict=True):
             _write_vtu(folder / "new" / name, mesh, {"displacement": series @ row})
@@ -111,10 +108,9 @@ def write_points(path: str | Path, points: FloatArray, fields: Mapping[str, Floa
     for name, values in fields.items():
         if len(values) != len(points):
             raise InputError(f"{name} must have one entry for each of {len(points)} points; found {len(values)}.")
-    with _work_folder(target) as folder:
-        vertices = [("vertex", np.arange(len(points))[:, None])]
-        meshio.Mesh(points, vertices, point_data=dict(fields)).write(folder / target.name)
-        os.replace(folder / target.name, target)
+    vertices = [("vertex", np.arange(len(points))[:, None])]
+    with whole_file(target, "points", InputError) as part:
+        meshio.Mesh(points, vertices, point_data=dict(fields)).write(part, file_format="vtu")
     return target
 
 
@@ -136,25 +132,8 @@ def _displacement(name: str, value: FloatArray, mesh: AnyMesh) -> FloatArray:
     return array.reshape(mesh.n_nodes, 3, -1)
 
 
-@contextmanager
-def _work_folder(target: Path) -> Iterator[Path]:
-    """A folder beside the target that is gone afterwards; file errors become InputError."""
-    try:
-        folder = Path(tempfile.mkdtemp(prefix=f".{target.stem}-", dir=target.parent))
-    except OSError as error:
-        raise InputError(
-            f"cannot write {target}: {error.strerror}. Choose an output folder that exists and may be written."
-        ) from error
-    try:
-        yield folder
-    except OSError as error:
-        raise InputError(f"could not write {target}: {error.strerror}. Check the free space and the rights.") from error
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
-
-
 def _write_vtu(path: Path, mesh: AnyMesh, fields: dict[str, FloatArray]) -> None:
     meshio = complete_meshio()
     blocks = mesh.cell_arrays()
     body = np.split(mesh.body, np.cumsum([len(cells) for _, cells in blocks])[:-1])
-    meshio.Mesh(mesh.points, blocks, point_data=fields, cell_data={"body": body}).write(path)
+    meshio.Mesh(mesh.points, blocks, point_data=fields, cell_data={"body": body}).write(path, file_format="vtu")

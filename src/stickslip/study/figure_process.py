@@ -2,24 +2,30 @@
 
 Importing and drawing with matplotlib takes as long as solving. The second process starts with the study, imports what
 it needs beside the solver, and draws while the results file, the page and the shapes are written. It receives pickled
-data through its standard input and answers through its standard output; it never runs a user's script.
+data through its standard input and answers through its standard output; it never runs a user's script, nor modules
+that lie in the current folder. It ends with the first process: its input ends then, also if that was killed.
 """
 
 from __future__ import annotations
 
+import os
 import pickle
-import signal
 import subprocess
 import sys
+import threading
+import time
 import traceback
 from dataclasses import dataclass
 from pathlib import Path
+from queue import SimpleQueue
 from typing import IO, TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from stickslip.contact.stiffness.surface import draw_phases, fractal_surface, frequency_count, sdq, sq
-from stickslip.core.errors import StickslipError
+from stickslip.core.errors import InputError, StickslipError
+from stickslip.core.files import remove_abandoned, remove_own_unfinished
+from stickslip.core.processes import leave_signals_to_parent, python_command
 from stickslip.model.model import kind_of
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
@@ -30,6 +36,7 @@ if TYPE_CHECKING:
 
 FIGURE_GRID = (98, 420)  # points across and along, of the single figure
 PAGE_GRID = (40, 140)  # of the page, which holds every height
+LAST_SECONDS = 2.0  # between the end of the pipe and the end of the first process, at most
 
 
 def rough_patch(case: Case, grid: tuple[int, int]) -> RoughPatch | None:
@@ -67,7 +74,7 @@ class Drawing:
             return []
         from stickslip.reporting.figures import save_all
 
-        self.folder.mkdir(parents=True, exist_ok=True)
+        self._make_folder()
         return save_all(self.folder, response, record, formats)
 
     def of_roughness(self) -> list[Path]:
@@ -78,9 +85,19 @@ class Drawing:
             return []
         from stickslip.reporting.figures import save, surface
 
-        self.folder.mkdir(parents=True, exist_ok=True)
+        self._make_folder()
         figure = surface(*np.meshgrid(patch.along, patch.across), patch.height)
         return [save(figure, self.folder / f"rough_face.{ending}") for ending in formats]
+
+    def _make_folder(self) -> None:
+        """Make the folder, but not those around it: who removed them while the case was solved wants no figures."""
+        try:
+            self.folder.mkdir(exist_ok=True)
+        except OSError as error:
+            raise InputError(
+                f'the folder "{self.folder}" of the figures cannot be made ({error.strerror}). Give a folder in which '
+                "you can make others."
+            ) from error
 
 
 class SecondProcess:
@@ -94,7 +111,7 @@ class SecondProcess:
 
     def __enter__(self) -> SecondProcess:
         self._process = subprocess.Popen(
-            [sys.executable, "-c", "from stickslip.study.figure_process import serve; serve()"],
+            python_command("from stickslip.study.figure_process import serve; serve()"),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
         )
@@ -132,22 +149,60 @@ class SecondProcess:
             if stream is not None:
                 stream.close()
         self._process.wait()
+        remove_abandoned(self._drawing.folder)  # what it was writing if it was at work
 
 
 def serve() -> None:
     """What the second process does: read a drawing, draw the rough face, read a response, draw it, answer."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process decides what an interrupt means
+    leave_signals_to_parent()
+    messages: SimpleQueue[Any] = SimpleQueue()
+    threading.Thread(target=_receive, args=(messages, os.getppid()), daemon=True).start()
     answer: Any
     try:
-        drawing = pickle.load(sys.stdin.buffer)
+        drawing = _next(messages)
         files = drawing.of_roughness()
-        response, record = pickle.load(sys.stdin.buffer)
+        response, record = _next(messages)
         answer = [*drawing.of_response(response, record), *files]
-    except EOFError:
-        return  # the study ended without a response
     except StickslipError as error:
         answer = error
     except Exception:  # whatever it is, the first process raises it again: see files()
         answer = traceback.format_exc()
     pickle.dump(answer, sys.stdout.buffer)
     sys.stdout.buffer.flush()
+
+
+def _next(messages: SimpleQueue[Any]) -> Any:
+    """The next message. Raises what went wrong while it was read."""
+    message = messages.get()
+    if isinstance(message, Exception):
+        raise message
+    return message
+
+
+def _receive(messages: SimpleQueue[Any], parent: int) -> None:
+    """Pass on what the first process sends until it closes the pipe or dies; then this process ends, also at work."""
+    folder = None
+    # not sys.stdin, which Python closes at its end, while this thread still reads
+    with open(0, "rb", closefd=False) as stream:
+        while True:
+            try:
+                message = pickle.load(stream)
+            except (EOFError, OSError, pickle.UnpicklingError):  # the end, or half a message of one that was killed
+                break
+            except Exception as error:
+                messages.put(error)
+                return
+            folder = folder or message.folder
+            messages.put(message)
+    _end_after(parent, folder)
+
+
+def _end_after(parent: int, folder: Path | None) -> None:
+    """Wait for the end of the first process, remove what both were writing, and end."""
+    deadline = time.monotonic() + LAST_SECONDS
+    while os.getppid() == parent and time.monotonic() < deadline:
+        time.sleep(0.01)  # it holds the locks of its unfinished files until it is gone
+    remove_own_unfinished()
+    if folder is not None:
+        remove_abandoned(folder.parent)
+    os._exit(0)

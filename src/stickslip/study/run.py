@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -12,7 +13,8 @@ from typing import TYPE_CHECKING
 from threadpoolctl import threadpool_limits
 
 from stickslip.contact.pairing.pairing import FacePairs
-from stickslip.core.errors import ConvergenceError
+from stickslip.core.errors import ConvergenceError, InputError, ResultsFileError
+from stickslip.core.files import require_folder, write_solved
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import thread_count
 from stickslip.core.validation import FloatArray
@@ -22,7 +24,7 @@ from stickslip.model.solved_preload import resting_pairs
 from stickslip.results.measures import hertz, peaks, summary, summary_table
 from stickslip.results.record import StudyRecord, run_provenance
 from stickslip.results.response import ForcedResponse
-from stickslip.results.storage import load_results, save_results
+from stickslip.results.storage import load_results, results_bytes
 from stickslip.solve.forced import forced_response
 from stickslip.solve.path.continuation import ContinuationSettings
 from stickslip.solve.path.newton import NewtonSettings
@@ -39,14 +41,20 @@ from stickslip.study.facts import (
     study_warnings,
 )
 from stickslip.study.figure_process import PAGE_GRID, Drawing, SecondProcess, rough_patch
+from stickslip.study.places import (
+    FIGURE_FOLDER,
+    MODES_FILE,
+    PERIOD_FILE,
+    REPORT_FILE,
+    RESULTS_FILE,
+    require_places,
+    require_room_for,
+)
 from stickslip.study.sketching import sketch_of
 
 if TYPE_CHECKING:
     from stickslip.case.case import Case
 
-RESULTS_FILE = "results.nc"
-REPORT_FILE = "report.html"
-FIGURE_FOLDER = "figures"
 MODE_COUNT = 10
 SHOWN_FREQUENCIES = 4
 TIED, CLOSED_AT_REST = "tied", "(pairs closed at rest)"
@@ -69,13 +77,14 @@ def run(
 
     A curve that could not be followed to its end is written all the same; ``converged`` is then False. ``threads`` None
     takes the environment variable STICKSLIP_THREADS, or else the usable cores, at most 4.
-    Raises InputError (geometry, roughness), ConvergenceError (not even a first point), ResultsFileError.
+    Raises InputError (geometry, roughness), PlaceError (folder, room on the disk), ConvergenceError (not even a first
+    point), ResultsFileError.
     """
-    out = Path(out_dir)
-    out.mkdir(parents=True, exist_ok=True)
+    out, count = Path(out_dir), thread_count(threads)
+    require_places(out)
     # One thread for the matrix products here: beside threads that solve for many right-hand sides more would be slower.
     with threadpool_limits(limits=1), SecondProcess(Drawing(out / FIGURE_FOLDER, case)) as artist:
-        return _run(case, out, progress or SilentProgress(), thread_count(threads), artist)
+        return _run(case, out, progress or SilentProgress(), count, artist)
 
 
 def _run(case: Case, out: Path, progress: Progress, threads: int, artist: SecondProcess) -> StudyOutcome:
@@ -89,6 +98,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
     progress.update("Structure", 0.8, "full against reduced frequencies")
     table = compare_modes(structure, model.superelement, joint.face_pairs, model.pairs.resting_stiffness())
     progress.update("Structure", 1.0, f"{model.superelement.size} unknowns, {model.pairs.n_pairs} pairs")
+    require_room_for(case, model, out)
     response = solve(case, model, progress, threads)
     record = study_record(case, model, table, response)
     record = replace(
@@ -99,15 +109,27 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
     )
     progress.update("Files", 0.0, RESULTS_FILE)
     artist.start(response, record)
-    save_results(out / RESULTS_FILE, response, record)
-    progress.update("Files", 0.3, REPORT_FILE)
-    page = _page(out, response, record)
-    progress.update("Files", 0.5, "shapes for ParaView")
-    shapes = [*setup.write_places(out), *_shapes(out, case, model, response)]
-    progress.update("Files", 0.7, FIGURE_FOLDER)
-    files = [out / RESULTS_FILE, page, *artist.files(), *shapes]
+    then = '"stickslip report" makes the report of it'
+    write_solved(out / RESULTS_FILE, results_bytes(response, record), "results", ResultsFileError, then)
+    with _kept_results(out):
+        progress.update("Files", 0.3, REPORT_FILE)
+        page = _page(out, response, record)
+        progress.update("Files", 0.5, "shapes for ParaView")
+        shapes = [*setup.write_places(out), *_shapes(out, case, model, response)]
+        progress.update("Files", 0.7, FIGURE_FOLDER)
+        files = [out / RESULTS_FILE, page, *artist.files(), *shapes]
     progress.update("Files", 1.0, f"{len(files)} files")
     return StudyOutcome(response, tuple(files), response.converged, _closing_words(response, record))
+
+
+@contextmanager
+def _kept_results(out: Path) -> Iterator[None]:
+    """Say of an error that the curve itself is safe."""
+    try:
+        yield
+    except InputError as error:
+        safe = f'The curve is safe in "{out / RESULTS_FILE}"; "stickslip report" makes the report of it.'
+        raise error.reworded(f"{error} {safe}") from error
 
 
 def solve(
@@ -237,12 +259,12 @@ def _shapes(out: Path, case: Case, model: Model, response: ForcedResponse) -> It
     if count:
         springs = model.pairs.resting_stiffness()
         frequency_hz, modes = joined_modes(model.superelement, model.joint.face_pairs, count, springs)
-        yield write_mode_shapes(out / "mode_shapes.vtu", mesh, modes, frequency_hz)
+        yield write_mode_shapes(out / MODES_FILE, mesh, modes, frequency_hz)
     frames = case.output.deflected_shape_frames
     if frames:
         point = peaks(response.frequency_hz, response.amplitude(next(iter(model.outputs.values()))))[0].point
         motion = model.superelement.recovery @ response.displacement[point]
-        yield write_deflected_period(out / "deflected_shape.pvd", mesh, motion, frames)
+        yield write_deflected_period(out / PERIOD_FILE, mesh, motion, frames)
 
 
 def _closing_words(response: ForcedResponse, record: StudyRecord) -> str:
@@ -256,9 +278,7 @@ def _closing_words(response: ForcedResponse, record: StudyRecord) -> str:
 
 
 def report(folder: str | PathLike[str]) -> tuple[Path, ...]:
-    """Make the page of a solved study again, without solving. Raises ResultsFileError."""
-    from stickslip.core.errors import ResultsFileError
-
+    """Make the page of a solved study again, without solving. Raises ResultsFileError, InputError."""
     source = Path(folder) / RESULTS_FILE
     saved = load_results(source)
     if saved.study is None:
@@ -266,6 +286,7 @@ def report(folder: str | PathLike[str]) -> tuple[Path, ...]:
             f'"{source}" holds a response without a study, so there is nothing to say about faces and outputs. '
             'Only "stickslip run" writes files that the report needs.'
         )
+    require_folder(Path(folder), files=(REPORT_FILE,))
     return (_page(Path(folder), saved.response, saved.study),)
 
 

@@ -11,9 +11,8 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-import time
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,10 +20,10 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.errors import ResultsFileError
-from stickslip.core.files import whole_file
+from stickslip.core.files import remove_abandoned, require_folder, require_room, whole_file, write_solved
 from stickslip.core.seal import require_seal, seal
 from stickslip.results.sweep_table import SweepCurve
-from stickslip.study.run import RESULTS_FILE
+from stickslip.study.places import RESULTS_FILE
 from stickslip.sweeps.plan import PlannedCase
 from stickslip.sweeps.work import CaseOutcome
 
@@ -32,8 +31,7 @@ CASES = "cases"
 FAILED_FILE = "failed.json"
 ROW_FILE = "row.json"
 TRACEBACK_FILE = "traceback.log"
-# Saving takes seconds: an unfinished file this old was left by a process that was killed.
-_ABANDONED_SECONDS = 600.0
+ROOM_BYTES = 15_000_000  # the page of a sweep and one case of the two-blade study
 
 
 @dataclass(frozen=True)
@@ -42,9 +40,10 @@ class SweepFolder:
 
     path: Path
 
-    def make(self) -> None:
-        """Make the folder itself."""
-        _make(self.path)
+    def make(self, files: Iterable[str]) -> None:
+        """Make the folder itself, for cases and these files. Raises PlaceError where they could not be written."""
+        require_folder(self.path, files, folders=(CASES,))
+        require_room(self.path, ROOM_BYTES, ROOM_BYTES)
 
     def results_file(self, planned: PlannedCase) -> Path:
         """The results file of a case, whether or not it exists."""
@@ -63,8 +62,7 @@ class SweepFolder:
             return
         # The row before the results: where results are, even after a kill between the two, there is their row.
         _write_sealed(results.with_name(ROW_FILE), planned.key, _row(outcome))
-        with whole_file(results, "results", ResultsFileError) as part:
-            part.write_bytes(outcome.file)
+        write_solved(results, outcome.file, "results", ResultsFileError, then="start the same sweep again")
         for left_over in (FAILED_FILE, TRACEBACK_FILE):
             results.with_name(left_over).unlink(missing_ok=True)
 
@@ -79,7 +77,7 @@ class SweepFolder:
     def finished(self, planned: PlannedCase) -> tuple[CaseOutcome | None, str]:
         """What an earlier sweep found for these inputs and this version, or None; and a sentence about a bad file."""
         results = self.results_file(planned)
-        self._remove_abandoned(results.parent)
+        remove_abandoned(results.parent)
         row, failed = results.with_name(ROW_FILE), results.with_name(FAILED_FILE)
         try:
             if results.exists() or row.exists():
@@ -91,11 +89,6 @@ class SweepFolder:
             return None, f"{error} This case is solved again."
         return None, ""
 
-    def _remove_abandoned(self, folder: Path) -> None:
-        for part in _parts(folder):
-            if time.time() - part.stat().st_mtime > _ABANDONED_SECONDS:
-                part.unlink(missing_ok=True)
-
 
 def _make(folder: Path) -> None:
     try:
@@ -104,11 +97,6 @@ def _make(folder: Path) -> None:
         raise ResultsFileError(
             f'the folder "{folder}" cannot be made ({error.strerror}). Give a folder in which you can make files.'
         ) from error
-
-
-def _parts(folder: Path) -> Iterator[Path]:
-    """Unfinished files of ``whole_file``."""
-    return folder.glob(".*.part")
 
 
 def _row(outcome: CaseOutcome) -> dict[str, Any]:

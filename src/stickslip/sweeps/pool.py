@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-import signal
 import threading
 import traceback
 from abc import ABC, abstractmethod
@@ -20,6 +19,7 @@ from queue import Empty, SimpleQueue
 from typing import Any, ParamSpec, TypeVar
 
 from stickslip.core.errors import InputError, show_warnings_as_sentences
+from stickslip.core.processes import leave_signals_to_parent, safe_path
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -170,7 +170,8 @@ class _Worker:
                 context = multiprocessing.get_context("spawn")
                 pipe, theirs = context.Pipe()
                 process = context.Process(target=_work, args=(theirs,), daemon=True)
-                process.start()
+                with safe_path():
+                    process.start()
                 theirs.close()  # else the pipe would stay open when the process dies
                 self._pipe, self._process = pipe, process  # only now: what did not start cannot be ended
             return self._pipe
@@ -186,7 +187,7 @@ class _Worker:
 
 def _work(pipe: Connection) -> None:
     """Life of a worker process: answer calls until the pipe is closed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    leave_signals_to_parent()
     show_warnings_as_sentences()
     threading.Thread(target=_end_with_parent, daemon=True).start()
     while True:

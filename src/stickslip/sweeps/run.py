@@ -109,7 +109,7 @@ def sweep(
     planned = plan_cases(case, keys)
     folder = None if out is None else SweepFolder(Path(out))
     if folder is not None:
-        folder.make()
+        folder.make((TABLE_FILE, DATASET_FILE, PAGE_FILE))
     run = _Run(planned, folder, progress or SilentProgress())
     run.find_finished()
     groups = run.check_joints(threads)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 import pickle
 import socket
-import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -25,7 +24,7 @@ from stickslip.core.files import source_digest
 from stickslip.model.joint import Joint
 from stickslip.model.layout import Setup
 from stickslip.model.model import ReducedStructure, connect, reduce_structure
-from stickslip.results.storage import save_results
+from stickslip.results.storage import results_bytes
 from stickslip.results.sweep_table import SweepCurve, curve_and_measures
 from stickslip.study.run import compare_modes, solve, study_record
 
@@ -128,11 +127,6 @@ def _solved(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
     table = reduced.mode_table if model.pairs.closed_at_rest.all() else ()
     record = study_record(task.case, model, table, response)
     curve, measures = curve_and_measures(response, record)
-    content = b""
-    if task.wants_file:
-        with tempfile.TemporaryDirectory() as folder:
-            file = Path(folder) / "results.nc"
-            save_results(file, response, record)
-            content = file.read_bytes()
+    content = results_bytes(response, record) if task.wants_file else b""
     warnings = (*record.warnings, *response.warnings)
     return CaseOutcome(response.converged, response.message, measures, curve, warnings, content)

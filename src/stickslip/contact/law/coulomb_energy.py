@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from stickslip.contact.law.coulomb_kernel import (
     OPEN,
     SLIP,
@@ -16,6 +14,7 @@ from stickslip.contact.law.coulomb_kernel import (
     slip_onset,
     turned,
 )
+from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
 
 # Three-point Gauss rule on [0, 1].
@@ -74,7 +73,8 @@ def step_dissipation(
     if tractrix and k1 == k2 and limit_start > 0.0:
         if onset <= 0.0:
             return 0.0
-        return tractrix_work(t1 + theta * d1, t2 + theta * d2, d1, d2, rest, onset, limit_end) / k1
+        work: float = tractrix_work(t1 + theta * d1, t2 + theta * d2, d1, d2, rest, onset, limit_end)
+        return work / k1
     # Straight slider path at the mean limit: exact from touchdown on, second order elsewhere.
     return 0.5 * (onset + limit_end) * math.hypot((t1 + d1 - new1) / k1, (t2 + d2 - new2) / k2)
 

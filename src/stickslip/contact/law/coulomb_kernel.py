@@ -12,9 +12,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
 
 CodeArray = NDArray[np.int8]

@@ -12,7 +12,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from stickslip.contact.law.coulomb_kernel import (
@@ -25,6 +24,7 @@ from stickslip.contact.law.coulomb_kernel import (
     associated_return,
     slip_jacobian,
 )
+from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
 
 # Closure |T_end - T_start| / max(mu N) at which a period counts as periodic.

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from stickslip.contact.law.coulomb_kernel import OPEN, SLIP, CodeArray, advance, slip_jacobian, stick_jacobian
+from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
 
 

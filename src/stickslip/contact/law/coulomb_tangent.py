@@ -6,7 +6,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from stickslip.contact.law.coulomb_kernel import (
     OPEN,
@@ -20,6 +19,7 @@ from stickslip.contact.law.coulomb_kernel import (
     stick_jacobian,
 )
 from stickslip.contact.law.coulomb_period import Motion, start_of_path, sticks_throughout
+from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
 
 # |det(I - Phi)| below which the start of the period is taken from the transient instead of the fixed point.

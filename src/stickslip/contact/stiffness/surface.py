@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from math import expm1, floor, gamma, log, pi
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 
 from stickslip.contact.stiffness.asperities import Roughness, require_surface_dimension
+from stickslip.core.compiled import njit
 from stickslip.core.errors import InputError
 from stickslip.core.validation import (
     FloatArray,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 import tempfile
 from importlib.util import find_spec
 from pathlib import Path
@@ -11,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from stickslip.core.errors import ImportFileError, MissingPackageError
+from stickslip.core.processes import python_command
 from stickslip.formats.matrices.coordinates import Matrices
 from stickslip.formats.matrices.source import file_bytes, numpy_arrays
 
@@ -50,7 +50,7 @@ def ansys_full(path: Path) -> Matrices:
         )
     with tempfile.TemporaryDirectory() as folder:
         result = Path(folder) / "matrices.npz"
-        command = [sys.executable, "-P", "-c", _CHILD, str(path), str(result)]
+        command = [*python_command(_CHILD), str(path), str(result)]
         try:
             done = subprocess.run(command, capture_output=True, text=True, timeout=_SECONDS, check=False)
         except subprocess.TimeoutExpired as problem:

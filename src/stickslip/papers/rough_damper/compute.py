@@ -9,7 +9,7 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from stickslip.core.errors import ResultsFileError, StickslipError
-from stickslip.core.files import whole_file
+from stickslip.core.files import write_solved
 from stickslip.core.progress import Progress
 from stickslip.model.model import ReducedStructure, connect, load_joint, set_up
 from stickslip.papers.rough_damper.plan import Computation, Setting
@@ -132,8 +132,8 @@ class _Run:
     def finish(self, planned: PlannedCase, outcome: CaseOutcome) -> None:
         """Keep a result as a file, or its message; a curve that was not followed to its end counts as a failure."""
         if outcome.converged:
-            with whole_file(self._file(planned), "computation", ResultsFileError) as part:
-                part.write_bytes(outcome.file)
+            file = self._file(planned)
+            write_solved(file, outcome.file, "computation", ResultsFileError, then="start the same command again")
             self.solved[planned.key] = Solved.from_bytes(outcome.file, planned.key)
         else:
             self.failures.append(Failure(self._setting[planned.key], outcome.message))

@@ -12,7 +12,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.papers.rough_damper.claims import MICRO, energy_at, fixed_frequencies, friction_energy, series
 from stickslip.papers.rough_damper.plan import EXCITATIONS
 from stickslip.papers.rough_damper.records import SHOWN_PLACES, Solved
-from stickslip.reporting.figures import plain_axes, save
+from stickslip.reporting.figures import blank_figure, plain_axes, save
 from stickslip.reporting.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, STATES, VERMILLION
 
 if TYPE_CHECKING:
@@ -25,9 +25,7 @@ FORMATS = ("svg", "png")
 
 def panels(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Figure, Any]:
     """A figure with (rows, columns) plain axes."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = blank_figure(width, height)
     axes = figure.subplots(rows, columns, squeeze=False, **options)
     for each in axes.ravel():
         plain_axes(each)

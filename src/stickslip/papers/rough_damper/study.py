@@ -11,9 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip.core.errors import ConvergenceError
+from stickslip.core.files import require_folder, require_room
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.model.kinds.two_blade import set_up
 from stickslip.papers.rough_damper import choice_items, curve_items, figures, model_items, motion_items, verdict_items
+from stickslip.papers.rough_damper.compute import FOLDER as COMPUTATIONS
 from stickslip.papers.rough_damper.compute import Computed, Failure, compute
 from stickslip.papers.rough_damper.errata import errata_item
 from stickslip.papers.rough_damper.items import Item, base, peak_table
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
 
 PAGE_FILE = "paper.html"
 NUMBERS_FILE = "paper.nc"
+ROOM_BYTES = 50_000_000  # for page, figures, tables and computations of the whole study
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,8 @@ def paper_study(
     """
     folder, told, wanted = Path(out), progress or SilentProgress(), scope or Scope()
     plan = computations(wanted)
+    require_folder(folder, (PAGE_FILE, NUMBERS_FILE), (FIGURE_FOLDER, TABLE_FOLDER, COMPUTATIONS))
+    require_room(folder, ROOM_BYTES, ROOM_BYTES)
     computed = compute(plan, folder, workers, told)
     if not computed.solved:
         raise ConvergenceError(f"none of {len(plan)} curves has a result. The first: {computed.failures[0].message}")

@@ -14,6 +14,7 @@ import numpy as np
 from stickslip.core.errors import ResultsFileError
 from stickslip.core.files import whole_file
 from stickslip.papers.rough_damper.records import Solved
+from stickslip.results.netcdf import netcdf_bytes
 
 if TYPE_CHECKING:
     import xarray
@@ -65,33 +66,12 @@ def write_csv(table: Table, folder: Path) -> Path:
 
 def write_netcdf(tables: Sequence[Table], solved: Sequence[Solved], target: Path) -> Path:
     """One NetCDF-4 file: a group for each table, and a group "curves/NNN" for each curve. Raises ResultsFileError."""
+    parts: list[tuple[str, xarray.Dataset]] = [(f"tables/{table.name}", _table_dataset(table)) for table in tables]
+    parts += [(f"curves/{number:03d}", _curve_dataset(one)) for number, one in enumerate(solved)]
+    content = netcdf_bytes(parts)
     with whole_file(target, "numbers of the study", ResultsFileError) as part:
-        parts: list[tuple[str, xarray.Dataset]] = [(f"tables/{table.name}", _table_dataset(table)) for table in tables]
-        parts += [(f"curves/{number:03d}", _curve_dataset(one)) for number, one in enumerate(solved)]
-        _write_groups(part, parts)
+        part.write_bytes(content)
     return target
-
-
-def _write_groups(path: Path, parts: Sequence[tuple[str, xarray.Dataset]]) -> None:
-    """All groups in one opening of the file: one opening for each takes minutes for hundreds of curves."""
-    import h5netcdf
-
-    with h5netcdf.File(path, "w") as file:
-        for name, dataset in parts:
-            group = file.create_group(name)
-            group.dimensions = {str(key): int(size) for key, size in dataset.sizes.items()}
-            for key, value in dataset.attrs.items():
-                group.attrs[key] = value
-            for key, array in dataset.variables.items():
-                variable = group.create_variable(str(key), tuple(map(str, array.dims)), data=_storable(array.values))
-                for label, text in array.attrs.items():
-                    variable.attrs[label] = text
-
-
-def _storable(values: Any) -> Any:
-    import h5py
-
-    return values.astype(h5py.string_dtype()) if values.dtype.kind in "OU" else values
 
 
 def _table_dataset(table: Table) -> xarray.Dataset:

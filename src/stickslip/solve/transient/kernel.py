@@ -8,7 +8,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from stickslip.core.compiled import njit
 
 STUCK, SLIPPING, OPEN = 0, 1, 2
 

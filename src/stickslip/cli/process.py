@@ -1,0 +1,103 @@
+"""The command line as a process: signals that stop it, readers of its output that go away, and its warnings."""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+import sys
+import threading
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import TextIO
+
+from stickslip.core.errors import show_warnings_as_sentences
+
+# Ctrl-C (SIGINT) is Python's own KeyboardInterrupt. Windows has no SIGHUP.
+STOPPING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
+
+
+class StoppedBySignal(KeyboardInterrupt):
+    """Another process, or the loss of the terminal, stops this one; whoever cleans up after Ctrl-C does so now too."""
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+        super().__init__(signal.Signals(number).name)
+
+
+@contextmanager
+def stopping_signals() -> Iterator[None]:
+    """Raise StoppedBySignal in the block for SIGTERM and SIGHUP, so that files and other processes are left in order.
+
+    A second one is ignored: the end is on its way. A signal that is ignored already stays so (nohup).
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread is told of signals
+        return
+    before = {number: signal.getsignal(number) for number in STOPPING}
+    watched = [number for number, answer in before.items() if answer is signal.SIG_DFL]
+
+    def stop(number: int, _: FrameType | None) -> None:
+        for each in watched:
+            signal.signal(each, signal.SIG_IGN)
+        raise StoppedBySignal(number)
+
+    for number in watched:
+        signal.signal(number, stop)
+    try:
+        yield
+    finally:
+        for number in watched:
+            signal.signal(number, before[number])
+
+
+@contextmanager
+def plain_warnings() -> Iterator[None]:
+    """Show the warnings of stickslip as one line of stderr without a place in the code; others as usual."""
+    with warnings.catch_warnings():
+        show_warnings_as_sentences()
+        yield
+
+
+class PatientOutput(io.TextIOWrapper):
+    """Output to a reader that may go away ("| head"): what it does not want is dropped, and the command goes on."""
+
+    def write(self, text: str, /) -> int:
+        """Write, or drop it."""
+        try:
+            return super().write(text)
+        except BrokenPipeError:
+            self._drop()
+            return len(text)
+
+    def flush(self) -> None:
+        """Flush, or drop what is left."""
+        try:
+            super().flush()
+        except BrokenPipeError:
+            self._drop()
+
+    def _drop(self) -> None:
+        """Let the rest, also what waits in the buffer, go nowhere."""
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, self.fileno())
+        os.close(nowhere)
+
+
+def make_output_patient() -> None:
+    """Let no lost reader of stdout or stderr end the command."""
+    sys.stdout, sys.stderr = _patient(sys.stdout), _patient(sys.stderr)
+
+
+def _patient(stream: TextIO) -> TextIO:
+    if not isinstance(stream, io.TextIOWrapper):
+        return stream  # none at all, or not that of a process
+    return PatientOutput(
+        stream.buffer,
+        encoding=stream.encoding,
+        errors=stream.errors,
+        line_buffering=stream.line_buffering,
+        write_through=stream.write_through,
+    )

@@ -1,0 +1,76 @@
+"""Functions compiled by numba, with a place where their code is kept for the next run."""
+
+from __future__ import annotations
+
+import os
+import stat
+import tempfile
+import warnings
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from stickslip.core.errors import StickslipWarning
+from stickslip.core.thread_variables import require_thread_variables
+
+_VARIABLE = "NUMBA_CACHE_DIR"
+
+
+def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """``numba.njit(**options)``, which works too where numba finds no place for its code.
+
+    numba keeps code beside the package or in the user's cache folder. In a container neither may be writable; the
+    code is kept among the temporary files then, and a StickslipWarning says so.
+    """
+
+    def compiled(function: Callable[..., Any]) -> Any:
+        numba = _numba()
+        try:
+            return numba.njit(**options)(function)
+        except RuntimeError as error:
+            if "no locator available" not in str(error):
+                raise
+        folder = _private_folder()
+        if folder is None:
+            _warn("numba finds no folder for compiled code, so every run compiles again, which takes a minute.")
+            return numba.njit(**{**options, "cache": False})(function)
+        numba.config.CACHE_DIR = os.environ[_VARIABLE] = str(folder)  # also for processes that are started later
+        _warn(
+            f'numba keeps compiled code in "{folder}", because neither the installation nor the user\'s cache folder '
+            f"can be written."
+        )
+        return numba.njit(**options)(function)
+
+    return compiled
+
+
+@cache  # once for all functions
+def _warn(sentence: str) -> None:
+    warnings.warn(f"{sentence} Set {_VARIABLE} to a folder that lasts.", StickslipWarning, stacklevel=4)
+
+
+@cache
+def _numba() -> Any:
+    """The package. Raises InputError for what the environment says about threads, which numba meets with a fault."""
+    require_thread_variables()
+    import numba
+
+    return numba
+
+
+@cache
+def _private_folder() -> Path | None:
+    """A folder for temporary files that no other user can write, since code is run from it; None if there is none."""
+    try:
+        base = Path(tempfile.gettempdir())
+        if not hasattr(os, "getuid"):
+            return Path(tempfile.mkdtemp(prefix="stickslip-numba-"))
+        folder = base / f"stickslip-numba-{os.getuid()}"
+        folder.mkdir(mode=0o700, exist_ok=True)
+        found = folder.lstat()
+        if stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o077:
+            return folder
+        return Path(tempfile.mkdtemp(prefix="stickslip-numba-"))
+    except OSError:
+        return None

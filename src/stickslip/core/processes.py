@@ -1,0 +1,51 @@
+"""Other processes of Python, started without the current folder among the places of modules."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+_SAFE_PATH = "PYTHONSAFEPATH"
+_lock = threading.RLock()
+
+
+def python_command(code: str) -> list[str]:
+    """The command that runs ``code`` in another process of this Python, with the modules that this process finds.
+
+    ``python -c`` looks for modules in the current folder first: a "random.py" of the user would run in place of
+    Python's own. Option -P leaves the folder out, and the places of modules are those of this process without it.
+    """
+    here = str(Path(__file__).parents[1])
+    places = [place for place in sys.path if place and Path(place).is_absolute()]
+    places += [] if here in places else [here]
+    return [sys.executable, "-P", "-c", f"import sys; sys.path[:] = {places!r}\n{code}"]
+
+
+@contextmanager
+def safe_path() -> Iterator[None]:
+    """Have the processes that ``multiprocessing`` starts in the block leave out the current folder too.
+
+    They too begin with ``python -c``, and know no option; later they take over the places of modules of this process.
+    """
+    with _lock:
+        before = os.environ.get(_SAFE_PATH)
+        os.environ[_SAFE_PATH] = "1"
+        try:
+            yield
+        finally:
+            if before is None:
+                del os.environ[_SAFE_PATH]
+            else:
+                os.environ[_SAFE_PATH] = before
+
+
+def leave_signals_to_parent() -> None:
+    """Ignore the interrupt key and a lost terminal, which reach every process of a terminal."""
+    for name in ("SIGINT", "SIGHUP"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN)

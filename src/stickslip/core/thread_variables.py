@@ -1,0 +1,37 @@
+"""Environment variables that say how many threads: checked before a library meets one that makes no sense."""
+
+from __future__ import annotations
+
+import os
+
+from stickslip.core.errors import InputError
+
+VARIABLE = "STICKSLIP_THREADS"
+_OPENMP = "OMP_NUM_THREADS"
+_OF_LIBRARIES = ("NUMBA_NUM_THREADS", _OPENMP)
+# The largest machines of today have some hundred cores; more threads are a slip, and may exhaust the system.
+MOST_THREADS = 1024
+_LONGEST_TEXT = 12  # of one number with its blanks
+
+
+def require_thread_variables() -> None:
+    """Raise InputError for a number of threads in the environment that makes no sense, before a library meets it."""
+    for variable in (VARIABLE, *_OF_LIBRARIES):
+        threads_of_variable(variable)
+
+
+def threads_of_variable(variable: str) -> int | None:
+    """The number in an environment variable, None if it is not set. Raises InputError for what is none."""
+    text = os.environ.get(variable, "").strip()
+    if not text:
+        return None
+    # OpenMP allows a list, one number for each level of parallel work inside parallel work
+    parts = text.split(",") if variable == _OPENMP else [text]
+    numbers = [int(part) if part.strip().isdecimal() and len(part) <= _LONGEST_TEXT else 0 for part in parts]
+    if not all(1 <= number <= MOST_THREADS for number in numbers):
+        shown = text if len(text) <= 40 else f"{text[:36]} ..."
+        raise InputError(
+            f"the environment variable {variable} is {shown!r}, but it must be a whole number from 1 to "
+            f"{MOST_THREADS}. Change it, or take it out of the environment."
+        )
+    return numbers[0]

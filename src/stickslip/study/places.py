@@ -1,0 +1,48 @@
+"""Where a run writes, and whether it can: asked before anything is solved."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stickslip.core.files import require_folder, require_room
+from stickslip.model.kinds.mesh import PAIRS_FILE
+from stickslip.model.model import Model
+from stickslip.structure.superelement import Superelement
+
+if TYPE_CHECKING:
+    from stickslip.case.case import Case
+
+RESULTS_FILE = "results.nc"
+REPORT_FILE = "report.html"
+FIGURE_FOLDER = "figures"
+MODES_FILE = "mode_shapes.vtu"
+PERIOD_FILE = "deflected_shape.pvd"
+PERIOD_FOLDER = "deflected_shape_frames"
+
+# Measured on the two-blade study and on meshes of 1,000 to 50,000 nodes.
+REPORT_BYTES = 11_000_000  # plotly.js and the data of the page
+FIGURES_BYTES = 1_500_000
+_BYTES_OF_NODE = 45  # in one field of a compressed file for ParaView
+_POINTS = 200  # of a curve; the linear limits have about as many of two coefficients each
+_BYTES = 8  # of a number; those of a curve can hardly be compressed
+
+
+def require_places(out: Path) -> None:
+    """Make the folder of a run. Raises PlaceError where its files cannot be written or hardly any room is left."""
+    require_folder(
+        out,
+        files=(RESULTS_FILE, REPORT_FILE, MODES_FILE, PERIOD_FILE, PAIRS_FILE),
+        folders=(FIGURE_FOLDER, PERIOD_FOLDER),
+    )
+    require_room(out, REPORT_BYTES, REPORT_BYTES)
+
+
+def require_room_for(case: Case, model: Model, out: Path) -> None:
+    """Raise PlaceError unless the disk has room for what a run of this model will write, by an estimate."""
+    coefficients = 2 * case.solver.harmonics + 1
+    results = _BYTES * _POINTS * model.superelement.size * coefficients
+    fields = case.output.mode_shapes + case.output.deflected_shape_frames
+    nodes = 0 if isinstance(model.structure, Superelement) else model.structure.mesh.n_nodes
+    whole = results + REPORT_BYTES + FIGURES_BYTES + _BYTES_OF_NODE * fields * nodes
+    require_room(out, whole, max(results, REPORT_BYTES))
