@@ -16,7 +16,18 @@ ROOT = "stickslip"
 
 # A module imports from its own layer or from layers that stand before it; layers in one row do not know each other.
 ROWS = (
-    ("errors", "validation", "fourier", "progress", "reference", "files", "threads"),
+    (
+        "errors",
+        "validation",
+        "fourier",
+        "progress",
+        "reference",
+        "files",
+        "threads",
+        "plausible",
+        "terminal",
+        "input_files",
+    ),
     ("structure",),
     ("interface",),
     ("results",),
@@ -34,6 +45,7 @@ LAYER_OF = {
     "case_sections": "case",
     "case_structure": "case",
     "case_fit": "case",
+    "case_values": "case",
     "case_examples": "case",
     "profile_file": "case",
     "measured_roughness": "study",

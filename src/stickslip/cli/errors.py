@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,6 +10,7 @@ from pathlib import Path
 import typer
 
 from stickslip.core.errors import InputError, StickslipError
+from stickslip.core.terminal import echo
 
 EXIT_FAULT = 1
 EXIT_INTERRUPTED = 130
@@ -26,15 +26,15 @@ def error_sentences(debug: bool, log_folder: Path | None = None) -> Iterator[Non
         raise
     except StickslipError as error:
         _show_traceback(debug)
-        typer.echo(f"Error: {error}", err=True)
+        echo(f"Error: {error}", err=True)
         raise typer.Exit(error.exit_code) from error
     except KeyboardInterrupt as error:
         _show_traceback(debug)
-        typer.echo("Interrupted; the study did not end.", err=True)
+        echo("Interrupted; the study did not end.", err=True)
         raise typer.Exit(EXIT_INTERRUPTED) from error
     except MemoryError as error:
         _show_traceback(debug)
-        typer.echo(
+        echo(
             "Error: the memory is too small. Take fewer elements, harmonics or samples, or a machine with more of it.",
             err=True,
         )
@@ -43,9 +43,9 @@ def error_sentences(debug: bool, log_folder: Path | None = None) -> Iterator[Non
         _show_traceback(debug)
         where = "Run it again with --debug to see where" if log_folder is None else _write_log(log_folder)
         if isinstance(error, OSError):
-            typer.echo(f"Error: a file could not be read or written: {error}. {where}.", err=True)
+            echo(f"Error: a file could not be read or written: {error}. {where}.", err=True)
             raise typer.Exit(EXIT_FAULT) from error
-        typer.echo(
+        echo(
             f"Fault of stickslip ({type(error).__name__}: {error}), not of your input. {where}, "
             "and please report it to the developers together with the study file.",
             err=True,
@@ -55,7 +55,7 @@ def error_sentences(debug: bool, log_folder: Path | None = None) -> Iterator[Non
 
 def _show_traceback(debug: bool) -> None:
     if debug:
-        traceback.print_exc(file=sys.stderr)
+        echo(traceback.format_exc(), err=True)
 
 
 def _write_log(folder: Path) -> str:
