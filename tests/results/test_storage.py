@@ -2,6 +2,7 @@
 
 import dataclasses
 import os
+import random
 import re
 import subprocess
 import sys
@@ -101,7 +102,7 @@ def test_file_is_labelled_for_other_readers(response, saved):
 
 
 def test_missing_file(tmp_path):
-    with pytest.raises(ResultsFileError, match="could not be opened: No such file"):
+    with pytest.raises(ResultsFileError, match=r"there is no such file.*stickslip run"):
         load_results(tmp_path / "none.nc")
 
 
@@ -228,3 +229,152 @@ def test_provenance_names_the_versions():
     provenance = run_provenance()
     assert provenance["numpy"] == np.__version__
     assert provenance["date"].endswith("+00:00")
+
+
+ABSURD = {
+    "array": np.array([64, 128]),
+    "not a number": np.nan,
+    "huge": 1e300,
+    "beyond all": 2**62,
+    "negative": -1,
+    "text": "64",
+    "not UTF-8": np.bytes_(b"\xff\xfe"),
+    "empty": h5py.Empty("i8"),
+    "missing": None,
+}
+
+
+@pytest.mark.parametrize("value", ABSURD.values(), ids=ABSURD)
+@pytest.mark.parametrize("name", ["samples", "converged", "stickslip_format"])
+def test_absurd_attributes_get_a_sentence(saved, name, value):
+    with h5py.File(saved, "r+") as file:
+        del file.attrs[name]
+        if value is not None:
+            file.attrs[name] = value
+    with pytest.raises(ResultsFileError) as caught:
+        load_results(saved)
+    assert name in str(caught.value)
+    assert not re.search("Error|object|dtype|<class|Traceback", str(caught.value))
+
+
+BAD_TEXTS = [
+    "",
+    "[",
+    "[" * 5000,
+    "nothing",
+    "[1, 2]",
+    '{"a": [1]}',
+    '[["a", "b"]]',
+    "null",
+    '"text"',
+    "9" * 5000,
+    "{" * 100,
+]
+
+
+@pytest.mark.parametrize("text", BAD_TEXTS, ids=range(len(BAD_TEXTS)))
+def test_texts_that_no_run_writes_get_a_sentence(saved, text):
+    for place in ("warnings", "settings", "provenance", "study/output_names", "study/signal_groups", "study/face_names",
+                  "study/mode_table", "study/derived", "study/warnings", "study/rough_numbers"):  # fmt: skip
+        with h5py.File(saved, "r+") as file:
+            kept = file[place][()]
+            file[place][()] = text
+        with pytest.raises(ResultsFileError, match=place.rpartition("/")[2]):
+            load_results(saved)
+        with h5py.File(saved, "r+") as file:
+            file[place][()] = kept
+    load_results(saved)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1e300, -1e308])
+def test_values_that_no_run_writes_get_a_sentence(saved, value):
+    for place in ("frequency", "displacement_cosine", "pairs/preload", "linear/stuck_mean", "study/pair_area"):
+        with h5py.File(saved, "r+") as file:
+            kept = file[place][()]
+            file[place][(0,) * kept.ndim] = value
+        with pytest.raises(ResultsFileError, match=f'"{place.rpartition("/")[2]}" holds values that are not finite or'):
+            load_results(saved)
+        with h5py.File(saved, "r+") as file:
+            file[place][()] = kept
+
+
+def replaced(path, name, make):
+    """Put another object in the place of a variable."""
+    with h5py.File(path, "r+") as file:
+        del file[name]
+        make(file)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda file: file.create_dataset("residual", 20, "f8", external=[("/etc/passwd", 0, 160)]), "another file"),
+        (
+            lambda file: file.__setitem__("residual", h5py.ExternalLink("other.nc", "/residual")),
+            "link to another place",
+        ),
+        (lambda file: file.__setitem__("residual", h5py.SoftLink("/residual")), "link to another place"),
+        (
+            lambda file: file.create_dataset("residual", (10**12,), "f8", chunks=(1000,)),
+            "larger than the file can hold",
+        ),
+        (lambda file: file.create_group("residual"), "not a variable"),
+        (lambda file: file.create_dataset("residual", data="text"), "numbers of the kind"),
+        (lambda file: file.create_dataset("residual", data=np.zeros(3)), "must have shape"),
+    ],
+)
+def test_variables_from_elsewhere_and_of_other_kinds_are_refused(saved, make, words):
+    replaced(saved, "residual", make)
+    with pytest.raises(ResultsFileError, match=words):
+        load_results(saved)
+
+
+def test_a_contact_state_beyond_a_byte_is_not_taken_for_another(saved):
+    def make(file):
+        file.create_dataset("contact_state", data=np.full((20, 24), 256, dtype=np.int32))
+
+    replaced(saved, "contact_state", make)
+    with pytest.raises(ResultsFileError, match="contact_state must hold 0"):
+        load_results(saved)
+
+
+def test_a_record_of_another_run_is_noticed_when_read(saved):
+    with h5py.File(saved, "r+") as file:
+        rows = file["study/output_rows"][()]
+        del file["study/output_rows"]
+        file["study"].create_dataset("output_rows", data=rows[:, :-1])
+    with pytest.raises(ResultsFileError, match="belong to different runs"):
+        load_results(saved)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9])
+def test_the_command_says_one_sentence_and_no_traceback(saved, share):
+    """Libraries that fail while they open a file told of it once more when their objects were thrown away."""
+    whole = saved.read_bytes()
+    saved.write_bytes(whole[: int(share * len(whole))])
+    code = "from stickslip.cli.main import main; main()"
+    command = [sys.executable, "-c", code, "report", str(saved.parent)]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert result.returncode == 2
+    assert result.stdout == ""
+    (line,) = result.stderr.splitlines()
+    assert line.startswith("Error: the results file")
+
+
+def test_flipped_bits_anywhere_end_in_a_sentence_or_a_sound_file(saved):
+    """Seeded damage: a file is read whole, or a sentence without words of Python says that it is not."""
+    whole, rng = saved.read_bytes(), random.Random(18)
+    refused = 0
+    for _ in range(120):
+        data = bytearray(whole)
+        data[rng.randrange(len(data))] ^= 1 << rng.randrange(8)
+        saved.write_bytes(data)
+        try:
+            load_results(saved)
+        except ResultsFileError as error:
+            refused += 1
+            said = str(error)
+        else:
+            said = ""
+        assert not re.search(r"\w+Error|h5py|object", said)
+    assert refused > 60

@@ -18,6 +18,8 @@ from stickslip.core.errors import InputError
 if TYPE_CHECKING:
     from stickslip.case.case import Case
 
+LONGEST_NAME = 200  # of an entry: it heads columns, and names files of a sweep
+
 # Section -> the kinds that have it; the others are refused. Sections that stand not here belong to all kinds.
 _OWNERS: dict[str, tuple[Kind, ...]] = {
     "geometry": ("two-blade",),
@@ -48,6 +50,13 @@ def require_fit(case: Case) -> None:
 
 def _errors(case: Case) -> Iterator[EntryError]:
     kind = case.structure.kind
+    for section in case.named_sections():
+        for name in getattr(case, section):
+            if not name.isprintable():
+                yield EntryError((section, name), "has a control character in its name. Take it out.")
+            if len(name) > LONGEST_NAME:
+                words = f"has a name of {len(name)} characters. Take one of at most {LONGEST_NAME}."
+                yield EntryError((section, name), words)
     for section, owners in _OWNERS.items():
         if kind not in owners and getattr(case, section) and section in case.model_fields_set:
             yield EntryError(

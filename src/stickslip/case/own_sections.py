@@ -12,9 +12,24 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field
 
-from stickslip.case.sections import Direction, Force, Section, Stiffness, require_printable
+from stickslip.case.sections import (
+    Area,
+    Coordinate,
+    Density,
+    Direction,
+    Distance,
+    FileName,
+    Force,
+    ForceOrNone,
+    FrictionCoefficient,
+    PoissonRatio,
+    Section,
+    Stiffness,
+    YoungModulus,
+    require_printable,
+)
 from stickslip.core.errors import InputError
-from stickslip.core.units import Quantity
+from stickslip.core.units import LARGEST_INTEGER, Count, Quantity
 
 Kind = Literal["two-blade", "mesh", "matrices"]
 KINDS: tuple[Kind, ...] = ("two-blade", "mesh", "matrices")
@@ -65,7 +80,6 @@ def _usable_name(name: str) -> str:
 Name = Annotated[str, AfterValidator(_usable_name)]
 # Bodies are called as in the mesh file.
 BodyName = Annotated[str, AfterValidator(require_printable)]
-Coordinate = Annotated[float, Quantity("length", shown="mm")]
 Place = tuple[Coordinate, Coordinate, Coordinate]
 
 
@@ -73,7 +87,7 @@ class StructureSection(Section):
     """Where the structure comes from: the two blades of [geometry], a mesh file, or matrix files."""
 
     kind: Kind = Field(default="two-blade", description="two-blade, mesh or matrices")
-    file: str | None = Field(
+    file: FileName | None = Field(
         default=None, description="mesh or superelement (.npz), relative to the study file", examples=["blades.inp"]
     )
     length_unit: str | None = Field(
@@ -83,15 +97,15 @@ class StructureSection(Section):
     includes_outside: bool | None = Field(
         default=None, description="whether the deck may include files outside of its folder", examples=[True]
     )
-    stiffness: str | None = Field(
+    stiffness: FileName | None = Field(
         default=None, description="matrices, instead of file: .mtx, .mat, .npy ...", examples=["stiffness.mtx"]
     )
-    mass: str | None = Field(default=None, examples=["mass.mtx"])
-    damping: str | None = Field(default=None, examples=["damping.mtx"])
-    unknown_map: str | None = Field(
+    mass: FileName | None = Field(default=None, examples=["mass.mtx"])
+    damping: FileName | None = Field(default=None, examples=["damping.mtx"])
+    unknown_map: FileName | None = Field(
         default=None, description="node and direction of each row of the matrices", examples=["unknowns.txt"]
     )
-    node_positions: str | None = Field(
+    node_positions: FileName | None = Field(
         default=None, description="lines node, x, y, z of the matrices", examples=["nodes.csv"]
     )
     fixed: tuple[str, ...] = Field(
@@ -105,13 +119,9 @@ class StructureSection(Section):
 class BodySection(Section):
     """Material of one body of the mesh; a key that is left out is that of the file, or else of [material]."""
 
-    young_modulus: Annotated[float, Quantity("pressure", shown="GPa", above=0.0)] | None = Field(
-        default=None, examples=["197 GPa"]
-    )
-    poisson_ratio: Annotated[float, Quantity("pure number", at_least=0.0, below=0.5)] | None = Field(
-        default=None, examples=[0.3]
-    )
-    density: Annotated[float, Quantity("density", above=0.0)] | None = Field(default=None, examples=["7800 kg/m^3"])
+    young_modulus: YoungModulus | None = Field(default=None, examples=["197 GPa"])
+    poisson_ratio: PoissonRatio | None = Field(default=None, examples=[0.3])
+    density: Density | None = Field(default=None, examples=["7800 kg/m^3"])
 
 
 class InterfaceSection(Section):
@@ -125,7 +135,7 @@ class InterfaceSection(Section):
     second: str | None = Field(
         default=None, description="face or node set of the other side, or ground", examples=["blade_left"]
     )
-    pairs: str | None = Field(
+    pairs: FileName | None = Field(
         default=None,
         description="matrices, instead of first and second: lines first node, second node",
         examples=["left_pairs.csv"],
@@ -135,16 +145,16 @@ class InterfaceSection(Section):
         description="where the pairs stand on the first face; nodes unless given",
         examples=["nodes"],
     )
-    search_distance: Annotated[float, Quantity("length", shown="mm", above=0.0)] | None = Field(
+    search_distance: Distance | None = Field(
         default=None, description="along the normal, beyond which two faces do not meet", examples=["0.2 mm"]
     )
-    edge_tolerance: Annotated[float, Quantity("length", shown="mm", above=0.0)] | None = Field(
+    edge_tolerance: Distance | None = Field(
         default=None, description="how far a point may lie beyond the edge of the second face", examples=["0.05 mm"]
     )
-    gap_tolerance: Annotated[float, Quantity("length", shown="mm", above=0.0)] | None = Field(
+    gap_tolerance: Distance | None = Field(
         default=None, description="gaps up to it count as none", examples=["0.001 mm"]
     )
-    gap: Annotated[float, Quantity("length", shown="mm")] | None = Field(
+    gap: Coordinate | None = Field(
         default=None, description="to the ground, along the normal; 0 unless given", examples=["0 mm"]
     )
     adjust: Literal["measured", "closed"] | None = Field(
@@ -158,13 +168,13 @@ class InterfaceSection(Section):
     normal: Direction | None = Field(
         default=None, description="matrices: out of the first side", examples=[[0.0, 0.0, 1.0]]
     )
-    area: Annotated[float, Quantity("area", shown="mm^2", above=0.0)] | None = Field(
+    area: Area | None = Field(
         default=None, description="matrices: of the whole face; pairs have equal parts", examples=["180 mm^2"]
     )
-    normal_load: Annotated[float, Quantity("force", at_least=0.0)] | None = Field(
+    normal_load: ForceOrNone | None = Field(
         default=None, description="at rest, on the whole face with uniform pressure", examples=["289 N"]
     )
-    friction: Annotated[float, Quantity("pure number", above=0.0, at_most=10.0)] | None = Field(
+    friction: FrictionCoefficient | None = Field(
         default=None, description="coefficient of this face instead of that of [friction]", examples=[0.3]
     )
     normal_stiffness: Stiffness | None = Field(
@@ -180,7 +190,9 @@ class PortSection(Section):
     point: Place | None = Field(
         default=None, description="the nearest node to it is taken", examples=[["0 mm", "0 mm", "145 mm"]]
     )
-    node: int | None = Field(default=None, description="number of a node in the file", examples=[1017])
+    node: Annotated[int, Count(at_least=-LARGEST_INTEGER, at_most=LARGEST_INTEGER)] | None = Field(
+        default=None, description="number of a node in the file", examples=[1017]
+    )
     spread: Literal["equal", "area"] | None = Field(
         default=None, description="shares of the nodes of a set: equal (unless given), or by area", examples=["area"]
     )
@@ -197,7 +209,14 @@ class ForceSection(PortSection):
 
     amplitude: Force = Field(description="0-to-peak, of the whole force")
     phase: Annotated[
-        float, Quantity("angle", shown="deg", unit_required="A plain number would be radian, which few expect here.")
+        float,
+        Quantity(
+            "angle",
+            shown="deg",
+            at_least=-1e6,
+            at_most=1e6,
+            unit_required="A plain number would be radian, which few expect here.",
+        ),
     ] = Field(default=0.0, description="against the other forces")
 
 
@@ -214,8 +233,9 @@ class StaticLoadSection(PortSection):
 class RotationSection(Section):
     """Constant rotation of the whole model: the centrifugal load of every body, for a solved preload."""
 
-    speed: Annotated[float, Quantity("speed of rotation", shown="rpm", at_least=0.0)] = Field(
-        description="revolutions per minute or rad/s"
+    # Turbochargers turn at 3e4 rad/s, dental drills at 5e4, micro spindles at 1e5.
+    speed: Annotated[float, Quantity("speed of rotation", shown="rpm", at_least=0.0, at_most=1e9, usual=(0.0, 1e6))] = (
+        Field(description="revolutions per minute or rad/s")
     )
     axis: Direction = Field(description="[x, y, z] along the axis")
     point: Place = Field(default=(0.0, 0.0, 0.0), description="on the axis")

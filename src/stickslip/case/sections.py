@@ -8,26 +8,60 @@ unit are texts ("145 mm"), plain numbers are SI; after loading everything is SI 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import PurePath
 from typing import Annotated, Any, Literal
 from unicodedata import category
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from stickslip.core.errors import InputError
-from stickslip.core.units import Count, Quantity
+from stickslip.core.units import LARGEST_INTEGER, NEGLIGIBLE, Count, Quantity
 
-# A part of a blade above 3 m is a number in millimetres without its unit.
-Length = Annotated[float, Quantity("length", shown="mm", above=0.0, at_most=3.0)]
-Force = Annotated[float, Quantity("force", above=0.0)]
-Stiffness = Annotated[float, Quantity("stiffness", above=0.0, example='"1.3e8 N/m"')]
-Frequency = Annotated[float, Quantity("frequency", above=0.0)]
 _CONTROLS = ("Cc", "Cs", "Zl", "Zp")  # controls, halves of characters, separators of lines and paragraphs
+# Limits are wide on purpose: from micromachined parts (micrometres, micrograms) to the largest turbines. What lies
+# beyond is a slip of the keyboard or a wrong unit. ``usual`` is narrower, and leads to a warning only.
+# A part of a blade above 3 m is a number in millimetres without its unit; 1 nm is below what any process makes.
+Length = Annotated[float, Quantity("length", shown="mm", at_least=1e-9, at_most=3.0)]
+# Distances and places in a mesh or in matrices: as large as a ship, with room for those who write "far away".
+Distance = Annotated[float, Quantity("length", shown="mm", at_least=1e-12, at_most=1e6)]
+Coordinate = Annotated[float, Quantity("length", shown="mm", at_least=-1e6, at_most=1e6)]
+# From the adhesion of a single microcontact (1 nN) to the thrust of all rockets together (1e8 N), with room.
+_FORCE_LIMIT = 1e12
+Force = Annotated[float, Quantity("force", at_least=1e-15, at_most=_FORCE_LIMIT, usual=(1e-6, 1e8), example='"500 N"')]
+ForceOrNone = Annotated[float, Quantity("force", at_least=0.0, at_most=_FORCE_LIMIT)]
+PairForce = Annotated[float, Quantity("force", at_least=-_FORCE_LIMIT, at_most=_FORCE_LIMIT)]
+# Atomic force microscopes have springs of 1e-2 N/m; 1 m2 of ground steel faces under load reaches 1e14 N/m.
+Stiffness = Annotated[
+    float,
+    Quantity("stiffness", at_least=1e-6, at_most=1e18, usual=(1e-1, 1e14), example='"1.3e8 N/m"'),
+]
+# Buildings sway at 0.1 Hz, micromechanical resonators reach 1e9 Hz.
+Frequency = Annotated[float, Quantity("frequency", at_least=1e-6, at_most=1e12, usual=(1e-2, 1e9))]
+# Gels have 1 kPa, diamond 1.2 TPa (Callister, Materials Science and Engineering); more serves as a rigid body.
+YoungModulus = Annotated[float, Quantity("pressure", shown="GPa", at_least=1e3, at_most=1e16)]
+# Aerogels have 1 kg/m^3, osmium 22,590 kg/m^3; less serves as a body without mass, more as a lumped one.
+Density = Annotated[float, Quantity("density", at_least=1e-6, at_most=1e9)]
+PoissonRatio = Annotated[float, Quantity("pure number", at_least=0.0, below=0.5)]
+# Rubber on dry glass reaches 3 or 4, clean metals in vacuum more; 1e-9 is as good as none.
+FrictionCoefficient = Annotated[float, Quantity("pure number", at_least=1e-9, at_most=10.0)]
+Area = Annotated[float, Quantity("area", shown="mm^2", at_least=1e-18, at_most=1e6)]
+# Share of a window or of a response; below 1e-12 round-off decides.
+Step = Annotated[float, Quantity("pure number", at_least=1e-12, at_most=1.0)]
 Elements = Annotated[int, Count(at_least=1, at_most=1000)]
 
 
 def _unit_vector(value: object) -> tuple[float, float, float]:
     """``value`` scaled to length 1. Raises InputError unless it is three finite numbers, not all zero."""
-    number = Quantity("pure number")
+    number = Quantity("pure number", at_least=-1e100, at_most=1e100)  # squares of larger numbers are infinite
     if not isinstance(value, list | tuple) or len(value) != 3:
         raise InputError("must be three numbers [x, y, z], for example [1.0, 0.0, 0.0].")
     x, y, z = (number.parse(entry) for entry in value)
@@ -54,6 +88,17 @@ def require_printable(value: Any) -> Any:
             "Take it out."
         )
     return value
+
+
+def _file_name(value: str) -> str:
+    """``value``. Raises InputError for a name that no disk can hold."""
+    longest = max(map(len, PurePath(value).parts), default=0)
+    if longest > 255 or len(value) > 4000:  # what file systems of Linux, macOS and Windows take
+        raise InputError(f"is no name of a file: it has {len(value)} characters, and one part of it {longest}.")
+    return value
+
+
+FileName = Annotated[str, AfterValidator(_file_name)]
 
 
 class Section(BaseModel):
@@ -87,7 +132,7 @@ class GeometrySection(Section):
         Quantity(
             "angle",
             shown="deg",
-            above=0.0,
+            at_least=1e-6,
             below=1.5707963267948966,
             unit_required="A plain number would be radian, which few expect here.",
         ),
@@ -126,9 +171,9 @@ class MeshSection(Section):
 class MaterialSection(Section):
     """One linear elastic material for blades and damper."""
 
-    young_modulus: Annotated[float, Quantity("pressure", shown="GPa", above=0.0)] = Field(default=197e9)
-    poisson_ratio: Annotated[float, Quantity("pure number", at_least=0.0, below=0.5)] = Field(default=0.3)
-    density: Annotated[float, Quantity("density", above=0.0)] = Field(default=7800.0)
+    young_modulus: YoungModulus = Field(default=197e9)
+    poisson_ratio: PoissonRatio = Field(default=0.3)
+    density: Density = Field(default=7800.0)
 
 
 class ReductionSection(Section):
@@ -146,25 +191,31 @@ class RoughnessSection(Section):
     fractal_dimension: Annotated[float, Quantity("pure number", above=2.0, below=3.0)] = Field(
         default=2.4, description="D of the surface, 2 < D < 3"
     )
+    # A fit of a nearly smooth profile gives 1e-100 m as D nears 2; heights grow with G^(D-2).
     fractal_roughness: Annotated[
         float,
         Quantity(
             "length",
-            above=0.0,
+            at_least=NEGLIGIBLE,
             at_most=1e-3,
+            usual=(NEGLIGIBLE, 1e-5),
             unit_required="Papers leave it out, and between m and mm lies a factor of 1000.",
             example='"1e-8 m"',
         ),
     ] = Field(default=1e-8, description="G; the unit is required")
-    hardness: Annotated[float, Quantity("pressure", shown="GPa", above=0.0)] = Field(
-        default=3e9, description="of the softer face; steel and nickel alloys 2 to 4 GPa"
-    )
+    # Soft rubber 0.1 MPa, lead 40 MPa, diamond 100 GPa (Tabor, The Hardness of Metals).
+    hardness: Annotated[
+        float, Quantity("pressure", shown="GPa", at_least=1e4, at_most=1e13, usual=(1e7, 2e11), example='"3 GPa"')
+    ] = Field(default=3e9, description="of the softer face; steel and nickel alloys 2 to 4 GPa")
     sample_length: Length = Field(default=0.028, description="longest wave of the surface")
-    shortest_length: Annotated[float, Quantity("length", shown="um", above=0.0, example='"1 um"')] = Field(
-        default=1e-6, description="shortest wave of the surface"
-    )
+    # Atoms of metals are 0.25 nm apart.
+    shortest_length: Annotated[
+        float, Quantity("length", shown="um", at_least=1e-10, at_most=3.0, usual=(1e-9, 1e-2), example='"1 um"')
+    ] = Field(default=1e-6, description="shortest wave of the surface")
     ridges: Annotated[int, Count(at_least=1, at_most=1000)] = Field(default=10, description="directions of waves")
-    seed: Annotated[int, Count(at_least=0)] = Field(default=1, description="of the random phases")
+    seed: Annotated[int, Count(at_least=0, at_most=LARGEST_INTEGER)] = Field(
+        default=1, description="of the random phases"
+    )
     mode: Literal["consistent", "paper", "unloading"] = Field(
         default="consistent",
         description="paper: equations (8), (9) as printed; unloading: plastic spots respond too",
@@ -172,12 +223,12 @@ class RoughnessSection(Section):
     allocation: Literal["area", "pressure"] = Field(
         default="area", description="stiffness of a pair by its share of area, or by its own pressure"
     )
-    reference_area: Annotated[float, Quantity("area", shown="mm^2", above=0.0)] | None = Field(
+    reference_area: Area | None = Field(
         default=None,
         description="pressure: face area for which the law is taken, one for all faces; that of each face unless given",
         examples=["180 mm^2"],
     )
-    domain_extension: Annotated[float, Quantity("pure number", at_least=1.0)] = Field(
+    domain_extension: Annotated[float, Quantity("pure number", at_least=1.0, at_most=1e3)] = Field(
         default=1.0, description="psi of the size distribution; 1 as in the paper"
     )
 
@@ -210,9 +261,7 @@ class ContactStiffnessSection(Section):
 class FrictionSection(Section):
     """Coulomb friction between damper and platforms."""
 
-    coefficient: Annotated[float, Quantity("pure number", above=0.0, at_most=10.0)] = Field(
-        default=0.3, description="dry metal joints lie between 0.1 and 0.8"
-    )
+    coefficient: FrictionCoefficient = Field(default=0.3, description="dry metal joints lie between 0.1 and 0.8")
 
 
 class PreloadSection(Section):
@@ -229,7 +278,7 @@ class PreloadSection(Section):
     friction_coefficient_at_assembly: Annotated[float, Quantity("pure number", at_least=0.0, at_most=10.0)] = Field(
         default=0.0, description="mu_0: friction that helps to carry the force"
     )
-    values: tuple[Annotated[float, Quantity("force")], ...] | None = Field(
+    values: tuple[PairForce, ...] | None = Field(
         default=None,
         description="N of each pair, left face first, instead of centrifugal_force; below 0: a gap",
         examples=[[2.5, 2.5, 2.5]],
@@ -260,10 +309,11 @@ class DampingSection(Section):
     modal_damping_ratio: Annotated[float, Quantity("pure number", at_least=0.0, below=1.0)] | None = Field(
         default=0.001, description="of the modes with stuck contact"
     )
-    rayleigh_alpha: Annotated[float, Quantity("rate", at_least=0.0)] | None = Field(
+    # 2 pi f zeta of a share of the mass, zeta / (pi f) of the stiffness: more than critical at any frequency below.
+    rayleigh_alpha: Annotated[float, Quantity("rate", at_least=0.0, at_most=1e12)] | None = Field(
         default=None, description="share of the mass matrix, instead of modal_damping_ratio", examples=["0.5 1/s"]
     )
-    rayleigh_beta: Annotated[float, Quantity("time", at_least=0.0)] | None = Field(
+    rayleigh_beta: Annotated[float, Quantity("time", at_least=0.0, at_most=1e6)] | None = Field(
         default=None,
         description="share of the stiffness without contact; slower, as it couples the stuck modes",
         examples=["6e-7 s"],
@@ -299,21 +349,18 @@ class SolverSection(Section):
     frequency_start: Frequency = Field(default=400.0, description="a start above the stop sweeps downward")
     frequency_stop: Frequency = Field(default=530.0)
     harmonics: Annotated[int, Count(at_least=1, at_most=200)] = Field(default=5, description="kept beside the mean")
-    samples: Annotated[int, Count(at_least=3, at_most=100_000)] = Field(
+    samples: Annotated[int, Count(at_least=8, at_most=100_000)] = Field(
         default=256, description="per period; 512 with much separation", validate_default=True
     )
-    tolerance: Annotated[float, Quantity("pure number", above=0.0, at_most=1e-3)] = Field(
+    # Numbers have 16 digits, so no residual falls below 1e-15.
+    tolerance: Annotated[float, Quantity("pure number", at_least=1e-15, at_most=1e-3)] = Field(
         default=1e-9, description="of the residual, relative"
     )
-    smallest_step: Annotated[float, Quantity("pure number", above=0.0, at_most=1.0)] = Field(
+    smallest_step: Step = Field(
         default=1e-6, description="along the curve, as a share of the window or of the largest response"
     )
-    first_step: Annotated[float, Quantity("pure number", above=0.0, at_most=1.0)] = Field(
-        default=0.01, validate_default=True
-    )
-    largest_step: Annotated[float, Quantity("pure number", above=0.0, at_most=1.0)] = Field(
-        default=0.08, validate_default=True
-    )
+    first_step: Step = Field(default=0.01, validate_default=True)
+    largest_step: Step = Field(default=0.08, validate_default=True)
     update: Literal["tractrix", "radial"] = Field(default="tractrix", description="return of the friction law")
 
     @field_validator("frequency_stop")

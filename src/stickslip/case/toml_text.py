@@ -9,30 +9,23 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 from pydantic_core import ErrorDetails
 
 from stickslip.core.errors import InputError, StudyFileError
-from stickslip.core.input_files import read_regular
+from stickslip.core.input_files import read_input
 
 LARGEST_STUDY = 10_000_000  # bytes; a study file with every key has some 10 kB
 _KEY = re.compile(r"\s*([\w-]+)\s*=")
 _OF_THE_NAME = "[key]"  # how pydantic marks the place of an error in the name of an entry
+_LONG_WORD = re.compile(r"\S{200,}")
 _NEW_FILE = '"stickslip new FILE" writes a commented one to start from.'
 
 
 def read_text(path: str | PathLike[str]) -> str:
     """The text of a study file. Raises StudyFileError if it cannot be read or is not UTF-8."""
-    try:
-        raw = read_regular(Path(path), LARGEST_STUDY)
-    except FileNotFoundError as error:
-        raise StudyFileError(f"{path}: there is no such file. {_NEW_FILE}") from error
-    except OSError as error:
-        raise StudyFileError(
-            f"{path}: the file cannot be read ({error.strerror}). Give the path of a study file."
-        ) from error
+    raw = read_input(path, f"Give the path of a study file; {_NEW_FILE}", LARGEST_STUDY, StudyFileError)
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -155,10 +148,15 @@ def report(
             sentence = _sentence(_Entry(path, path[0] in named), details, data, known)
         line = next((lines[path[:depth]] for depth in (3, 2, 1) if path[:depth] in lines), 0)
         where = f"line {line}: " if line else ""
-        numbered.append((line, f"  {where}{sentence}"))
+        numbered.append((line, f"  {where}{_LONG_WORD.sub(_shortened, sentence)}"))
     numbered.sort(key=lambda entry: entry[0])
     count = "1 error" if len(numbered) == 1 else f"{len(numbered)} errors"
     return "\n".join([f"{source}: {count}.", *(text for _, text in numbered)])
+
+
+def _shortened(word: re.Match[str]) -> str:
+    """The start of a name without end, so that a sentence stays one that can be read."""
+    return f"{word[0][:60]}..."
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -12,6 +11,7 @@ import typer
 
 from stickslip.cli.process import StoppedBySignal, plain_warnings, stopping_signals
 from stickslip.core.errors import InputError, StickslipError
+from stickslip.core.terminal import echo
 from stickslip.core.thread_variables import require_thread_variables
 
 EXIT_FAULT = 1
@@ -33,20 +33,20 @@ def error_sentences(debug: bool, log_folder: Path | None = None, kept: str = "")
         raise
     except StickslipError as error:
         _show_traceback(debug)
-        typer.echo(f"Error: {error}", err=True)
+        echo(f"Error: {error}", err=True)
         raise typer.Exit(error.exit_code) from error
     except StoppedBySignal as error:
         with suppress(OSError):  # a lost terminal takes no words
             _show_traceback(debug)
-            typer.echo(f"Stopped by {error}; the study did not end. {kept}".rstrip(), err=True)
+            echo(f"Stopped by {error}; the study did not end. {kept}".rstrip(), err=True)
         raise typer.Exit(128 + error.number) from error
     except KeyboardInterrupt as error:
         _show_traceback(debug)
-        typer.echo(f"Interrupted; the study did not end. {kept}".rstrip(), err=True)
+        echo(f"Interrupted; the study did not end. {kept}".rstrip(), err=True)
         raise typer.Exit(EXIT_INTERRUPTED) from error
     except MemoryError as error:
         _show_traceback(debug)
-        typer.echo(
+        echo(
             "Error: the memory is too small. Take fewer elements, harmonics or samples, or a machine with more of it.",
             err=True,
         )
@@ -55,9 +55,9 @@ def error_sentences(debug: bool, log_folder: Path | None = None, kept: str = "")
         _show_traceback(debug)
         where = "Run it again with --debug to see where" if log_folder is None else _write_log(log_folder)
         if isinstance(error, OSError):
-            typer.echo(f"Error: a file could not be read or written: {error}. {where}.", err=True)
+            echo(f"Error: a file could not be read or written: {error}. {where}.", err=True)
             raise typer.Exit(EXIT_FAULT) from error
-        typer.echo(
+        echo(
             f"Fault of stickslip ({type(error).__name__}: {error}), not of your input. {where}, "
             "and please report it to the developers together with the study file.",
             err=True,
@@ -67,7 +67,7 @@ def error_sentences(debug: bool, log_folder: Path | None = None, kept: str = "")
 
 def _show_traceback(debug: bool) -> None:
     if debug:
-        traceback.print_exc(file=sys.stderr)
+        echo(traceback.format_exc(), err=True)
 
 
 def _write_log(folder: Path) -> str:

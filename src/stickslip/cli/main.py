@@ -19,6 +19,7 @@ from stickslip.cli.process import make_output_patient
 from stickslip.core.errors import InputError, PlaceError, ResultsFileError
 from stickslip.core.files import require_folder, whole_file
 from stickslip.core.progress import terminal_progress
+from stickslip.core.terminal import echo
 
 if TYPE_CHECKING:
     from stickslip.case.case import Case
@@ -65,7 +66,7 @@ def _print_version(wanted: bool) -> None:
     if wanted:
         from stickslip import __version__
 
-        typer.echo(f"stickslip {__version__}")
+        echo(f"stickslip {__version__}")
         raise typer.Exit
 
 
@@ -100,7 +101,7 @@ def new(
         require_folder(path.parent, files=(path.name,))
         with whole_file(path, "study file", InputError) as part:
             part.write_text(Case.from_mapping(EXAMPLES[kind]).to_text(), encoding="utf-8")
-        typer.echo(f'Wrote {path}. Next: stickslip check "{path}"')
+        echo(f'Wrote {path}. Next: stickslip check "{path}"')
 
 
 @app.command()
@@ -113,7 +114,7 @@ def check(path: StudyFile, debug: Debug = False) -> None:
         with _about(places):
             sections = study.check(case)
         for title, rows in sections:
-            typer.echo(f"\n{title}")
+            echo(f"\n{title}")
             _print_rows(rows)
 
 
@@ -210,7 +211,7 @@ def report(
         from stickslip.study import run as study
 
         for file in study.report(folder):
-            typer.echo(f"Wrote {file}")
+            echo(f"Wrote {file}")
 
 
 @app.command()
@@ -244,12 +245,12 @@ def roughness(
         measured = measured_roughness.measure(path, position_unit or unit, height_unit or unit, scales, longest_wave)
         _print_rows(measured_roughness.rows(measured))
         for sentence in measured.fit.warnings:
-            typer.echo(f"Warning: {sentence}")
+            echo(f"Warning: {sentence}")
         for file in measured_roughness.write(out, measured) if out is not None else ():
-            typer.echo(f"Wrote {file}")
+            echo(f"Wrote {file}")
         lines = measured_roughness.study_lines(measured.fit, hardness)
-        typer.echo(measured_roughness.contact_sentence(measured.fit, hardness))
-        typer.echo(f"\nFor the study file:\n{lines}", nl=False)
+        echo(measured_roughness.contact_sentence(measured.fit, hardness))
+        echo(f"\nFor the study file:\n{lines.rstrip()}")
 
 
 @app.command("import")
@@ -276,7 +277,7 @@ def import_model(
 def _print_rows(rows: list[tuple[str, str]]) -> None:
     width = max((len(label) for label, _ in rows), default=0)
     for label, value in rows:
-        typer.echo(f"  {label:<{width}}  {value}")
+        echo(f"  {label:<{width}}  {value}")
 
 
 @app.command()
@@ -295,13 +296,13 @@ def paper(
         with terminal_progress(quiet) as progress:
             outcome = paper_study(out, workers, progress)
         for notice in outcome.notices:
-            typer.echo(notice, err=True)
+            echo(notice, err=True)
         if not quiet:
-            typer.echo(f"Wrote {outcome.files[0]} and {len(outcome.files) - 1} other files.")
+            echo(f"Wrote {outcome.files[0]} and {len(outcome.files) - 1} other files.")
             words = ", ".join(f"{verdict.value}: {count}" for verdict, count in outcome.verdicts.items())
-            typer.echo(f"{outcome.curves} curves, {outcome.found} of them taken from an earlier run. Claims: {words}.")
+            echo(f"{outcome.curves} curves, {outcome.found} of them taken from an earlier run. Claims: {words}.")
         for failure in outcome.failures[:SHOWN_FAILURES]:
-            typer.echo(f"Failed: {failure.setting}: {failure.message}", err=True)
+            echo(f"Failed: {failure.setting}: {failure.message}", err=True)
         if outcome.failures:
             raise typer.Exit(EXIT_NOT_CONVERGED)
 
@@ -313,7 +314,7 @@ def _load(path: Path, quiet: bool = False) -> tuple[Case, KeyPlaces]:
     case, places = load_case_and_places(path)
     defaults = case.defaulted_keys()
     if defaults and not quiet:
-        typer.echo(f"Not in the file, so the default is used: {', '.join(defaults)}", err=True)
+        echo(f"Not in the file, so the default is used: {', '.join(defaults)}", err=True)
     return case, places
 
 
@@ -321,32 +322,32 @@ def _close(outcome: StudyOutcome, quiet: bool) -> None:
     """Name the files and say how it ended; raises the exit of a run that did not converge."""
     if not outcome.converged:
         files = ", ".join(str(file) for file in outcome.files)
-        typer.echo(f"Not converged: {outcome.message}", err=True)
-        typer.echo(f"What was computed so far is kept in: {files}" if files else "Nothing was computed.", err=True)
+        echo(f"Not converged: {outcome.message}", err=True)
+        echo(f"What was computed so far is kept in: {files}" if files else "Nothing was computed.", err=True)
         raise typer.Exit(EXIT_NOT_CONVERGED)
     if not quiet:
         for file in outcome.files:
-            typer.echo(f"Wrote {file}")
-        typer.echo(outcome.message)
+            echo(f"Wrote {file}")
+        echo(outcome.message)
 
 
 def _close_sweep(result: Sweep, quiet: bool) -> None:
     """Name the files and the cases that failed; raises the exit of a sweep with such cases."""
     failed, count = result.table.failed, len(result.table.rows)
     for notice in result.notices:
-        typer.echo(notice, err=True)
+        echo(notice, err=True)
     if not quiet:
         for file in result.files:
-            typer.echo(f"Wrote {file}")
-        typer.echo(f"{count} cases, {result.found} of them finished before; {len(failed)} failed.")
+            echo(f"Wrote {file}")
+        echo(f"{count} cases, {result.found} of them finished before; {len(failed)} failed.")
         for remark in result.remarks:
-            typer.echo(remark)
+            echo(remark)
     for row in failed[:SHOWN_FAILURES]:
-        typer.echo(f"Failed: {row.name}: {row.message}", err=True)
+        echo(f"Failed: {row.name}: {row.message}", err=True)
     if failed:
         rest = len(failed) - SHOWN_FAILURES
         more = f" {rest} more failed." if rest > 0 else ""
-        typer.echo(f"{more} The table {result.files[0]} has every case with its message.".lstrip(), err=True)
+        echo(f"{more} The table {result.files[0]} has every case with its message.".lstrip(), err=True)
         raise typer.Exit(EXIT_NOT_CONVERGED)
 
 

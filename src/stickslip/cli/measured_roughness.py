@@ -53,7 +53,8 @@ def measure(
 
 def _length(name: str, text: str) -> float:
     try:
-        return Quantity("length", above=0.0, unit_required="A length needs its unit.").parse(text)
+        limits = Quantity("length", at_least=1e-12, at_most=1e6, unit_required="A length needs its unit.")
+        return limits.parse(text)
     except InputError as error:
         raise InputError(f'the {name} "{text}" {error}') from error
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from stickslip.core.errors import InputError
+from stickslip.core.terminal import printable
 from stickslip.formats.meshes.build import build_model
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.raw_model import RawModel
@@ -38,19 +39,19 @@ def print_model(path: Path, length_unit: str | None, unit_system: str | None, in
     raw = read_raw(path, includes_outside)
     model = build_model(raw, units)
     console = Console(soft_wrap=True)
-    console.print(f"{model.source}: {model.format}", markup=False)
+    console.print(printable(f"{model.source}: {model.format}"), markup=False)
     for title, heading, rows in _tables(model, known):
         if rows:
             table = Table(title=title, title_justify="left")
             for column, name in enumerate(heading):
                 table.add_column(name, justify="left" if column == 0 else "right", overflow="fold")
             for row in rows:
-                table.add_row(*row)
+                table.add_row(*map(printable, row))
             console.print(table, markup=False)
     for sentence in _sentences(model, known):
-        console.print(sentence, markup=False)
+        console.print(printable(sentence), markup=False)
     if not known:
-        console.print(_ask_for_unit(raw), markup=False)
+        console.print(printable(_ask_for_unit(raw)), markup=False)
 
 
 def _tables(model: ImportedModel, known: bool) -> Iterator[tuple[str, tuple[str, ...], Rows]]:

@@ -12,10 +12,11 @@ import stat
 import zipfile
 import zlib
 from collections.abc import Iterator
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-from stickslip.core.errors import ImportFileError
+from stickslip.core.errors import ImportFileError, InputError
 
 if TYPE_CHECKING:
     import h5py
@@ -212,3 +213,23 @@ def _refuse_foreign_data(path: Path, group: h5py.Group, name: str, what: str) ->
         f"\"{path}\": '{group.name.rstrip('/')}/{name}' {what}. Other files are not read through an HDF5 file; write "
         "all data into this one."
     )
+
+
+def read_input(path: str | PathLike[str], advice: str, largest: int, error: type[InputError] = InputError) -> bytes:
+    """The content of a small file that a user wrote or an instrument exported.
+
+    Raises ``error`` with a sentence that ends with ``advice`` for a file that is missing, cannot be read, is no regular
+    file (a folder; a pipe or a device, which may never end) or has more than ``largest`` bytes.
+    """
+    try:
+        return read_regular(Path(path), largest)
+    except FileNotFoundError as problem:
+        raise error(f"{path}: there is no such file. {advice}") from problem
+    except (OSError, ValueError) as problem:  # a name with the character NUL is a ValueError
+        why = problem.strerror if isinstance(problem, OSError) and problem.strerror else str(problem)
+        raise error(f"{_short(str(path))}: the file cannot be read ({why}). {advice}") from problem
+
+
+def _short(name: str) -> str:
+    """A name that may be too long for any disk, as a sentence shows it."""
+    return name if len(name) <= 200 else f"{name[:100]} ... {name[-40:]}"

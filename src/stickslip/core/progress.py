@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Protocol
 
+from stickslip.core.terminal import printable
+
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress as RichBars
@@ -45,8 +47,8 @@ class BarProgress:
     def update(self, stage: str, fraction: float, detail: str = "") -> None:
         """Move the bar of ``stage``; the first news of a stage draws its bar."""
         if stage not in self._tasks:
-            self._tasks[stage] = self._bars.add_task(stage, total=1.0, detail=detail)
-        self._bars.update(self._tasks[stage], completed=fraction, detail=detail)
+            self._tasks[stage] = self._bars.add_task(printable(stage), total=1.0, detail="")
+        self._bars.update(self._tasks[stage], completed=fraction, detail=printable(detail))
 
 
 class LineProgress:
@@ -110,7 +112,7 @@ class LineProgress:
             thread.join()
 
     def _print(self, text: str) -> None:
-        self._console.print(text, markup=False, highlight=False, soft_wrap=True)
+        self._console.print(printable(text), markup=False, highlight=False, soft_wrap=True)
         self._last_line = self._clock()
 
 

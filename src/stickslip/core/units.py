@@ -37,6 +37,13 @@ KINDS: dict[str, tuple[str, str]] = {
 }
 
 
+LONGEST_UNIT = 60  # pint nests as deep as a unit has factors
+LARGEST_INTEGER = 2**63 - 1  # that arrays and files hold
+# Nothing that is measured is nearer to zero without being zero; squares of smaller numbers vanish in a computer. The
+# smallest number that a study can need is G of a nearly smooth face, about 1e-100 m as D nears 2.
+NEGLIGIBLE = 1e-150
+
+
 @dataclass(frozen=True)
 class Quantity:
     """A physical quantity of a study file: its kind, the unit that texts show, and the allowed range in SI.
@@ -46,7 +53,10 @@ class Quantity:
     shown:
         unit of written study files; the SI unit if left out.
     above, below:
-        bounds that the value must not touch; ``at_least``, ``at_most``: bounds that it may.
+        bounds that the value must not touch; ``at_least``, ``at_most``: bounds that it may. A value that is not 0 must
+        not be below ``NEGLIGIBLE`` in size either.
+    usual:
+        range of machine parts: values outside are allowed, but a warning says that the unit may be wrong.
     unit_required:
         a sentence why a plain number is refused, or "" where a plain number is the SI value.
     example:
@@ -61,6 +71,7 @@ class Quantity:
     at_most: float | None = None
     unit_required: str = ""
     example: str = ""
+    usual: tuple[float, float] | None = None
 
     @property
     def si_unit(self) -> str:
@@ -76,6 +87,8 @@ class Quantity:
         if not math.isfinite(number):
             raise InputError(f"must be a finite number. {self._example()}")
         result = number if unit == self.si_unit else self._in_si(number, unit)
+        if 0.0 < abs(result) < NEGLIGIBLE:
+            raise InputError(f"is so near to zero that nothing can be computed with it. {self._example()}")
         self._check_range(result, plain=isinstance(value, int | float))
         return result
 
@@ -122,12 +135,12 @@ class Quantity:
         found = _root_unit(unit)
         if found is None:
             raise InputError(
-                f'has the unknown unit "{unit}"; {needed} Capitals matter: mm, um, GPa, MPa, N, kN, Hz, kg/m^3.'
+                f'has the unknown unit "{unit[:40]}"; {needed} Capitals matter: mm, um, GPa, MPa, N, kN, Hz, kg/m^3.'
             )
         if found != _root_unit(self.si_unit):
             other = next((name for name, (si, _) in KINDS.items() if _root_unit(si) == found), "another kind")
             angular = " For rad/s divide by 2 pi, for rpm by 60." if self.kind == "frequency" else ""
-            raise InputError(f'has "{unit}", a unit of {other}, but {needed}{angular}')
+            raise InputError(f'has "{unit[:40]}", a unit of {other}, but {needed}{angular}')
         # 15 digits: the factor of a prefix is not exact in binary, and "36.7 mm" shall be the float 0.0367
         return float(f"{number * _factor_to_si(unit):.15g}")
 
@@ -148,6 +161,8 @@ class Quantity:
         if all(held for _, _, held in limits):
             return
         allowed = " and ".join(f"{word} {_short(bound)}" for bound, word, _ in limits if bound is not None)
+        if value <= 0.0 and self.at_least is not None and self.at_least > 0.0:
+            allowed = "above 0"  # says more to whoever gave none than the smallest number that makes sense
         unit = f" {self.si_unit}" if self.si_unit else ""
         hint = ""
         if plain and self.shown and value > 0:
@@ -203,7 +218,7 @@ def _parsed(unit: str) -> Any:
 
     The pattern comes first because pint hands other text to Python's tokenizer, whose errors differ by version.
     """
-    if unit and _UNIT.fullmatch(unit) is None:
+    if len(unit) > LONGEST_UNIT or (unit and _UNIT.fullmatch(unit) is None):
         return None
     import pint
 

@@ -12,12 +12,16 @@ from pathlib import Path
 import numpy as np
 
 from stickslip.core.errors import InputError
-from stickslip.core.input_files import read_regular
+from stickslip.core.input_files import read_input
 from stickslip.core.units import Quantity
 from stickslip.core.validation import FloatArray
 
 LARGEST_PROFILE = 200_000_000  # bytes: some 10 million points, where instruments write 10 to 100 thousand
 SPACING_TOLERANCE = 0.01  # of one spacing: files hold rounded positions
+MOST_BYTES = 100_000_000  # two million points, twenty times as many as a fit takes
+# Heights and distances between atoms and mountains: squares of what lies beyond leave the range of numbers.
+HEIGHT_LIMIT, POSITION_LIMIT = 1e4, 1e9  # m
+SPACING_RANGE = (1e-12, 1e4)  # m
 _SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
 _UNIT = re.compile(r"[\[(]\s*([A-Za-zµμ]+)\s*[\])]")
 _COLUMNS = ("position", "height")
@@ -46,8 +50,29 @@ def read_profile(
     units = _units(source, heading, (position_unit, height_unit))
     scale = [_metres(unit) for unit in units]
     numbers = np.array([values for _, values in rows], dtype=float).reshape(-1, 2)
-    spacing = _spacing(source, numbers[:, 0], [line for line, _ in rows])
-    return Profile(scale[1] * numbers[:, 1], scale[0] * spacing, units)
+    lines = [line for line, _ in rows]
+    _require_size(source, lines, numbers, scale, units)
+    spacing = scale[0] * _spacing(source, numbers[:, 0], lines)
+    if not SPACING_RANGE[0] <= spacing <= SPACING_RANGE[1]:
+        raise InputError(
+            f"{source}: the points are {spacing:.3g} m apart, but a profile has distances from {SPACING_RANGE[0]:g} to "
+            f"{SPACING_RANGE[1]:g} m. Check the unit of the position, {units[0]}."
+        )
+    return Profile(scale[1] * numbers[:, 1], spacing, units)
+
+
+def _require_size(
+    source: Path, lines: list[int], numbers: FloatArray, scale: list[float], units: tuple[str, str]
+) -> None:
+    """Raise InputError for a position or height (n, 2) in the unit of the file that no surface has."""
+    for column, name in enumerate(_COLUMNS):
+        limit = (POSITION_LIMIT, HEIGHT_LIMIT)[column] / scale[column]
+        wrong = np.flatnonzero(np.abs(numbers[:, column]) > limit)
+        if wrong.size:
+            raise InputError(
+                f"{source}, line {lines[wrong[0]]}: the {name} is {numbers[wrong[0], column]:g} {units[column]}, but "
+                f"it must lie within {limit:g} {units[column]}. Check the number and the unit."
+            )
 
 
 def _rows(source: Path) -> tuple[str, list[tuple[int, tuple[float, float]]]]:
@@ -75,11 +100,7 @@ _WANTED = "A profile is a position and a height on each line, such as 0.5, 1.25;
 
 def _lines(source: Path) -> Iterator[tuple[int, str]]:
     try:
-        text = read_regular(source, LARGEST_PROFILE).decode("utf-8-sig")
-    except OSError as error:
-        raise InputError(
-            f"{source}: the file cannot be read ({error.strerror}). Give the path of a profile."
-        ) from error
+        text = read_input(source, "Give the path of a profile.", LARGEST_PROFILE).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"{source}: this is not a text file in UTF-8. {_WANTED}") from error
     yield from enumerate(text.splitlines(), start=1)
@@ -141,7 +162,7 @@ def _units(source: Path, heading: str, given: tuple[str | None, str | None]) -> 
 def _metres(unit: str) -> float:
     """One ``unit`` in m. Raises InputError if it is no unit of length."""
     try:
-        return Quantity("length").parse(f"1 {unit}")
+        return Quantity("length", at_least=1e-15, at_most=1e9).parse(f"1 {unit}")
     except InputError as error:
         raise InputError(f'the unit "{unit}" {error}') from error
 

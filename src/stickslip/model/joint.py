@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.case.values import unusual_values
 from stickslip.contact.pairing.pairing import FacePairs
 from stickslip.contact.preload import area_share, face_sum
 from stickslip.contact.stiffness.fractal import (
@@ -20,6 +21,7 @@ from stickslip.contact.stiffness.fractal import (
 )
 from stickslip.contact.stiffness.surface import SurfaceStatistics, surface_statistics
 from stickslip.core.errors import InputError, concerning
+from stickslip.core.plausible import OddValue
 from stickslip.core.validation import FloatArray
 from stickslip.model.layout import Layout
 from stickslip.structure.elasticity import Material
@@ -175,6 +177,11 @@ def _roughness_keys(case: Case, face_name: str) -> tuple[str, ...]:
     else:
         load = "preload.centrifugal_force" if case.interfaces == {} else f"interfaces.{face_name}.normal_load"
     return "roughness", load
+
+
+def odd_values(case: Case, layout: Layout) -> tuple[OddValue, ...]:
+    """What only a wrong unit explains, of the study file and of the structure."""
+    return (*unusual_values(case), *layout.odd_values)
 
 
 def case_material(case: Case) -> Material:

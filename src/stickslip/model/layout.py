@@ -11,6 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from stickslip.contact.pairing.pairing import FacePairs
+from stickslip.core.plausible import OddValue
 from stickslip.core.validation import FloatArray
 from stickslip.structure.elasticity import Material, Structure
 from stickslip.structure.mesh import IntArray
@@ -72,6 +73,8 @@ class Layout:
         names of the bodies of the mesh, empty where there is none.
     contact_sets:
         for each face the sets of the mesh that meet there: two, or one where it meets the ground; empty without a mesh.
+    odd_values:
+        what only a wrong unit explains about the structure.
     """
 
     face_pairs: FacePairs
@@ -83,6 +86,7 @@ class Layout:
     messages: tuple[str, ...] = ()
     body_names: tuple[str, ...] = ()
     contact_sets: tuple[tuple[str, ...], ...] = ()
+    odd_values: tuple[OddValue, ...] = ()
 
     @cached_property
     def boundary_nodes(self) -> IntArray:

@@ -10,9 +10,10 @@ import numpy as np
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import keys_of_section
+from stickslip.core.plausible import suspecting
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.validation import FloatArray
-from stickslip.model.joint import FaceSettings, Joint, make_joint
+from stickslip.model.joint import FaceSettings, Joint, make_joint, odd_values
 from stickslip.model.kinds import matrices as matrix_study
 from stickslip.model.kinds import mesh as mesh_study
 from stickslip.model.kinds import own as own_structure
@@ -153,7 +154,8 @@ def build_joint(case: Case, structure: Structure) -> Joint:
 def load_joint(case: Case, layout: Layout) -> Joint:
     """Preload and stiffness of given pairs. Raises RoughnessError where the roughness gives no usable contact."""
     kind = kind_of(case)
-    return make_joint(case, layout, kind.preload(case, layout), kind.face_settings(case))
+    with suspecting(odd_values(case, layout)):
+        return make_joint(case, layout, kind.preload(case, layout), kind.face_settings(case))
 
 
 def reduce_structure(
@@ -172,7 +174,8 @@ def reduce_structure(
     else:
         nodes, n_modes = layout.boundary_nodes, case.reduction.modes
         backend = best_backend(structure.stiffness.shape[0])
-        with keys_of_section("reduction", {"n_modes": "modes"}):
+        odd = odd_values(case, layout)
+        with suspecting(odd), keys_of_section("reduction", {"n_modes": "modes"}):
             superelement = cached_superelement(
                 structure, nodes, n_modes, lambda: craig_bampton(structure, nodes, n_modes, backend, threads, progress)
             )

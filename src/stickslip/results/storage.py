@@ -13,27 +13,30 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.core.errors import ImportFileError, ResultsFileError
+from stickslip.core.errors import ImportFileError, InputError, ResultsFileError
 from stickslip.core.files import whole_file
 from stickslip.core.input_files import open_hdf5, open_regular
 from stickslip.core.plain_data import plain
 from stickslip.core.validation import FloatArray
 from stickslip.results.netcdf import COMPRESSED, netcdf_bytes
 from stickslip.results.record import StudyRecord
-from stickslip.results.response import ForcedResponse, LinearCurves
+from stickslip.results.response import STATE_NAMES, ForcedResponse, LinearCurves
 from stickslip.results.rough_patch import RoughPatch
 from stickslip.results.sketch import Sketch
+from stickslip.results.stored import LARGEST_EXPANSION, StoredGroup, UnreadableError
 
 if TYPE_CHECKING:
     import xarray
 
 FORMAT_VERSION = 2
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+MOST_SAMPLES = 10**6
+_Value = str | float | int
 _STATES = "0 stuck, 1 stick-slip, 2 separating"
 
 
@@ -96,39 +99,40 @@ def load_results(path: str | PathLike[str]) -> SavedResults:
         raise
     except ImportFileError as error:
         raise ResultsFileError(f"the results file is not read: {error}") from error
-    except (OSError, KeyError, ValueError, RuntimeError, AttributeError) as error:
+    except Exception as error:  # HDF5 has an error of its own kind for every byte that may be wrong
+        reason = "its structure of groups and variables cannot be read"
+        if isinstance(error, UnreadableError | InputError):
+            reason = str(error).removesuffix(".")
         raise ResultsFileError(
-            f'the results file "{source}" is damaged or incomplete ({type(error).__name__}: {error}). Copy it again '
-            "from where it was made, or solve again."
+            f'the results file "{source}" is damaged or incomplete: {reason}. Copy it again from where it was made, or '
+            "solve again."
         ) from error
 
 
 def _read(source: Path, content: bytes) -> SavedResults:
     """The results in the content of ``source``: read from memory, since HDF5 ends the process where a disk fails."""
-    import h5netcdf
-    import xarray
+    import h5py
 
-    with h5netcdf.File(io.BytesIO(content), "r") as file:
-        found, groups = file.attrs.get("stickslip_format"), set(file.groups)
-    if found is None:
-        raise ResultsFileError(
-            f'"{source}" is a NetCDF-4 file, but not one of stickslip: it has no attribute stickslip_format. Give the '
-            'results.nc that "stickslip run" wrote.'
-        )
-    if int(found) != FORMAT_VERSION:
-        raise ResultsFileError(
-            f'the results file "{source}" has format {int(found)}, but this version of stickslip reads format '
-            f"{FORMAT_VERSION}. Open it with the stickslip that wrote it, or solve again."
-        )
-
-    def group(name: str | None) -> xarray.Dataset:
-        return xarray.load_dataset(io.BytesIO(content), group=name, engine="h5netcdf")
-
-    response = _response_from(group(None), group("linear"), group("pairs"))
-    if "study" not in groups:
-        return SavedResults(response, None)
-    sketch = _sketch_from(group("sketch")) if "sketch" in groups else None  # younger than the format
-    return SavedResults(response, _study_from(group("study"), sketch))
+    with h5py.File(io.BytesIO(content), "r") as file:
+        root = StoredGroup(file, LARGEST_EXPANSION * len(content))
+        if "stickslip_format" not in file.attrs:
+            raise ResultsFileError(
+                f'"{source}" is a NetCDF-4 file, but not one of stickslip: it has no attribute stickslip_format. Give '
+                'the results.nc that "stickslip run" wrote.'
+            )
+        found = root.whole_number("stickslip_format", 0, 10**6)
+        if found != FORMAT_VERSION:
+            raise ResultsFileError(
+                f'the results file "{source}" has format {found}, but this version of stickslip reads format '
+                f"{FORMAT_VERSION}. Open it with the stickslip that wrote it, or solve again."
+            )
+        response = _response_from(root, root.subgroup("linear"), root.subgroup("pairs"))
+        if "study" not in root:
+            return SavedResults(response, None)
+        sketch = _sketch_from(root.subgroup("sketch")) if "sketch" in root else None  # younger than the format
+        study = _study_from(root.subgroup("study"), sketch)
+        study.require_fit(response)
+        return SavedResults(response, study)
 
 
 def _variable(dims: tuple[str, ...], values: Any, unit: str, long_name: str) -> tuple[Any, ...]:
@@ -158,12 +162,14 @@ def _excited(array: FloatArray) -> FloatArray:
     return array[..., : 2 * harmonics + 1]
 
 
-def _joined(dataset: xarray.Dataset, name: str, harmonics: int) -> FloatArray:
+def _joined(group: StoredGroup, name: str, harmonics: int) -> FloatArray:
     """Coefficients (..., 2 * harmonics + 1); harmonics that were not stored are zero."""
-    mean, cosine = dataset[f"{name}_mean"].values, dataset[f"{name}_cosine"].values
+    mean, cosine, sine = (group.numbers(f"{name}_{part}") for part in ("mean", "cosine", "sine"))
+    if cosine.shape != sine.shape or cosine.shape[:-1] != mean.shape or cosine.shape[-1] > harmonics:
+        raise UnreadableError(f'the parts of "{name}" do not have shapes that fit each other')
     array = np.zeros((*mean.shape, 2 * harmonics + 1))
     stop = 2 * cosine.shape[-1] + 1
-    array[..., 0], array[..., 1:stop:2], array[..., 2:stop:2] = mean, cosine, dataset[f"{name}_sine"].values
+    array[..., 0], array[..., 1:stop:2], array[..., 2:stop:2] = mean, cosine, sine
     return array
 
 
@@ -240,49 +246,49 @@ def _pairs_dataset(response: ForcedResponse) -> xarray.Dataset:
     return xarray.Dataset(data)
 
 
-def _response_from(root: xarray.Dataset, linear: xarray.Dataset, pairs: xarray.Dataset) -> ForcedResponse:
+def _response_from(root: StoredGroup, linear: StoredGroup, pairs: StoredGroup) -> ForcedResponse:
     joint = ContactPairs(
-        pairs["operator"].values,
+        pairs.numbers("operator"),
         **{
-            name: pairs[name].values
+            name: pairs.numbers(name)
             for name in ("normal_stiffness", "tangential_stiffness", "friction_coefficient", "preload")
         },
-        residual_traction=pairs["residual_traction"].values if "residual_traction" in pairs else None,
+        residual_traction=pairs.numbers("residual_traction") if "residual_traction" in pairs else None,
     )
-    harmonics = int(root.sizes["harmonic"])
+    harmonics = root.integers("harmonic").size
     curves = LinearCurves(
-        frequency_hz=linear["frequency"].values,
+        frequency_hz=linear.numbers("frequency"),
         stuck=_joined(linear, "stuck", harmonics),
         free=_joined(linear, "free", harmonics),
-        stuck_frequency_hz=linear["stuck_frequency"].values,
-        free_frequency_hz=linear["free_frequency"].values,
+        stuck_frequency_hz=linear.numbers("stuck_frequency"),
+        free_frequency_hz=linear.numbers("free_frequency"),
     )
     return ForcedResponse(
-        frequency_hz=root["frequency"].values,
+        frequency_hz=root.numbers("frequency"),
         displacement=_joined(root, "displacement", harmonics),
+        contact_state=root.integers("contact_state").clip(-1, len(STATE_NAMES)).astype(np.int8),  # 256 is not 0
+        iterations=root.integers("iterations"),
         **{
-            name: root[name].values
+            name: root.numbers(name)
             for name in (
-                "contact_state",
                 "dissipated_energy",
                 "normal_work",
                 "closure",
                 "residual",
-                "iterations",
                 "input_energy",
                 "viscous_energy",
             )
         },
-        converged=bool(root.attrs["converged"]),
-        message=str(root["message"].item()),
-        warnings=tuple(json.loads(root["warnings"].item())),
+        converged=root.whole_number("converged", 0, 1) == 1,
+        message=root.text("message"),
+        warnings=tuple(root.parsed("warnings", list[str])),
         harmonics=harmonics,
-        samples=int(root.attrs["samples"]),
+        samples=root.whole_number("samples", 1, MOST_SAMPLES),
         pairs=joint,
         linear=curves,
         force=_joined(root, "force", harmonics),
-        settings=json.loads(root["settings"].item()),
-        provenance=json.loads(root["provenance"].item()),
+        settings=root.parsed("settings", dict[str, _Value | None]),
+        provenance=root.parsed("provenance", dict[str, str]),
     )
 
 
@@ -322,27 +328,31 @@ def _rough_variables(patch: RoughPatch | None) -> dict[str, tuple[Any, ...]]:
     }
 
 
-def _study_from(data: xarray.Dataset, sketch: Sketch | None) -> StudyRecord:
-    def parsed(name: str) -> Any:
-        return json.loads(data[name].item())
-
+def _study_from(data: StoredGroup, sketch: Sketch | None) -> StudyRecord:
+    names, rows = data.parsed("output_names", list[str]), data.numbers("output_rows")
+    if rows.ndim != 2 or len(names) != len(rows):
+        raise UnreadableError('"output_rows" does not have one row for each of "output_names"')
+    patch = None
+    if "rough_height" in data:
+        sizes = data.parsed("rough_numbers", dict[Literal["length", "width", "sq", "sdq"], float])
+        if len(sizes) != 4:
+            raise UnreadableError('"rough_numbers" does not have the four numbers of a rough face')
+        patch = RoughPatch(height=data.numbers("rough_height"), **sizes)
     return StudyRecord(
-        title=str(data["title"].item()),
-        description=str(data["description"].item()),
-        inputs=str(data["inputs"].item()),
-        outputs=dict(zip(parsed("output_names"), data["output_rows"].values, strict=True)),
-        signal_groups=parsed("signal_groups"),
-        face_names=parsed("face_names"),
-        pair_face=data["pair_face"].values,
-        pair_position=data["pair_position"].values,
-        pair_area=data["pair_area"].values,
-        mode_table=tuple(parsed("mode_table")),
-        mode_contact=str(data["mode_contact"].item()) if "mode_contact" in data else "tied",
-        derived=tuple(parsed("derived")),
-        warnings=tuple(parsed("warnings")),
-        rough_patch=RoughPatch(height=data["rough_height"].values, **parsed("rough_numbers"))
-        if "rough_height" in data
-        else None,
+        title=data.text("title"),
+        description=data.text("description"),
+        inputs=data.text("inputs"),
+        outputs=dict(zip(names, rows, strict=True)),
+        signal_groups=data.parsed("signal_groups", dict[str, list[str]]),
+        face_names=data.parsed("face_names", list[str]),
+        pair_face=data.integers("pair_face"),
+        pair_position=data.numbers("pair_position"),
+        pair_area=data.numbers("pair_area"),
+        mode_table=tuple(data.parsed("mode_table", list[dict[str, _Value]])),
+        mode_contact=data.text("mode_contact") if "mode_contact" in data else "tied",
+        derived=tuple(data.parsed("derived", list[tuple[str, _Value, str, str]])),
+        warnings=tuple(data.parsed("warnings", list[str])),
+        rough_patch=patch,
         sketch=sketch,
     )
 
@@ -370,17 +380,22 @@ def _sketch_dataset(sketch: Sketch) -> xarray.Dataset:
     return xarray.Dataset(data)
 
 
-def _sketch_from(data: xarray.Dataset) -> Sketch:
+def _sketch_from(data: StoredGroup) -> Sketch:
     def names(of: str) -> tuple[str, ...]:
-        return tuple(json.loads(data[f"{of}_names"].item()))
+        return tuple(data.parsed(f"{of}_names", list[str]))
 
-    arrays = ("points", "sides", "body", "face", "load_places", "loads", "response_places")
     return Sketch(
-        **{name: data[name].values for name in arrays},
-        held=data["held"].values != 0,
-        constant=data["constant"].values != 0,
+        points=data.numbers("points"),
+        sides=data.integers("sides"),
+        body=data.integers("body"),
+        face=data.integers("face"),
+        load_places=data.numbers("load_places"),
+        loads=data.numbers("loads"),
+        response_places=data.numbers("response_places"),
+        held=data.integers("held") != 0,
+        constant=data.integers("constant") != 0,
         body_names=names("body"),
         load_names=names("load"),
         response_names=names("response"),
-        mesh_sides=int(data["mesh_sides"]),
+        mesh_sides=int(data.integers("mesh_sides").sum()),
     )

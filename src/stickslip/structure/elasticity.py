@@ -9,15 +9,14 @@ from typing import Any, Literal, get_args
 import numpy as np
 import scipy.linalg
 import scipy.sparse
-import scipy.sparse.linalg
 from numpy.typing import ArrayLike
-from threadpoolctl import threadpool_limits
 
-from stickslip.core.errors import ConvergenceError, InputError
+from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, positive_number, real_number, require_allowed, require_choice
 from stickslip.structure.factor import Factor, factorize
 from stickslip.structure.finite_element_mesh import AnyMesh, FiniteElementMesh
 from stickslip.structure.incompatible_brick import incompatible_stiffness
+from stickslip.structure.lanczos import eigenpairs_near
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.shapes import compatible_stiffness, consistent_mass
 
@@ -274,17 +273,7 @@ def natural_frequencies(
     if scipy.sparse.issparse(stiffness):
         centre = -1e-8 * scale if shift is None else shift
         factor = factor or factorize(stiffness - centre * mass)
-        inverse = scipy.sparse.linalg.LinearOperator((size, size), matvec=factor.solve, dtype=float)
-        start = np.random.default_rng(0).standard_normal(size)
-        try:
-            # one thread and one start, so that modes, which are kept on disk, are the same in every run
-            with threadpool_limits(limits=1):
-                eigenvalues, modes = scipy.sparse.linalg.eigsh(stiffness, count, mass, centre, OPinv=inverse, v0=start)
-        except scipy.sparse.linalg.ArpackNoConvergence as error:
-            raise ConvergenceError(
-                f"only {len(error.eigenvalues)} of {count} natural frequencies converged. Ask for fewer, or give a "
-                "shift closer to the wanted ones."
-            ) from error
+        eigenvalues, modes = eigenpairs_near(stiffness, count, centre, factor, mass)
     else:
         eigenvalues, modes = scipy.linalg.eigh(stiffness, mass, subset_by_index=(0, count - 1))
     order = np.argsort(eigenvalues)

@@ -8,12 +8,12 @@ import numpy as np
 import scipy.linalg
 import scipy.sparse
 import scipy.sparse.csgraph
-import scipy.sparse.linalg
 from numpy.typing import NDArray
 
 from stickslip.core.errors import InputError, SingularMatrixError
 from stickslip.core.validation import FloatArray
 from stickslip.structure.factor import factorize
+from stickslip.structure.lanczos import eigenpairs_near
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.superelement import Superelement
 
@@ -47,9 +47,7 @@ def strainless_motions(stiffness: Any, typical: FloatArray | float | None = None
     else:
         scaled = scipy.sparse.diags(scale) @ stiffness @ scipy.sparse.diags(scale)
         factor = factorize(scaled + _SHIFT * scipy.sparse.identity(size))
-        inverse = scipy.sparse.linalg.LinearOperator((size, size), matvec=factor.solve, dtype=float)
-        start = np.random.default_rng(0).standard_normal(size)
-        value, vector = scipy.sparse.linalg.eigsh(scaled, RIGID_MOTIONS + 2, sigma=-_SHIFT, OPinv=inverse, v0=start)
+        value, vector = eigenpairs_near(scaled, RIGID_MOTIONS + 2, -_SHIFT, factor)
     return np.asarray(scale[:, None] * vector[:, value < ZERO_ENERGY])
 
 

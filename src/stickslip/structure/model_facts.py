@@ -8,6 +8,7 @@ import numpy as np
 import scipy.sparse
 import scipy.sparse.csgraph
 
+from stickslip.core.plausible import OddValue, odd_value
 from stickslip.core.validation import FloatArray
 from stickslip.structure.elasticity import Material
 from stickslip.structure.finite_element_mesh import FiniteElementMesh
@@ -55,47 +56,55 @@ def body_volumes(mesh: FiniteElementMesh) -> FloatArray:
     return volume
 
 
-def plausibility_warnings(mesh: FiniteElementMesh, materials: Mapping[str, Material]) -> Iterator[str]:
-    """Sentences on sizes, densities, moduli, masses and frequencies that only wrong units can explain."""
-    low, high = bounding_box(mesh.points)
+def size_oddities(points: FloatArray) -> Iterator[OddValue]:
+    """What only a wrong unit explains about the extent of points (n, 3) m."""
+    low, high = bounding_box(points)
     diagonal = float(np.linalg.norm(high - low))
-    yield from _outside("the model's bounding box has the diagonal", diagonal, "m", SIZE_RANGE, "the length unit")
+    yield from odd_value("the model's bounding box has the diagonal", diagonal, "m", SIZE_RANGE, "the length unit")
+
+
+def material_oddities(about: str, material: Material, cause: str, section: str = "") -> Iterator[OddValue]:
+    """What only a wrong unit explains about density and modulus; ``section`` of the study file gave both, if any."""
+    density, modulus = (f"{section}.{key}" if section else "" for key in ("density", "young_modulus"))
+    yield from odd_value(f"{about} has the density", material.density, "kg/m3", DENSITY_RANGE, cause, density)
+    words = f"{about} has Young's modulus"
+    yield from odd_value(words, material.young_modulus, "Pa", MODULUS_RANGE, cause, modulus)
+
+
+def wave_oddities(about: str, material: Material, points: FloatArray) -> Iterator[OddValue]:
+    """What only a wrong unit explains about the frequencies of a body with the nodes (n, 3) m."""
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    wave = float(np.sqrt(material.young_modulus / material.density)) / (2.0 * size)
+    words = f"{about} lets expect frequencies of compression of about"
+    yield from odd_value(words, wave, "Hz", FREQUENCY_RANGE, "the units")
+
+
+def model_oddities(mesh: FiniteElementMesh, materials: Mapping[str, Material]) -> Iterator[OddValue]:
+    """Sizes, densities, moduli, masses and frequencies of a model file that only wrong units can explain."""
+    yield from size_oddities(mesh.points)
     volumes = dict(zip(mesh.body_names, body_volumes(mesh), strict=True))
     for name, material in materials.items():
         about = f"body '{name}'"
-        yield from _outside(f"{about} has the density", material.density, "kg/m3", DENSITY_RANGE, "the unit system")
-        yield from _outside(
-            f"{about} has Young's modulus", material.young_modulus, "Pa", MODULUS_RANGE, "the unit system"
-        )
-        yield from _outside(f"{about} has the mass", material.density * volumes[name], "kg", MASS_RANGE, "the units")
-        size = float(np.linalg.norm(np.ptp(mesh.points[mesh.nodes_of_body(mesh.body_names.index(name))], axis=0)))
-        wave = float(np.sqrt(material.young_modulus / material.density)) / (2.0 * size)
-        words = f"{about} lets expect frequencies of compression of about"
-        yield from _outside(words, wave, "Hz", FREQUENCY_RANGE, "the units")
+        yield from material_oddities(about, material, "the unit system")
+        nodes = mesh.nodes_of_body(mesh.body_names.index(name))
+        yield from odd_value(f"{about} has the mass", material.density * volumes[name], "kg", MASS_RANGE, "the units")
+        yield from wave_oddities(about, material, mesh.points[nodes])
 
 
-def matrix_warnings(
+def matrix_oddities(
     stiffness_diagonal: FloatArray, mass_diagonal: FloatArray, moving_mass: float, places: FloatArray | None
-) -> Iterator[str]:
-    """Sentences on size, mass and frequencies of matrices that only wrong units can explain.
+) -> Iterator[OddValue]:
+    """Size, mass and frequencies of matrices that only wrong units can explain.
 
     Diagonals (n,) in N/m and kg of displacements, the mass that moves along an axis in kg, places (k, 3) m if known.
     """
     units = "structure.length_unit and structure.unit_system"
     if places is not None and len(places) > 1:
         diagonal = float(np.linalg.norm(np.ptp(places, axis=0)))
-        yield from _outside("the nodes of the matrices span", diagonal, "m", SIZE_RANGE, units)
-    yield from _outside("the matrices hold the mass", moving_mass, "kg", MASS_RANGE, units)
+        yield from odd_value("the nodes of the matrices span", diagonal, "m", SIZE_RANGE, units)
+    yield from odd_value("the matrices hold the mass", moving_mass, "kg", MASS_RANGE, units)
     heavy = mass_diagonal > 0.0
     if heavy.any():
         typical = float(np.sqrt(np.median(stiffness_diagonal[heavy] / mass_diagonal[heavy]))) / (2.0 * np.pi)
         words = "a typical node of the matrices, its neighbours held, vibrates at about"
-        yield from _outside(words, typical, "Hz", NODE_FREQUENCY_RANGE, units)
-
-
-def _outside(words: str, value: float, unit: str, allowed: tuple[float, float], cause: str) -> Iterator[str]:
-    if not allowed[0] <= value <= allowed[1]:
-        yield (
-            f"{words} {value:.3g} {unit}, outside {allowed[0]:g} to {allowed[1]:g} {unit}, where machine parts lie. "
-            f"Check {cause}."
-        )
+        yield from odd_value(words, typical, "Hz", NODE_FREQUENCY_RANGE, units)

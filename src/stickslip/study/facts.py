@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.contact.law.coulomb_kernel import OPEN, SLIP
 from stickslip.core.validation import FloatArray
-from stickslip.model.joint import Joint
+from stickslip.model.joint import Joint, odd_values
 from stickslip.model.layout import Derived, Setup
 from stickslip.results.measures import hertz, summary
 from stickslip.results.response import ForcedResponse
@@ -145,10 +145,10 @@ def natural_frequencies_found(response: ForcedResponse, count: int = 4) -> tuple
     )
 
 
-def study_warnings(joint: Joint) -> tuple[str, ...]:
+def study_warnings(case: Case, joint: Joint) -> tuple[str, ...]:
     """What the input and the roughness law say against their use here, each sentence once."""
     sentences = dict.fromkeys(message for face in joint.rough_faces if face for message in face.stiffness.messages)
-    return (*joint.layout.messages, *sentences)
+    return (*(odd.sentence for odd in odd_values(case, joint.layout)), *joint.layout.messages, *sentences)
 
 
 def sizes(case: Case, setup: Setup, structure: Structure | Superelement, joint: Joint) -> tuple[tuple[str, str], ...]:

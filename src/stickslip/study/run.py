@@ -15,9 +15,11 @@ from threadpoolctl import threadpool_limits
 from stickslip.contact.pairing.pairing import FacePairs
 from stickslip.core.errors import ConvergenceError, InputError, ResultsFileError
 from stickslip.core.files import require_folder, write_solved
+from stickslip.core.plausible import suspecting
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import thread_count
 from stickslip.core.validation import FloatArray
+from stickslip.model.joint import odd_values
 from stickslip.model.layout import Derived
 from stickslip.model.model import Model, ReducedModel, build_model, kind_of, load_joint, set_up
 from stickslip.model.solved_preload import resting_pairs
@@ -222,7 +224,7 @@ def study_record(
         mode_table=tuple(_mode_rows(table, fitted=held == TIED and kind_of(case).is_fitted(case))),
         mode_contact=held,
         derived=(*derived_quantities(case, model.joint), *resting_state(model), *natural_frequencies_found(response)),
-        warnings=study_warnings(model.joint),
+        warnings=study_warnings(case, model.joint),
     )
 
 
@@ -302,7 +304,8 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
         (name, f"{_short(value)} {unit}".rstrip("- ")) for name, value, unit, _ in derived_quantities(case, joint)
     ]
     solver = case.solver
-    stuck_hz, _ = joined_modes(structure, joint.face_pairs, SHOWN_FREQUENCIES, joint.resting_springs)
+    with suspecting(odd_values(case, setup.layout)):
+        stuck_hz, _ = joined_modes(structure, joint.face_pairs, SHOWN_FREQUENCIES, joint.resting_springs)
     solved = case.preload.method == "solved"
     held = "" if joint.closed_at_rest.all() else " (pairs without a gap)" if solved else f" {CLOSED_AT_REST}"
     sections = [
@@ -318,7 +321,7 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
             ],
         ),
     ]
-    warnings = list(study_warnings(joint))
+    warnings = list(study_warnings(case, joint))
     if solved:
         warnings.append(
             "The preload is solved by a run: normal loads, stiffness and frequencies shown here are those of the "

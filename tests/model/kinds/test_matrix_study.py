@@ -166,9 +166,11 @@ def test_wrong_units_are_a_warning(folder: Path, tmp_path: Path) -> None:
     write_superelement(tmp_path, replace(found, positions=1e6 * found.positions, mass=1e-9 * found.mass, recovery=None))
     far = {"responses__block__point": ["48 km", "3.67 km", "14 km"]}
     layout = set_up(changed(folder, structure__file=str(tmp_path / "superelement.npz"), **far)).layout
-    assert any("nodes of the matrices span" in words and "length_unit" in words for words in layout.messages)
-    assert any("the matrices hold the mass" in words for words in layout.messages)
-    assert set_up(changed(folder)).layout.messages == ()
+    sentences = [odd.sentence for odd in layout.odd_values]
+    assert any("nodes of the matrices span" in words and "length_unit" in words for words in sentences)
+    assert any("the matrices hold the mass" in words for words in sentences)
+    sound = set_up(changed(folder)).layout
+    assert (sound.messages, sound.odd_values) == ((), ())
 
 
 def test_a_pair_that_stands_twice_in_a_list_is_refused(folder: Path, tmp_path: Path) -> None:

@@ -31,6 +31,7 @@ LAGS_PER_DECADE = 8
 FEWEST_LAGS = 5
 MOST_LINES = 32  # of a map in each direction; neighbouring lines tell nearly the same
 BEYOND = 100.0  # longest wave over line length where none is given; longer ones are straight lines, which are removed
+LONGEST_BEYOND = 1e4  # longest wave over line length where one is given: much longer ones are not in the heights at all
 MODEL_ERROR = 0.02  # relative, of S: ripple of separate waves, few directions
 SIMULATIONS = 200
 WIDENING = 1.3  # surfaces like the fitted one can scatter less than those like the true one; theory page, section 4
@@ -161,8 +162,9 @@ def _longest_wave(longest_wave: float | None, parts: tuple[_Part, ...]) -> float
     if longest_wave is None:
         return BEYOND * length
     wave = real_number("longest_wave", longest_wave)
-    least = 10.0 * min(part.place.spacing for part in parts)
-    require_allowed("longest_wave", wave, wave >= least, f"at least ten spacings, {least:g} m")
+    least, most = 10.0 * min(part.place.spacing for part in parts), LONGEST_BEYOND * length
+    allowed = f"at least ten spacings, {least:g} m, and at most {LONGEST_BEYOND:g} lengths of the line, {most:g} m"
+    require_allowed("longest_wave", wave, least <= wave <= most, allowed)
     return wave
 
 

@@ -16,7 +16,7 @@ from stickslip.formats.meshes.unit_systems import UnitSystem
 from stickslip.structure.cell_kinds import IntArray
 from stickslip.structure.elasticity import Material
 from stickslip.structure.finite_element_mesh import CellBlock, FiniteElementMesh
-from stickslip.structure.model_facts import connected_parts, plausibility_warnings
+from stickslip.structure.model_facts import connected_parts, model_oddities
 
 LARGEST_COORDINATE = 1e6  # m
 _ONE_PLACE = 1e-6  # share of a body's size below which two of its nodes are at one place
@@ -70,7 +70,7 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
         fixed_unknowns=_fixed(raw, numbers, len(labels)),
         node_forces=_forces(raw, units, numbers, len(labels)),
         messages=tuple(messages),
-        warnings=tuple(plausibility_warnings(mesh, materials)),
+        warnings=tuple(odd.sentence for odd in model_oddities(mesh, materials)),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +14,8 @@ from stickslip.case.own_sections import GROUND, InterfaceSection, PortSection
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.contact.pairing.local_axes import local_tangents, map_position
 from stickslip.core.errors import ImportFileError, InputError, concerning, keys_of_section
-from stickslip.core.input_files import read_regular
+from stickslip.core.input_files import read_input
+from stickslip.core.plausible import OddValue, suspecting
 from stickslip.core.validation import FloatArray
 from stickslip.formats.matrices.exchange import boundary_unknowns, read_superelement
 from stickslip.formats.matrices.model import MatrixModel
@@ -28,13 +30,15 @@ from stickslip.structure.elasticity import Material
 from stickslip.structure.finite_element_mesh import AnyMesh
 from stickslip.structure.floating_parts import require_contact_bodies
 from stickslip.structure.mesh import IntArray
-from stickslip.structure.model_facts import matrix_warnings
+from stickslip.structure.model_facts import material_oddities, matrix_oddities
 from stickslip.structure.superelement import Superelement
 
 if TYPE_CHECKING:
     from stickslip.case.case import Case
 
 _COINCIDENT = 1e-6  # m between the nodes of a pair, unless search_distance says more
+_NODE_NUMBER = re.compile(r"-?\d{1,18}", flags=re.ASCII)
+_MOST_BYTES = 100_000_000  # of a file of pairs
 _POINT_SHARE = 0.05  # of the size of the structure: how far a point may be from a node
 _MAP_STEP = 1e-3  # m between pairs on a map, where the matrices have no positions
 
@@ -115,11 +119,13 @@ def set_up(case: Case) -> MatrixSetup:
             "Give a file with the node and direction of each row.",
             ("structure.unknown_map",),
         )
-    for name, given in case.interfaces.items():
-        found, words = _pairs(book, name, given)
-        pairs.append(found)
-        messages += words
-    ports = {name: _port(book, name, given) for name, given in port_sections(case).items()}
+    odd_values = _odd_values(case, matrices, book)
+    with suspecting(odd_values):
+        for name, given in case.interfaces.items():
+            found, words = _pairs(book, name, given)
+            pairs.append(found)
+            messages += words
+        ports = {name: _port(book, name, given) for name, given in port_sections(case).items()}
     materials = _face_materials(case)
     joined = FacePairs.concatenate(pairs)
     require_single_pairs(tuple(case.interfaces), joined)
@@ -128,7 +134,8 @@ def set_up(case: Case) -> MatrixSetup:
         tuple(case.interfaces),
         materials,
         ports,
-        messages=(*getattr(matrices, "messages", ()), *_unit_warnings(matrices, book), *messages),
+        messages=(*getattr(matrices, "messages", ()), *messages),
+        odd_values=odd_values,
     )
     return MatrixSetup(matrices, layout, case.reduction.modes)
 
@@ -174,11 +181,14 @@ def _mass_along_x(matrices: Superelement | MatrixModel) -> float:
     return float(along_x @ (matrices.mass @ along_x))
 
 
-def _unit_warnings(matrices: Superelement | MatrixModel, book: _Book) -> tuple[str, ...]:
-    """Sentences on what only wrong units can explain."""
+def _odd_values(case: Case, matrices: Superelement | MatrixModel, book: _Book) -> tuple[OddValue, ...]:
+    """What only wrong units can explain about the matrices, and about the material of the rough faces."""
     rows = _displacements(matrices)
     stiffness, mass = (np.asarray(each.diagonal())[rows] for each in (matrices.stiffness, matrices.mass))
-    return tuple(matrix_warnings(stiffness, mass, _mass_along_x(matrices), book.positions))
+    of_matrices = matrix_oddities(stiffness, mass, _mass_along_x(matrices), book.positions)
+    if case.material is None:
+        return tuple(of_matrices)
+    return (*of_matrices, *material_oddities("the material", case_material(case), "its unit", "material"))
 
 
 def _face_materials(case: Case) -> tuple[tuple[Material, Material], ...]:
@@ -248,18 +258,18 @@ def _sides(book: _Book, entry: str, given: InterfaceSection) -> tuple[IntArray, 
 def _listed_pairs(book: _Book, entry: str, path: Path) -> tuple[IntArray, IntArray | None]:
     """Pairs of a text file: two node numbers a line, or one for the ground. Raises ImportFileError with the line."""
     try:
-        lines = read_regular(path).decode("utf-8").splitlines()
-    except OSError as error:
-        raise ImportFileError(f"{entry}.pairs: {path} cannot be read ({error.strerror}). Give a text file.") from error
+        lines = read_input(path, "Give a text file with pairs of nodes.", _MOST_BYTES).decode("utf-8-sig").splitlines()
+    except InputError as error:
+        raise ImportFileError(f"{entry}.pairs: {error}") from error
     except UnicodeDecodeError as error:
-        raise ImportFileError(f"{entry}.pairs: {path} is no text file in UTF-8. Give a text file.") from error
+        raise ImportFileError(f"{entry}.pairs: {path} is not a text file in UTF-8. Give one.") from error
     rows: list[list[int]] = []
     for number, line in enumerate(lines, start=1):
         words = line.partition("#")[0].replace(",", " ").split()
         if not words:
             continue
         where = f"{entry}.pairs: {path}, line {number}:"
-        if not all(word.lstrip("-").isdecimal() for word in words) or len(words) != len(rows[0] if rows else words):
+        if not all(map(_NODE_NUMBER.fullmatch, words)) or len(words) != len(rows[0] if rows else words):
             raise ImportFileError(
                 f"{where} {quoted(line)} must be two node numbers, or one in every line for the ground."
             )

@@ -16,6 +16,7 @@ from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.contact.pairing.pairing import pair_surfaces, pair_with_ground
 from stickslip.contact.pairing.pairing_result import Pairing, write_pairs
 from stickslip.core.errors import InputError, concerning, keys_of_section
+from stickslip.core.plausible import OddValue, suspecting
 from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.read import read_model
@@ -27,7 +28,7 @@ from stickslip.structure.elasticity import Hexahedron, Material, Structure, asse
 from stickslip.structure.faces import face_geometry
 from stickslip.structure.finite_element_mesh import AnyMesh, FiniteElementMesh
 from stickslip.structure.mesh import IntArray
-from stickslip.structure.model_facts import body_volumes, bounding_box, plausibility_warnings
+from stickslip.structure.model_facts import body_volumes, bounding_box, model_oddities
 from stickslip.structure.rigid_motions import part_motions
 
 if TYPE_CHECKING:
@@ -94,12 +95,12 @@ def set_up(case: Case) -> MeshSetup:
     """
     source = _source(case)
     mesh, materials = source.mesh, body_materials(case, source)
-    odd_units = tuple(plausibility_warnings(mesh, dict(zip(mesh.body_names, materials, strict=True))))
-    with _suspecting(odd_units):
+    odd_values = tuple(model_oddities(mesh, dict(zip(mesh.body_names, materials, strict=True))))
+    with suspecting(odd_values):
         fixed = _fixed_unknowns(case, source)
         pairings = tuple(_pairing(mesh, name, each) for name, each in case.interfaces.items())
         require_single_joints(mesh, case.interfaces)
-        layout = _layout(case, source, materials, pairings, fixed, odd_units)
+        layout = _layout(case, source, materials, pairings, fixed, odd_values)
     element = case.structure.element or "incompatible"
     return MeshSetup(mesh, materials, fixed, element, layout, pairings)
 
@@ -129,17 +130,6 @@ def _entry(name: str) -> Iterator[None]:
             yield
     except InputError as error:
         raise error.reworded(f"{name}: {error}") from error
-
-
-@contextmanager
-def _suspecting(odd_units: Sequence[str]) -> Iterator[None]:
-    """Add the first warning of units to an InputError: wrong units are what most likely caused it."""
-    try:
-        yield
-    except InputError as error:
-        if odd_units:
-            raise error.reworded(f"{error} Besides, {odd_units[0]}") from error
-        raise
 
 
 def body_materials(case: Case, source: ImportedModel) -> tuple[Material, ...]:
@@ -218,7 +208,7 @@ def _layout(
     materials: Sequence[Material],
     pairings: Sequence[Pairing],
     fixed: IntArray,
-    odd_units: tuple[str, ...],
+    odd_values: tuple[OddValue, ...],
 ) -> Layout:
     mesh, names = source.mesh, tuple(case.interfaces)
     ports = {name: _port(source, name, given) for name, given in port_sections(case).items()}
@@ -231,7 +221,6 @@ def _layout(
     _require_free(dict(zip(names, pairings, strict=True)), ports, fixed, source)
     messages = (
         *source.messages,
-        *odd_units,
         *_unused_forces(source),
         *(f"interfaces.{name}: {words}" for name, each in zip(names, pairings, strict=True) for words in each.warnings),
     )
@@ -245,6 +234,7 @@ def _layout(
         messages,
         mesh.body_names,
         tuple((each.first,) if each.second == GROUND else (each.first, each.second) for each in pairings),
+        odd_values,
     )
 
 

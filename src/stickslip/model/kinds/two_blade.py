@@ -20,6 +20,7 @@ from stickslip.structure.body_load import centrifugal_load
 from stickslip.structure.elasticity import Element, Material, Structure, assemble
 from stickslip.structure.finite_element_mesh import AnyMesh
 from stickslip.structure.mesh import Mesh
+from stickslip.structure.model_facts import material_oddities, size_oddities, wave_oddities
 
 if TYPE_CHECKING:
     from stickslip.case.case import Case
@@ -71,8 +72,10 @@ def build_mesh(case: Case) -> Mesh:
     dimensions["platform_angle_deg"] = float(np.degrees(dimensions.pop("platform_angle")))
     counts = case.mesh.model_dump()
     element = counts.pop("element")
+    with concerning("mesh"):
+        elements = BladePairElements(**counts)
     with concerning("geometry"), keys_of_section("geometry", {"platform_angle_deg": "platform_angle"}):
-        mesh = blade_pair_mesh(BladePairGeometry(**dimensions), BladePairElements(**counts))
+        mesh = blade_pair_mesh(BladePairGeometry(**dimensions), elements)
     return mesh.quadratic() if element == "serendipity" else mesh
 
 
@@ -86,6 +89,11 @@ def find_layout(case: Case, mesh: AnyMesh) -> Layout:
     body_load = None
     if case.rotation is not None:
         body_load = centrifugal_load(mesh, [material] * 3, np.array(case.rotation.axis), np.array(case.rotation.point))
+    odd_values = (
+        *size_oddities(mesh.points),
+        *material_oddities("the material", material, "its unit", "material"),
+        *wave_oddities("the structure", material, mesh.points),
+    )
     return Layout(
         pairs,
         FACE_NAMES,
@@ -94,6 +102,7 @@ def find_layout(case: Case, mesh: AnyMesh) -> Layout:
         body_load,
         body_names=BODY_NAMES,
         contact_sets=FACES,
+        odd_values=odd_values,
     )
 
 

@@ -163,6 +163,9 @@ class BladePairGeometry:
         return self.damper_half_width + self.inner_overhang + self.shank_thickness_at_platform
 
 
+MOST_ELEMENTS = 2_000_000  # six million unknowns; their factor alone takes more than 100 GB
+
+
 @dataclass(frozen=True)
 class BladePairElements:
     """Numbers of elements. Columns count along x, rows along z, ``chordwise`` along the damper's length (y).
@@ -187,6 +190,19 @@ class BladePairElements:
     def __post_init__(self) -> None:
         for item in fields(self):
             whole_number(item.name, getattr(self, item.name), 1)
+        if self.most_elements > MOST_ELEMENTS:
+            raise InputError(
+                f"the counts of [mesh] make up to {self.most_elements} elements, but at most {MOST_ELEMENTS} are "
+                "allowed: no usual machine has the memory for more. Take smaller counts."
+            )
+
+    @property
+    def most_elements(self) -> int:
+        """Number of elements where the damper is shorter than the blades; else those beyond it are not there."""
+        rows = self.shank_rows + self.platform_rows + self.airfoil_rows
+        blade = self.shank_columns * rows + (self.inner_columns + self.contact_columns) * self.platform_rows
+        damper = self.damper_columns * (self.damper_flank_rows + self.contact_columns)
+        return 2 * (self.chordwise + 2 * self.beyond_damper) * blade + self.chordwise * damper
 
 
 @dataclass(frozen=True)

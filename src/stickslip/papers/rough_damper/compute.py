@@ -76,7 +76,7 @@ def solve_setting(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
         with threadpool_limits(limits=task.threads):
             model = connect(task.case, reduced, task.joint)
             response = solve(task.case, model, threads=task.threads)
-            warnings = (*study_warnings(task.joint), *response.warnings)
+            warnings = (*study_warnings(task.case, task.joint), *response.warnings)
             kept = record(task.setting, model, response, reduced.mode_table, warnings)
     except StickslipError as error:
         return CaseOutcome(converged=False, message=str(error), measures={})

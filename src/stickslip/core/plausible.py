@@ -1,0 +1,49 @@
+"""Values that can be computed with but that most likely stand in a wrong unit, and errors that they explain."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from stickslip.core.errors import ConvergenceError, InputError
+
+
+@dataclass(frozen=True)
+class OddValue:
+    """A value outside the range of machine parts: a sentence, and the key of the study file that gave it, if known."""
+
+    sentence: str
+    key: str = ""
+
+
+def odd_value(
+    words: str, value: float, unit: str, usual: tuple[float, float], cause: str, key: str = ""
+) -> Iterator[OddValue]:
+    """The value as one that is odd, unless it lies in its ``usual`` range: "``words`` 3 Pa, outside ... Check ..."."""
+    low, high = usual
+    if not low <= value <= high:
+        shown = f" {unit}" if unit else ""
+        yield OddValue(
+            f"{words} {value:.3g}{shown}, outside {low:g} to {high:g}{shown}, where machine parts lie. Check {cause}.",
+            key,
+        )
+
+
+@contextmanager
+def suspecting(odd: Sequence[OddValue]) -> Iterator[None]:
+    """Put the first odd value before the sentence of an error from inside: it is what most likely caused it.
+
+    An iteration that does not converge becomes an InputError, because other input is what it needs.
+    """
+    try:
+        yield
+    except (InputError, ConvergenceError) as error:
+        if not odd:
+            raise
+        first = odd[0]
+        sentence = f"{first.sentence} Most likely because of that: {error}"
+        told = error.reworded(sentence) if isinstance(error, InputError) else InputError(sentence)
+        if first.key:
+            told.keys = (first.key,)
+        raise told from error

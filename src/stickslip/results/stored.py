@@ -1,0 +1,101 @@
+"""Reading the groups of a results file with suspicion: whatever a damaged or foreign file holds, a reason is told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import TypeAdapter, ValidationError
+
+from stickslip.core.validation import FloatArray
+
+# Squares of larger numbers leave the range of computer numbers; no displacement, force or energy comes near.
+LARGEST_NUMBER = 1e100
+# Deflate makes at most 1032 bytes of one.
+LARGEST_EXPANSION = 1100
+
+
+class UnreadableError(Exception):
+    """What is wrong with the content of a results file, as the end of a sentence."""
+
+
+@dataclass(frozen=True)
+class StoredGroup:
+    """One group of an open results file; ``most_bytes`` is what one variable can hold in a file of its size."""
+
+    group: h5py.Group
+    most_bytes: int
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.group
+
+    def subgroup(self, name: str) -> StoredGroup:
+        """A group within."""
+        found = self._found(name)
+        if not isinstance(found, h5py.Group):
+            raise UnreadableError(f'"{name}" is not a group')
+        return StoredGroup(found, self.most_bytes)
+
+    def numbers(self, name: str) -> FloatArray:
+        """A variable as an array of floats of any shape."""
+        array = self._array(name, "fiu").astype(float)
+        if not np.isfinite(array).all() or np.abs(array).max(initial=0.0) > LARGEST_NUMBER:
+            raise UnreadableError(f'the variable "{name}" holds values that are not finite or above {LARGEST_NUMBER:g}')
+        return np.asarray(array)
+
+    def integers(self, name: str) -> NDArray[np.int64]:
+        """A variable of whole numbers as an array of any shape."""
+        return self._array(name, "iu").astype(np.int64)
+
+    def text(self, name: str) -> str:
+        """A variable that is one text."""
+        dataset = self._dataset(name)
+        if dataset.shape != () or h5py.check_string_dtype(dataset.dtype) is None:
+            raise UnreadableError(f'the variable "{name}" is not a text')
+        try:
+            return str(dataset.asstr()[()])
+        except UnicodeDecodeError as error:
+            raise UnreadableError(f'the text "{name}" is not UTF-8') from error
+
+    def parsed(self, name: str, kind: Any) -> Any:
+        """A variable that is JSON, checked to be of a type such as ``list[str]``."""
+        try:
+            return TypeAdapter(kind).validate_json(self.text(name), strict=True)
+        except ValidationError as error:
+            raise UnreadableError(f'the text "{name}" does not hold what a run writes there') from error
+
+    def whole_number(self, name: str, least: int, most: int) -> int:
+        """An attribute that is one whole number from ``least`` to ``most``."""
+        if name not in self.group.attrs:
+            raise UnreadableError(f'the attribute "{name}" is missing')
+        value = np.asarray(self.group.attrs[name])
+        if value.size != 1 or value.dtype.kind not in "iu" or not least <= int(value.item()) <= most:
+            raise UnreadableError(f'the attribute "{name}" is not one whole number from {least} to {most}')
+        return int(value.item())
+
+    def _array(self, name: str, kinds: str) -> NDArray[Any]:
+        dataset = self._dataset(name)
+        if dataset.shape is None or dataset.dtype.kind not in kinds:
+            raise UnreadableError(f'the variable "{name}" does not hold numbers of the kind that a run writes')
+        if dataset.size * dataset.dtype.itemsize > self.most_bytes:
+            raise UnreadableError(f'the variable "{name}" claims to be larger than the file can hold')
+        return np.asarray(dataset[()])
+
+    def _dataset(self, name: str) -> h5py.Dataset:
+        found = self._found(name)
+        if not isinstance(found, h5py.Dataset):
+            raise UnreadableError(f'"{name}" is not a variable')
+        if found.external or found.is_virtual:
+            raise UnreadableError(f'the variable "{name}" takes its content from another file, which is not followed')
+        return found
+
+    def _found(self, name: str) -> Any:
+        link = self.group.get(name, getlink=True)
+        if link is None:
+            raise UnreadableError(f'"{name}" is missing')
+        if not isinstance(link, h5py.HardLink):
+            raise UnreadableError(f'"{name}" is a link to another place, which is not followed')
+        return self.group[name]

@@ -1,0 +1,279 @@
+"""Values at the ends of what a computer or a key can hold: a sentence or finite numbers, never a fault of Python.
+
+Keys come from the models of the study file, so a key that is added later is tried too.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+from pydantic.fields import FieldInfo
+
+from own_cases import EXAMPLE, mesh_case, write_matrices
+from stickslip.case.case import Case
+from stickslip.case.sections import SolverSection
+from stickslip.case.template import is_named, section_type
+from stickslip.contact.law.coulomb import MIN_SAMPLES
+from stickslip.core.errors import InputError, StudyFileError
+from stickslip.core.units import Count, Quantity
+from stickslip.model.model import load_joint, set_up
+from stickslip.study import run as study
+from stickslip.study.facts import derived_quantities
+
+EXTREME = (5e-324, 1e-310, 1e-300, -5e-324, 1e300, 1e308, -1e308)
+COARSE = {
+    "shank_columns": 1, "shank_rows": 2, "platform_rows": 1, "airfoil_rows": 2, "inner_columns": 1,
+    "contact_columns": 1, "chordwise": 1, "damper_columns": 1, "damper_flank_rows": 1,
+}  # fmt: skip
+BLADES: dict[str, Any] = {"mesh": COARSE, "reduction": {"modes": 3}}
+KINDS = ("two-blade", "mesh", "matrices")
+
+
+def limits_in(annotation: Any) -> Iterator[Quantity | Count]:
+    """The quantities and counts of an annotation, also within options, tuples and lists."""
+    for each in get_args(annotation):  # those of Annotated hold its metadata
+        if isinstance(each, Quantity | Count):
+            yield each
+        else:
+            yield from limits_in(each)
+
+
+def limits_of(field: FieldInfo) -> tuple[Quantity | Count, ...]:
+    """The quantities and counts of a key, one for each entry of a place or direction."""
+    direct = tuple(each for each in field.metadata if isinstance(each, Quantity | Count))
+    return direct or tuple(limits_in(field.annotation))
+
+
+def numeric_keys() -> Iterator[tuple[str, str, tuple[Quantity | Count, ...]]]:
+    """(section, key, limits) of every key that holds a number."""
+    for name, field in Case.model_fields.items():
+        for key, inner in section_type(field).model_fields.items():
+            if found := limits_of(inner):
+                yield name, key, found
+
+
+NUMERIC = tuple(numeric_keys())
+DIRECTIONS = tuple(
+    (name, key)
+    for name, field in Case.model_fields.items()
+    for key, inner in section_type(field).model_fields.items()
+    if inner.annotation is not None and "PlainValidator" in repr((inner.metadata, inner.annotation))
+)
+
+
+@pytest.fixture(scope="module")
+def bases(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, Any]]:
+    """A small study of each kind as nested dictionaries."""
+    folder = tmp_path_factory.mktemp("matrices")
+    write_matrices(folder, mesh_case())
+    matrices = {
+        "structure": {"kind": "matrices", "file": str(folder / "superelement.npz")},
+        "material": {"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": "7850 kg/m^3"},
+        "interfaces": {
+            "lid": {"first": "lid", "second": "ground", "normal": [0, 0, 1], "area": "36 mm^2", "normal_load": "40 N"}
+        },
+        "forces": {"push": {"set": "lid", "direction": [0, 0, 1], "amplitude": "0.2 N"}},
+        "responses": {"lid": {"set": "lid", "direction": [1, 0, 0]}},
+    }
+    mesh = mesh_case().to_dict()
+    mesh["structure"]["file"] = str(EXAMPLE / "beam_and_block.inp")
+    return {"two-blade": BLADES, "mesh": mesh, "matrices": matrices}
+
+
+def with_value(base: dict[str, Any], section: str, key: str, value: Any) -> dict[str, Any]:
+    """A copy of a study with one other value; a section with named entries gets it in its first entry, or a new one."""
+    data = copy.deepcopy(base)
+    home = data.setdefault(section, {})
+    if is_named(Case.model_fields[section]):
+        home = home.setdefault(next(iter(home), "one"), {})
+    home[key] = value
+    return data
+
+
+def as_typed(limits: tuple[Quantity | Count, ...], key: str, value: float | int) -> Any:
+    """A value as a study file has it: a list of it for places and lists, a text where the unit is required."""
+    first = limits[0]
+    number: Any = value
+    if isinstance(first, Quantity) and first.unit_required:
+        number = f"{value!r} {first.si_unit}"
+    if len(limits) > 1:
+        return [number] * len(limits)
+    return [number] if key == "values" else number
+
+
+def require_finite(case: Case) -> None:
+    """Build what ``check`` builds before the eigenvalues, and demand finite numbers."""
+    setup = set_up(case)
+    joint = load_joint(case, setup.layout)
+    structure = setup.assemble()
+    for array in (joint.preload, joint.normal_stiffness, joint.tangential_stiffness):
+        assert np.isfinite(array).all()
+    for matrix in (structure.stiffness, structure.mass):
+        assert np.isfinite(matrix.sum())
+    for name, value, _, _ in derived_quantities(case, joint):
+        assert not isinstance(value, float) or np.isfinite(value), name
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("section", "key", "limits"), NUMERIC, ids=[f"{name}.{key}" for name, key, _ in NUMERIC])
+def test_values_that_no_computer_can_use_are_refused_by_their_key(
+    section: str, key: str, limits: tuple[Quantity | Count, ...], kind: str, bases: dict[str, dict[str, Any]]
+) -> None:
+    for value in (*EXTREME, 10**400):
+        with pytest.raises(StudyFileError) as caught:
+            Case.from_mapping(with_value(bases[kind], section, key, as_typed(limits, key, value)))
+        assert key in str(caught.value)
+        assert any(
+            words in str(caught.value) for words in ("is not allowed", "whole number", "finite", "so near to zero")
+        )
+
+
+def test_every_quantity_has_two_limits() -> None:
+    """So that no key, also none to come, takes a number that cannot be computed with."""
+    for name, key, limits in NUMERIC:
+        for each in limits:
+            low = each.at_least if isinstance(each, Count) or each.at_least is not None else each.above
+            high = each.at_most if isinstance(each, Count) or each.at_most is not None else each.below
+            assert low is not None, f"{name}.{key}"
+            assert high is not None, f"{name}.{key}"
+    assert len(NUMERIC) > 60
+
+
+def test_every_key_with_a_number_was_found() -> None:
+    """A key whose type holds a float or an int has a Quantity, a Count or a direction."""
+    found = {(name, key) for name, key, _ in NUMERIC} | set(DIRECTIONS)
+    for name, field in Case.model_fields.items():
+        for key, inner in section_type(field).model_fields.items():
+            words = repr(inner.annotation)
+            if "float" in words or "int" in words:
+                assert (name, key) in found, f"{name}.{key}"
+
+
+@pytest.mark.parametrize("value", [[5e-324, 0, 0], [1e308, 1e308, 0], [1e-310, 1e-310, 0], [10**400, 0, 0]])
+@pytest.mark.parametrize(("section", "key"), DIRECTIONS)
+def test_directions(section: str, key: str, value: list[float], bases: dict[str, dict[str, Any]]) -> None:
+    kind = "two-blade" if section == "excitation" else "mesh"
+    with pytest.raises(StudyFileError, match=key):
+        Case.from_mapping(with_value(bases[kind], section, key, value))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_limits_themselves_end_in_finite_numbers_or_a_sentence(kind: str, bases: dict[str, dict[str, Any]]) -> None:
+    """What a key allows is computed with: warnings of Python are errors in the tests."""
+    built = 0
+    for section, key, limits in NUMERIC:
+        if section in ("mesh", "output", "solver", "reduction"):
+            continue  # counts and steps, which no number here follows from
+        first = limits[0]
+        ends = (first.at_least, first.at_most)
+        for end in ends:
+            if end is None:
+                continue
+            try:
+                case = Case.from_mapping(with_value(bases[kind], section, key, as_typed(limits, key, end)))
+                require_finite(case)
+                built += 1
+            except InputError:
+                continue
+    assert built > 10
+
+
+def test_the_check_of_a_study_ends_at_its_limits() -> None:
+    """The soft end of Young's modulus beside stiff contact: the eigenvalues end after a bounded number of restarts."""
+    case = Case.from_mapping({"mesh": {"chordwise": 2, "airfoil_rows": 4}, "material": {"young_modulus": "1 kPa"}})
+    with pytest.raises(InputError, match=r"^the material has Young's modulus 1e\+03 Pa, .*Most likely because of that"):
+        study.check(case)
+
+
+def test_check_and_run_agree_on_the_fewest_samples() -> None:
+    (limit,) = limits_of(SolverSection.model_fields["samples"])
+    assert limit.at_least == MIN_SAMPLES
+    for samples in range(3, MIN_SAMPLES):
+        with pytest.raises(StudyFileError, match="at least 8"):
+            Case.from_mapping({"solver": {"harmonics": 1, "samples": samples}})
+
+
+WRONG_UNITS = {
+    "Pa for GPa": (
+        {"material": {"young_modulus": 197}},
+        ["material.young_modulus = 197", "at least 1000", '"197 GPa"'],
+    ),
+    "hardness in GPa": ({"roughness": {"hardness": 3}}, ["roughness.hardness = 3", "at least 10000", '"3 GPa"']),
+    "t/mm^3": ({"material": {"density": 7.8e-9}}, ["material.density = 7.8e-09", "kg/m^3"]),
+    "blade in mm": ({"geometry": {"blade_length": "145 m"}}, ["geometry.blade_length", "at most 3 m"]),
+    "no wave so short": ({"roughness": {"shortest_length": 1e-12}}, ["roughness.shortest_length", "at least 1e-10"]),
+}
+
+
+@pytest.mark.parametrize(("data", "words"), WRONG_UNITS.values(), ids=WRONG_UNITS)
+def test_values_that_only_a_wrong_unit_explains_are_refused(data: dict[str, Any], words: list[str]) -> None:
+    with pytest.raises(StudyFileError) as caught:
+        Case.from_mapping(data)
+    assert [word for word in words if word not in str(caught.value)] == []
+
+
+ODD = {
+    "MPa for GPa": ({"material": {"young_modulus": "197 kPa"}}, "the material has Young's modulus 1.97e+05 Pa"),
+    "soft hardness": ({"roughness": {"hardness": "3 MPa"}}, "roughness.hardness is 3e+06 Pa, outside 1e+07 to 2e+11"),
+    "thin air": ({"material": {"density": "7.8 kg/m^3"}}, "the material has the density 7.8 kg/m3"),
+    "force": ({"excitation": {"amplitude": "3e9 N"}}, "excitation.amplitude is 3e+09 N"),
+    "preload": ({"preload": {"centrifugal_force": "5e8 N"}}, "preload.centrifugal_force is 5e+08 N"),
+    "G": ({"roughness": {"fractal_roughness": "0.1 mm"}}, "roughness.fractal_roughness is 0.0001 m"),
+    "longest wave": ({"roughness": {"shortest_length": "20 mm"}}, "roughness.shortest_length is 0.02 m"),
+    "stiffness": (
+        {"contact_stiffness": {"normal_stiffness": "1e15 N/m", "tangential_stiffness": "1e8 N/m"}},
+        "contact_stiffness.normal_stiffness is 1e+15 N/m",
+    ),
+}
+
+
+@pytest.mark.parametrize(("data", "words"), ODD.values(), ids=ODD)
+def test_odd_values_of_the_two_blades_are_told_first(data: dict[str, Any], words: str) -> None:
+    """As a warning of ``check``, or before the sentence that follows from them."""
+    case = Case.from_mapping(BLADES | data)
+    try:
+        said = dict(study.check(case))["Warnings"][0][1]
+    except InputError as error:
+        said = str(error)
+        fitting = "Most likely because of that: " in said
+    else:
+        fitting = True
+    assert said.startswith(words)
+    assert fitting
+
+
+def test_the_default_study_has_no_odd_value() -> None:
+    assert set_up(Case.from_mapping(BLADES)).layout.odd_values == ()
+
+
+def test_more_elements_than_memory_are_refused_before_the_mesh_is_made() -> None:
+    case = Case.from_mapping({"mesh": {"chordwise": 1000, "airfoil_rows": 1000}})
+    with pytest.raises(InputError, match=r"the counts of \[mesh\] make up to \d+ elements, but at most 2000000"):
+        set_up(case)
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        ({"study": {"title": "nul \0 title"}}, r"study\.title = .* holds the control character U\+0000"),
+        ({"study": {"title": "clear \x1b[2J"}}, r"study\.title = .* holds the control character U\+001B"),
+        ({"structure": {"kind": "mesh", "file": "a\0.inp", "length_unit": "mm"}}, r"structure\.file = .* U\+0000"),
+        ({"structure": {"kind": "mesh", "fixed": ["a\x9b"]}}, r"structure\.fixed\[0\] = .* U\+009B"),
+    ],
+)
+def test_control_characters_in_texts_are_refused(data: dict[str, Any], words: str) -> None:
+    """NUL in a title lost a solved run: results files end a text there."""
+    with pytest.raises(StudyFileError, match=words):
+        Case.from_mapping(data)
+
+
+def test_control_characters_in_names_of_entries_are_refused(bases: dict[str, dict[str, Any]]) -> None:
+    data = copy.deepcopy(bases["mesh"])
+    data["interfaces"]["so\0le"] = data["interfaces"].pop("sole")
+    with pytest.raises(StudyFileError, match="has a control character in its name"):
+        Case.from_mapping(data)
+    Case.from_mapping({"study": {"title": "Dämpfer – 2 \N{GREEK SMALL LETTER MU}m\nsecond line"}})
