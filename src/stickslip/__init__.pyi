@@ -4,10 +4,14 @@ from .case.case import load_case as load_case
 from .contact.law.contact_pairs import ContactPairs as ContactPairs
 from .contact.law.coulomb import CoulombLaw as CoulombLaw
 from .contact.law.coulomb_harmonics import contact_cycle as contact_cycle
+from .contact.law.cubic_spring import CubicSpring as CubicSpring
+from .contact.law.elastic_stop import ElasticStop as ElasticStop
+from .contact.law.iwan import IwanJoint as IwanJoint
+from .contact.law.jenkins import JenkinsElement as JenkinsElement
 from .contact.law.law import ContactLaw as ContactLaw
 from .contact.law.law import ContactState as ContactState
-from .contact.law.law import register_contact_law as register_contact_law
 from .contact.law.normal_law import PressureGapLaw as PressureGapLaw
+from .contact.law.registry import register_contact_law as register_contact_law
 from .contact.pairing.pairing import pair_faces as pair_faces
 from .contact.pairing.pairing import pair_surfaces as pair_surfaces
 from .contact.pairing.pairing import pair_with_ground as pair_with_ground

@@ -81,3 +81,8 @@ def test_the_allowed_range_is_said() -> None:
 def test_modules_use_them(call: Callable[[], object], words: str) -> None:
     with pytest.raises(InputError, match=words):
         call()
+
+
+def test_a_number_alone_must_be_finite_too() -> None:
+    with pytest.raises(InputError, match="^x is nan; every entry"):
+        finite_array("x", np.nan)

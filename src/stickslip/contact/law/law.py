@@ -2,29 +2,24 @@
 
 A law is an object that holds the constants of a group of pairs. The harmonic balance asks it for the springs that small
 motions feel, for the force over a period, and for the derivative of that force; pages ask for the names of its states.
-A new law is one file with one class and one call of :func:`register_contact_law`; a law of another package is found
-through an entry point of the group ``stickslip.contact_laws``. docs/extending.md shows one from start to end.
+A new law is one file with one class and one entry in ``registry.py``; docs/extending.md shows one from start to end.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass
 from enum import IntEnum
-from importlib.metadata import entry_points
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 
 BoolArray = NDArray[np.bool_]
 CodeArray = NDArray[np.int8]
 IndexArray = NDArray[np.int64]
-
-ENTRY_POINTS = "stickslip.contact_laws"
 
 
 class ContactState(IntEnum):
@@ -136,40 +131,3 @@ class ContactLaw(Protocol):
 
     def cycle(self, displacement: FloatArray) -> ContactCycle:
         """The periodic state under a motion (n_samples, p, 3) m."""
-
-
-def law_constants(law: ContactLaw) -> dict[str, Any]:
-    """The constants of a law by name, as :func:`contact_law` takes them."""
-    return {field.name: getattr(law, field.name) for field in fields(law)}  # type: ignore[arg-type]
-
-
-_registered: dict[str, Callable[..., ContactLaw]] = {}
-
-
-def register_contact_law(name: str, law: Callable[..., ContactLaw]) -> None:
-    """Make a law known under a name: what ``law(**constants)`` returns is a :class:`ContactLaw`.
-
-    Raises InputError for a name that another law has.
-    """
-    if _registered.get(name, law) is not law:
-        raise InputError(f'there is a contact law "{name}" already; register the new one under another name.')
-    _registered[name] = law
-
-
-def contact_law_names() -> tuple[str, ...]:
-    """Names of all laws: built in, registered, and of installed packages."""
-    from stickslip.contact.law import builtin
-
-    builtin.register_all()
-    found = {*_registered, *(point.name for point in entry_points(group=ENTRY_POINTS))}
-    return tuple(sorted(found))
-
-
-def contact_law(name: str) -> Callable[..., ContactLaw]:
-    """The law of a name. Raises InputError for a name that no law has."""
-    if name not in contact_law_names():
-        raise InputError(f'there is no contact law "{name}"; there are: {", ".join(contact_law_names())}.')
-    if name not in _registered:
-        (point,) = entry_points(group=ENTRY_POINTS, name=name)
-        register_contact_law(name, point.load())
-    return _registered[name]

@@ -1,0 +1,61 @@
+"""A spring that stiffens or softens with its stretch, f = k x + k3 x^3."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from stickslip.contact.law.component_law import ElasticLaw, pairs_in, per_component, require_at_least_zero
+from stickslip.contact.law.law import ContactState
+from stickslip.core.validation import FloatArray
+
+
+@dataclass(frozen=True)
+class CubicSpring(ElasticLaw):
+    """``f = stiffness x + cubic_stiffness x^3`` along t1, t2 and n.
+
+    Under ``x = X cos(w t)`` its first harmonic is ``(k + 3/4 k3 X^2) X`` (Duffing; A. H. Nayfeh and D. T. Mook,
+    "Nonlinear Oscillations", 1979, sec. 4.1).
+
+    Parameters
+    ----------
+    stiffness:
+        N/m, 0 or above: (p, 3) along t1, t2, n; a number or (p,) serves for all three.
+    cubic_stiffness:
+        N/m3, the same shapes; below zero it softens.
+
+    Raises
+    ------
+    InputError
+        for a wrong shape, an entry that is not finite, or a stiffness below zero.
+    """
+
+    name: ClassVar[str] = "cubic"
+    states: ClassVar[Mapping[ContactState, str]] = {ContactState.STUCK: "elastic"}
+
+    stiffness: FloatArray
+    cubic_stiffness: FloatArray
+
+    def __post_init__(self) -> None:
+        count = pairs_in(self.name, self.stiffness, self.cubic_stiffness)
+        for name in ("stiffness", "cubic_stiffness"):
+            object.__setattr__(self, name, per_component(name, getattr(self, name), count))
+        require_at_least_zero("stiffness", self.stiffness)
+
+    @property
+    def n_pairs(self) -> int:
+        """Number p of pairs."""
+        return len(self.stiffness)
+
+    def resting_springs(self) -> FloatArray:
+        """(p, 3) N/m: the linear part."""
+        return self.stiffness
+
+    def force_and_slope(self, displacement: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Force (p, 3, n) N and slope (p, 3, n) N/m."""
+        linear, cubic = self.stiffness[:, :, None], self.cubic_stiffness[:, :, None]
+        square = displacement**2
+        return displacement * (linear + cubic * square), np.asarray(linear + 3.0 * cubic * square)

@@ -1,0 +1,89 @@
+"""An elastic stop behind a gap: a spring that acts once a pair has closed by its gap, beside one that always acts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from stickslip.contact.law.component_law import ElasticLaw, pairs_in, require_at_least_zero
+from stickslip.contact.law.law import CodeArray, ContactState
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, per_pair, require_positive
+
+
+@dataclass(frozen=True)
+class ElasticStop(ElasticLaw):
+    """``f = spring n + stiffness max(n - gap, 0)`` along n, bilinear; on both sides ``+ stiffness min(n + gap, 0)``.
+
+    Under ``n = X cos(w t)``, ``X > gap``, the first harmonic of the stop on one side is
+    ``k X (b - sin(b) cos(b)) / pi`` with ``cos b = gap / X`` (S. W. Shaw and P. J. Holmes, J. Sound Vib. 90 (1983) 129,
+    for the piecewise linear oscillator); on both sides it is twice that.
+
+    Parameters
+    ----------
+    stiffness:
+        (p,) N/m of the stop, above zero.
+    gap:
+        (p,) m at rest, above zero.
+    spring:
+        (p,) N/m of the spring that always acts, 0 unless given.
+    two_sided:
+        whether a stop is on either side.
+
+    Raises
+    ------
+    InputError
+        for a wrong shape, an entry that is not finite, or a value outside of these ranges.
+    """
+
+    name: ClassVar[str] = "elastic-stop"
+    states: ClassVar[Mapping[ContactState, str]] = {
+        ContactState.STUCK: "free of the stop",
+        ContactState.SEPARATING: "hits the stop",
+    }
+
+    stiffness: FloatArray
+    gap: FloatArray
+    spring: FloatArray = 0.0  # type: ignore[assignment]
+    two_sided: bool = False
+
+    def __post_init__(self) -> None:
+        count = pairs_in(self.name, self.stiffness, self.gap, self.spring)
+        for name in ("stiffness", "gap", "spring"):
+            object.__setattr__(self, name, per_pair(name, getattr(self, name), count))
+        require_positive("stiffness", self.stiffness, "A stop without stiffness is none.")
+        require_positive("gap", self.gap, "A stop that touches at rest is a contact with a normal load of 0.")
+        require_at_least_zero("spring", self.spring)
+        if not isinstance(self.two_sided, bool | np.bool_):
+            raise InputError(f"two_sided is {self.two_sided!r}, but it must be true or false.", ("two_sided",))
+
+    @property
+    def n_pairs(self) -> int:
+        """Number p of pairs."""
+        return len(self.stiffness)
+
+    def resting_springs(self) -> FloatArray:
+        """(p, 3) N/m: the spring that always acts."""
+        springs = np.zeros((self.n_pairs, 3))
+        springs[:, 2] = self.spring
+        return springs
+
+    def force_and_slope(self, displacement: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Force (p, 3, n) N and slope (p, 3, n) N/m."""
+        force, slope = np.zeros_like(displacement), np.zeros_like(displacement)
+        closing = displacement[:, 2]
+        stiffness, gap = self.stiffness[:, None], self.gap[:, None]
+        beyond = np.maximum(closing - gap, 0.0)
+        if self.two_sided:
+            beyond += np.minimum(closing + gap, 0.0)
+        force[:, 2] = self.spring[:, None] * closing + stiffness * beyond
+        slope[:, 2] = self.spring[:, None] + stiffness * (beyond != 0.0)
+        return force, slope
+
+    def states_of(self, slope: FloatArray) -> CodeArray:
+        """(p,) separating where the stop is hit within the period."""
+        hits = (slope[:, 2] > self.spring[:, None]).any(axis=1)
+        return np.where(hits, ContactState.SEPARATING, ContactState.STUCK).astype(np.int8)

@@ -1,0 +1,111 @@
+"""What hysteretic laws share that act along t1 and along t2 one by one, with a normal spring that never opens."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from functools import lru_cache
+
+import numpy as np
+
+from stickslip.contact.law.law import BoolArray, CodeArray, ContactCycle, ContactState, IndexArray, LawPeriod
+from stickslip.core.fourier import analysis_matrix, synthesis_matrix
+from stickslip.core.validation import FloatArray
+
+
+@lru_cache(maxsize=32)
+def _bases(harmonics: int, samples: int) -> tuple[FloatArray, FloatArray]:
+    """Synthesis (n, width) and analysis (width, n)."""
+    return np.ascontiguousarray(synthesis_matrix(harmonics, samples)), analysis_matrix(harmonics, samples)
+
+
+class HystereticLaw(ABC):
+    """A law whose force along a tangent depends on the path along this tangent alone, not on where the path lies.
+
+    The force at rest is released: it does not depend on the mean displacement.
+    """
+
+    @property
+    @abstractmethod
+    def n_pairs(self) -> int:
+        """Number p of pairs."""
+
+    @property
+    @abstractmethod
+    def tangential_springs(self) -> FloatArray:
+        """(p, 2) N/m of small motions."""
+
+    @property
+    @abstractmethod
+    def normal_spring(self) -> FloatArray:
+        """(p,) N/m along n."""
+
+    @abstractmethod
+    def periods(self, paths: FloatArray) -> tuple[FloatArray, BoolArray, BoolArray, FloatArray]:
+        """The periodic state on paths (p, 2, n) m.
+
+        Returns the force (p, 2, n) N, whether it deviates from the springs (p, 2), whether it slips in the period
+        (p, 2), and the dissipated energy (p,) J.
+        """
+
+    @abstractmethod
+    def path_tangent(self, paths: FloatArray, synthesis: FloatArray, select: IndexArray) -> FloatArray:
+        """Derivative (k, 2, n, width) N/m of the force of the pairs ``select`` by the coefficients of its own path."""
+
+    @property
+    def normal_load(self) -> FloatArray:
+        """(p,) N: the joint is bonded along n."""
+        return np.zeros(self.n_pairs)
+
+    def resting_springs(self) -> FloatArray:
+        """(p, 3) N/m along t1, t2, n."""
+        return np.column_stack([self.tangential_springs, self.normal_spring])
+
+    def frictional(self) -> BoolArray:
+        """(p, 3) True along t1 and t2."""
+        return np.tile([True, True, False], (self.n_pairs, 1))
+
+    def undetermined(self) -> BoolArray:
+        """(p, 3) True along t1 and t2: the force follows from the changes of the path."""
+        return self.frictional()
+
+    def period(self, coefficients: FloatArray, samples: int) -> LawPeriod:
+        """See :class:`stickslip.contact.law.law.ContactLaw`."""
+        synthesis, analysis = _bases(coefficients.shape[2] // 2, samples)
+        paths = coefficients[:, :2] @ synthesis.T
+        force, deviates, slips, _ = self.periods(paths)
+        answer = self.resting_springs()[:, :, None] * coefficients
+        answer[:, :2, 0] = 0.0
+        answer[:, :2] = np.where(deviates[:, :, None], force @ analysis.T, answer[:, :2])
+        moves = np.column_stack([deviates, np.zeros(self.n_pairs, dtype=bool)])
+        return LawPeriod(answer, moves, _states(slips), np.zeros(self.n_pairs), paths)
+
+    def tangent(self, coefficients: FloatArray, samples: int, select: IndexArray, period: LawPeriod) -> FloatArray:
+        """See :class:`stickslip.contact.law.law.ContactLaw`."""
+        synthesis, analysis = _bases(coefficients.shape[2] // 2, samples)
+        blocks = analysis @ self.path_tangent(period.memory, synthesis, select)
+        width = len(analysis)
+        tangent = np.zeros((len(select), 3, width, 3, width))
+        for axis in range(2):
+            tangent[:, axis, :, axis] = blocks[:, axis]
+        tangent[:, 2, range(width), 2, range(width)] = self.normal_spring[select, None]
+        return tangent
+
+    def hidden_springs(self, period: LawPeriod) -> FloatArray:
+        """(p, 3) N/m: there are none."""
+        return np.zeros((self.n_pairs, 3))
+
+    def cycle(self, displacement: FloatArray) -> ContactCycle:
+        """See :class:`stickslip.contact.law.law.ContactLaw`."""
+        paths = np.ascontiguousarray(np.moveaxis(displacement[:, :, :2], 0, 2))
+        tangential, _, slips, energy = self.periods(paths)
+        force = np.empty_like(displacement)
+        force[:, :, :2] = np.moveaxis(tangential, 2, 0)
+        force[:, :, 2] = self.normal_spring * displacement[:, :, 2]
+        springs = np.where(self.tangential_springs > 0.0, self.tangential_springs, 1.0)
+        slider = displacement[:, :, :2] - force[:, :, :2] / springs
+        return ContactCycle(force, slider, _states(slips), energy, np.zeros(self.n_pairs))
+
+
+def _states(slips: BoolArray) -> CodeArray:
+    """(p,) stick-slip where either direction slips."""
+    return np.where(slips.any(axis=1), ContactState.STICK_SLIP, ContactState.STUCK).astype(np.int8)

@@ -1,0 +1,155 @@
+"""The Jenkins element: a spring in series with a slider of constant friction force, along one direction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from stickslip.contact.law.component_law import pairs_in, per_component, require_at_least_zero
+from stickslip.contact.law.hysteretic_law import HystereticLaw
+from stickslip.contact.law.law import BoolArray, ContactState, IndexArray
+from stickslip.core.compiled import njit
+from stickslip.core.validation import FloatArray, per_pair, require_positive
+
+
+@dataclass(frozen=True)
+class JenkinsElement(HystereticLaw):
+    """``T = k (s - w)``, ``|T| <= friction_limit``, the slider w moves where T is at the limit; along t1 and along t2.
+
+    One-dimensional dry friction with a constant normal load (G. M. Jenkins, J. Appl. Phys. 33 (1962) 2055 for the
+    element): the two directions know nothing of each other. In the cyclic state the slider is at the mean of the motion
+    until it slips.
+
+    Parameters
+    ----------
+    tangential_stiffness:
+        (p,) or (p, 2) N/m, 0 or above; 0 where a direction has no element.
+    friction_limit:
+        (p,) or (p, 2) N, above zero.
+    normal_stiffness:
+        (p,) N/m of a spring along n that never opens, 0 unless given.
+
+    Raises
+    ------
+    InputError
+        for a wrong shape, an entry that is not finite, or a value outside of these ranges.
+    """
+
+    name: ClassVar[str] = "jenkins"
+    states: ClassVar[Mapping[ContactState, str]] = {
+        ContactState.STUCK: "stuck",
+        ContactState.STICK_SLIP: "stick-slip",
+    }
+
+    tangential_stiffness: FloatArray
+    friction_limit: FloatArray
+    normal_stiffness: FloatArray = 0.0  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        count = pairs_in(self.name, self.tangential_stiffness, self.friction_limit, self.normal_stiffness)
+        for name in ("tangential_stiffness", "friction_limit"):
+            object.__setattr__(self, name, per_component(name, getattr(self, name), count, 2))
+        object.__setattr__(self, "normal_stiffness", per_pair("normal_stiffness", self.normal_stiffness, count))
+        require_at_least_zero("tangential_stiffness", self.tangential_stiffness)
+        require_at_least_zero("normal_stiffness", self.normal_stiffness)
+        require_positive("friction_limit", self.friction_limit, "Without friction there is no element.")
+
+    @property
+    def n_pairs(self) -> int:
+        """Number p of pairs."""
+        return len(self.friction_limit)
+
+    @property
+    def tangential_springs(self) -> FloatArray:
+        """(p, 2) N/m."""
+        return self.tangential_stiffness
+
+    @property
+    def normal_spring(self) -> FloatArray:
+        """(p,) N/m."""
+        return self.normal_stiffness
+
+    @property
+    def slip_force(self) -> FloatArray:
+        """(p,) N, the larger of the two limits."""
+        return np.asarray(self.friction_limit.max(axis=1))
+
+    def periods(self, paths: FloatArray) -> tuple[FloatArray, BoolArray, BoolArray, FloatArray]:
+        """See :class:`HystereticLaw`."""
+        force = np.empty_like(paths)
+        deviates, slips = np.empty((2, *paths.shape[:2]), dtype=bool)
+        energy = np.empty(paths.shape[:2])
+        _march(paths, self.tangential_stiffness, self.friction_limit, force, deviates, slips, energy)
+        return force, deviates, slips, np.asarray(energy.sum(axis=1))
+
+    def path_tangent(self, paths: FloatArray, synthesis: FloatArray, select: IndexArray) -> FloatArray:
+        """See :class:`HystereticLaw`."""
+        tangent = np.empty((len(select), 2, *synthesis.shape))
+        _march_tangent(
+            paths[select], self.tangential_stiffness[select], self.friction_limit[select], synthesis, tangent
+        )
+        return tangent
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _march(
+    paths: FloatArray,
+    stiffness: FloatArray,
+    limits: FloatArray,
+    force: FloatArray,
+    deviates: BoolArray,
+    slips: BoolArray,
+    energy: FloatArray,
+) -> None:
+    """Fill the last four arrays for paths (p, 2, n).
+
+    A period moves the force by a clipped shift, ``T -> min(max(T, a), b)``, so the second one is periodic.
+    """
+    for pair in range(paths.shape[0]):
+        for axis in range(2):
+            path, k, limit = paths[pair, axis], stiffness[pair, axis], limits[pair, axis]
+            n = path.shape[0]
+            traction = k * (path[0] - path.mean())
+            ever = abs(traction) > limit
+            traction = min(max(traction, -limit), limit)
+            lost = 0.0
+            for step in range(1, 2 * n + 1):
+                trial = traction + k * (path[step % n] - path[(step - 1) % n])
+                traction = min(max(trial, -limit), limit)
+                if step > n:
+                    force[pair, axis, step % n] = traction
+                    if k > 0.0:
+                        lost += abs(trial - traction) * limit / k
+                ever = ever or trial != traction
+            deviates[pair, axis], slips[pair, axis], energy[pair, axis] = ever, lost > 0.0, lost
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _march_tangent(
+    paths: FloatArray, stiffness: FloatArray, limits: FloatArray, synthesis: FloatArray, tangent: FloatArray
+) -> None:
+    """Fill ``tangent`` (p, 2, n, width): derivative of the periodic force by the coefficients of the path."""
+    n, width = synthesis.shape
+    derivative = np.empty(width)
+    for pair in range(paths.shape[0]):
+        for axis in range(2):
+            path, k, limit = paths[pair, axis], stiffness[pair, axis], limits[pair, axis]
+            traction = k * (path[0] - path.mean())
+            derivative[:] = k * synthesis[0]
+            derivative[0] = 0.0  # the slider starts at the mean
+            if abs(traction) > limit:
+                traction, derivative[:] = min(max(traction, -limit), limit), 0.0
+            for step in range(1, 2 * n + 1):
+                j, i = step % n, (step - 1) % n
+                trial = traction + k * (path[j] - path[i])
+                traction = min(max(trial, -limit), limit)
+                if trial != traction:
+                    derivative[:] = 0.0
+                else:
+                    for q in range(width):
+                        derivative[q] += k * (synthesis[j, q] - synthesis[i, q])
+                if step > n:
+                    tangent[pair, axis, j] = derivative

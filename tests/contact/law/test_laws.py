@@ -1,0 +1,178 @@
+"""Every law at the seam: exact tangent, the springs of small motions, mixed joints, the registry, other packages."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.contact.law.law import ContactLaw
+from stickslip.contact.law.registry import contact_law, contact_law_names, law_constants
+
+RNG = np.random.default_rng(11)
+LAWS: dict[str, ContactLaw] = {
+    "coulomb": ss.CoulombLaw([2e6, 1e6], [1e6, 3e6], [0.3, 0.4], [20.0, 0.0], [0.0, 2e-6]),
+    "cubic": ss.CubicSpring([[1e6, 0.0, 2e6], [1e6, 1e6, 1e6]], [[1e17, 2e17, -1e16], [0.0, 0.0, 0.0]]),
+    "elastic-stop": ss.ElasticStop([5e6, 5e6], [3e-6, 1.0], [1e6, 0.0]),
+    "jenkins": ss.JenkinsElement([[1e6, 2e6], [1e6, 0.0]], [[4.0, 1e9], [3.0, 1.0]], 5e5),
+    "iwan": ss.IwanJoint([[1e6, 2e6], [1e6, 3e6]], [[10.0, 20.0], [1e3, 30.0]], [-0.5, 0.0], [0.3, 0.0], 5e5),
+}
+HARMONICS, SAMPLES = 3, 200
+
+
+def motion(size: float = 1e-5) -> np.ndarray:
+    """(2, 3, 7) coefficients of two pairs."""
+    scale = size / np.array([1, 1, 1, 2, 2, 5, 5])
+    return np.random.default_rng(4).normal(size=(2, 3, 2 * HARMONICS + 1)) * scale
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_it_is_a_law_that_its_name_finds_and_its_constants_make_again(name: str) -> None:
+    law = LAWS[name]
+    assert isinstance(law, ss.ContactLaw)
+    assert name == law.name
+    assert name in contact_law_names()
+    again = contact_law(name)(**law_constants(law))
+    coefficients = motion()
+    assert np.array_equal(again.period(coefficients, SAMPLES).force, law.period(coefficients, SAMPLES).force)
+    assert set(law.period(coefficients, SAMPLES).state) <= set(law.states)
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("size", [1e-6, 1e-5])
+def test_the_tangent_is_the_derivative_of_the_force(name: str, size: float) -> None:
+    law, coefficients = LAWS[name], motion(size)
+    period = law.period(coefficients, SAMPLES)
+    tangent = law.tangent(coefficients, SAMPLES, np.array([0, 1]), period)
+    for direction in np.random.default_rng(7).normal(size=(3, *coefficients.shape)):
+        step = 1e-8 * size
+        ahead, behind = (law.period(coefficients + sign * step * direction, SAMPLES).force for sign in (1.0, -1.0))
+        difference = (ahead - behind) / (2.0 * step)
+        assert np.einsum("kapbq,kbq->kap", tangent, direction) == pytest.approx(
+            difference, abs=3e-5 * np.abs(difference).max()
+        )
+    assert np.array_equal(law.tangent(coefficients, SAMPLES, np.array([1]), period)[0], tangent[1])
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_small_motions_feel_the_resting_springs(name: str) -> None:
+    law, coefficients = LAWS[name], motion(1e-12)
+    period = law.period(coefficients, SAMPLES)
+    expected = law.resting_springs()[:, :, None] * coefficients
+    expected[law.undetermined(), 0] = 0.0
+    size = np.abs(expected).max()
+    assert period.force == pytest.approx(expected, abs=1e-3 * size)
+    still = ~period.moves
+    assert period.force[still] == pytest.approx(expected[still], abs=1e-12 * size)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_what_is_undetermined_changes_no_force(name: str) -> None:
+    law, coefficients = LAWS[name], motion()
+    shifted = coefficients.copy()
+    shifted[law.undetermined(), 0] += 1e-4
+    first, second = (law.period(each, SAMPLES).force for each in (coefficients, shifted))
+    assert second == pytest.approx(first, abs=1e-7 * np.abs(first).max())
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_the_energy_of_a_cycle_is_the_work_of_the_force(name: str) -> None:
+    """Against the trapezoidal rule over many samples of the path."""
+    law, samples = LAWS[name], 20_000
+    angle = 2 * np.pi * np.arange(samples) / samples
+    waves = np.array([np.ones_like(angle), *(f(h * angle) for h in (1, 2, 3) for f in (np.cos, np.sin))])
+    displacement = np.moveaxis(motion() @ waves, 2, 0)
+    cycle = law.cycle(displacement)
+    middle = 0.5 * (cycle.force + np.roll(cycle.force, -1, axis=0))[:, :, :2]
+    work = (middle * (np.roll(displacement, -1, axis=0) - displacement)[:, :, :2]).sum(axis=(0, 2))
+    exchanged = np.abs(middle * (np.roll(displacement, -1, axis=0) - displacement)[:, :, :2]).sum(axis=(0, 2)).max()
+    assert cycle.dissipated_energy == pytest.approx(work, abs=1e-4 * exchanged)
+    assert (cycle.dissipated_energy >= 0.0).all()
+
+
+def mixed() -> tuple[ss.ContactPairs, list[np.ndarray]]:
+    """All laws in one joint, their pairs interleaved."""
+    laws = list(LAWS.values())
+    groups = [np.array([i, i + len(laws)]) for i in range(len(laws))]
+    return ss.ContactPairs.with_laws(np.eye(6 * len(laws)), laws, groups), groups
+
+
+def test_a_joint_of_several_laws_is_each_law_on_its_pairs() -> None:
+    pairs, groups = mixed()
+    coefficients = np.empty((pairs.n_pairs, 3, 2 * HARMONICS + 1))
+    for group in groups:
+        coefficients[group] = motion()
+    period = pairs.period(coefficients, SAMPLES)
+    select = np.array([1, 3, 9])
+    tangent = pairs.tangent(coefficients, SAMPLES, select, period)
+    for law, group in zip(pairs.laws, groups, strict=True):
+        own = law.period(motion(), SAMPLES)
+        assert np.array_equal(period.force[group], own.force)
+        assert np.array_equal(period.moves[group], own.moves)
+        assert np.array_equal(pairs.hidden_springs(period)[group], law.hidden_springs(own))
+        assert np.array_equal(pairs.resting_stiffness().reshape(-1, 3)[group], law.resting_springs())
+        for position, pair in enumerate(select):
+            if pair in group:
+                inside = np.flatnonzero(group == pair)
+                assert np.array_equal(tangent[position], law.tangent(motion(), SAMPLES, inside, own)[0])
+    assert repr(pairs) == (
+        "ContactPairs(2 coulomb + 2 cubic + 2 elastic-stop + 2 jenkins + 2 iwan pairs on 30 unknowns)"
+    )
+    displacement = np.random.default_rng(2).normal(size=(64, pairs.n_pairs, 3)) * 1e-5
+    cycle = pairs.cycle(displacement)
+    for law, group in zip(pairs.laws, groups, strict=True):
+        assert np.array_equal(cycle.force[:, group], law.cycle(displacement[:, group]).force)
+
+
+def test_each_pair_has_exactly_one_law() -> None:
+    law = LAWS["cubic"]
+    with pytest.raises(ss.InputError, match="for 2 pairs, but the operator has 3"):
+        ss.ContactPairs.with_laws(np.eye(9), [law])
+    with pytest.raises(ss.InputError, match="exactly one law"):
+        ss.ContactPairs.with_laws(np.eye(12), [law, law], [[0, 1], [1, 2]])
+    with pytest.raises(ss.InputError, match="in their order"):
+        ss.ContactPairs.with_laws(np.eye(6), [law], [[1, 0]])
+    with pytest.raises(ss.InputError, match="works for Coulomb friction alone"):
+        _ = ss.ContactPairs.with_laws(np.eye(6), [law]).tangential_stiffness
+
+
+def test_a_name_is_given_once() -> None:
+    with pytest.raises(ss.InputError, match='there is a contact law "iwan" already'):
+        ss.register_contact_law("iwan", ss.CubicSpring)
+    with pytest.raises(ss.InputError, match='there is no contact law "glue"; there are: coulomb, cubic'):
+        contact_law("glue")
+
+
+PACKAGE = """
+from dataclasses import dataclass
+from typing import ClassVar
+import numpy as np
+import stickslip as ss
+
+@dataclass(frozen=True)
+class Glue(ss.CubicSpring):
+    name: ClassVar[str] = "glue"
+"""
+
+
+def test_a_law_of_another_package_is_found(tmp_path: Path) -> None:
+    """A package that is only on the path: its entry point names the law."""
+    (tmp_path / "gluepackage.py").write_text(PACKAGE, encoding="utf-8")
+    information = tmp_path / "gluepackage-1.0.dist-info"
+    information.mkdir()
+    (information / "METADATA").write_text("Metadata-Version: 2.1\nName: gluepackage\nVersion: 1.0\n", encoding="utf-8")
+    (information / "entry_points.txt").write_text(
+        "[stickslip.contact_laws]\nglue = gluepackage:Glue\n", encoding="utf-8"
+    )
+    code = (
+        f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n"
+        "from stickslip.contact.law.registry import contact_law, contact_law_names\n"
+        "assert 'glue' in contact_law_names()\n"
+        "print(contact_law('glue')(1e6, 1e15).name)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.stdout == "glue\n", done.stderr
