@@ -11,6 +11,7 @@ from blade_problem import load_blade_problem
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import harmonic_force, harmonic_tangent
+from stickslip.solve.excitation import ExcitationForce
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.compliance import stuck_structure
 from stickslip.solve.path.newton import Constraint, Newton, NewtonSettings
@@ -36,7 +37,7 @@ def trial() -> tuple[Balance, Trial]:
     stuck = stuck_structure(structure, pairs, 2.0 * np.pi * problem.window_hz[1], None)
     force = np.zeros((2 * HARMONICS + 1, problem.size))
     force[1], force[2] = problem.force_cos, problem.force_sin
-    balance = Balance(stuck.compliance(HARMONICS), pairs, force, SAMPLES, "tractrix")
+    balance = Balance(stuck.compliance(HARMONICS), pairs, ExcitationForce(((0, force),)), SAMPLES)
     return balance, balance.evaluate(0.2 * balance.linear(omega), omega)
 
 

@@ -10,7 +10,14 @@ import pytest
 from stickslip.contact.law.closed_forms import mindlin_stiffness
 from stickslip.core.errors import InputError
 from stickslip.core.threads import thread_count
-from stickslip.core.validation import positive_number, real_number, require_allowed, require_choice, whole_number
+from stickslip.core.validation import (
+    finite_array,
+    positive_number,
+    real_number,
+    require_allowed,
+    require_choice,
+    whole_number,
+)
 from stickslip.model.kinds.two_blade_mesh import BladePairElements
 from stickslip.structure.elasticity import Material
 
@@ -84,5 +91,5 @@ def test_modules_use_them(call: Callable[[], object], words: str) -> None:
 
 
 def test_a_number_alone_must_be_finite_too() -> None:
-    with pytest.raises(InputError, match="^x is nan; every entry"):
+    with pytest.raises(InputError, match=r"^x is nan; every entry"):
         finite_array("x", np.nan)

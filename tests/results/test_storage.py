@@ -67,7 +67,7 @@ def test_a_rough_face_that_is_no_grid_is_refused(change, words):
 
 def test_response_alone_and_anisotropic_pairs(response, tmp_path):
     springs = np.column_stack([response.pairs.tangential_stiffness, 0.9 * response.pairs.tangential_stiffness])
-    pairs = dataclasses.replace(response.pairs, tangential_stiffness=springs)
+    pairs = response.pairs.with_constants(tangential_stiffness=springs)
     changed = dataclasses.replace(response, pairs=pairs, converged=False, message="stopped at 420 Hz – “fold”")
     changed.save(tmp_path / "a.nc")
     assert ForcedResponse.load(tmp_path / "a.nc") == changed
@@ -75,8 +75,8 @@ def test_response_alone_and_anisotropic_pairs(response, tmp_path):
 
 
 def test_kept_tractions_come_back(response, tmp_path):
-    traction = 0.5 * response.pairs.friction_coefficient[:, None] * response.pairs.static_load[:, None] * [[0.6, -0.8]]
-    changed = dataclasses.replace(response, pairs=dataclasses.replace(response.pairs, residual_traction=traction))
+    traction = 0.5 * response.pairs.friction_coefficient[:, None] * response.pairs.normal_load[:, None] * [[0.6, -0.8]]
+    changed = dataclasses.replace(response, pairs=response.pairs.with_constants(residual_traction=traction))
     changed.save(tmp_path / "kept.nc")
     again = ForcedResponse.load(tmp_path / "kept.nc")
     assert again == changed

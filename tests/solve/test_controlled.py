@@ -88,7 +88,7 @@ def test_the_bordered_system_is_the_exact_derivative(blade: Blade, held: Held, t
         blade.force_sin, blade.force_cos, 1e-8
     )
     stuck = stuck_structure(blade.superelement, blade.pairs, 2 * np.pi * 1100.0, None)
-    balance = Balance(stuck.compliance(3), blade.pairs, force.on(blade.superelement, 3), 128, "tractrix")
+    balance = Balance(stuck.compliance(3), blade.pairs, force.on(blade.superelement, 3), 128)
     curve = ControlledCurve(balance, blade.tip, held, target)
     omega, generator = 2 * np.pi * 690.0, np.random.default_rng(5)
     relative = 0.3 * balance.linear(omega)

@@ -16,9 +16,10 @@ from stickslip.contact.stiffness.fractal import (
     ContactStiffness,
     Roughness,
     contact_stiffness,
-    pair_stiffness,
     reduced_modulus,
 )
+from stickslip.contact.stiffness.fractal_law import FractalStiffness
+from stickslip.contact.stiffness.stiffness_law import Allocation, StiffnessLaw, springs_of_pairs
 from stickslip.contact.stiffness.surface import SurfaceStatistics, surface_statistics
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.plausible import OddValue
@@ -154,18 +155,31 @@ def pair_springs(
         if own.stiffness is not None:
             normal[members], tangential[members] = (value * share[members] for value in own.stiffness)
             continue
-        given = case.roughness
-        assert given is not None  # a case has a roughness wherever a face has no stiffness of its own
+        law = face_law(case, layout, face)
         with concerning(*_roughness_keys(case, layout.face_names[face])):
-            normal[members], tangential[members] = pair_stiffness(
-                case_roughness(case, *layout.face_materials[face]),
-                pairs.area[members],
-                preload[members],
-                mode=given.mode,
-                allocation=given.allocation,
-                reference_area=given.reference_area,
+            normal[members], tangential[members] = springs_of_pairs(
+                law, pairs.area[members], preload[members], _allocation(case)
             )
     return normal, tangential
+
+
+def face_law(case: Case, layout: Layout, face: int) -> StiffnessLaw:
+    """The stiffness law of a face that has no stiffness of its own. Raises InputError."""
+    given = case.roughness
+    assert given is not None  # a case has a roughness wherever a face has no stiffness of its own
+    if given.reference_area is not None and given.allocation != "pressure":
+        raise InputError(
+            f'reference_area belongs to allocation "pressure", but allocation is "{given.allocation}".',
+            ("roughness.reference_area",),
+        )
+    area = float(layout.face_pairs.area[layout.face_pairs.face == face].sum())
+    roughness = case_roughness(case, *layout.face_materials[face])
+    return FractalStiffness(roughness, given.reference_area or area, given.mode)
+
+
+def _allocation(case: Case) -> Allocation:
+    """Whether pairs take the stiffness of their face or of their own pressure."""
+    return "area" if case.roughness is None else case.roughness.allocation
 
 
 def _roughness_keys(case: Case, face_name: str) -> tuple[str, ...]:

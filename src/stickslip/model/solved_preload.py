@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -11,10 +11,9 @@ import numpy as np
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.normal_law import FaceLaws, NormalLaw, PressureGapLaw, SpringLaw
 from stickslip.contact.stiffness.asperities import fully_plastic_load
-from stickslip.contact.stiffness.fractal import pair_stiffness
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
-from stickslip.model.joint import FaceSettings, Joint, case_roughness, describe_faces, pair_springs
+from stickslip.model.joint import FaceSettings, Joint, case_roughness, describe_faces, face_law, pair_springs
 from stickslip.solve.static.ramp_to_rest import static_preload
 from stickslip.solve.static.state import StaticState
 from stickslip.structure.superelement import Superelement
@@ -165,21 +164,7 @@ def _pressure_gap_law(case: Case, joint: Joint, settings: Sequence[FaceSettings]
         if own.stiffness is not None:
             laws.append(SpringLaw(own.stiffness[0] * area / area.sum()))
             continue
-        stiffness = _stiffness_over_pressure(case, joint, face)
+        stiffness = face_law(case, joint.layout, face).normal
         highest = HIGHEST_PRESSURE * mean[face]
         laws.append(PressureGapLaw.from_stiffness(area, stiffness, lowest[face], highest))
     return FaceLaws(pairs.face, tuple(laws))
-
-
-def _stiffness_over_pressure(case: Case, joint: Joint, face: int) -> Callable[[FloatArray], FloatArray]:
-    """kappa (k,) in N/m3 at pressures (k,) in Pa of a rough face, with the reference area of its pairs' springs."""
-    given, rough = case.roughness, joint.rough_faces[face]
-    assert given is not None  # a face without a stiffness of its own has a roughness
-    assert rough is not None
-    roughness, mode = case_roughness(case, *joint.layout.face_materials[face]), given.mode
-
-    def kappa(pressure: FloatArray) -> FloatArray:
-        unit_areas = np.ones(pressure.size)
-        return pair_stiffness(roughness, unit_areas, pressure, mode, "pressure", reference_area=rough.reference_area)[0]
-
-    return kappa

@@ -28,9 +28,10 @@ from stickslip.structure.superelement import Superelement
 def forced_response(
     superelement: Superelement,
     pairs: ContactPairs,
-    excitation: Excitation | ArrayLike,
+    excitation: Excitation | ArrayLike | None = None,
     force_sin: ArrayLike | None = None,
     *,
+    force_cos: ArrayLike | None = None,
     frequency_hz: tuple[float, float],
     harmonics: int = 5,
     samples: int = 256,
@@ -53,8 +54,8 @@ def forced_response(
         (n, n) matrices in SI units, without contact stiffness.
     pairs:
         the joint, with ``operator`` of shape (3 * n_pairs, n).
-    excitation, force_sin:
-        an :class:`Excitation`; or the force ``p(t) = sum_k cos[:, k-1] cos(k w t) + sin[:, k-1] sin(k w t)`` as arrays
+    excitation, force_sin, force_cos:
+        an :class:`Excitation`; or, in its place or by name as ``force_cos``, the force ``p(t) = sum_k cos[:, k-1] cos(k w t) + sin[:, k-1] sin(k w t)`` as arrays
         in N, (n,) for the first harmonic or (n, n_harmonics) for several. ``force_sin`` None means zero.
     frequency_hz:
         (start, stop) of the first harmonic; start above stop sweeps downward.
@@ -87,7 +88,7 @@ def forced_response(
     began = time.perf_counter()
     window = checked_window(frequency_hz)
     threads = thread_count(threads)
-    excitation = as_excitation(excitation, force_sin)
+    excitation = as_excitation(excitation, force_sin, force_cos)
     newton = newton or NewtonSettings()
     settings = continuation or ContinuationSettings()
     report = StageReport(progress)
@@ -111,10 +112,15 @@ def forced_response(
     return replace(response, provenance={"solve_seconds": f"{time.perf_counter() - began:.2f}"})
 
 
-def as_excitation(excitation: Excitation | ArrayLike, force_sin: ArrayLike | None) -> Excitation:
-    """An excitation as it is, or that of arrays of force. Raises InputError where both are mixed."""
+def as_excitation(
+    excitation: Excitation | ArrayLike | None, force_sin: ArrayLike | None, force_cos: ArrayLike | None
+) -> Excitation:
+    """An excitation as it is, or that of arrays of force. Raises InputError where both are given, or none."""
     if isinstance(excitation, Excitation):
-        if force_sin is not None:
-            raise InputError("force_sin belongs to a force given as arrays; the excitation has its own sine parts.")
+        if force_sin is not None or force_cos is not None:
+            raise InputError("force_cos and force_sin belong to a force given as arrays; the excitation has its own.")
         return excitation
-    return Excitation.force(excitation, force_sin)
+    cosine = force_cos if excitation is None else excitation
+    if cosine is None or (excitation is not None and force_cos is not None):
+        raise InputError("give the excitation once: an Excitation, or the cosine part of a force as an array (n,).")
+    return Excitation.force(cosine, force_sin)

@@ -46,7 +46,7 @@ def kept_case(seed: int, n_pairs: int) -> tuple[FloatArray, ContactPairs]:
     x, pairs = random_case(seed, n_pairs)
     rng = np.random.default_rng(seed + 10)
     angle = rng.uniform(0.0, 2.0 * np.pi, n_pairs)
-    size = rng.uniform(0.0, 1.0, n_pairs) * pairs.friction_coefficient * pairs.static_load
+    size = rng.uniform(0.0, 1.0, n_pairs) * pairs.friction_coefficient * pairs.normal_load
     traction = size[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
     constants = (pairs.normal_stiffness, pairs.tangential_stiffness, pairs.friction_coefficient, pairs.preload)
     return 0.4 * x, ContactPairs(pairs.operator, *constants, traction)

@@ -7,7 +7,7 @@ from math import exp, log, pi, sqrt
 
 import numpy as np
 import pytest
-from rough_faces import NOMINAL_AREA, rough
+from rough_faces import NOMINAL_AREA, pair_stiffness, rough
 
 from stickslip.contact.preload import uniform_preload
 from stickslip.contact.stiffness.asperities import (
@@ -15,7 +15,7 @@ from stickslip.contact.stiffness.asperities import (
     fully_plastic_load,
     spots_under_load,
 )
-from stickslip.contact.stiffness.fractal import ContactStatus, contact_stiffness, pair_stiffness, reduced_modulus
+from stickslip.contact.stiffness.fractal import ContactStatus, contact_stiffness, reduced_modulus
 from stickslip.contact.stiffness.surface import fractal_roughness_from_sq, frequency_count, structure_function_limit
 from stickslip.core.errors import InputError, RoughnessError
 

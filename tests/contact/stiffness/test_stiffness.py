@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rough_faces import MINDLIN, NOMINAL_AREA, RATIO, REDUCED_MODULUS, rough
+from rough_faces import MINDLIN, NOMINAL_AREA, RATIO, REDUCED_MODULUS, pair_stiffness, rough
 
 from stickslip.contact.stiffness.asperities import (
     SpotPopulation,
@@ -21,13 +21,7 @@ from stickslip.contact.stiffness.asperities import (
     log_critical_area,
     spots_under_load,
 )
-from stickslip.contact.stiffness.fractal import (
-    ContactStatus,
-    Roughness,
-    contact_stiffness,
-    pair_stiffness,
-    reduced_modulus,
-)
+from stickslip.contact.stiffness.fractal import ContactStatus, Roughness, contact_stiffness, reduced_modulus
 from stickslip.core.errors import InputError
 
 TABLE = Path(__file__).parents[2] / "data" / "fractal_stiffness.csv"

@@ -26,7 +26,9 @@ def coupled_damping(blade: Blade, dashpot: float = 5.0) -> Superelement:
 def random_load(blade: Blade) -> tuple[np.ndarray, np.ndarray]:
     generator = np.random.default_rng(1)
     size = 2 * HARMONICS + 1
-    return generator.normal(size=(size, blade.superelement.size)), generator.normal(size=(size, 3 * blade.n_pairs))
+    force = generator.normal(size=(size, blade.superelement.size))
+    force[0] = 0.0  # constant forces are part of the state at rest
+    return force, generator.normal(size=(size, 3 * blade.n_pairs))
 
 
 def dynamic_stiffness(superelement: Superelement, blade: Blade, x: float) -> np.ndarray:

@@ -23,7 +23,7 @@ def balance_with(blade: Blade, harmonics: int) -> Balance:
     force = np.zeros((2 * harmonics + 1, blade.superelement.size))
     force[1], force[2] = blade.force_cos, blade.force_sin
     compliance = stuck_structure(blade.superelement, blade.pairs, 1.6 * OMEGA, None).compliance(harmonics)
-    return Balance(compliance, blade.pairs, ExcitationForce(((0, force),)), 128, "tractrix")
+    return Balance(compliance, blade.pairs, ExcitationForce(((0, force),)), 128)
 
 
 def test_ramp_and_few_harmonics_reach_the_direct_solution(blade: Blade) -> None:

@@ -130,6 +130,10 @@ class ContactPairs:
         laws = tuple(law.with_update(update) if isinstance(law, CoulombLaw) else law for law in self.laws)
         return ContactPairs.with_laws(self.operator, laws, self.members)
 
+    def with_constants(self, **constants: Any) -> ContactPairs:
+        """The pairs with other constants of their Coulomb law, for example ``residual_traction``. Raises InputError."""
+        return ContactPairs.with_laws(self.operator, [replace(self.coulomb, **constants)])
+
     @property
     def n_pairs(self) -> int:
         """Number of contact pairs."""

@@ -12,10 +12,6 @@ from enum import StrEnum
 from math import exp, floor, inf, log, pi, sqrt
 from typing import Literal, get_args
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-from stickslip.contact.preload import area_share, checked_area, face_index, face_sum
 from stickslip.contact.stiffness.asperities import (
     LOG_LARGEST_NUMBER,
     Roughness,
@@ -26,20 +22,18 @@ from stickslip.contact.stiffness.asperities import (
     spots_under_load,
 )
 from stickslip.contact.stiffness.surface import surface_statistics
-from stickslip.core.errors import InputError, RoughnessError
-from stickslip.core.validation import FloatArray, per_pair, positive_number, real_number, require_choice
+from stickslip.core.errors import InputError
+from stickslip.core.validation import positive_number, real_number, require_choice
 
 __all__ = [
     "ContactStatus",
     "ContactStiffness",
     "Roughness",
     "contact_stiffness",
-    "pair_stiffness",
     "reduced_modulus",
 ]
 
 StiffnessMode = Literal["consistent", "paper", "unloading"]
-Allocation = Literal["area", "pressure"]
 
 LARGEST_AREA_SHARE = 0.1  # real over nominal area above which spots touch each other
 LARGEST_ASPERITY_SLOPE = 0.1  # interference over radius above which Hertz's small strain fails
@@ -109,7 +103,7 @@ def contact_stiffness(
     K_t = K_n(fixed curvature) 2(1-nu)/(2-nu) (Mindlin, equal materials) in all modes.
 
     ``nominal_area`` in m2, if given, is compared with the real area. A stiffness of zero is returned, with its status
-    and its sentence; ``pair_stiffness`` refuses it. Raises InputError for values that are not usable.
+    and its sentence; ``springs_of_pairs`` rejects it. Raises InputError for values that are not usable.
     """
     require_choice("mode", mode, get_args(StiffnessMode))
     load = real_number("load", load)
@@ -134,54 +128,6 @@ def contact_stiffness(
         status=findings[0][0] if findings else ContactStatus.VALID,
         messages=tuple(message for _, message in findings),
     )
-
-
-def pair_stiffness(
-    roughness: Roughness,
-    area: ArrayLike,
-    preload: ArrayLike,
-    mode: StiffnessMode = "consistent",
-    allocation: Allocation = "area",
-    face: ArrayLike = 0,
-    reference_area: float | None = None,
-) -> tuple[FloatArray, FloatArray]:
-    """Normal and tangential stiffness (n_pairs,) in N/m of each contact pair, face by face.
-
-    area: k_i = K(F) A_i / sum A_j over one face (equation 10), F the sum of the preloads of its closed pairs.
-    pressure: k_i = A_i kappa(p_i), kappa(p) = K(p A_ref) / A_ref, p_i = N0_i / A_i; A_ref is ``reference_area`` (m2),
-        or the area of the pair's own face if that is None. A pair that is open at rest
-        (N0_i <= 0) has no pressure of its own and gets kappa at the mean pressure F / A_face, for when it closes.
-    The law itself holds no nominal area, so it is only ever used with the load of a whole face: applied to single
-    pairs it would depend on the mesh. Both ways agree where the pressure is uniform, and a finer mesh leaves the sums
-    as they are. Faces of different size follow one law kappa(p) only if they share a reference area.
-
-    ``area`` (n_pairs,) m2; ``preload`` N, one number or (n_pairs,); ``face`` integers, which face a pair belongs to.
-    Raises RoughnessError, with what would work, if a pair would have no stiffness; InputError for unusable arrays.
-    """
-    require_choice("mode", mode, get_args(StiffnessMode))
-    require_choice("allocation", allocation, get_args(Allocation))
-    areas = checked_area(area)
-    loads, faces = per_pair("preload", preload, areas.size), face_index(face, areas.size)
-    share = area_share(areas, faces)
-    weight = share
-    if reference_area is not None:
-        if allocation != "pressure":
-            raise InputError(f'reference_area belongs to allocation "pressure", but allocation is {allocation!r}.')
-        weight = areas / positive_number("reference_area", reference_area, "m2")
-    closed_load = np.maximum(loads, 0.0)
-    face_load = face_sum(closed_load, faces)[faces] * (share / weight)  # on the face, or on A_ref at equal pressure
-    if allocation == "pressure":
-        face_load = np.where(loads > 0, closed_load / weight, face_load)
-    equivalent_load, pair = np.unique(face_load, return_inverse=True)
-    law = [contact_stiffness(roughness, float(load), mode) for load in equivalent_load]
-    normal = weight * np.array([value.normal for value in law])[pair]
-    tangential = weight * np.array([value.tangential for value in law])[pair]
-    dead = np.flatnonzero(~(normal > 0))
-    unloaded = dead[face_load[dead] <= 0]
-    dead = unloaded if unloaded.size else dead  # one reason at a time
-    if dead.size:
-        raise RoughnessError(_refusal(roughness, mode, allocation, dead, areas.size, float(face_load[dead].min())))
-    return normal, tangential
 
 
 def _log_smallest_area(roughness: Roughness, mode: StiffnessMode) -> float:
@@ -307,18 +253,9 @@ def _asperity_slope(spots: SpotPopulation) -> float:
     return exp(log_slope) if log_slope < LOG_LARGEST_NUMBER else inf
 
 
-def _refusal(
-    roughness: Roughness, mode: StiffnessMode, allocation: Allocation, dead: NDArray[np.intp], n_pairs: int, load: float
-) -> str:
-    """Why pairs have no stiffness, and which load, G or mode would give them one."""
-    where = f"{dead.size} of {n_pairs} contact pairs (first: pair {dead[0]}) would have no contact stiffness"
-    if load <= 0:
-        return (
-            f"{where}, because the preload of their face is {load:g} N. Give the face a preload above 0 N, or give the "
-            "contact stiffness itself."
-        )
+def why_no_stiffness(roughness: Roughness, mode: StiffnessMode, load: float) -> str:
+    """Why a face under ``load`` (N) has no stiffness, and which load, G or mode would give it one."""
     needed, scale = fully_plastic_load(roughness), roughness.fractal_roughness
-    pressure = " (the least pressure of these pairs times the reference area)" if allocation == "pressure" else ""
     enough = _rounded(needed, 4, ROUND_CEILING)
     ways = [
         f"raise the load above {enough} N",
@@ -329,13 +266,11 @@ def _refusal(
         ways.append(f"raise D to {dimension:g} (a smoother face)")
     if mode != "unloading":
         ways.append('use mode "unloading", where plastic spots respond to oscillation too (it needs shortest_length)')
-    if allocation == "pressure":
-        ways.append('use allocation "area", which spreads the stiffness of the whole face')
     return (
-        f"{where}: with D = {roughness.fractal_dimension:g} and G = {scale:g} m every contact spot is plastic under a "
-        f"face load of {load:.4g} N{pressure}; elastic spots need more than {enough} N. What helps: "
-        f"{', or '.join(ways)}. Stiffness only begins at these limits. If G came from a paper, check its unit: between "
-        "m and mm lies a factor of 1000."
+        f"with D = {roughness.fractal_dimension:g} and G = {scale:g} m every contact spot is plastic under a "
+        f"face load of {load:.4g} N; elastic spots need more than {enough} N. What helps: "
+        f"{', or '.join(ways)}. Stiffness only begins at these limits. If G is from a publication, check its unit: "
+        "between m and mm lies a factor of 1000."
     )
 
 

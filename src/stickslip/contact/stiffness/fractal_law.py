@@ -1,0 +1,66 @@
+"""The fractal contact stiffness of a rough face as a stiffness law over the pressure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.contact.stiffness.fractal import (
+    ContactStiffness,
+    Roughness,
+    StiffnessMode,
+    contact_stiffness,
+    why_no_stiffness,
+)
+from stickslip.core.validation import FloatArray, positive_number
+
+
+@dataclass(frozen=True)
+class FractalStiffness:
+    """``kappa(p) = K(p A_ref) / A_ref`` with the stiffness K of a whole face (:func:`contact_stiffness`).
+
+    The fractal law holds no nominal area of its own, so that it depends on the area that it is used with: ``A_ref``,
+    one fixed physical face, keeps the stiffness independent of the mesh.
+
+    ``reference_area`` in m2; InputError unless it is above zero.
+    """
+
+    roughness: Roughness
+    reference_area: float
+    mode: StiffnessMode = "consistent"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "reference_area", positive_number("reference_area", self.reference_area, "m2"))
+
+    def normal(self, pressure: FloatArray) -> FloatArray:
+        """(k,) N/m3 at pressures (k,) in Pa."""
+        return np.array([each.normal for each in self._faces(pressure)]) / self.reference_area
+
+    def tangential(self, pressure: FloatArray) -> FloatArray:
+        """(k,) N/m3 at pressures (k,) in Pa."""
+        return np.array([each.tangential for each in self._faces(pressure)]) / self.reference_area
+
+    def valid(self, pressure: FloatArray) -> tuple[str, ...]:
+        """What is wrong at the pressures, each kind once, worst first; why there is no stiffness comes before all."""
+        found: dict[str, str] = {}
+        for value, face in zip(pressure, self._faces(pressure), strict=True):
+            if not face.normal > 0.0:
+                return (why_no_stiffness(self.roughness, self.mode, float(value) * self.reference_area),)
+            for message in face.messages:
+                found.setdefault(message.split(":")[0][:40], message)
+        return tuple(found.values())
+
+    def describe(self) -> str:
+        """The law in one line."""
+        given = self.roughness
+        return (
+            f"fractal, D = {given.fractal_dimension:g}, G = {given.fractal_roughness:g} m, {self.mode}, "
+            f"{1e6 * self.reference_area:.4g} mm2"
+        )
+
+    def _faces(self, pressure: FloatArray) -> list[ContactStiffness]:
+        return [
+            contact_stiffness(self.roughness, float(value) * self.reference_area, self.mode, self.reference_area)
+            for value in pressure
+        ]

@@ -1,0 +1,94 @@
+"""Contact stiffness from a table of measured values: pressure, normal and tangential stiffness per area."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, finite_array, require_positive
+
+
+@dataclass(frozen=True)
+class MeasuredStiffness:
+    """A stiffness law through measured points, a power law between neighbours: straight in logarithms.
+
+    Measured contact stiffness grows with a power of the pressure (for Ti-6Al-4V k_t with p^0.64: Kartal, Mulvihill,
+    Nowell, Hills, Tribol. Int. 44 (2011) 1188), so the table is interpolated in logarithms. Beyond its ends the
+    last power goes on, and :meth:`valid` says so; an ultrasonic and a mechanical measurement of one contact differ by
+    a factor of 3 (Mulvihill et al., Exp. Mech. 53 (2013) 1245).
+
+    Parameters
+    ----------
+    pressure:
+        (n_points,) Pa, above zero and rising; at least two.
+    normal_stiffness, tangential_stiffness:
+        (n_points,) N/m3, above zero.
+
+    Raises
+    ------
+    InputError
+        for a wrong shape, a pressure that does not rise, or a value that is not above zero.
+    """
+
+    pressure: FloatArray
+    normal_stiffness: FloatArray
+    tangential_stiffness: FloatArray
+
+    def __post_init__(self) -> None:
+        for name in ("pressure", "normal_stiffness", "tangential_stiffness"):
+            values = finite_array(name, getattr(self, name))
+            if values.ndim != 1 or values.size < 2:
+                raise InputError(
+                    f"{name} of measured stiffness must be a list of at least two numbers; found shape {values.shape}.",
+                    (name,),
+                )
+            require_positive(name, values, "Measured contact has a stiffness at every pressure.")
+            object.__setattr__(self, name, values)
+        lengths = {getattr(self, name).size for name in ("pressure", "normal_stiffness", "tangential_stiffness")}
+        if len(lengths) > 1:
+            raise InputError(
+                f"pressure has {self.pressure.size} entries, normal_stiffness {self.normal_stiffness.size} and "
+                f"tangential_stiffness {self.tangential_stiffness.size}; give one row for each pressure."
+            )
+        if not (np.diff(self.pressure) > 0.0).all():
+            first = int(np.flatnonzero(np.diff(self.pressure) <= 0.0)[0]) + 1
+            raise InputError(
+                f"pressure[{first}] is {self.pressure[first]:g} Pa, not above the one before; sort the rows.",
+                ("pressure",),
+            )
+
+    def normal(self, pressure: FloatArray) -> FloatArray:
+        """(k,) N/m3 at pressures (k,) in Pa."""
+        return self._at(pressure, self.normal_stiffness)
+
+    def tangential(self, pressure: FloatArray) -> FloatArray:
+        """(k,) N/m3 at pressures (k,) in Pa."""
+        return self._at(pressure, self.tangential_stiffness)
+
+    def valid(self, pressure: FloatArray) -> tuple[str, ...]:
+        """A sentence where a pressure is outside of the table."""
+        low, high = self.pressure[0], self.pressure[-1]
+        outside = (pressure < low) | (pressure > high)
+        if not outside.any():
+            return ()
+        values = np.asarray(pressure)[outside]
+        return (
+            f"The pressure runs from {values.min():.3g} to {values.max():.3g} Pa where it is outside of the measured "
+            f"range, {low:.3g} to {high:.3g} Pa; the stiffness there continues the power law of the last two points.",
+        )
+
+    def describe(self) -> str:
+        """The law in one line."""
+        return (
+            f"{self.pressure.size} measured points from {self.pressure[0]:.3g} to {self.pressure[-1]:.3g} Pa, "
+            f"{self.normal_stiffness[0]:.3g} to {self.normal_stiffness[-1]:.3g} N/m3 normal"
+        )
+
+    def _at(self, pressure: FloatArray, stiffness: FloatArray) -> FloatArray:
+        x, table = np.log(self.pressure), np.log(stiffness)
+        wanted = np.log(np.asarray(pressure, dtype=float))
+        interval = np.clip(np.searchsorted(x, wanted, side="right") - 1, 0, x.size - 2)
+        slope = (np.diff(table) / np.diff(x))[interval]
+        return np.asarray(np.exp(table[interval] + slope * (wanted - x[interval])))

@@ -1,0 +1,19 @@
+"""Stiffness laws by name: those of this package, registered ones, and those of other packages.
+
+Another package offers a law through an entry point of the group ``stickslip.stiffness_laws``.
+"""
+
+from __future__ import annotations
+
+from stickslip.contact.stiffness.fractal_law import FractalStiffness
+from stickslip.contact.stiffness.measured_law import MeasuredStiffness
+from stickslip.contact.stiffness.stiffness_law import StiffnessLaw
+from stickslip.core.registry import Registry
+
+_LAWS: Registry[StiffnessLaw] = Registry(
+    "stiffness law", "stickslip.stiffness_laws", {"fractal": FractalStiffness, "measured": MeasuredStiffness}
+)
+
+register_stiffness_law = _LAWS.register
+stiffness_law_names = _LAWS.names
+stiffness_law = _LAWS.find

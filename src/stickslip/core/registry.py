@@ -1,0 +1,41 @@
+"""Things by name: those of this package, those that a program registers, and those of installed packages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from importlib.metadata import entry_points
+from typing import Generic, TypeVar
+
+from stickslip.core.errors import InputError
+
+T = TypeVar("T")
+
+
+class Registry(Generic[T]):
+    """Makers of one kind of thing by name.
+
+    ``what`` names the kind in messages; packages offer more through entry points of the group ``group``.
+    """
+
+    def __init__(self, what: str, group: str, own: Mapping[str, Callable[..., T]]) -> None:
+        self._what, self._group = what, group
+        self._makers: dict[str, Callable[..., T]] = dict(own)
+
+    def register(self, name: str, maker: Callable[..., T]) -> None:
+        """Make ``maker(**constants)`` known under a name. Raises InputError for a name that another one has."""
+        if self._makers.get(name, maker) is not maker:
+            raise InputError(f'there is a {self._what} "{name}" already; register the new one under another name.')
+        self._makers[name] = maker
+
+    def names(self) -> tuple[str, ...]:
+        """All names: of this package, registered, and of installed packages."""
+        return tuple(sorted({*self._makers, *(point.name for point in entry_points(group=self._group))}))
+
+    def find(self, name: str) -> Callable[..., T]:
+        """The maker of a name. Raises InputError for a name that nothing has."""
+        if name not in self._makers:
+            points = entry_points(group=self._group, name=name)
+            if not points:
+                raise InputError(f'there is no {self._what} "{name}"; there are: {", ".join(self.names())}.')
+            self.register(name, next(iter(points)).load())
+        return self._makers[name]
