@@ -203,7 +203,7 @@ def test_a_figure_shows_names_as_they_are(tmp_path: Path, name: str) -> None:
 
 
 def _modules_of_pages() -> list[Path]:
-    return [*sorted((SOURCE / "report").glob("*.py")), SOURCE / "paper" / "page.py"]
+    return [*sorted((SOURCE / "reporting").glob("*.py")), SOURCE / "papers" / "rough_damper" / "page.py"]
 
 
 @pytest.mark.parametrize("module", _modules_of_pages(), ids=lambda path: path.stem)

@@ -102,7 +102,7 @@ def test_file_is_labelled_for_other_readers(response, saved):
 
 
 def test_missing_file(tmp_path):
-    with pytest.raises(ResultsFileError, match=r"there is no such file.*stickslip run"):
+    with pytest.raises(ResultsFileError, match=r"could not be opened: No such file.*stickslip run"):
         load_results(tmp_path / "none.nc")
 
 
@@ -311,12 +311,12 @@ def replaced(path, name, make):
         (lambda file: file.create_dataset("residual", 20, "f8", external=[("/etc/passwd", 0, 160)]), "another file"),
         (
             lambda file: file.__setitem__("residual", h5py.ExternalLink("other.nc", "/residual")),
-            "link to another place",
+            "link to another",
         ),
-        (lambda file: file.__setitem__("residual", h5py.SoftLink("/residual")), "link to another place"),
+        (lambda file: file.__setitem__("residual", h5py.SoftLink("/residual")), "link to another"),
         (
             lambda file: file.create_dataset("residual", (10**12,), "f8", chunks=(1000,)),
-            "larger than the file can hold",
+            "(larger than the file can hold|but unpacks to)",
         ),
         (lambda file: file.create_group("residual"), "not a variable"),
         (lambda file: file.create_dataset("residual", data="text"), "numbers of the kind"),

@@ -80,8 +80,8 @@ def test_changed_code_in_a_sub_folder_is_changed_code(monkeypatch: pytest.Monkey
     monkeypatch.setattr(cache, "__file__", str(tmp_path / "structure" / "cache.py"))
     code = cache._code.__wrapped__
     before = code()
-    with (tmp_path / "structure" / "importers" / "build.py").open("a", encoding="utf-8") as stream:
-        stream.write("# changed\n")
+    (tmp_path / "structure" / "inner").mkdir()
+    (tmp_path / "structure" / "inner" / "elements.py").write_text("# new\n", encoding="utf-8")
     assert code() != before
 
 

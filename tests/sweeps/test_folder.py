@@ -135,14 +135,12 @@ def test_a_row_without_results_or_results_without_a_row_are_no_finished_case(
 def test_the_row_is_there_before_the_results(
     folder: SweepFolder, cases: tuple[PlannedCase, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    original = sweep_folder.whole_file
 
-    def killed_at_results(target: Path, *arguments: object) -> object:
-        if target.name == "results.nc":
-            raise KeyboardInterrupt
-        return original(target, *arguments)
+    def killed_at_results(target: Path, *arguments: object, **more: object) -> None:
+        assert target.name == "results.nc"
+        raise KeyboardInterrupt
 
-    monkeypatch.setattr(sweep_folder, "whole_file", killed_at_results)
+    monkeypatch.setattr(sweep_folder, "write_solved", killed_at_results)
     with pytest.raises(KeyboardInterrupt):
         folder.store(cases[0], SOLVED)
     assert file_of(folder, cases[0], "row.json").exists()

@@ -5,11 +5,12 @@ A message says what is wrong, where in the input it stands, what was found, what
 
 from __future__ import annotations
 
-import sys
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Self, TextIO
+
+from stickslip.core.terminal import echo
 
 
 class StickslipError(Exception):
@@ -35,7 +36,7 @@ def show_warnings_as_sentences() -> None:
         line: str | None = None,
     ) -> None:
         if issubclass(category, StickslipWarning):
-            print(f"Warning: {message}", file=file or sys.stderr)
+            echo(f"Warning: {message}", err=True)
         else:
             usual(message, category, filename, lineno, file, line)
 
