@@ -20,7 +20,7 @@ from stickslip.case.case import Case
 from stickslip.model.model import Model, build_joint, build_model, build_structure
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
-from stickslip.solve.path.continuation import ContinuationSettings
+from stickslip.solve.path.stepping import ContinuationSettings
 
 REFERENCE = {"harmonics": 13, "samples": 512, "modes": 80}
 TRIED = {

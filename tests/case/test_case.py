@@ -76,8 +76,8 @@ def test_default_geometry_and_mesh_are_those_of_the_structure() -> None:
 
 
 def test_default_solver_settings_are_those_of_the_solver() -> None:
-    from stickslip.solve.path.continuation import ContinuationSettings
     from stickslip.solve.path.newton import NewtonSettings
+    from stickslip.solve.path.stepping import ContinuationSettings
 
     solver, steps = Case().solver, ContinuationSettings()
     assert solver.tolerance == NewtonSettings().tolerance

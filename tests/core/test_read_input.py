@@ -45,7 +45,9 @@ def test_what_is_no_file_is_refused_at_once(kind: str, command: str, tmp_path: P
 def test_a_file_has_a_largest_size(tmp_path: Path) -> None:
     (tmp_path / "file").write_bytes(b"x" * 11)
     assert read_input(tmp_path / "file", "", 11) == b"x" * 11
-    with pytest.raises(StudyFileError, match=r"it has 11 bytes; at most 10 bytes are read of such a file\)\. Give less\."):
+    with pytest.raises(
+        StudyFileError, match=r"it has 11 bytes; at most 10 bytes are read of such a file\)\. Give less\."
+    ):
         read_input(tmp_path / "file", "Give less.", 10, StudyFileError)
 
 

@@ -14,8 +14,8 @@ from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
-from stickslip.solve.path.continuation import ContinuationSettings
 from stickslip.solve.path.newton import NewtonSettings
+from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.structure.superelement import Superelement
 
 

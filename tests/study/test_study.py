@@ -17,7 +17,7 @@ from stickslip.core.errors import InputError, PlaceError, ResultsFileError
 from stickslip.model.model import build_joint, build_model, build_structure
 from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
-from stickslip.solve.path.continuation import ContinuationSettings
+from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.study import places as run_places
 from stickslip.study import run as study
 from stickslip.study.figure_process import PAGE_GRID, rough_patch

@@ -21,9 +21,10 @@ from stickslip.solve.curve_result import follower, response_of
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curves import BalancePoint, ControlledCurve, Held
-from stickslip.solve.path.continuation import Branch, ContinuationSettings
+from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane
+from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.setting_up import StageReport, checked_window, prepare_balances
 from stickslip.structure.superelement import Superelement
 

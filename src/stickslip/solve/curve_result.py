@@ -14,8 +14,9 @@ from stickslip.solve.harmonic.curve_warnings import curve_warnings, neighbour_wa
 from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.harmonic.energy import measure_curve
 from stickslip.solve.harmonic.linear import LinearLimit, linear_curves
-from stickslip.solve.path.continuation import Accepted, Branch, Corner, Retreat
+from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import NewtonSettings
+from stickslip.solve.path.stepping import Accepted, Corner, Retreat
 from stickslip.solve.setting_up import Balances, StageReport
 
 # Fraction of the work that is reported at the end of the window: energies, checks and linear limits follow.
@@ -78,7 +79,7 @@ def response_of(
         input_energy=measures.input_energy,
         viscous_energy=measures.viscous_energy,
         converged=branch.complete,
-        message=f"{how} {branch.message}",
+        message=f"{how} {'The stop frequency was reached.' if branch.complete else branch.message}",
         warnings=warnings + neighbour_warnings(*places_hz),
         harmonics=harmonics,
         samples=balance.samples,

@@ -19,8 +19,9 @@ from stickslip.solve.curve_result import follower, response_of
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.start import first_point
-from stickslip.solve.path.continuation import Branch, ContinuationSettings
+from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.setting_up import StageReport, checked_window, prepare_balances
 from stickslip.structure.superelement import Superelement
 
@@ -55,8 +56,9 @@ def forced_response(
     pairs:
         the joint, with ``operator`` of shape (3 * n_pairs, n).
     excitation, force_sin, force_cos:
-        an :class:`Excitation`; or, in its place or by name as ``force_cos``, the force ``p(t) = sum_k cos[:, k-1] cos(k w t) + sin[:, k-1] sin(k w t)`` as arrays
-        in N, (n,) for the first harmonic or (n, n_harmonics) for several. ``force_sin`` None means zero.
+        an :class:`Excitation`; or, in its place or by name as ``force_cos``, the force
+        ``p(t) = sum_k cos[:, k-1] cos(k w t) + sin[:, k-1] sin(k w t)`` as arrays in N, (n,) for the first harmonic or
+        (n, n_harmonics) for several. ``force_sin`` None means zero.
     frequency_hz:
         (start, stop) of the first harmonic; start above stop sweeps downward.
     harmonics, samples:

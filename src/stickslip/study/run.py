@@ -28,8 +28,8 @@ from stickslip.results.record import StudyRecord, run_provenance
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, results_bytes
 from stickslip.solve.forced import forced_response
-from stickslip.solve.path.continuation import ContinuationSettings
 from stickslip.solve.path.newton import NewtonSettings
+from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.structure.craig_bampton import ReductionRow, reduction_table
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes

@@ -13,8 +13,9 @@ from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.compliance import stuck_structure
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.start import first_point
-from stickslip.solve.path.continuation import Branch, ContinuationSettings
+from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.stepping import ContinuationSettings
 
 OMEGA = 2 * np.pi * 690.0
 

@@ -8,7 +8,7 @@ import pytest
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
-from stickslip.solve.path.continuation import ContinuationSettings
+from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.structure.superelement import Superelement
 
 RATIO = 1e-3

@@ -12,15 +12,9 @@ from stickslip.case.case import Case
 from stickslip.model.model import build_model, load_joint, set_up
 from stickslip.results.measures import Peak, summary
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.path.continuation import (
-    POINTS_BACK,
-    Accepted,
-    Branch,
-    ContinuationSettings,
-    Corner,
-    Retreat,
-)
+from stickslip.solve.path.continuation import POINTS_BACK, Branch
 from stickslip.solve.path.newton import Correction, Newton, NewtonSettings
+from stickslip.solve.path.stepping import Accepted, ContinuationSettings, Corner, Retreat
 from stickslip.solve.path.visited import Visited
 from stickslip.study.run import solve
 from sweep_cases import COARSE_MESH
@@ -110,7 +104,7 @@ def test_a_lemniscate_is_crossed_at_its_node() -> None:
     assert max(abs(point.value) for point in points) < 1e-9
 
 
-@pytest.mark.parametrize("slope", [0.2, 3.0, 30.0])
+@pytest.mark.parametrize("slope", [-8.0, -0.5, 0.2, 3.0, 30.0])
 def test_corners_are_passed(slope: float) -> None:
     branch, _ = branch_of(corner(slope), corner(slope).at(0.0, 0.0), 1.0)
     points = [point.point for point in branch.follow()]

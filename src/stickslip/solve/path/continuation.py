@@ -11,8 +11,7 @@ Source of the method: H. B. Keller, "Numerical solution of bifurcation and nonli
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Generic
 
 import numpy as np
@@ -21,6 +20,16 @@ from stickslip.core.validation import FloatArray
 from stickslip.solve.path.arc_length import Metric, Tangent, chord_between
 from stickslip.solve.path.newton import Correction, Newton
 from stickslip.solve.path.problem import Linearised, Plane, Point, PointT
+from stickslip.solve.path.stepping import (
+    Accepted,
+    BranchPoint,
+    ContinuationSettings,
+    Corner,
+    Pace,
+    Retreat,
+    growing_lengths,
+    lengths_to_try,
+)
 from stickslip.solve.path.visited import Visited
 
 # Relative accuracy of a tangent, which only predicts.
@@ -32,89 +41,13 @@ SAME_POINT, SAME_POINT_OF_SIZE = 0.02, 1e-8
 # and by how much longer where they came back to the same place.
 MOST_RETREATS = 6
 SHORTER, LONGER = 0.25, 4.0
-SLOW_STEPS = 16
+# A step beyond a corner leaves the way that the branch came by at least this angle.
+LEAST_TURN_DEG = 2.0
 # Floor of the scale of the motion, whose square must not underflow.
 SMALLEST_MOTION = 1e-150
 # A branch that turned round is believed after as many points on its old way: at first the legs of a sharp corner are
 # too close to each other for Newton to keep them apart.
 POINTS_BACK = 4
-
-
-@dataclass(frozen=True)
-class ContinuationSettings:
-    """Step control; steps are shares of the window (or of the largest response), angles between successive tangents.
-
-    largest_step, smallest_step, first_step:
-        allowed lengths of a step.
-    wanted_angle_deg, largest_angle_deg:
-        the step follows the curvature towards the wanted angle; a step that turns by more than the largest is repeated
-        with half its length.
-    wanted_iterations:
-        the step grows while Newton needs fewer.
-    max_points:
-        the branch ends here at the latest.
-    """
-
-    largest_step: float = 0.08
-    smallest_step: float = 1e-6
-    first_step: float = 0.01
-    wanted_angle_deg: float = 15.0
-    largest_angle_deg: float = 45.0
-    wanted_iterations: int = 4
-    max_points: int = 2000
-
-
-@dataclass(frozen=True)
-class BranchPoint(Generic[PointT]):
-    """A converged point and the Newton iterations that it took."""
-
-    point: PointT
-    iterations: int
-
-
-@dataclass(frozen=True)
-class Accepted(Generic[PointT]):
-    """Event: a point was added to the branch; ``count`` is now its number of points."""
-
-    point: PointT
-    count: int
-
-
-@dataclass(frozen=True)
-class Retreat:
-    """Event: the last steps came back to the branch, and its points after the first ``count`` were removed."""
-
-    parameter: float
-    count: int
-
-
-@dataclass(frozen=True)
-class Corner:
-    """Event: a corner that turns back over less than one step was passed by a longer step."""
-
-    parameter: float
-
-
-class _Pace:
-    """The longest step that is allowed now: shorter for a while after a retreat."""
-
-    def __init__(self, largest_step: float) -> None:
-        self._largest = self.limit = largest_step
-        self._rest = 0.0
-
-    def slow_down(self, limit: float) -> None:
-        """Steps of at most ``limit`` for the length of ``SLOW_STEPS`` of them."""
-        self.limit, self._rest = limit, SLOW_STEPS * limit
-
-    def hurry(self) -> None:
-        """Steps of any length again."""
-        self.limit = self._largest
-
-    def walked(self, length: float) -> None:
-        """A step of ``length`` was made."""
-        self._rest -= length
-        if self._rest <= 0.0:
-            self.hurry()
 
 
 class Branch(Generic[PointT]):
@@ -148,7 +81,7 @@ class Branch(Generic[PointT]):
         self._back: list[int] = []
         self._left: PointT | None = None  # where the last retreat went, and how many before it went there too
         self._again = 0
-        self._pace = _Pace(settings.largest_step)
+        self._pace = Pace(settings.largest_step)
         self.points: list[BranchPoint[PointT]] = []
         self.retreats: list[float] = []
         self.corners: list[float] = []
@@ -169,6 +102,8 @@ class Branch(Generic[PointT]):
         for _ in range(self._settings.max_points - 1):
             point = self.points[-1].point
             outcome = self._advance(point, tangent, bend, min(step, self._pace.limit))
+            if outcome is None:
+                outcome = self._around_corner(point, tangent)
             if outcome is None:
                 return self.points
             correction, turned, taken, step = outcome
@@ -327,7 +262,7 @@ class Branch(Generic[PointT]):
         """
         settings, reason = self._settings, ""
         last: tuple[Correction[PointT], Tangent, float, float] | None = None
-        for length in _lengths(step, settings):
+        for length in lengths_to_try(step, settings):
             correction = self._newton.correct(*self._guess(point, tangent, bend, length))
             if not correction.converged:
                 reason = reason or f"Newton stopped at a relative residual of {correction.point.error:.1e}"
@@ -354,6 +289,35 @@ class Branch(Generic[PointT]):
                 f"({settings.smallest_step:g} of the range). Try more samples, fewer harmonics, or a lower force."
             )
         return last
+
+    def _around_corner(
+        self, point: PointT, tangent: Tangent
+    ) -> tuple[Correction[PointT], Tangent, float, float] | None:
+        """A step in the direction that the equations have beyond a corner; None if there is none.
+
+        Where every step along the tangent fails, the equations change just ahead, and the branch goes on along the
+        tangent of the piece beyond, in one of its two senses; not back where it came from.
+        """
+        settings = self._settings
+        for length in growing_lengths(4.0 * settings.smallest_step, settings.first_step):
+            beyond, plane = self._guess(point, tangent, tangent.times(0.0), length)
+            metric = self._measure(point)
+            ahead = self._direction_of(beyond, self._problem.linearised(beyond, plane), 1.0)
+            if not np.isfinite(ahead.measured).all():
+                continue
+            for side in (1.0, -1.0):
+                direction = metric.unit(ahead).times(side)
+                correction = self._newton.correct(*self._guess(point, direction, direction.times(0.0), length))
+                if not correction.converged or correction.system is None:
+                    continue
+                turned = metric.unit(self._direction_of(correction.point, correction.system, 1.0))
+                chord = chord_between(point, correction.point)
+                back = metric.angle_deg(chord, tangent.times(-1.0))
+                if back > LEAST_TURN_DEG and metric.angle_deg(chord, turned) <= settings.largest_angle_deg:
+                    self.corners.append(_parameter(point))
+                    self._on_event(Corner(_parameter(point)))
+                    return correction, turned, length, length
+        return None
 
     def _guess(self, point: PointT, tangent: Tangent, bend: Tangent, step: float) -> tuple[PointT, Plane]:
         """Where a step would end, and the plane that holds its correction."""
@@ -385,18 +349,6 @@ class Branch(Generic[PointT]):
         start = self._problem.evaluate(guess, parameters)
         correction = self._newton.correct(start, Plane.fixed(guess, self._stop))
         return (correction.point, correction.iterations) if correction.converged else (after, 0)
-
-
-def _lengths(step: float, settings: ContinuationSettings) -> Iterator[float]:
-    """The lengths to try in turn: the wanted one and its halves, then longer ones that pass a corner."""
-    length = step
-    while length >= settings.smallest_step:
-        yield length
-        length *= 0.5
-    length = 2.0 * step
-    while length <= settings.first_step:
-        yield length
-        length *= 2.0
 
 
 def _parameter(point: Point) -> float:

@@ -1,0 +1,109 @@
+"""Step control along a branch: settings, lengths to try, and the events that a listener receives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Generic
+
+from stickslip.solve.path.problem import PointT
+
+# For how many of its own lengths a shorter limit on the step lasts after a retreat.
+SLOW_STEPS = 16
+
+
+@dataclass(frozen=True)
+class ContinuationSettings:
+    """Step control; steps are shares of the window (or of the largest response), angles between successive tangents.
+
+    largest_step, smallest_step, first_step:
+        allowed lengths of a step.
+    wanted_angle_deg, largest_angle_deg:
+        the step follows the curvature towards the wanted angle; a step that turns by more than the largest is repeated
+        with half its length.
+    wanted_iterations:
+        the step grows while Newton needs fewer.
+    max_points:
+        the branch ends here at the latest.
+    """
+
+    largest_step: float = 0.08
+    smallest_step: float = 1e-6
+    first_step: float = 0.01
+    wanted_angle_deg: float = 15.0
+    largest_angle_deg: float = 45.0
+    wanted_iterations: int = 4
+    max_points: int = 2000
+
+
+@dataclass(frozen=True)
+class BranchPoint(Generic[PointT]):
+    """A converged point and the Newton iterations that it took."""
+
+    point: PointT
+    iterations: int
+
+
+@dataclass(frozen=True)
+class Accepted(Generic[PointT]):
+    """Event: a point was added to the branch; ``count`` is now its number of points."""
+
+    point: PointT
+    count: int
+
+
+@dataclass(frozen=True)
+class Retreat:
+    """Event: the last steps came back to the branch, and its points after the first ``count`` were removed."""
+
+    parameter: float
+    count: int
+
+
+@dataclass(frozen=True)
+class Corner:
+    """Event: a corner that turns back over less than one step was passed by a longer step."""
+
+    parameter: float
+
+
+class Pace:
+    """The longest step that is allowed now: shorter for a while after a retreat."""
+
+    def __init__(self, largest_step: float) -> None:
+        self._largest = self.limit = largest_step
+        self._rest = 0.0
+
+    def slow_down(self, limit: float) -> None:
+        """Steps of at most ``limit`` for the length of ``SLOW_STEPS`` of them."""
+        self.limit, self._rest = limit, SLOW_STEPS * limit
+
+    def hurry(self) -> None:
+        """Steps of any length again."""
+        self.limit = self._largest
+
+    def walked(self, length: float) -> None:
+        """A step of ``length`` was made."""
+        self._rest -= length
+        if self._rest <= 0.0:
+            self.hurry()
+
+
+def lengths_to_try(step: float, settings: ContinuationSettings) -> Iterator[float]:
+    """The lengths to try in turn: the wanted one and its halves, then longer ones that pass a corner."""
+    length = step
+    while length >= settings.smallest_step:
+        yield length
+        length *= 0.5
+    length = 2.0 * step
+    while length <= settings.first_step:
+        yield length
+        length *= 2.0
+
+
+def growing_lengths(first: float, last: float) -> Iterator[float]:
+    """Lengths from ``first`` to ``last``, each four times the one before."""
+    length = first
+    while length <= last:
+        yield length
+        length *= 4.0
