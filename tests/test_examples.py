@@ -34,7 +34,7 @@ def test_own_matrices(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.Mo
 
 
 def test_measured_roughness(capsys: pytest.CaptureFixture[str]) -> None:
-    module = runpy.run_path(str(ROOT / "examples" / "cli/measured_roughness.py"))
+    module = runpy.run_path(str(ROOT / "examples" / "measured_roughness.py"))
     fit = module["main"]()
     assert "true value 2.4" in capsys.readouterr().out
     for name, true in (("fractal_dimension", 2.4), ("fractal_roughness", 1e-9)):

@@ -10,11 +10,11 @@ import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
+from stickslip import __version__
 from stickslip.case.case import Case
 from stickslip.core.errors import StickslipError
 from stickslip.core.files import source_digest
@@ -62,7 +62,7 @@ def code_digest() -> str:
 
 def worker_version() -> str:
     """Version and code of stickslip where the tasks run; also the sign that a worker runs at all."""
-    return f"{version('stickslip')} (code {code_digest()[:12]})"
+    return f"{__version__} (code {code_digest()[:12]})"
 
 
 def reduce_task(case: Case, setup: Setup, threads: int) -> ReducedStructure:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from plane_curves import PlaneCurve, circle, corner, s_curve
@@ -18,7 +20,7 @@ def test_it_converges_quadratically_on_a_fixed_parameter() -> None:
     assert correction.point.x == pytest.approx(0.8, abs=1e-14)
     assert correction.point.y == 0.6
     # For f = x^2 - 0.64 the error after a step is exactly e^2 / (4 x^2) of the same function.
-    for before, after in zip(errors[1:], errors[2:], strict=False):
+    for before, after in pairwise(errors[1:]):
         assert after <= 0.5 * before**2
 
 
