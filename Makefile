@@ -46,13 +46,9 @@ test: lint
 	$(PYTEST) --cov --cov-report=term
 
 # The site asks no server for anything: neither while it is built nor in the browser.
-docs: $(INSTALLED) $(VENV)/.docs
-	OMP_NUM_THREADS=1 $(BIN)/python -m mkdocs build --strict
+docs: $(INSTALLED)
+	NO_MKDOCS_2_WARNING=1 OMP_NUM_THREADS=1 $(BIN)/python -m mkdocs build --strict
 	@echo "Open build/site/index.html in a browser."
-
-$(VENV)/.docs: pyproject.toml constraints.txt $(INSTALLED)
-	$(PIP) install --constraint constraints.txt --group docs
-	@touch $@
 
 bench: $(INSTALLED)
 	$(PIP) install --constraint constraints.txt --editable .[bench]
