@@ -20,9 +20,10 @@ def bench(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     monkeypatch.syspath_prepend(str(BENCHMARKS))
     import bench
 
-    return bench
+    return bench  # type: ignore[no-any-return]
 
 
+@pytest.mark.slow
 def test_a_row_has_all_cells_and_agrees_with_the_dense_newton(
     bench: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -46,4 +46,5 @@ from .study.run import report as report
 from .study.run import run as run
 from .sweeps.run import sweep as sweep
 
+__all__: list[str]
 __version__: str

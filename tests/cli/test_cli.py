@@ -259,7 +259,7 @@ def test_threads_reach_the_study(study: Study, study_file: Path, tmp_path: Path)
     assert study.threads is None
     assert invoke("run", study_file, "--out", tmp_path / "out", "--threads", "2").exit_code == 0
     assert study.threads == 2
-    assert invoke("run", study_file, "--out", tmp_path / "out", "--threads", "0").exit_code == 2
+    assert invoke("run", study_file, "--out", tmp_path / "out", "--threads", "0").exit_code == 2  # type: ignore[unreachable]
 
 
 def test_real_process_refuses_bad_input_without_traceback(tmp_path: Path) -> None:

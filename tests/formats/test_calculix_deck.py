@@ -37,8 +37,9 @@ def compared(request, tmp_path_factory):
     )
 
 
+@pytest.mark.slow
 def test_frequencies(compared):
-    own = frequencies(*compared.ours, 10)
+    own = frequencies(*compared.ours, 10)  # type: ignore[call-arg]
     np.testing.assert_allclose(own, compared.printed, rtol=FREQUENCY[compared.element])
 
 

@@ -16,7 +16,7 @@ from stickslip.study.facts import derived_quantities
 
 @pytest.fixture(scope="module")
 def structure() -> Structure:
-    return build_structure(Case())
+    return build_structure(Case())  # type: ignore[return-value]
 
 
 @pytest.fixture(scope="module")

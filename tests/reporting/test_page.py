@@ -227,6 +227,7 @@ def test_page_from_a_saved_file_is_the_same(case, text, tmp_path):
     assert (tmp_path / "report.html").read_text(encoding="utf-8") == text
 
 
+@pytest.mark.slow
 def test_page_from_a_file_that_is_older_than_sketches_and_rough_faces(case, tmp_path):
     sketched = dataclasses.replace(case[1], sketch=stacked_boxes())
     save_results(tmp_path / "results.nc", case[0], sketched)

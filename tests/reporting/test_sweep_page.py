@@ -180,6 +180,7 @@ def test_the_keyboard_reaches_everything(browser, sweep_file: Path) -> None:
         page.wait_for_function("document.getElementById('curves').layout.yaxis.type === 'log'")
 
 
+@pytest.mark.slow
 def test_a_large_sweep_stays_small_and_draws_every_curve(browser, tmp_path: Path) -> None:
     loads = load_key(tuple(np.linspace(100.0, 800.0, 200).tolist()))
     view = sweep_view((loads,), [1e-4 * (1.0 + k / 200) for k in range(200)], points=2001)

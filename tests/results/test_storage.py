@@ -58,7 +58,7 @@ def test_a_file_without_a_rough_face_is_read(response, tmp_path):
 )
 def test_a_rough_face_that_is_no_grid_is_refused(change, words):
     with pytest.raises(InputError, match=re.escape(words)):
-        dataclasses.replace(synthetic_study(4, 3).rough_patch, **change)
+        dataclasses.replace(synthetic_study(4, 3).rough_patch, **change)  # type: ignore[type-var]
 
 
 def test_response_alone_and_anisotropic_pairs(response, tmp_path):

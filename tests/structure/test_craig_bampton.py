@@ -11,6 +11,7 @@ from stickslip.structure.elasticity import Material, assemble_bodies, natural_fr
 from stickslip.structure.superelement import Superelement
 
 
+@pytest.mark.slow
 def test_blade_pair_has_699_unknowns(blade_mesh, blade_superelement):
     assert blade_superelement.size == 669 + 30
     assert blade_superelement.recovery.shape == (15015, 699)

@@ -59,6 +59,7 @@ def worker_arguments(folder: Path) -> tuple[str, ...]:
     return ("-m", "distributed.cli.dask_worker", "--scheduler-file", file, *one, "--local-directory", place)
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_killed_loses_no_case(tmp_path: Path) -> None:
     require_distributed()
     study, out, file = quick_file(tmp_path), tmp_path / "out", tmp_path / "scheduler.json"

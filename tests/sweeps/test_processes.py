@@ -66,7 +66,7 @@ def test_a_worker_that_dies_fails_its_own_case_only(tmp_path: Path) -> None:
 @pytest.mark.usefixtures("light_tasks")
 def test_an_executor_that_is_broken_fails_its_cases(tmp_path: Path) -> None:
     class Broken(Executor):
-        def submit(self, *_: object, **__: object) -> object:
+        def submit(self, *_: object, **__: object) -> object:  # type: ignore[override]
             raise BrokenExecutor("gone")
 
     broken: list[str] = []
@@ -153,6 +153,7 @@ def require_end(pids: list[int]) -> None:
         time.sleep(0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="no process groups on this system")
 def test_an_interrupted_and_a_killed_sweep_go_on_without_solving_again(tmp_path: Path) -> None:
     study, out = quick_file(tmp_path), tmp_path / "out"

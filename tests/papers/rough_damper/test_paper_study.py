@@ -51,6 +51,7 @@ class _Tags(HTMLParser):
         assert self.open.pop() == tag
 
 
+@pytest.mark.slow
 def test_page_is_whole_and_asks_for_nothing(made: tuple[Path, PaperOutcome]) -> None:
     folder, outcome = made
     text = (folder / "paper.html").read_text(encoding="utf-8")
@@ -103,6 +104,7 @@ def test_verdicts_of_the_page_are_those_of_the_claims(made: tuple[Path, PaperOut
     assert outcome.verdicts[Verdict.HOLDS] < len(words)
 
 
+@pytest.mark.slow
 def test_a_stopped_study_goes_on_and_damage_is_computed_again(
     made: tuple[Path, PaperOutcome], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -120,7 +122,7 @@ def test_a_stopped_study_goes_on_and_damage_is_computed_again(
     monkeypatch.setattr(computing, "solve_setting", counted)
     monkeypatch.setattr(study, "_written", lambda folder, scope, computed, told: computed)
     again = paper_study(folder, workers=1, scope=coarse_scope())
-    assert (again.found, len(solved), len(again.solved)) == (outcome.curves - 2, 2, outcome.curves)
+    assert (again.found, len(solved), len(again.solved)) == (outcome.curves - 2, 2, outcome.curves)  # type: ignore[attr-defined]
     (notice,) = again.notices  # the file that was missing needs no sentence
     assert notice.startswith(f'"{files[1]}": the file of the computation')
     assert notice.endswith("This curve is computed again.")
