@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import tomllib
 from pathlib import Path
@@ -74,3 +75,29 @@ def test_continuous_integration_runs_the_versions_that_the_package_promises(proj
     assert project["project"]["requires-python"] == f">={promised[0]}"
     for words in ("ubuntu-latest", "macos-latest", "windows-latest", "make check", "make test"):
         assert words in workflow
+
+
+def test_every_room_has_quick_tests() -> None:
+    """``make check`` touches each folder of tests that mirrors the code."""
+    for folder in sorted((ROOT / "src" / "stickslip").iterdir()):
+        if not (folder / "__init__.py").is_file():
+            continue
+        quick = 0
+        for path in (ROOT / "tests" / folder.name).rglob("test_*.py"):
+            tree = ast.parse(path.read_text(encoding="utf-8"))
+            if any(ast.unparse(line) == "pytestmark = pytest.mark.slow" for line in tree.body):
+                continue
+            tests = [node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")]
+            quick += sum("pytest.mark.slow" not in map(ast.unparse, test.decorator_list) for test in tests)
+        assert quick >= 5, f"{folder.name}: {quick} quick tests"
+
+
+def test_the_architecture_names_every_room_and_no_file_that_is_gone() -> None:
+    page = text("ARCHITECTURE.md")
+    source = ROOT / "src" / "stickslip"
+    for room in (folder.name for folder in source.iterdir() if (folder / "__init__.py").is_file()):
+        assert f"`{room}`" in page, room
+    for path in re.findall(r"`((?:\w+/)+\w+\.(?:pyi?|md|html))`", page):
+        assert [*source.rglob(path), *ROOT.glob(path)], path
+    for path in re.findall(r"\]\(([^)#]+)\)", page):
+        assert (ROOT / path).is_file(), path

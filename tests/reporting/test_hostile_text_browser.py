@@ -30,6 +30,8 @@ from stickslip.results.storage import save_results
 from sweep_tables import MODE, load_key, sweep_view
 from synthetic import synthetic_response, synthetic_study
 
+pytestmark = pytest.mark.slow
+
 PAGES = pytest.mark.parametrize("kind", ["report", "report-of-a-file", "sweep", "paper"])
 # What the mouse shows of every trace of every plot at its first point; plotly.js answers once in 50 ms.
 _HOVER = """async () => {
@@ -73,7 +75,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.slow
 @PAGES
 def test_nothing_runs_and_all_text_is_read(browser: Any, folder: Path, kind: str) -> None:
     fields = {"sweep": SWEEP_FIELDS, "paper": PAPER_FIELDS}.get(kind, STUDY_FIELDS)
@@ -159,7 +160,6 @@ def test_the_policy_stops_what_the_page_does_not_carry(browser: Any, folder: Pat
     page.close()
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "plot"), [("plain-report", "curve"), ("plain-sweep", "curves")])
 def test_a_plot_is_saved_as_a_picture_and_sent_to_nobody(browser: Any, folder: Path, kind: str, plot: str) -> None:
     with opened_page(browser, folder / f"{kind}.html") as page:

@@ -15,6 +15,8 @@ from stickslip.reporting.page import write_page
 from stickslip.reporting.style import VERMILLION
 from synthetic import synthetic_response, synthetic_study
 
+pytestmark = pytest.mark.slow
+
 PLOTS = 2 + 2 + 4 + 2 + 2 + 1
 
 
@@ -178,7 +180,6 @@ def test_the_keyboard_alone_moves_the_point_and_the_pair(page):
     page.wait_for_function("document.getElementById('curve').layout.yaxis.type === 'log'")
 
 
-@pytest.mark.slow
 def test_size_and_points_of_a_long_curve(browser, tmp_path):
     """Pages stay small because the curves and loops are thinned by their shape; nothing of the shape is lost."""
     response = synthetic_response(n_points=300)
@@ -239,7 +240,6 @@ _WORDS = """() => [...document.querySelectorAll('#structure figure')].map(figure
 })"""
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_drawing_can_be_read(browser, tmp_path, width):
     """Its words stay inside, are large enough and apart from each other; contact has its colour; nothing overflows."""

@@ -169,6 +169,7 @@ def test_the_page_draws_itself_without_network(browser, sweep_file: Path, width:
         page.wait_for_function("document.getElementById('curves').layout.yaxis.type === 'log'")
 
 
+@pytest.mark.slow
 def test_the_keyboard_reaches_everything(browser, sweep_file: Path) -> None:
     with opened_page(browser, sweep_file) as page:
         stops = tab_stops(page)

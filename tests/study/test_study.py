@@ -18,6 +18,8 @@ from stickslip.study import run as study
 from stickslip.study.figure_process import PAGE_GRID, rough_patch
 from sweep_cases import COARSE_MESH
 
+pytestmark = pytest.mark.slow
+
 COARSE = {
     **COARSE_MESH,
     "geometry.excitation_height": "9 mm",
@@ -45,7 +47,6 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, study.StudyO
     return folder, study.run(Case().replace(COARSE), folder, heard), heard
 
 
-@pytest.mark.slow
 def test_run_writes_every_file(solved: tuple[Path, study.StudyOutcome, Heard]) -> None:
     folder, outcome, heard = solved
     assert outcome.converged, outcome.message
@@ -66,7 +67,6 @@ def test_the_curve_is_physical(solved: tuple[Path, study.StudyOutcome, Heard]) -
     assert "Peak amplitude, 0-to-peak" in outcome.message
 
 
-@pytest.mark.slow
 def test_results_load_back_equal_and_report_is_remade(solved: tuple[Path, study.StudyOutcome, Heard]) -> None:
     folder, outcome, _ = solved
     saved = load_results(folder / "results.nc")
@@ -114,7 +114,6 @@ def test_check_shows_the_warnings_of_the_roughness() -> None:
     assert "Warnings" in sections
 
 
-@pytest.mark.slow
 def test_an_unfinished_curve_is_kept_and_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The branch ends after six points: exit code 3, the sentence why, and every file of what was found."""
     monkeypatch.setattr(study, "ContinuationSettings", lambda **steps: ContinuationSettings(max_points=6, **steps))

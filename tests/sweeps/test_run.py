@@ -101,6 +101,7 @@ def test_a_case_of_a_sweep_is_the_case_of_a_run(swept: tuple, tmp_path: Path) ->
     assert saved.study.sketch is None  # it would be the same in the file of every case
 
 
+@pytest.mark.slow
 def test_shared_work_is_done_once(swept: tuple) -> None:
     assert swept[3] == {"set_up": 1, "reduce_structure": 1, "solve": 4}
 

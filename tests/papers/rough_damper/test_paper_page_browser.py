@@ -20,6 +20,8 @@ from stickslip.papers.rough_damper.plan import Setting
 from stickslip.papers.rough_damper.verdict_items import conclusions_item
 from stickslip.papers.rough_damper.verdicts import Answer, Verdict, judge
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
@@ -42,7 +44,6 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("width", WIDTHS)
 def test_page(browser: Any, report: Path, width: int) -> None:
     with opened_page(browser, report, width, drawn=False) as page:
@@ -71,7 +72,6 @@ def test_a_picture_says_what_it_shows_and_where_its_numbers_are(browser: Any, re
         assert links == ["figures/sides.svg", "tables/peaks.csv", "tables/peaks.csv"]
 
 
-@pytest.mark.slow
 def test_a_row_of_the_conclusions_is_seen_whole_on_a_common_screen(browser: Any, tmp_path: Path) -> None:
     statement = "The energy first rises, then falls with D (at one frequency)."  # the claim with the longest remark
     numbers = "single excitation, 2 N: " + ", ".join(["12.345"] * 20) + " µJ at 480.3 Hz"

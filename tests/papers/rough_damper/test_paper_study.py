@@ -22,6 +22,8 @@ from stickslip.papers.rough_damper.plan import Scope, computations
 from stickslip.papers.rough_damper.study import PaperOutcome, paper_study
 from stickslip.papers.rough_damper.verdicts import Verdict
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, PaperOutcome]:
@@ -51,7 +53,6 @@ class _Tags(HTMLParser):
         assert self.open.pop() == tag
 
 
-@pytest.mark.slow
 def test_page_is_whole_and_asks_for_nothing(made: tuple[Path, PaperOutcome]) -> None:
     folder, outcome = made
     text = (folder / "paper.html").read_text(encoding="utf-8")
@@ -104,7 +105,6 @@ def test_verdicts_of_the_page_are_those_of_the_claims(made: tuple[Path, PaperOut
     assert outcome.verdicts[Verdict.HOLDS] < len(words)
 
 
-@pytest.mark.slow
 def test_a_stopped_study_goes_on_and_damage_is_computed_again(
     made: tuple[Path, PaperOutcome], monkeypatch: pytest.MonkeyPatch
 ) -> None:

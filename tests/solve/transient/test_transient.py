@@ -234,6 +234,7 @@ def test_blade_amplitude_equals_nine_harmonics_within_0_3_percent(
     assert response.amplitude(blade.tip) == pytest.approx(balance.amplitude(blade.tip)[point], rel=3e-3)
 
 
+@pytest.mark.slow
 def test_kept_tractions_agree_with_a_march_from_rest(blade: Blade) -> None:
     """Some pairs slip from 60 % of their limit on, the others keep their traction, which moves the mean."""
     rest = 0.6 * blade.pairs.friction_coefficient * blade.pairs.preload
