@@ -125,6 +125,7 @@ def test_file_of_another_version(saved):
         load_results(saved)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.02, 0.3, 0.6, 0.9, 0.999])
 def test_truncated_file(saved, share):
     whole = saved.read_bytes()

@@ -212,6 +212,7 @@ def test_gaps_that_come_from_flat_sides_alone_are_told():
     assert not any("alone" in text for text in pair_surfaces(mesh, "top", "bottom", adjust="closed").warnings)
 
 
+@pytest.mark.slow
 @BOTH
 @settings(max_examples=15, deadline=None)
 @given(
