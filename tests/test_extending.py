@@ -19,6 +19,10 @@ def blocks(section: str) -> list[str]:
     return re.findall(r"```python\n(.*?)```", SECTIONS[section], flags=re.DOTALL)
 
 
+# Sections whose seam is not described yet have no block.
+WITH_BLOCKS = [section for section in SECTIONS if blocks(section)]
+
+
 def run(section: str) -> dict[str, Any]:
     """Run the blocks of a section one after the other; returns their names."""
     names: dict[str, Any] = {}
@@ -32,14 +36,18 @@ def promised(section: str) -> list[str]:
     return re.findall(r"^print\(.*\)\s+# (.+)$", "\n".join(blocks(section)), flags=re.MULTILINE)
 
 
-@pytest.mark.parametrize("section", SECTIONS)
+@pytest.mark.parametrize("section", WITH_BLOCKS)
 def test_blocks_run(section: str) -> None:
     run(section)
 
 
-@pytest.mark.parametrize("section", SECTIONS)
+@pytest.mark.parametrize("section", WITH_BLOCKS)
 def test_blocks_import_only_the_public_package(section: str) -> None:
     assert not re.search(r"(from|import) stickslip\.", "\n".join(blocks(section)))
+
+
+def test_the_seams_of_today_have_blocks() -> None:
+    assert {"A new excitation", "A new analysis"} <= set(WITH_BLOCKS)
 
 
 def test_engine_order(capsys: pytest.CaptureFixture[str]) -> None:
