@@ -1,16 +1,20 @@
 # `make demo` and `make test` need Python >= 3.11, make and git; no root, no compiler.
 PYTHON ?= python3
 VENV := .venv
-BIN := $(VENV)/bin
+BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 INSTALLED := $(VENV)/.installed
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
-.PHONY: help demo test lint bench clean
+.PHONY: help demo check test docs lint bench clean
 
 help:
 	@echo "make demo   the two-blade case: solve it and write demo/report.html"
-	@echo "make test   linters, type check and all tests"
+	@echo "make check  linters, type check and the quick tests: less than a minute after the first time"
+	@echo "make test   linters, type check and all tests, with their coverage"
+	@echo "make docs   the documentation as a web site, build/site/index.html (some minutes; solves the examples)"
+	@echo "make lint   linters and type check only"
 	@echo "make bench  curves beside a dense Newton and pyHarm (installs the extra [bench]; some minutes)"
+	@echo "make clean  remove the environment and what was built"
 
 $(INSTALLED): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "stickslip needs Python 3.11 or newer, but $(PYTHON) is " + sys.version.split()[0] + "; name another one: make PYTHON=python3.12")'
@@ -33,12 +37,22 @@ lint: $(INSTALLED)
 
 # One process of tests for each core, at most four; more threads in each would only wait for each other. Tests of a file
 # share what they prepared, so a file stays in one process.
+PYTEST = OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
+
+check: lint
+	$(PYTEST) -m "not slow"
+
 test: lint
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile
+	$(PYTEST) --cov --cov-report=term
+
+# The site asks no server for anything: neither while it is built nor in the browser.
+docs: $(INSTALLED)
+	NO_MKDOCS_2_WARNING=1 OMP_NUM_THREADS=1 $(BIN)/python -m mkdocs build --strict
+	@echo "Open build/site/index.html in a browser."
 
 bench: $(INSTALLED)
 	$(PIP) install --constraint constraints.txt --build-constraint constraints.txt --editable .[bench]
 	$(BIN)/python -W ignore benchmarks/bench.py
 
 clean:
-	rm -rf $(VENV) demo .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) build demo .coverage* .pytest_cache .mypy_cache .ruff_cache .hypothesis

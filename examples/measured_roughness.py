@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import stickslip as ss
@@ -46,8 +47,16 @@ def main() -> ss.RoughnessFit:
     print(f"G = {fit.fractal_roughness:.2g} m (95 %: {low:.2g} to {high:.2g} m), true value {ROUGHNESS:g} m")
     for sentence in fit.warnings:
         print(f"Warning: {sentence}")
+    _, axes = plt.subplots(figsize=(7, 4.5), layout="constrained")
+    axes.loglog(1e6 * fit.lag, 1e12 * fit.structure_function, "o", label="measured")
+    axes.loglog(
+        1e6 * fit.lag, 1e12 * fit.fitted, label=f"D = {fit.fractal_dimension:.2f}, G = {fit.fractal_roughness:.2g} m"
+    )
+    axes.set(xlabel="lag, um", ylabel="structure function, um^2", title="Roughness of a measured profile")
+    axes.legend()
     return fit
 
 
 if __name__ == "__main__":
     main()
+    plt.show()

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import stickslip as ss
@@ -44,6 +45,7 @@ def main() -> dict[str, float]:
     print(f"peak {amplitude[peak] * 1e6:.2f} um (0-peak, mean included) at {frequency_hz:.2f} Hz")
     print(f"{slipping} contacts slip, {separating} separate, {n_contacts - slipping - separating} stick")
     print(f"friction takes {energy * 1e6:.1f} uJ in each cycle")
+    draw(response, tip)
 
     transient = integrate_to_steady_state(
         superelement, pairs, force_cos, force_sin, frequency_hz, **start_from_response(response, peak)
@@ -61,5 +63,23 @@ def main() -> dict[str, float]:
     }
 
 
+def draw(response: ss.ForcedResponse, tip: np.ndarray) -> None:
+    """A figure: the response between its linear limits, and what the contacts do."""
+    _, (top, bottom) = plt.subplots(2, 1, sharex=True, figsize=(7, 6), layout="constrained")
+    top.semilogy(response.frequency_hz, 1e6 * response.amplitude(tip), label="with friction", linewidth=2)
+    for limit in ("free", "stuck"):
+        linear = response.linear
+        top.semilogy(linear.frequency_hz, 1e6 * response.linear_amplitude(tip, limit), "--", label=f"linear, {limit}")
+    top.set(ylabel="amplitude at the tip, um", title="A blade on ten friction contacts")
+    top.legend()
+    for state, name in enumerate(("stuck", "stick-slip", "separating")):
+        bottom.plot(response.frequency_hz, (response.contact_state == state).sum(axis=1), ".-", label=name)
+    bottom.set(
+        xlabel="frequency, Hz", ylabel="contacts", xlim=(response.frequency_hz.min(), response.frequency_hz.max())
+    )
+    bottom.legend()
+
+
 if __name__ == "__main__":
     main()
+    plt.show()

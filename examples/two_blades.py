@@ -6,8 +6,7 @@ or on both in opposite directions? The mesh and its reduction are made once; onl
 
 from __future__ import annotations
 
-import sys
-
+import matplotlib.pyplot as plt
 import numpy as np
 
 from stickslip.case.case import Case
@@ -20,6 +19,7 @@ def main(harmonics: int = 3, samples: int = 128) -> dict[str, float]:
     case = Case().replace({"solver.harmonics": harmonics, "solver.samples": samples})
     structure = build_structure(case)
     peaks = {}
+    _, axes = plt.subplots(figsize=(7, 4.5), layout="constrained")
     for mode in ("single", "same", "opposite"):
         variant = case.replace({"excitation.mode": mode})
         model = build_model(variant, structure, build_joint(variant, structure))
@@ -28,12 +28,16 @@ def main(harmonics: int = 3, samples: int = 128) -> dict[str, float]:
         top = int(amplitude.argmax())
         stuck, slip, separating = np.bincount(response.contact_state[top], minlength=3)
         peaks[mode] = 1e6 * float(amplitude[top])
+        axes.plot(response.frequency_hz, 1e6 * amplitude, label=f"{mode} excitation")
         print(
             f"{mode:<9} {peaks[mode]:6.1f} um 0-to-peak at {response.frequency_hz[top]:6.2f} Hz, "
             f"{stuck} stuck, {slip} stick-slip, {separating} separating"
         )
+    axes.set(xlabel="frequency, Hz", ylabel="amplitude at blade tip A, um", title="Two blades with a friction damper")
+    axes.legend()
     return peaks
 
 
 if __name__ == "__main__":
-    sys.exit(0 if main() else 1)
+    main()
+    plt.show()

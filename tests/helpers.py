@@ -53,7 +53,7 @@ class Blade:
 
     def pairs_with(self, preload: np.ndarray) -> ContactPairs:
         """The contacts with another preload."""
-        return ContactPairs(self.operator, *self._constants, preload)
+        return ContactPairs(self.operator, *self._constants, preload)  # type: ignore[call-arg]
 
 
 def absent_tool(name: str, advice: str) -> None:

@@ -51,7 +51,7 @@ def write_matrices(folder: Path, case: Case) -> Path:
     """The reduced structure of a mesh case as a superelement file, with the sets that its study needs."""
     setup = set_up(case)
     model = build_model(case, setup.assemble(), load_joint(case, setup.layout))
-    reduced, mesh = model.superelement, setup.mesh
+    reduced, mesh = model.superelement, setup.mesh  # type: ignore[attr-defined]
     sets = {"lid": mesh.node_set("damper_top")}
     whole = replace(reduced, recovery=None, positions=mesh.points[reduced.boundary_nodes], node_sets=sets)
     return write_superelement(folder / "superelement.npz", whole)

@@ -147,6 +147,7 @@ def test_rooms_know_each_other_one_way() -> None:
     assert circle(MAY_IMPORT) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("module", sorted(set(modules()) - {""}))
 def test_imports_run_one_way(module: str) -> None:
     assert misplaced(module, imports(module)) == []
@@ -165,6 +166,7 @@ def test_contact_knows_no_elements() -> None:
             assert [name for name in imports(module) if not within(name, allowed)] == [], module
 
 
+@pytest.mark.slow
 def test_solve_never_sees_a_mesh() -> None:
     allowed = ("core", "solve", "contact", "results", "structure.superelement")
     for module in modules():
@@ -215,4 +217,4 @@ def test_public_name_is_there(name: str) -> None:
 
 def test_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="stick"):
-        stickslip.stick  # noqa: B018
+        stickslip.stick  # type: ignore[attr-defined]  # noqa: B018

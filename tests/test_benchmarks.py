@@ -12,6 +12,8 @@ from stickslip.model.kinds.mesh import set_up
 from stickslip.model.kinds.two_blade_mesh import BladePairElements
 from stickslip.structure.model_facts import body_volumes
 
+pytestmark = pytest.mark.slow
+
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 
 
@@ -20,7 +22,7 @@ def bench(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     monkeypatch.syspath_prepend(str(BENCHMARKS))
     import bench
 
-    return bench
+    return bench  # type: ignore[no-any-return]
 
 
 def test_a_row_has_all_cells_and_agrees_with_the_dense_newton(

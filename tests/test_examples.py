@@ -21,6 +21,7 @@ from sweep_cases import quick_file
 ROOT = Path(__file__).parents[1]
 
 
+@pytest.mark.slow
 def test_own_matrices(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     module = runpy.run_path("examples/own_matrices.py")
@@ -33,8 +34,9 @@ def test_own_matrices(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.Mo
     assert abs(numbers["difference"]) < 3e-3
 
 
+@pytest.mark.slow
 def test_measured_roughness(capsys: pytest.CaptureFixture[str]) -> None:
-    module = runpy.run_path(str(ROOT / "examples" / "cli/measured_roughness.py"))
+    module = runpy.run_path(str(ROOT / "examples" / "measured_roughness.py"))
     fit = module["main"]()
     assert "true value 2.4" in capsys.readouterr().out
     for name, true in (("fractal_dimension", 2.4), ("fractal_roughness", 1e-9)):
@@ -46,6 +48,7 @@ def test_measured_roughness(capsys: pytest.CaptureFixture[str]) -> None:
     assert numbers[0] == pytest.approx(numbers[1], abs=2e-4)  # the last digit of um may round otherwise elsewhere
 
 
+@pytest.mark.slow
 def test_roughness_page_shows_what_the_command_prints(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = (ROOT / "docs" / "roughness.md").read_text(encoding="utf-8")
     command = re.search(r"^stickslip (roughness .+)$", page, flags=re.MULTILINE).group(1)
@@ -59,6 +62,7 @@ def test_roughness_page_shows_what_the_command_prints(tmp_path: Path, monkeypatc
         assert float(one) == pytest.approx(float(other), rel=0.02)
 
 
+@pytest.mark.slow
 def test_two_blades(capsys: pytest.CaptureFixture[str]) -> None:
     module = runpy.run_path(str(ROOT / "examples" / "two_blades.py"))
     peaks = module["main"](harmonics=1, samples=64)
@@ -77,6 +81,7 @@ def test_readme_python_block(capsys: pytest.CaptureFixture[str], monkeypatch: py
     assert 190.0 < amplitude < 205.0
 
 
+@pytest.mark.slow
 def test_readme_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The commands run as printed, after the first one on a coarse mesh; only the published study is too long."""
     monkeypatch.chdir(tmp_path)
@@ -113,9 +118,10 @@ def test_documented_commands_are_understood(line: str) -> None:
     """Name, options and kinds of values are those of the program. "[--workers 2]" marks what may be left out."""
     name, *words = shlex.split(line.replace("[", "").replace("]", ""))
     group = typer.main.get_command(app)
-    group.commands[name].make_context(name, words)
+    group.commands[name].make_context(name, words)  # type: ignore[attr-defined]
 
 
+@pytest.mark.slow
 def test_the_readme_counts_the_curves_of_the_published_study() -> None:
     readme, guide = ((ROOT / page).read_text(encoding="utf-8") for page in ("README.md", "docs/paper_study.md"))
     count = len(computations(Scope()))
@@ -123,6 +129,7 @@ def test_the_readme_counts_the_curves_of_the_published_study() -> None:
     assert f" {count} curves of" in guide
 
 
+@pytest.mark.slow
 def test_guide_to_sweeps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """The commands of docs/sweeps.md run as printed, in one process and on a coarse mesh; so does its script."""
     guide = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
@@ -162,6 +169,7 @@ def test_make_targets_of_the_readme_exist() -> None:
         assert re.search(rf"^{target}:", makefile, flags=re.MULTILINE), target
 
 
+@pytest.mark.slow
 def test_guide_to_own_structures(tmp_path: Path) -> None:
     """The study file of docs/studies.md is the example, and its commands exist; the example runs."""
     guide = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")

@@ -40,6 +40,7 @@ def test_the_guide_names_every_page_in_its_order() -> None:
     assert re.findall(r"^\d\. \[[^]]+\]\((\w+)\.md\)", text, flags=re.MULTILINE) == list(PAGES[1:])
 
 
+@pytest.mark.slow
 def test_first_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every command as printed; the study file is the coarse one, so that it takes seconds."""
     monkeypatch.chdir(tmp_path)
@@ -58,6 +59,7 @@ def test_first_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         assert (tmp_path / "results" / name).is_file()
 
 
+@pytest.mark.slow
 def test_harmonics_and_samples(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     text = (DOCS / "choosing_harmonics_and_samples.md").read_text(encoding="utf-8")
     script = re.search(r"<!-- tested -->\n```python\n(.*?)```", text, flags=re.DOTALL).group(1)

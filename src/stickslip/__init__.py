@@ -4,16 +4,9 @@ The public names are listed once, in ``__init__.pyi``. Each is imported when it 
 ``import stickslip`` costs nothing.
 """
 
-from typing import Any
-
 import lazy_loader
 
-_public, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+# The only place of the version: pyproject.toml reads it here.
+__version__ = "0.1.0"
 
-
-def __getattr__(name: str) -> Any:
-    if name == "__version__":
-        from importlib.metadata import version
-
-        return version("stickslip")
-    return _public(name)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -17,7 +17,7 @@ from own_cases import EXAMPLE, mesh_case, write_matrices
 from stickslip.case.case import Case
 from stickslip.case.sections import SolverSection
 from stickslip.case.template import is_named, section_type
-from stickslip.contact.law.coulomb import MIN_SAMPLES
+from stickslip.contact.law.coulomb_harmonics import MIN_SAMPLES
 from stickslip.core.errors import InputError, StudyFileError
 from stickslip.core.units import Count, Quantity
 from stickslip.model.model import load_joint, set_up

@@ -24,6 +24,7 @@ def invoke(*arguments: object) -> Any:
     return CliRunner().invoke(app, ["roughness", *map(str, arguments)])
 
 
+@pytest.mark.slow
 def test_prints_lines_that_a_study_file_accepts_and_writes_files(tmp_path: Path) -> None:
     result = invoke(PROFILE, "--out", tmp_path)
     assert result.exit_code == 0, result.output
@@ -47,12 +48,14 @@ def test_prints_lines_that_a_study_file_accepts_and_writes_files(tmp_path: Path)
     assert float(table[0]["structure_function_m2"]) == pytest.approx(np.mean((flat[2:] - flat[:-2]) ** 2), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_options_reach_the_fit() -> None:
     result = invoke(PROFILE, "--scales", "10 um", "0.2 mm", "--longest-wave", "60 mm")
     assert result.exit_code == 0, result.output
     assert "10 um to 200 um" in result.stdout
 
 
+@pytest.mark.slow
 def test_a_profile_without_d_ends_with_a_sentence(tmp_path: Path) -> None:
     along = np.arange(400)
     np.savetxt(tmp_path / "smooth.txt", np.column_stack([along, 1e-4 * (along / 100.0) ** 4]))
@@ -94,6 +97,7 @@ def test_missing_file_is_named(tmp_path: Path) -> None:
     assert "none.txt" in result.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hardness", ["1 GPa", "3 GPa"])
 def test_the_load_that_is_told_parts_plastic_from_elastic_contact(hardness: str) -> None:
     result = invoke(PROFILE, "--hardness", hardness)
@@ -110,5 +114,6 @@ def test_the_load_that_is_told_parts_plastic_from_elastic_contact(hardness: str)
     assert area == pytest.approx(contact_stiffness(roughness, least).critical_area, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_without_a_hardness_that_of_a_new_study_file_is_told() -> None:
     assert "With the default hardness 3 GPa" in invoke(PROFILE).stdout

@@ -37,11 +37,13 @@ def compared(request, tmp_path_factory):
     )
 
 
+@pytest.mark.slow
 def test_frequencies(compared):
-    own = frequencies(*compared.ours, 10)
+    own = frequencies(*compared.ours, 10)  # type: ignore[call-arg]
     np.testing.assert_allclose(own, compared.printed, rtol=FREQUENCY[compared.element])
 
 
+@pytest.mark.slow
 def test_stored_matrices_give_the_frequencies_that_calculix_prints(compared):
     found = frequencies(compared.model.stiffness, compared.model.mass, 10)
     np.testing.assert_allclose(found, compared.printed, rtol=1e-6)
@@ -67,6 +69,7 @@ def test_stored_matrices_entry_by_entry(compared):
         assert abs(own - found).max() <= limit * abs(own).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compared", ["C3D4", "C3D10", "C3D15", "C3D6"], indirect=True)
 def test_tetrahedra_and_wedges_differ_by_the_points_of_their_quadrature(compared):
     """Stiffness and mass of the hexahedra are the same entry by entry: nothing is left to explain there."""

@@ -13,10 +13,12 @@ from stickslip.model.model import Model, build_joint, build_model, build_structu
 from stickslip.structure.elasticity import Structure
 from stickslip.study.facts import derived_quantities
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def structure() -> Structure:
-    return build_structure(Case())
+    return build_structure(Case())  # type: ignore[return-value]
 
 
 @pytest.fixture(scope="module")

@@ -73,6 +73,7 @@ def test_stiffness_follows_the_solved_load_of_the_face() -> None:
     assert expected[0] < 0.95 * without_friction[0]
 
 
+@pytest.mark.slow
 def test_local_stiffness_concentrates_the_load_that_the_pressure_gap_law_spreads() -> None:
     local, curve = model(roughness__allocation="pressure"), model(preload__normal_law="pressure-gap")
     for found in (local, curve):
@@ -91,6 +92,7 @@ def test_local_stiffness_concentrates_the_load_that_the_pressure_gap_law_spreads
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("normal_law", ["spring", "pressure-gap"])
 @pytest.mark.parametrize("reference", [20e-6, 2000e-6])
 def test_solved_pressure_and_springs_share_the_reference_area(normal_law: str, reference: float) -> None:
@@ -159,6 +161,7 @@ def test_what_does_not_fit_is_refused_in_the_file(changes: dict[str, object], wo
         Case().replace(changes)
 
 
+@pytest.mark.slow
 def test_the_report_shows_the_rest_and_the_other_tractions(tmp_path: Path) -> None:
     case = Case().replace(
         SOLVED

@@ -67,6 +67,7 @@ def test_structure_function_draws_measurement_and_fit_of_each_direction():
     assert [line.get_label() for line in one] == ["measured", "D = 1.000, G = 1 m"]
 
 
+@pytest.mark.slow
 def test_all_figures_are_written(case, tmp_path):
     written = figures.save_all(tmp_path, *case, formats=("svg",))
     assert {path.name for path in written} == {
@@ -97,7 +98,7 @@ def test_png_pdf_and_refused_endings(case, tmp_path):
 def test_mode_comparison_says_inferred_and_needs_the_paper(case):
     axes = figures.mode_comparison(case[1]).axes[0]
     assert "inferred" in axes.get_title()
-    assert axes.patches[6].get_height() == pytest.approx(100 * (3534.42 / 3559.8 - 1))
+    assert axes.patches[6].get_height() == pytest.approx(100 * (3534.42 / 3559.8 - 1))  # type: ignore[attr-defined]
     with pytest.raises(InputError, match="nothing to compare"):
         figures.mode_comparison(dataclasses.replace(case[1], mode_table=({"mode": 1, "full_hz": 507.0},)))
 

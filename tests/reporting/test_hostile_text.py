@@ -187,6 +187,7 @@ def test_a_template_that_names_what_it_was_not_given_is_an_error() -> None:
         rendered("structure.html", {"legend": [], "figures": []})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["$x^{2$", "--><script>", "<b>R&D</b>"])
 def test_a_figure_shows_names_as_they_are(tmp_path: Path, name: str) -> None:
     """A "$" begins no mathematics, and names in an SVG file are no elements of it, nor end a comment."""
@@ -213,7 +214,7 @@ def test_code_makes_markup_of_its_own_words_alone(module: Path) -> None:
     for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
         name = node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
         if name in ("Markup", "PlotMarkup") and module.stem != "templates":
-            assert isinstance(node.args[0], ast.Constant), f"{module.name}:{node.lineno}"
+            assert isinstance(node.args[0], ast.Constant), f"{module.name}:{node.lineno}"  # type: ignore[attr-defined]
         if isinstance(node, ast.JoinedStr):
             written = "".join(str(part.value) for part in node.values if isinstance(part, ast.Constant))
             assert not re.search(r"</?[a-z]|<!--", written), f"{module.name}:{node.lineno}: HTML outside of templates"

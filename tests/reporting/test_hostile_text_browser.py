@@ -30,6 +30,8 @@ from stickslip.results.storage import save_results
 from sweep_tables import MODE, load_key, sweep_view
 from synthetic import synthetic_response, synthetic_study
 
+pytestmark = pytest.mark.slow
+
 PAGES = pytest.mark.parametrize("kind", ["report", "report-of-a-file", "sweep", "paper"])
 # What the mouse shows of every trace of every plot at its first point; plotly.js answers once in 50 ms.
 _HOVER = """async () => {

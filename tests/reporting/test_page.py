@@ -162,6 +162,7 @@ def test_maps_and_loops_are_thinned_to_the_room_and_keep_the_peak(case, monkeypa
     assert (data["mapPoints"], data["loops"]["points"]) == ([view.point], [])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("n_pairs", "n_points"), [(1000, 600), (5000, 600), (110, 10_000)])
 def test_no_page_grows_beyond_its_limit(n_pairs: int, n_points: int) -> None:
     response, study = large_result(n_pairs, n_points)
@@ -227,6 +228,7 @@ def test_page_from_a_saved_file_is_the_same(case, text, tmp_path):
     assert (tmp_path / "report.html").read_text(encoding="utf-8") == text
 
 
+@pytest.mark.slow
 def test_page_from_a_file_that_is_older_than_sketches_and_rough_faces(case, tmp_path):
     sketched = dataclasses.replace(case[1], sketch=stacked_boxes())
     save_results(tmp_path / "results.nc", case[0], sketched)

@@ -15,6 +15,8 @@ from stickslip.reporting.page import write_page
 from stickslip.reporting.style import VERMILLION
 from synthetic import synthetic_response, synthetic_study
 
+pytestmark = pytest.mark.slow
+
 PLOTS = 2 + 2 + 4 + 2 + 2 + 1
 
 

@@ -253,6 +253,7 @@ def rough_sheet(count: int, **changes: Any) -> Sketch:
     return sketch_of_boxes(CUBE, body=np.zeros(count**2, dtype=int), mesh_sides=count**2, **values | changes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mesh_sides", [COUNT**2, 10**6])
 def test_the_largest_drawing_is_smaller_than_its_limit(mesh_sides: int) -> None:
     assert COUNT**2 <= MOST_SIDES < (COUNT + 1) ** 2
@@ -265,6 +266,7 @@ def test_the_largest_drawing_is_smaller_than_its_limit(mesh_sides: int) -> None:
     assert 'class="bodies"' in text  # sides of a pixel or two have no lines
 
 
+@pytest.mark.slow
 def test_the_page_with_the_largest_drawing_stays_below_its_limit() -> None:
     response, study = large_result(5000, 600)
     with_drawing = page(response, dataclasses.replace(study, sketch=rough_sheet(COUNT)))

@@ -169,6 +169,7 @@ def test_the_page_draws_itself_without_network(browser, sweep_file: Path, width:
         page.wait_for_function("document.getElementById('curves').layout.yaxis.type === 'log'")
 
 
+@pytest.mark.slow
 def test_the_keyboard_reaches_everything(browser, sweep_file: Path) -> None:
     with opened_page(browser, sweep_file) as page:
         stops = tab_stops(page)
@@ -180,6 +181,7 @@ def test_the_keyboard_reaches_everything(browser, sweep_file: Path) -> None:
         page.wait_for_function("document.getElementById('curves').layout.yaxis.type === 'log'")
 
 
+@pytest.mark.slow
 def test_a_large_sweep_stays_small_and_draws_every_curve(browser, tmp_path: Path) -> None:
     loads = load_key(tuple(np.linspace(100.0, 800.0, 200).tolist()))
     view = sweep_view((loads,), [1e-4 * (1.0 + k / 200) for k in range(200)], points=2001)

@@ -21,6 +21,7 @@ def test_amplitude_of_one_harmonic_with_mean_is_mean_plus_radius():
     np.testing.assert_allclose(periodic_amplitude(coefficients), [5.5, 5.5, 1.0], rtol=1e-14)
 
 
+@pytest.mark.slow
 def test_amplitude_equals_a_very_fine_search():
     coefficients = np.random.default_rng(3).normal(size=(200, 11))
     fine = np.abs(coefficients @ synthesis_matrix(5, 200_000).T).max(axis=1)

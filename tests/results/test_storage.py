@@ -62,7 +62,7 @@ def test_a_file_without_a_rough_face_is_read(response, tmp_path):
 )
 def test_a_rough_face_that_is_no_grid_is_refused(change, words):
     with pytest.raises(InputError, match=re.escape(words)):
-        dataclasses.replace(synthetic_study(4, 3).rough_patch, **change)
+        dataclasses.replace(synthetic_study(4, 3).rough_patch, **change)  # type: ignore[type-var]
 
 
 def test_response_alone_and_anisotropic_pairs(response, tmp_path):
@@ -129,6 +129,7 @@ def test_file_of_another_version(saved):
         load_results(saved)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.02, 0.3, 0.6, 0.9, 0.999])
 def test_truncated_file(saved, share):
     whole = saved.read_bytes()

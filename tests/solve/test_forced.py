@@ -80,6 +80,7 @@ def test_energy_balance_at_every_point(bench: ForcedResponse) -> None:
     assert np.abs(bench.normal_work.sum(axis=1) / bench.input_energy).max() < 1e-2
 
 
+@pytest.mark.slow
 def test_impact_of_a_few_samples_is_no_friction() -> None:
     """A stiff stop behind a gap: what the coarsely sampled normal force gives or takes is told, and not as friction."""
     superelement = Superelement(np.eye(3), np.diag([2e6, 2.5e6, 1e6]), np.diag([20.0, 20.0, 10.0]))
@@ -184,6 +185,7 @@ def two_bodies(contact_stiffness: float, damping: float | None) -> tuple[Superel
     return Superelement(np.eye(6), stiffness, matrix), pairs
 
 
+@pytest.mark.slow
 def test_no_viscous_damping_is_solved_and_told() -> None:
     superelement, pairs = two_bodies(1e6, None)
     response = forced_response(superelement, pairs, [5.0, 0, 0, 0, 0, 0], frequency_hz=(140.0, 190.0), harmonics=3)
@@ -258,6 +260,7 @@ def test_an_unfinished_branch_keeps_its_points_and_says_why(blade: Blade) -> Non
     assert "5 points were not enough" in partial.message
 
 
+@pytest.mark.slow
 def test_no_first_point_raises_with_every_attempt(blade: Blade) -> None:
     with pytest.raises(ConvergenceError, match=r"amplitude ramp.*from 1 harmonic"):
         forced_response(
@@ -331,6 +334,7 @@ def test_bad_input_gets_a_sentence(blade: Blade, case: str) -> None:
         forced_response(blade.superelement, blade.pairs, **arguments)
 
 
+@pytest.mark.slow
 def test_a_window_inside_the_resonance_finds_a_start(bench: ForcedResponse, blade: Blade) -> None:
     """Newton does not converge from the linear response there, so the start falls back and says so."""
     inside = blade.response(

@@ -12,12 +12,14 @@ from stickslip.structure.elasticity import Material, assemble_bodies, natural_fr
 from stickslip.structure.superelement import Superelement
 
 
+@pytest.mark.slow
 def test_blade_pair_has_699_unknowns(blade_mesh, blade_superelement):
     assert blade_superelement.size == 669 + 30
     assert blade_superelement.recovery.shape == (15015, 699)
     assert blade_superelement.boundary_nodes[-1] == blade_mesh.node_set("response")[0]
 
 
+@pytest.mark.slow
 def test_reduction_table_of_the_blade_pair(blade_mesh, blade_structure, blade_superelement, pairs_of):
     rows = reduction_table(blade_structure, blade_superelement, pairs_of(blade_mesh))
     difference = [row.difference_percent for row in rows]
@@ -28,6 +30,7 @@ def test_reduction_table_of_the_blade_pair(blade_mesh, blade_structure, blade_su
     assert [row.paper_full_hz for row in rows] == [line["full_hz"] for line in paper_table()]
 
 
+@pytest.mark.slow
 def test_stuck_frequencies_of_the_blade_pair(
     blade_mesh, blade_structure, blade_superelement, pairs_of, reference_frequencies
 ):
@@ -93,6 +96,7 @@ def test_a_bad_boundary_or_mode_count_is_refused(held_block, nodes, n_modes, fra
         craig_bampton(held_block, nodes, n_modes)
 
 
+@pytest.mark.slow
 def test_a_boundary_that_leaves_the_damper_free_is_refused(blade_mesh, blade_structure):
     with pytest.raises(InputError, match=r"singular.*boundary nodes"):
         craig_bampton(blade_structure, blade_mesh.node_set("left_face"))

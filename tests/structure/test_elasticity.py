@@ -75,6 +75,7 @@ def test_cantilever_frequency_is_that_of_a_beam(make_block):
     np.testing.assert_allclose(frequency_hz, beam, rtol=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("element", ["incompatible", "trilinear"])
 def test_frequencies_converge_with_the_square_of_the_element_size(make_block, element):
     def first_elastic(name, n):
@@ -89,6 +90,7 @@ def test_frequencies_converge_with_the_square_of_the_element_size(make_block, el
     assert (slope < 2.2).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("element", "column"),
     [

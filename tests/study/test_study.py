@@ -23,6 +23,8 @@ from stickslip.study import run as study
 from stickslip.study.figure_process import PAGE_GRID, rough_patch
 from sweep_cases import COARSE_MESH
 
+pytestmark = pytest.mark.slow
+
 COARSE = {
     **COARSE_MESH,
     "geometry.excitation_height": "9 mm",

@@ -47,7 +47,7 @@ def test_name_and_key_follow_from_the_inputs_alone(monkeypatch: pytest.MonkeyPat
     retitled = planned({"preload.centrifugal_force": "300"}, Case().replace({"study.title": "Other"}))[0]
     assert retitled.key == first.key  # a title changes no answer
     assert planned({"preload.centrifugal_force": "300"}, Case().replace({"solver.harmonics": 3}))[0].key != first.key
-    for other in ("99.0 (code 0)", plan.worker_version().replace("(code ", "(code 0")):
+    for other in ("99.0 (code 0)", plan.worker_version().replace("(code ", "(code 0")):  # type: ignore[attr-defined]
         with monkeypatch.context() as patch:
             patch.setattr(plan, "worker_version", lambda other=other: other)
             assert planned({"preload.centrifugal_force": "300"})[0].key != first.key  # another version answers anew

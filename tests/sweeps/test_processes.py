@@ -70,7 +70,7 @@ def test_a_worker_that_dies_fails_its_own_case_only(tmp_path: Path) -> None:
 @pytest.mark.usefixtures("light_tasks")
 def test_an_executor_that_is_broken_fails_its_cases(tmp_path: Path) -> None:
     class Broken(Executor):
-        def submit(self, *_: object, **__: object) -> object:
+        def submit(self, *_: object, **__: object) -> object:  # type: ignore[override]
             raise BrokenExecutor("gone")
 
     broken: list[str] = []
@@ -149,6 +149,7 @@ def require_end(pids: list[int]) -> None:
         time.sleep(0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="no process groups on this system")
 def test_an_interrupted_and_a_killed_sweep_go_on_without_solving_again(tmp_path: Path) -> None:
     study, out = quick_file(tmp_path), tmp_path / "out"
@@ -196,7 +197,7 @@ def test_workers_of_other_code_end_the_sweep_without_a_row(
 ) -> None:
     monkeypatch.setattr(schedule, "parcel", lambda *call: replace(work.parcel(*call), version="0.0.9 (code 0)"))
     rows: list[object] = []
-    pool = executor(1)
+    pool = executor(1)  # type: ignore[call-arg]
     try:
         with pytest.raises(
             WorkersError, match=r"the worker on .* \(process \d+\) runs stickslip .* the sweep runs 0.0.9"

@@ -61,6 +61,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, sweep_run.Swe
     return folder, result, heard, calls
 
 
+@pytest.mark.slow
 def test_one_row_and_one_file_for_each_case(swept: tuple) -> None:
     folder, result, _, _ = swept
     table = result.table
@@ -82,6 +83,7 @@ def test_one_row_and_one_file_for_each_case(swept: tuple) -> None:
         assert len(saved.study.mode_table) == 10
 
 
+@pytest.mark.slow
 def test_a_case_of_a_sweep_is_the_case_of_a_run(swept: tuple, tmp_path: Path) -> None:
     _, result, _, _ = swept
     case = quick_case().replace(
@@ -97,6 +99,7 @@ def test_a_case_of_a_sweep_is_the_case_of_a_run(swept: tuple, tmp_path: Path) ->
     assert saved.study.sketch is None  # it would be the same in the file of every case
 
 
+@pytest.mark.slow
 def test_shared_work_is_done_once(swept: tuple) -> None:
     assert swept[3] == {"set_up": 1, "reduce_structure": 1, "solve": 4}
 
@@ -126,6 +129,7 @@ def test_table_files_hold_the_table(swept: tuple) -> None:
     assert "Damper performance" in (folder / "sweep.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_two_processes_and_any_executor_give_the_same_table(swept: tuple, tmp_path: Path) -> None:
     folder, result, _, _ = swept
     local = ss.sweep(quick_case(), VARY, out=tmp_path / "processes", workers=2)
@@ -198,6 +202,7 @@ def test_damaged_and_foreign_files_are_told_and_solved_again(swept: tuple, tmp_p
     assert ss.sweep(quick_case(), VARY, out=tmp_path / "copy", workers=1).found == 4
 
 
+@pytest.mark.slow
 def test_cases_that_fail_are_rows_and_the_others_go_on(swept: tuple, tmp_path: Path) -> None:
     vary = {"roughness.fractal_roughness": ["1e-8 m", "1e-4 m"], "geometry.damper_length": ["28 mm", "40 mm"]}
     case = quick_case().replace({"preload.centrifugal_force": 450})
@@ -215,6 +220,7 @@ def test_cases_that_fail_are_rows_and_the_others_go_on(swept: tuple, tmp_path: P
         ss.sweep(case, {"roughness.fractal_roughness": ["1e-4 m"]}, workers=1)
 
 
+@pytest.mark.slow
 def test_curves_without_end_or_start_are_kept_and_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def stopped(case: Case, model: ReducedModel, threads: int) -> ForcedResponse:
         if case.excitation.mode == "same":

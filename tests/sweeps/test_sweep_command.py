@@ -20,6 +20,7 @@ def invoke(*arguments: object) -> Any:
     return CliRunner().invoke(cli.app, ["sweep", *(str(each) for each in arguments)])
 
 
+@pytest.mark.slow
 def test_files_and_exit_code_of_a_sweep_that_worked(tmp_path: Path) -> None:
     file, out = quick_file(tmp_path), tmp_path / "out"
     arguments = (file, "--vary", f"{LOAD}=600 N,650", "--out", out, "--workers", 1)
@@ -38,6 +39,7 @@ def test_files_and_exit_code_of_a_sweep_that_worked(tmp_path: Path) -> None:
     assert "2 of them finished before" in invoke(*arguments).stdout
 
 
+@pytest.mark.slow
 def test_failed_cases_are_exit_3_with_the_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file, out = quick_file(tmp_path), tmp_path / "out"
     rough = "roughness.fractal_roughness=1e-8 m,1e-4 m"

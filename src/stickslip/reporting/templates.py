@@ -7,12 +7,13 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import version
 from importlib.resources import files
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
+
+from stickslip import __version__
 
 # Of style, plotly.js needs its own sheet and attributes; a picture is saved by way of a blob.
 _POLICY = (
@@ -80,7 +81,7 @@ def whole_page(
         "policy": _POLICY.format(scripts=" ".join(map(_source, scripts)) or "'none'"),
         "data": data or {},
         "scripts": scripts,
-        "version": version("stickslip"),
+        "version": __version__,
         "provenance": provenance,
     }
     return str(rendered(template, {**values, **frame}))

@@ -9,6 +9,7 @@ from importlib.metadata import version
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip import __version__
 from stickslip.core.errors import InputError
 from stickslip.core.plain_data import plain, same_content
 from stickslip.core.validation import FloatArray, finite_array
@@ -139,10 +140,11 @@ def run_provenance() -> dict[str, str]:
     """Date (UTC), and versions of stickslip, Python and the numerical packages, to be kept with a response."""
     import platform
 
-    packages = ("stickslip", "numpy", "scipy", "numba", "scikit-fem", "xarray", "h5netcdf")
+    packages = ("numpy", "scipy", "numba", "scikit-fem", "xarray", "h5netcdf")
     return {
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "python": platform.python_version(),
         "system": f"{platform.system()} {platform.machine()}",
+        "stickslip": __version__,
         **{name: version(name) for name in packages},
     }

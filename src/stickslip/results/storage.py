@@ -10,13 +10,13 @@ from __future__ import annotations
 import io
 import json
 from dataclasses import dataclass
-from importlib.metadata import version
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from stickslip import __version__
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import ImportFileError, InputError, ResultsFileError
 from stickslip.core.files import whole_file
@@ -201,7 +201,7 @@ def _response_dataset(response: ForcedResponse) -> xarray.Dataset:
     harmonic = {"harmonic": _variable(("harmonic",), np.arange(1, response.harmonics + 1), "1", "harmonic number")}
     attributes = {
         "title": "Forced response of a structure with rough, dry-friction joints",
-        "source": f"stickslip {version('stickslip')}",
+        "source": f"stickslip {__version__}",
         "stickslip_format": FORMAT_VERSION,
         "converged": int(response.converged),
         "samples": response.samples,

@@ -12,12 +12,12 @@ import socket
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from stickslip import __version__
 from stickslip.case.case import Case
 from stickslip.core.errors import StickslipError, WorkersError
 from stickslip.core.files import source_digest
@@ -73,7 +73,7 @@ def answering_files() -> list[Path]:
 
 def worker_version() -> str:
     """Version and code of stickslip where the tasks run; also the sign that a worker runs at all."""
-    return f"{version('stickslip')} (code {code_digest()[:12]})"
+    return f"{__version__} (code {code_digest()[:12]})"
 
 
 @dataclass(frozen=True)

@@ -128,9 +128,9 @@ STEPS = {
 
 def tractrix_step(force: FloatArray, move: FloatArray, first: float, last: float, tractrix: bool = True) -> FloatArray:
     """T1, T2 and energy of one step of the code, k = 1."""
-    t1, t2, code = advance(*force, *move, first, last, 1.0, 1.0, tractrix)
+    t1, t2, code = advance(*force, *move, first, last, 1.0, 1.0, tractrix)  # type: ignore[call-arg]
     slips = code != STICK and max(first, last) > 0.0
-    energy = step_dissipation(*force, *move, first, last, t1, t2, 1.0, 1.0, tractrix) if slips else 0.0
+    energy = step_dissipation(*force, *move, first, last, t1, t2, 1.0, 1.0, tractrix) if slips else 0.0  # type: ignore[call-arg]
     return np.array([t1, t2, energy])
 
 
@@ -176,7 +176,7 @@ def test_tractrix_extremes_stay_on_the_limit() -> None:
         ([1e-200, 0.0], [1.0, 1.0], 1e-200, 1e-3),
         ([1.0, 0.0], [0.1, 0.2], 1.0, 1e-200),
     ]:
-        t1, t2, code = advance(*force, *move, first, last, 1.0, 1.0, True)
+        t1, t2, code = advance(*force, *move, first, last, 1.0, 1.0, True)  # type: ignore[call-arg]
         assert code == SLIP
         assert np.hypot(t1, t2) == pytest.approx(last, rel=1e-12)
 

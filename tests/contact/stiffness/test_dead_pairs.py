@@ -8,8 +8,8 @@ from math import log, log10, pi, sqrt
 
 import numpy as np
 import pytest
-from rough_faces import NOMINAL_AREA, pair_stiffness, rough
 
+from rough_faces import NOMINAL_AREA, pair_stiffness, rough
 from stickslip.contact.stiffness.asperities import Roughness, fully_plastic_load
 from stickslip.core.errors import RoughnessError
 

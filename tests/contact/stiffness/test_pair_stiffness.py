@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rough_faces import MINDLIN, NOMINAL_AREA, pair_stiffness, rough
 
+from rough_faces import MINDLIN, NOMINAL_AREA, pair_stiffness, rough
 from stickslip.contact.stiffness.fractal import contact_stiffness
 from stickslip.core.errors import RoughnessError
 

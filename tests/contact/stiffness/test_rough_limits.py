@@ -7,8 +7,8 @@ from math import exp, log, pi, sqrt
 
 import numpy as np
 import pytest
-from rough_faces import NOMINAL_AREA, pair_stiffness, rough
 
+from rough_faces import NOMINAL_AREA, pair_stiffness, rough
 from stickslip.contact.preload import uniform_preload
 from stickslip.contact.stiffness.asperities import (
     domain_extension_factor,

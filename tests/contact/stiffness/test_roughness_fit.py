@@ -37,6 +37,7 @@ def worded(fit: ss.RoughnessFit, words: str) -> bool:
     return any(sentence.startswith(words) for sentence in fit.warnings)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("dimension", "scale"), [(2.2, 1e-12), (2.4, 1e-9), (2.6, 1e-8), (2.8, 1e-7)])
 @pytest.mark.usefixtures("few_simulations")
 def test_known_values_are_found_without_bias(dimension: float, scale: float) -> None:
@@ -52,6 +53,7 @@ def test_known_values_are_found_without_bias(dimension: float, scale: float) -> 
     assert all(fit.usable and fit.fit_probability > 0.0 for fit in fits)
 
 
+@pytest.mark.slow
 def test_same_seed_same_result_and_heights_in_another_unit() -> None:
     heights = profile(2.4, 1e-9)
     first, again = ss.fit_roughness(heights, SPACING), ss.fit_roughness(heights, SPACING)
@@ -64,6 +66,7 @@ def test_same_seed_same_result_and_heights_in_another_unit() -> None:
     assert first.scale_range == pytest.approx((2e-6, 1e-4))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("few_simulations")
 def test_a_tilt_changes_nothing_and_is_named() -> None:
     heights = profile(2.6, 1e-8)
@@ -74,6 +77,7 @@ def test_a_tilt_changes_nothing_and_is_named() -> None:
     assert worded(second, "Trend removed")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("few_simulations")
 def test_noise_is_found_and_left_out() -> None:
     heights = profile(2.3, 1e-10, points=2000)
@@ -86,6 +90,7 @@ def test_noise_is_found_and_left_out() -> None:
     assert not worded(ss.fit_roughness(heights, SPACING), "Noise")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("few_simulations")
 def test_missing_short_waves_raise_the_first_scale() -> None:
     heights = np.convolve(profile(2.5, 1e-9, points=4000), np.full(20, 0.05), "valid")
@@ -95,6 +100,7 @@ def test_missing_short_waves_raise_the_first_scale() -> None:
     assert fit.fractal_dimension_interval[0] < 2.5 < fit.fractal_dimension_interval[1]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("few_simulations")
 def test_a_sine_is_not_fractal() -> None:
     heights = 1e-6 * np.sin(2 * np.pi * np.arange(1000) / 60)
@@ -109,6 +115,7 @@ def test_a_smooth_curve_is_out_of_range() -> None:
     assert worded(fit, "D out of 2..3")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("few_simulations")
 def test_map_with_and_without_direction() -> None:
     x, y = np.meshgrid(SPACING * np.arange(240), 2 * SPACING * np.arange(160))
@@ -124,6 +131,7 @@ def test_map_with_and_without_direction() -> None:
     assert worded(stretched, "Not isotropic: the heights change more along y")
 
 
+@pytest.mark.slow
 def test_scales_and_longest_wave_are_used() -> None:
     heights = profile(2.4, 1e-9)
     fit = ss.fit_roughness(heights, SPACING, scales=(5e-6, 4e-5), longest_wave=1e-3)

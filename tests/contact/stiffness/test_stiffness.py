@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rough_faces import MINDLIN, NOMINAL_AREA, RATIO, REDUCED_MODULUS, pair_stiffness, rough
 
+from rough_faces import MINDLIN, NOMINAL_AREA, RATIO, REDUCED_MODULUS, pair_stiffness, rough
 from stickslip.contact.stiffness.asperities import (
     SpotPopulation,
     domain_extension_factor,

@@ -106,6 +106,7 @@ def ensemble(request: pytest.FixtureRequest) -> tuple[float, np.ndarray, np.ndar
     return request.param, found[:, :, 0], found[:, :, 1:]
 
 
+@pytest.mark.slow
 def test_structure_function_of_an_ensemble(ensemble: tuple[float, np.ndarray, np.ndarray]) -> None:
     dimension, start, end = ensemble
     measured = ((end - start[:, :, None]) ** 2).mean(axis=(0, 1))
@@ -131,6 +132,7 @@ def weighted_cosine(dimension: float, phases: np.ndarray) -> float:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dimension", [2.2, 2.5, 2.8])
 def test_root_mean_square_slope_of_an_ensemble(dimension: float) -> None:
     x, y = scattered(100)

@@ -102,6 +102,7 @@ def test_the_sound_file_is_read(name):
     np.testing.assert_allclose(volumes, [1000.0, 500.0] if "gmsh" in name else [1000.0, 1000.0], rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
 @settings(max_examples=60, derandomize=True, deadline=None, database=None)
 @given(seed=st.integers(0, 2**32))
@@ -151,6 +152,7 @@ def test_the_sound_deck_in_files_is_read(folder):
     assert model.fixed_unknowns.tolist() == [*range(12)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stem", deck_in_files())
 @settings(max_examples=100, derandomize=True, deadline=None, database=None)
 @given(seed=st.integers(0, 2**32))

@@ -69,6 +69,7 @@ def test_grdset_gives_blank_fields_only(tmp_path):
     assert held == [([1], (2,)), ([2], (2,)), ([4], (0, 1))]
 
 
+@pytest.mark.slow
 def test_a_long_chain_of_systems(tmp_path):
     """Each one lies at (1, 0, 0) of the next; no recursion ends it."""
     count = 3000

@@ -42,7 +42,7 @@ def bricks() -> tuple[Structure, Joint]:
 def test_the_faces_do_not_match_and_every_node_finds_a_partner(tetrahedra: tuple[Structure, Joint]) -> None:
     setup, pairs = set_up(load_case(STUDY)), tetrahedra[1].face_pairs
     assert not pairs.is_matching
-    for pairing in setup.pairings:
+    for pairing in setup.pairings:  # type: ignore[attr-defined]
         assert pairing.pairs.n_pairs == 131
         assert not pairing.unpaired_first.points.size
         assert not pairing.unpaired_second.points.size
@@ -60,6 +60,7 @@ def test_same_joint_in_both_models(tetrahedra: tuple[Structure, Joint], bricks: 
         assert tetrahedra[1].face_sum(ours) == pytest.approx(bricks[1].face_sum(other), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_stuck_frequencies_are_those_of_the_bricks(
     tetrahedra: tuple[Structure, Joint], bricks: tuple[Structure, Joint]
 ) -> None:
@@ -71,6 +72,7 @@ def test_stuck_frequencies_are_those_of_the_bricks(
     assert found == pytest.approx(wanted, rel=0.005)  # what this mesh reaches
 
 
+@pytest.mark.slow
 def test_rigid_contact_gives_the_tied_frequencies_of_the_bricks(
     tetrahedra: tuple[Structure, Joint], bricks: tuple[Structure, Joint]
 ) -> None:
@@ -107,6 +109,7 @@ def run(path: Path, out: Path) -> str:
     return result.output
 
 
+@pytest.mark.slow
 def test_from_file_to_report(tmp_path: Path) -> None:
     """The example as it stands."""
     out = tmp_path / "out"
@@ -123,6 +126,7 @@ def test_from_file_to_report(tmp_path: Path) -> None:
         assert words in page, words
 
 
+@pytest.mark.slow
 def test_with_a_solved_preload(tmp_path: Path) -> None:
     """500 N on the damper's bottom instead of a given normal load of each face."""
     load = '[static_loads.wedge]\nset = "damper_bottom"\nspread = "area"\ndirection = [0, 0, 1]\nforce = "500 N"\n'

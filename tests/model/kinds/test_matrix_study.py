@@ -37,6 +37,7 @@ def changed(folder: Path, **changes: Any) -> Case:
     )
 
 
+@pytest.mark.slow
 def test_run_writes_report_and_results(folder: Path) -> None:
     result = CliRunner().invoke(app, ["run", str(folder / "study.toml"), "--out", str(folder / "out")])
     assert result.exit_code == 0, result.output
@@ -130,6 +131,7 @@ def test_roughness_needs_a_material(folder: Path) -> None:
         set_up(Case.from_mapping(data))
 
 
+@pytest.mark.slow
 def test_damping_of_the_files_is_taken_and_never_doubled(folder: Path, tmp_path: Path) -> None:
     found = read_superelement(folder)
     damped = replace(found, damping=2e-7 * found.stiffness)

@@ -37,6 +37,7 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     return folder / "out", result.output
 
 
+@pytest.mark.slow
 def test_run_writes_report_results_and_shapes(solved: tuple[Path, str]) -> None:
     folder, output = solved
     for name in ("results.nc", "report.html", "contact_pairs.vtu", "mode_shapes.vtu", "deflected_shape.pvd"):
@@ -94,7 +95,7 @@ def test_forces_loads_and_outputs_of_sets() -> None:
     setup = set_up(case)
     model = build_model(case, setup.assemble(), load_joint(case, setup.layout))
     # a rigid motion of the beam is not free (it is clamped), so the shift is that of the loose block alone
-    block = np.isin(model.superelement.boundary_nodes, setup.mesh.nodes_of_body(1))
+    block = np.isin(model.superelement.boundary_nodes, setup.mesh.nodes_of_body(1))  # type: ignore[attr-defined]
     shift = np.zeros((3, model.superelement.size))
     for axis in range(3):
         shift[axis, 3 * np.flatnonzero(block) + axis] = 1.0
@@ -217,6 +218,7 @@ def test_wrong_units_are_a_warning() -> None:
     assert any("damper" in words and "8.2 kg/m3" in words for words in sentences)
 
 
+@pytest.mark.slow
 def test_a_sweep_varies_the_entry_of_one_interface(tmp_path: Path) -> None:
     """A sweep over an entry with a name of its own: two cases, one reduction, results that differ."""
     from stickslip.sweeps.run import sweep
@@ -263,9 +265,10 @@ def test_a_deck_with_parts_gives_the_same_study(tmp_path: Path) -> None:
         np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9 * np.abs(wanted).max())
     np.testing.assert_array_equal(models[0].force_cos, models[1].force_cos)
     np.testing.assert_allclose(models[0].joint.preload, models[1].joint.preload, rtol=1e-12)
-    assert set_up(case).mesh.body_names == ("Beam-1", "Block.1")
+    assert set_up(case).mesh.body_names == ("Beam-1", "Block.1")  # type: ignore[attr-defined]
 
 
+@pytest.mark.slow
 def test_a_sweep_varies_a_body_whose_name_has_a_dot(tmp_path: Path) -> None:
     from stickslip.sweeps.run import sweep
 

@@ -20,6 +20,8 @@ from stickslip.papers.rough_damper.plan import Setting
 from stickslip.papers.rough_damper.verdict_items import conclusions_item
 from stickslip.papers.rough_damper.verdicts import Answer, Verdict, judge
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:

@@ -25,6 +25,7 @@ def plan():
     return computations(Scope())
 
 
+@pytest.mark.slow
 def test_size_and_keys(plan) -> None:
     assert 350 <= len(plan) <= 420  # at some 2.3 s each, 420 take 8 minutes on two cores
     assert len({each.planned.key for each in plan}) == len(plan)
@@ -33,6 +34,7 @@ def test_size_and_keys(plan) -> None:
     assert len({each.planned.structure for each in plan}) == 4
 
 
+@pytest.mark.slow
 def test_every_joint_of_the_study_has_a_stiffness(plan) -> None:
     layout = set_up(plan[0].planned.case).layout
     for each in plan:

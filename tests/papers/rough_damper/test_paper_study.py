@@ -22,6 +22,8 @@ from stickslip.papers.rough_damper.plan import Scope, computations
 from stickslip.papers.rough_damper.study import PaperOutcome, paper_study
 from stickslip.papers.rough_damper.verdicts import Verdict
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, PaperOutcome]:
@@ -121,7 +123,7 @@ def test_a_stopped_study_goes_on_and_damage_is_computed_again(
     monkeypatch.setattr(computing, "solve_setting", counted)
     monkeypatch.setattr(study, "_written", lambda folder, scope, computed, told: computed)
     again = paper_study(folder, workers=1, scope=coarse_scope())
-    assert (again.found, len(solved), len(again.solved)) == (outcome.curves - 3, 3, outcome.curves)
+    assert (again.found, len(solved), len(again.solved)) == (outcome.curves - 3, 3, outcome.curves)  # type: ignore[attr-defined]
     # the file that was missing needs no sentence
     assert sorted(again.notices) == [
         f'"{files[1]}" is not used: it has no digest: it is damaged, was cut, or an older version wrote it. '

@@ -64,6 +64,7 @@ def dense_correction(blade: Blade, omega: float, u: np.ndarray) -> float:
     return float(np.linalg.norm(here - start)) / size
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", ["factor", "iteration", "iteration with few near modes"])
 def test_every_point_equals_the_dense_newton(blade: Blade, way: str, monkeypatch: pytest.MonkeyPatch) -> None:
     if way != "factor":

@@ -187,6 +187,7 @@ def solved(case: Case) -> tuple[ForcedResponse, Peak]:
     return response, summary(response, next(iter(model.outputs.values()))).peak
 
 
+@pytest.mark.slow
 def test_a_corner_that_turns_back_does_not_lose_the_branch() -> None:
     """At 469.89 Hz the branch turns by 160 degrees, over less than 3e-4 of the window; shorter steps fail there."""
     case = Case().replace(
@@ -206,6 +207,7 @@ def test_a_corner_that_turns_back_does_not_lose_the_branch() -> None:
     assert found.amplitude == pytest.approx(102.71e-6, rel=1e-3)  # with 128 and 512 samples, which meet no such corner
 
 
+@pytest.mark.slow
 def test_residual_tractions_make_loops_that_the_curve_of_two_blades_leaves_again() -> None:
     """Without a memory of where it was this curve ran round a loop at 455.9 Hz, beside pairs that stick, for ever."""
     case = Case().replace(

@@ -307,6 +307,7 @@ def test_the_restraint_of_a_state_without_friction_carries_nothing_that_the_stru
             assert state.residual < 1e-6
 
 
+@pytest.mark.slow
 def test_gaps_take_as_many_load_steps_as_the_tractions_need() -> None:
     """Pairs that touch one after the other slip along bent lines: the error of a ramp falls with its steps."""
     rng = np.random.default_rng(11)

@@ -39,6 +39,7 @@ def blades() -> PressedBlades:
     return PressedBlades.build(ELEMENTS, FORCE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("stiffness", "friction", "kind", "crown"), CASES)
 def test_forces_open_area_and_peak_pressure(blades, tmp_path, stiffness, friction, kind, crown):
     gap = crown * (blades.mesh.points[blades.pairs.first_node, 1] / HALF_LENGTH) ** 2

@@ -46,6 +46,7 @@ def radial_return(step: FloatArray, traction: FloatArray, normal_force: float, n
     return traction
 
 
+@pytest.mark.slow
 def test_step_law_is_the_limit_of_radial_return_in_many_substeps() -> None:
     rng = np.random.default_rng(1)
     for _ in range(60):
@@ -107,6 +108,7 @@ def observed_order(errors: list[float], steps: list[int]) -> float:
     return -float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
 
 
+@pytest.mark.slow
 def test_stuck_pair_follows_the_exact_linear_response_with_second_order() -> None:
     frequency_hz, steps = 0.3, [50, 100, 200, 400]
     omega = 2.0 * np.pi * frequency_hz
@@ -222,6 +224,7 @@ def integrate_blade(blade: Blade, balance: ForcedResponse, point: int, n_steps: 
     return response
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frequency_hz", [672.0, 686.8, 700.0])
 def test_blade_amplitude_equals_nine_harmonics_within_0_3_percent(
     frequency_hz: float, blade: Blade, balance: ForcedResponse
@@ -231,6 +234,7 @@ def test_blade_amplitude_equals_nine_harmonics_within_0_3_percent(
     assert response.amplitude(blade.tip) == pytest.approx(balance.amplitude(blade.tip)[point], rel=3e-3)
 
 
+@pytest.mark.slow
 def test_kept_tractions_agree_with_a_march_from_rest(blade: Blade) -> None:
     """Some pairs slip from 60 % of their limit on, the others keep their traction, which moves the mean."""
     rest = 0.6 * blade.pairs.friction_coefficient * blade.pairs.preload
@@ -258,6 +262,7 @@ def test_kept_tractions_agree_with_a_march_from_rest(blade: Blade) -> None:
     assert abs(mean - released.displacement[0, :, 0] @ blade.tip) > 0.1 * abs(mean)
 
 
+@pytest.mark.slow
 def test_blade_error_falls_with_the_step_and_energy_balances(blade: Blade, balance: ForcedResponse) -> None:
     point = int(np.abs(balance.frequency_hz - 686.8).argmin())
     harmonics = slice(0, 12)

@@ -1,0 +1,66 @@
+"""docs/extending.md: every block of Python runs and gives what its comments promise."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+TEXT = (Path(__file__).parents[1] / "docs" / "extending.md").read_text(encoding="utf-8")
+SECTIONS = {part.split("\n", 1)[0]: part for part in TEXT.split("\n## ")[1:]}
+
+
+def blocks(section: str) -> list[str]:
+    """The Python blocks of a section."""
+    return re.findall(r"```python\n(.*?)```", SECTIONS[section], flags=re.DOTALL)
+
+
+# Sections whose seam is not described yet have no block.
+WITH_BLOCKS = [section for section in SECTIONS if blocks(section)]
+
+
+def run(section: str) -> dict[str, Any]:
+    """Run the blocks of a section one after the other; returns their names."""
+    names: dict[str, Any] = {}
+    for block in blocks(section):
+        exec(compile(block, f"extending.md, {section}", "exec"), names)
+    return names
+
+
+def promised(section: str) -> list[str]:
+    """What the comments behind ``print`` say."""
+    return re.findall(r"^print\(.*\)\s+# (.+)$", "\n".join(blocks(section)), flags=re.MULTILINE)
+
+
+@pytest.mark.parametrize("section", WITH_BLOCKS)
+def test_blocks_run(section: str) -> None:
+    run(section)
+
+
+@pytest.mark.parametrize("section", WITH_BLOCKS)
+def test_blocks_import_only_the_public_package(section: str) -> None:
+    assert not re.search(r"(from|import) stickslip\.", "\n".join(blocks(section)))
+
+
+def test_the_seams_of_today_have_blocks() -> None:
+    assert {"A new excitation", "A new analysis"} <= set(WITH_BLOCKS)
+
+
+def test_engine_order(capsys: pytest.CaptureFixture[str]) -> None:
+    names = run("A new excitation")
+    assert promised("A new excitation")[0] in capsys.readouterr().out.splitlines()
+    unbalance = 1e-5 * 100.0**2
+    expected = [[0, 0, 0, 0], [10 + unbalance, 0, -10, 0], [0, 10 + unbalance, 0, -10]]
+    assert names["force"].coefficients(100.0) == pytest.approx(np.array(expected), abs=1e-12)
+
+
+def test_shallow_truss(capsys: pytest.CaptureFixture[str]) -> None:
+    loads = run("A new analysis")["loads"]
+    message, snap = capsys.readouterr().out.splitlines()
+    assert message == promised("A new analysis")[0]
+    assert float(snap.split()[-1]) == pytest.approx(2.0 / (3.0 * math.sqrt(3.0)), abs=6e-4)
+    assert np.flatnonzero(np.diff(np.sign(np.diff(loads)))).size == 2  # it passes two folds
