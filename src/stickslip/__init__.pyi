@@ -36,12 +36,12 @@ from .solve.controlled import controlled_response as controlled_response
 from .solve.excitation import Excitation as Excitation
 from .solve.forced import forced_response as forced_response
 from .solve.path.continuation import Branch as Branch
-from .solve.path.stepping import ContinuationSettings as ContinuationSettings
 from .solve.path.newton import Newton as Newton
 from .solve.path.newton import NewtonSettings as NewtonSettings
 from .solve.path.problem import Plane as Plane
 from .solve.path.problem import Problem as Problem
 from .solve.path.problem import Step as Step
+from .solve.path.stepping import ContinuationSettings as ContinuationSettings
 from .solve.static.ramp_to_rest import static_preload as static_preload
 from .solve.static.state import StaticState as StaticState
 from .structure.craig_bampton import craig_bampton as craig_bampton
