@@ -13,6 +13,7 @@ import pytest
 from browser_pages import LARGEST_PAGE
 from large_results import large_result
 from sketches import stacked_boxes
+from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
 from stickslip.reporting import page_data as page_data_module
 from stickslip.reporting import plots
@@ -76,7 +77,7 @@ def test_peak_at_the_end_of_the_range_is_a_warning(case):
     response, study = case
     half = 12
     parts = ("frequency_hz", "displacement", "contact_state", "dissipated_energy", "normal_work", "closure", "residual")
-    parts += ("iterations", "input_energy", "viscous_energy")
+    parts += ("iterations", "input_energy", "viscous_energy", "load_factor")
     cut = dataclasses.replace(response, **{name: getattr(response, name)[:half] for name in parts})
     assert "widen the frequency range" in without_plotly(page(cut, study))
 
@@ -176,7 +177,8 @@ def test_no_page_grows_beyond_its_limit(n_pairs: int, n_points: int) -> None:
 def test_no_page_grows_beyond_its_limit_where_all_pairs_need_their_forces() -> None:
     """Tractions that are kept at rest: the page needs the friction force of stuck pairs too."""
     response, study = large_result(3000, 200)
-    kept = dataclasses.replace(response.pairs, residual_traction=np.zeros((response.pairs.n_pairs, 2)))
+    law = dataclasses.replace(response.pairs.coulomb, residual_traction=np.zeros((response.pairs.n_pairs, 2)))
+    kept = ContactPairs.with_laws(response.pairs.operator, [law])
     text = page(dataclasses.replace(response, pairs=kept), study)
     assert 11e6 < len(text.encode()) < LARGEST_PAGE
 

@@ -57,10 +57,11 @@ def contact_states(response: ForcedResponse, study: StudyRecord, point: int | No
     figure, panels = _face_panels(study, f"{response.frequency_hz[at]:.2f} Hz, {view.amplitude_um[at]:.4g} µm")
     for face, axes in enumerate(panels):
         size = mark_size(1e3 * study.pair_position[study.pair_face == face], _MAP, 7.4) ** 2
-        for code, state in enumerate(STATES):
-            here = (study.pair_face == face) & (response.contact_state[at] == code)
+        for state, name in response.pairs.state_names.items():
+            here = (study.pair_face == face) & (response.contact_state[at] == state)
             x, y = 1e3 * study.pair_position[here].T
-            axes.scatter(x, y, marker=state.matplotlib_marker, color=state.colour, s=size, label=state.name)
+            look = STATES[state]
+            axes.scatter(x, y, marker=look.matplotlib_marker, color=look.colour, s=size, label=name)
     panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.12), ncols=3, frameon=False, borderaxespad=0.0)
     return figure
 

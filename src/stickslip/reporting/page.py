@@ -18,7 +18,7 @@ from stickslip.reporting.templates import Notice, Tile, when, whole_page
 from stickslip.reporting.view import View
 from stickslip.results.measures import summary_table
 from stickslip.results.record import StudyRecord
-from stickslip.results.response import STATE_NAMES, ForcedResponse
+from stickslip.results.response import ForcedResponse
 
 _MODE_HEADINGS = {
     "mode": "#",
@@ -126,7 +126,7 @@ def _tiles(view: View) -> tuple[Tile, ...]:
     def shift(value: float | None, what: str) -> str:
         return f"no {what} peak in range" if value is None else f"shift {shown_number(value, 'Hz')} Hz"
 
-    states = " · ".join(f"{count} {name}" for count, name in zip(measures.state_counts, STATE_NAMES, strict=True))
+    states = " · ".join(f"{measures.state_counts[state]} {name}" for state, name in measures.state_names.items())
     moving = sum(measures.state_counts[1:])
     return (
         Tile(

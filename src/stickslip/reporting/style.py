@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.results.measures import hertz
-from stickslip.results.response import STATE_NAMES
 
 INK = "#1b2a41"
 GREY = "#6b7787"
@@ -20,19 +19,16 @@ BODY_COLOURS = ("#b3d5e8", "#eae6e0", "#8d94a0", "#f2cf80", "#56b4e9", "#b8ad98"
 class StateStyle:
     """How a contact state is drawn: by shape as well as by colour, so that a grey print can be read."""
 
-    name: str
     colour: str
     plotly_symbol: str
     matplotlib_marker: str
 
 
-STATES = tuple(
-    StateStyle(name, *style)
-    for name, style in zip(
-        STATE_NAMES,
-        ((BLUE, "circle", "o"), (GREEN, "square", "s"), (VERMILLION, "triangle-up", "^")),
-        strict=True,
-    )
+# By the code of ContactState; their names are those that the laws of the pairs give them.
+STATES = (
+    StateStyle(BLUE, "circle", "o"),
+    StateStyle(GREEN, "square", "s"),
+    StateStyle(VERMILLION, "triangle-up", "^"),
 )
 
 MICRO = 1e6

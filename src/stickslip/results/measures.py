@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array
-from stickslip.results.response import STATE_NAMES, ForcedResponse
+from stickslip.results.response import ForcedResponse
 
 
 @dataclass(frozen=True)
@@ -36,9 +37,10 @@ class Summary:
 
     Shifts are in Hz, negative when the peak lies below the linear one. Reductions are ``1 - amplitude / linear peak``.
     They are None where one of the two peaks is not inside the computed range. ``damping_ratio`` is None where the curve
-    does not fall to half power on both sides. ``first_harmonic`` and ``mean`` are those of the output at the point
-    nearest to the peak, m. Energies in J per cycle, ``normal_work`` an error of sampling; ``energy_imbalance`` relative
-    to the input and the largest on the whole curve.
+    does not fall to half power on both sides. ``state_counts`` are pairs by the code of ContactState, ``state_names``
+    what the laws of the pairs call the states that they can have. ``first_harmonic`` and ``mean`` are those of the
+    output at the point nearest to the peak, m. Energies in J per cycle, ``normal_work`` an error of sampling;
+    ``energy_imbalance`` relative to the input and the largest on the whole curve.
     """
 
     peak: Peak
@@ -51,6 +53,7 @@ class Summary:
     damping_ratio: float | None
     friction_share: float
     state_counts: tuple[int, int, int]
+    state_names: dict[ContactState, str]
     friction_energy: float
     normal_work: float
     viscous_energy: float
@@ -146,8 +149,8 @@ def _crossing(frequency: FloatArray, height: FloatArray, level: float) -> float 
 
 
 def state_counts(contact_state: NDArray[np.int8]) -> NDArray[np.int64]:
-    """(n_points, 3) how many pairs are stuck, stick-slip, separating at each point, from (n_points, n_pairs)."""
-    return np.stack([(contact_state == state).sum(axis=1) for state in range(len(STATE_NAMES))], axis=1)
+    """(n_points, 3) how many pairs have each state of ContactState at each point, from (n_points, n_pairs)."""
+    return np.stack([(contact_state == state).sum(axis=1) for state in ContactState], axis=1)
 
 
 def energy_imbalance(response: ForcedResponse) -> FloatArray:
@@ -185,6 +188,7 @@ def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
         damping_ratio=half_power_damping(response.frequency_hz, amplitude, peak),
         friction_share=friction / (friction + viscous) if friction + viscous > 0.0 else 0.0,
         state_counts=(int(counts[0]), int(counts[1]), int(counts[2])),
+        state_names=response.pairs.state_names,
         friction_energy=friction,
         normal_work=float(response.normal_work[point].sum()),
         viscous_energy=viscous,
@@ -213,7 +217,6 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
     def shift(value: float | None) -> str:
         return "-" if value is None else hertz(value)
 
-    stuck, slip, separating = result.state_counts
     what = "Peak" if result.peak.bracketed else "Highest computed (at an end of the curve)"
     return [
         (f"{what} amplitude, 0-to-peak, mean included", number(result.peak.amplitude, 1e6), "µm"),
@@ -226,9 +229,7 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
         ("Reduction against the linear free peak", number(result.reduction_from_free, 100.0, 3), "%"),
         ("Half-power bandwidth ratio (equivalent damping)", number(result.damping_ratio, 100.0, 3), "%"),
         ("Share of friction in the loss", number(result.friction_share, 100.0, 3), "%"),
-        ("Pairs stuck", str(stuck), "-"),
-        ("Pairs stick-slip", str(slip), "-"),
-        ("Pairs separating", str(separating), "-"),
+        *((f"Pairs {name}", str(result.state_counts[state]), "-") for state, name in result.state_names.items()),
         ("Energy dissipated by friction", number(result.friction_energy, 1e6), "µJ per cycle"),
         ("Work of the normal forces (zero but for sampling)", number(result.normal_work, 1e6, 2), "µJ per cycle"),
         ("Energy dissipated by viscous damping", number(result.viscous_energy, 1e6), "µJ per cycle"),

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.core.files import whole_file
 from stickslip.core.validation import FloatArray
@@ -42,9 +43,9 @@ _MEASURES: dict[str, tuple[str, str, Callable[[Summary], float | bool | None]]] 
     "free_peak_amplitude_m": ("m", "highest linear peak, no contact", lambda s: _inside(s, "free", "amplitude")),
     "free_peak_frequency_hz": ("Hz", "its frequency", lambda s: _inside(s, "free", "frequency_hz")),
     "damping_ratio": ("1", "half-power bandwidth ratio (equivalent damping)", lambda s: s.damping_ratio),
-    "pairs_stuck": ("1", "pairs stuck at the peak", lambda s: s.state_counts[0]),
-    "pairs_stick_slip": ("1", "pairs in stick-slip at the peak", lambda s: s.state_counts[1]),
-    "pairs_separating": ("1", "pairs separating at the peak", lambda s: s.state_counts[2]),
+    "pairs_stuck": ("1", "pairs stuck at the peak", lambda s: s.state_counts[ContactState.STUCK]),
+    "pairs_stick_slip": ("1", "pairs in stick-slip at the peak", lambda s: s.state_counts[ContactState.STICK_SLIP]),
+    "pairs_separating": ("1", "pairs separating at the peak", lambda s: s.state_counts[ContactState.SEPARATING]),
     "friction_energy_j": ("J", "dissipated by friction per cycle at the peak", lambda s: s.friction_energy),
     "normal_work_j": (
         "J",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.contact.law.law import ContactState
 from stickslip.core.validation import FloatArray
 from stickslip.papers.rough_damper.claims import MICRO, energy_at, fixed_frequencies, friction_energy, series
 from stickslip.papers.rough_damper.plan import EXCITATIONS
@@ -164,15 +165,15 @@ def state_maps(solutions: Sequence[Solved], along: str) -> Figure:
             panel = axes[row, column]
             x, y = 1e3 * one.pair_position.T
             span = float(np.ptp(y)) + 2.0
-            for code, state in enumerate(STATES):
+            for code, style in zip(ContactState, STATES, strict=True):
                 here = one.pair_state == code
                 panel.scatter(
                     x[here],
                     (y + np.where(one.pair_face == 0, 0.6, -0.6) * span)[here],
-                    marker=state.matplotlib_marker,
-                    color=state.colour,
+                    marker=style.matplotlib_marker,
+                    color=style.colour,
                     s=12,
-                    label=state.name,
+                    label=code.label,
                 )
             counts = "/".join(f"{one.numbers[name]:g}" for name in ("stuck", "stick_slip", "separating"))
             panel.set_title(f"{one.setting.excitation}, {label(one, along)}: {counts}", fontsize=8)
