@@ -10,7 +10,14 @@ import pytest
 from stickslip.contact.law.closed_forms import mindlin_stiffness
 from stickslip.core.errors import InputError
 from stickslip.core.threads import thread_count
-from stickslip.core.validation import positive_number, real_number, require_allowed, require_choice, whole_number
+from stickslip.core.validation import (
+    finite_array,
+    positive_number,
+    real_number,
+    require_allowed,
+    require_choice,
+    whole_number,
+)
 from stickslip.model.kinds.two_blade_mesh import BladePairElements
 from stickslip.structure.elasticity import Material
 
@@ -81,3 +88,9 @@ def test_the_allowed_range_is_said() -> None:
 def test_modules_use_them(call: Callable[[], object], words: str) -> None:
     with pytest.raises(InputError, match=words):
         call()
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_a_single_number_that_is_not_finite_is_refused_as_an_entry_of_an_array_is(value: float) -> None:
+    with pytest.raises(InputError, match=f"^height is {value}; every entry"):
+        finite_array("height", value)

@@ -68,11 +68,11 @@ def finite_array(name: str, value: ArrayLike) -> FloatArray:
     except (TypeError, ValueError) as error:
         raise InputError(f"{name} must hold real numbers, but it could not be read as such: {error}.") from error
     bad = np.argwhere(~np.isfinite(array))
-    if bad.size:
-        where = ", ".join(str(i) for i in bad[0])
+    if len(bad):
+        where = f"[{', '.join(str(i) for i in bad[0])}]" if array.ndim else ""
         found = array[tuple(bad[0])]
         raise InputError(
-            f"{name}[{where}] is {found}; every entry must be a finite number ({len(bad)} of {array.size} are not). "
+            f"{name}{where} is {found}; every entry must be a finite number ({len(bad)} of {array.size} are not). "
             "Look for a division by zero or an empty cell where the array was made."
         )
     return array

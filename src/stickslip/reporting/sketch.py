@@ -6,6 +6,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
+from stickslip.core.plain_figure import VERMILLION
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.painting import PIXEL, Painting, paint
 from stickslip.reporting.sketch_labels import Box, Label, Labels, text_size
@@ -28,7 +29,7 @@ from stickslip.reporting.sketch_view import (
     glass_bodies,
     whole_window,
 )
-from stickslip.reporting.style import BODY_COLOURS, VERMILLION, number
+from stickslip.reporting.style import BODY_COLOURS, number
 from stickslip.reporting.svg import Element
 from stickslip.reporting.templates import rendered
 from stickslip.results.record import StudyRecord

@@ -1,4 +1,4 @@
-"""Colours, marker shapes and units that all figures share; the palette is that of Okabe and Ito, for every eye."""
+"""Marker shapes, line styles and units that all figures share."""
 
 from __future__ import annotations
 
@@ -6,11 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.core.plain_figure import BLUE, GREEN, VERMILLION
 from stickslip.results.measures import hertz
 
-INK = "#1b2a41"
-GREY = "#6b7787"
-BLUE, GREEN, VERMILLION, ORANGE, PURPLE = "#0072B2", "#009E73", "#D55E00", "#E69F00", "#CC79A7"
 # Bodies of a sketch: pale, so that contact, marks and words stand out from them.
 BODY_COLOURS = ("#b3d5e8", "#eae6e0", "#8d94a0", "#f2cf80", "#56b4e9", "#b8ad98")
 

@@ -139,17 +139,9 @@ def _law_group(group: str, number: int) -> str:
 
 
 def _law_dataset(law: ContactLaw, members: NDArray[np.int64]) -> xarray.Dataset:
-    constants = plain_data(law_constants(law))
+    constants = _storable_constants(law)
     arrays = {name: value for name, value in constants.items() if isinstance(value, np.ndarray)}
     plain = {name: value for name, value in constants.items() if name not in arrays}
-    for name, value in constants.items():
-        if isinstance(value, float) or (name in arrays and value.dtype.kind in "biuf"):
-            finite_array(f'constant "{name}" of the contact law "{law.name}"', value)
-        elif name in arrays or not isinstance(value, _Plain):
-            raise InputError(
-                f'the contact law "{law.name}" has the constant "{name}", which is of the kind {type(value).__name__}: '
-                "a results file holds numbers, texts and arrays of real numbers."
-            )
     kinds = {name: value.dtype.kind for name, value in arrays.items()}
     dataset = _LawVariables(members, plain, kinds).to_dataset()
     for name, value in arrays.items():
@@ -159,6 +151,21 @@ def _law_dataset(law: ContactLaw, members: NDArray[np.int64]) -> xarray.Dataset:
         stored_value = value.astype(np.int8) if value.dtype.kind == "b" else value
         dataset[_CONSTANT + name] = (dims, stored_value, {"long_name": f'{name} of the contact law "{law.name}"'})
     return dataset
+
+
+def _storable_constants(law: ContactLaw) -> dict[str, Any]:
+    """The constants of a law. Raises InputError for one that a file cannot hold."""
+    constants: dict[str, Any] = plain_data(law_constants(law))
+    for name, value in constants.items():
+        is_array = isinstance(value, np.ndarray)
+        if isinstance(value, float) or (is_array and value.dtype.kind in "biuf"):
+            finite_array(f'constant "{name}" of the contact law "{law.name}"', value)
+        elif is_array or not isinstance(value, _Plain):
+            raise InputError(
+                f'the contact law "{law.name}" has the constant "{name}", which is of the kind {type(value).__name__}: '
+                "a results file holds numbers, texts and arrays of real numbers."
+            )
+    return constants
 
 
 def _law_from(name: str, group: StoredGroup) -> tuple[ContactLaw, NDArray[np.int64]]:

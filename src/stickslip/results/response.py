@@ -19,6 +19,7 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import FloatArray, finite_array, require_choice
+from stickslip.results.curve_figure import AmplitudeCurve
 from stickslip.results.groups import read_groups, write_groups
 from stickslip.results.pair_variables import pairs_from, pairs_groups
 from stickslip.results.stored import StoredGroup
@@ -38,6 +39,7 @@ from stickslip.results.variables import (
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.figure import Figure
 
     from stickslip.contact.law.coulomb_harmonics import Update
     from stickslip.contact.law.law import ContactCycle
@@ -281,6 +283,30 @@ class ForcedResponse(Labelled):
         require_choice("limit", limit, ("stuck", "free"))
         curve: FloatArray = getattr(self.linear, limit)
         return periodic_amplitude(np.einsum("pic,i->pc", curve, self._row(output)))
+
+    @property
+    def stuck_name(self) -> str:
+        """Name of the linear stuck curve, which leaves pairs open that are open at rest."""
+        return "linear, all stuck" if self.pairs.closed_at_rest.all() else "linear, stuck (pairs closed at rest)"
+
+    def plot(self, output: ArrayLike, name: str = "") -> Figure:
+        """Amplitude of an output against frequency, linear stuck and free beside it, the peak marked.
+
+        Parameters
+        ----------
+        output:
+            (n,) row that reads a displacement; the amplitude is 0-to-peak, in µm.
+        name:
+            of the output, for the axis.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            which a notebook shows and ``savefig`` writes. Raises InputError for a row of another length.
+        """
+        stuck, free = (self.linear_amplitude(output, limit) for limit in ("stuck", "free"))
+        amplitude, linear_hz = self.amplitude(output), self.linear.frequency_hz
+        return AmplitudeCurve(self.frequency_hz, amplitude, linear_hz, stuck, free, self.stuck_name, name).figure()
 
     def harmonic_amplitude(self, output: ArrayLike, harmonic: int) -> FloatArray:
         """(n_points,) ``sqrt(c_k^2 + s_k^2)`` of ``output @ u``, and ``|c_0|`` for harmonic 0. Raises InputError."""

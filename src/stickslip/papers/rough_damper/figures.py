@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stickslip.contact.law.law import ContactState
+from stickslip.core.plain_figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, VERMILLION, blank_figure, plain_axes
 from stickslip.core.validation import FloatArray
 from stickslip.papers.rough_damper.claims import MICRO, energy_at, fixed_frequencies, friction_energy, series
 from stickslip.papers.rough_damper.plan import EXCITATIONS
 from stickslip.papers.rough_damper.records import SHOWN_PLACES, Solved
-from stickslip.reporting.figures import blank_figure, plain_axes, save
-from stickslip.reporting.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, STATES, VERMILLION
+from stickslip.reporting.figures import save
+from stickslip.reporting.style import STATES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
