@@ -45,8 +45,8 @@ _NAMED_BODIES = 12
 _MARK_PX = 6.0  # half the room that the mark of a response needs
 
 
-def structure_section(study: StudyRecord) -> Markup:
-    """The section with the drawing; nothing for a study without a sketch."""
+def structure_content(study: StudyRecord) -> Markup:
+    """The drawing of the structure with its legend; nothing for a study without a sketch."""
     sketch = study.sketch
     if sketch is None:
         return Markup("")
