@@ -21,6 +21,7 @@ from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import FloatArray, finite_array, require_choice
 from stickslip.results.curve_figure import AmplitudeCurve
 from stickslip.results.groups import read_groups, write_groups
+from stickslip.results.linear_curves import LinearCurves, points_between
 from stickslip.results.pair_variables import pairs_from, pairs_groups
 from stickslip.results.stored import StoredGroup
 from stickslip.results.variables import (
@@ -45,55 +46,9 @@ if TYPE_CHECKING:
     from stickslip.contact.law.law import ContactCycle
 
 _CURVE, _PAIRS = ("point",), ("point", "pair")
-_LIMIT = ("linear_point", "unknown")
 _Setting = str | float | int | None
 # More samples of a period than any run takes: what a damaged file says is not believed.
 MOST_SAMPLES = 10**6
-
-
-@dataclass(frozen=True, eq=False)
-class LinearCurves(Labelled):
-    """The two linear limits beside the computed curve: all pairs that are closed at rest stuck, and no contact at all.
-
-    Parameters
-    ----------
-    frequency_hz:
-        (n_linear,) Hz.
-    stuck, free:
-        (n_linear, n, 2 * harmonics + 1) m, displacement coefficients under the same force.
-    stuck_frequency_hz, free_frequency_hz:
-        (n_modes,) Hz, natural frequencies without damping.
-    """
-
-    frequency_hz: FloatArray = field(
-        metadata=stored(Numbers(("linear_point",), "Hz", "excitation frequency", name="frequency"))
-    )
-    stuck: FloatArray = field(
-        metadata=stored(
-            Coefficients(_LIMIT, "m", "displacement, contacts closed at rest stuck", "stuck_harmonic", True)
-        )
-    )
-    free: FloatArray = field(
-        metadata=stored(Coefficients(_LIMIT, "m", "displacement without contact", "free_harmonic", True))
-    )
-    stuck_frequency_hz: FloatArray = field(
-        metadata=stored(
-            Numbers(("stuck_mode",), "Hz", "natural frequency, contacts closed at rest stuck", name="stuck_frequency")
-        )
-    )
-    free_frequency_hz: FloatArray = field(
-        metadata=stored(Numbers(("free_mode",), "Hz", "natural frequency, no contact", name="free_frequency"))
-    )
-
-    def __post_init__(self) -> None:
-        for name in ("frequency_hz", "stuck", "free", "stuck_frequency_hz", "free_frequency_hz"):
-            object.__setattr__(self, name, finite_array(f"linear.{name}", getattr(self, name)))
-
-    def __repr__(self) -> str:
-        return (
-            f"LinearCurves({_points_between(self.frequency_hz)}; first natural frequency "
-            f"{_first_hz(self.stuck_frequency_hz)} stuck, {_first_hz(self.free_frequency_hz)} free)"
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,7 +189,7 @@ class ForcedResponse(Labelled):
     def __repr__(self) -> str:
         top = int(self.input_energy.argmax())
         return (
-            f"ForcedResponse({_points_between(self.frequency_hz)}, {self.pairs.n_pairs} pairs; peak at "
+            f"ForcedResponse({points_between(self.frequency_hz)}, {self.pairs.n_pairs} pairs; peak at "
             f"{self.frequency_hz[top]:.2f} Hz, where {self.input_energy[top]:.3g} J per cycle go in and "
             f"{self.moving_pairs[top]} pairs move; {'converged' if self.converged else 'NOT converged'})"
         )
@@ -403,11 +358,3 @@ def periodic_amplitude(coefficients: FloatArray) -> FloatArray:
     polished = np.abs(coefficients[:, 0] + (cosine * c + sine * s).sum(axis=1))
     amplitude: FloatArray = np.maximum(polished, values[rows, best])
     return amplitude
-
-
-def _points_between(frequency_hz: FloatArray) -> str:
-    return f"{frequency_hz.size} points from {frequency_hz.min():.2f} to {frequency_hz.max():.2f} Hz"
-
-
-def _first_hz(frequencies_hz: FloatArray) -> str:
-    return f"{frequencies_hz.min():.2f} Hz" if frequencies_hz.size else "none"

@@ -54,6 +54,10 @@ class RoughPatch(Labelled):
             raise InputError(f"length and width must be above 0 m; found {self.length:g} and {self.width:g} m.")
         object.__setattr__(self, "height", height)
 
+    def __repr__(self) -> str:
+        across, along = self.height.shape
+        return f"RoughPatch({along} by {across} heights on {self.length:g} by {self.width:g} m, Sq {self.sq:.3g} m)"
+
     @property
     def along(self) -> FloatArray:
         """(n_along,) m."""

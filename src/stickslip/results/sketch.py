@@ -114,6 +114,9 @@ class Sketch(Labelled):
         if found != shape:
             raise InputError(f"{name} of the sketch must have shape {shape}; found {found}.")
 
+    def __repr__(self) -> str:
+        return f"Sketch({len(self.sides)} of {self.mesh_sides} outer sides of {', '.join(self.body_names)})"
+
     @property
     def is_coarsened(self) -> bool:
         """Whether it has fewer sides than the mesh."""
