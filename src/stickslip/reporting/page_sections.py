@@ -1,7 +1,8 @@
 """The sections of the page of one run, in their order: each declares its heading, its content and when it applies.
 
 A result that is to show on the page adds its section to ``SECTIONS`` below, and nothing elsewhere. Contents are Jinja2
-templates, in which ``parts`` are the pieces that all pages share (assets/parts.html); text in values is escaped.
+templates, in which ``parts`` are the pieces that all pages share (assets/parts.html); text in values is escaped. Text
+of a user is never part of a template.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ class Section:
     applies:
         whether the page of this run has the section.
     beside:
-        what stands beside the heading.
+        what stands beside the heading; a template.
     identity:
         id of the element, for style sheets.
     """
@@ -60,7 +61,12 @@ class Section:
         values = self.values(view)
         content = self.content(view) if callable(self.content) else rendered_text(self.content, values)
         heading = rendered_text(self.heading, values)
-        frame = {"heading": heading, "beside": Markup(self.beside), "content": content, "identity": self.identity}
+        frame = {
+            "heading": heading,
+            "beside": rendered_text(self.beside, values),
+            "content": content,
+            "identity": self.identity,
+        }
         return rendered_text(_FRAME, frame)
 
 
