@@ -14,8 +14,9 @@ import scipy.linalg
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import harmonic_force, harmonic_tangent
+from stickslip.results.linear_curves import LinearCurves
 from stickslip.results.record import StudyRecord
-from stickslip.results.response import ForcedResponse, LinearCurves
+from stickslip.results.response import ForcedResponse
 from stickslip.results.rough_patch import RoughPatch
 
 FLAP, EDGE = 2 * np.pi * 418.0, 2 * np.pi * 1229.0

@@ -93,3 +93,9 @@ def test_modules_use_them(call: Callable[[], object], words: str) -> None:
 def test_a_number_alone_must_be_finite_too() -> None:
     with pytest.raises(InputError, match=r"^x is nan; every entry"):
         finite_array("x", np.nan)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_a_single_number_that_is_not_finite_is_refused_as_an_entry_of_an_array_is(value: float) -> None:
+    with pytest.raises(InputError, match=f"^height is {value}; every entry"):
+        finite_array("height", value)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from colour_vision import VISION, contrast, difference, seen
+from stickslip.core import plain_figure
 from stickslip.papers.rough_damper import figures
 from stickslip.reporting import style, sweep_view
 
@@ -54,8 +55,10 @@ def test_marks_stand_out_from_white() -> None:
         assert contrast(colour, "#ffffff") >= 3.0
     # Orange, the palest of the palette: darker it could not be told from vermillion by the green-blind. It comes late
     # in every series, and never without its own dash.
-    assert [c for c in (*sweep_view.COLOURS, *figures.COLOURS) if contrast(c, "#ffffff") < 3.0] == [style.ORANGE] * 2
-    assert contrast(style.ORANGE, "#ffffff") > 2.2
+    assert [c for c in (*sweep_view.COLOURS, *figures.COLOURS) if contrast(c, "#ffffff") < 3.0] == [
+        plain_figure.ORANGE
+    ] * 2
+    assert contrast(plain_figure.ORANGE, "#ffffff") > 2.2
 
 
 def test_shape_and_dash_tell_the_same_as_colour() -> None:
@@ -65,7 +68,7 @@ def test_shape_and_dash_tell_the_same_as_colour() -> None:
 
 def test_words_stand_out_from_their_ground() -> None:
     for words, ground in (
-        (style.INK, "#f4f6f8"),
+        (plain_figure.INK, "#f4f6f8"),
         ("#52606d", "#f4f6f8"),
         ("#b3261e", "#fdf0ef"),
         ("#8a5a00", "#fff8e8"),
@@ -73,12 +76,12 @@ def test_words_stand_out_from_their_ground() -> None:
         ("#7a5200", "#fff3d6"),
         ("#8f3d00", "#fdeadf"),
         ("#52606d", "#eef1f4"),
-        ("#a9c7de", style.INK),
-        ("#b6c2ce", style.INK),
+        ("#a9c7de", plain_figure.INK),
+        ("#b6c2ce", plain_figure.INK),
     ):
         assert contrast(words, ground) >= 4.5, (words, ground)
-        if ground != style.INK:
-            assert words == style.INK or words in _sheets(), words
+        if ground != plain_figure.INK:
+            assert words == plain_figure.INK or words in _sheets(), words
 
 
 def _sheets() -> str:

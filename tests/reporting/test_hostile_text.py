@@ -203,8 +203,14 @@ def test_a_figure_shows_names_as_they_are(tmp_path: Path, name: str) -> None:
         assert tags[0] == tags[1]
 
 
+def files_of_pages(pattern: str) -> list[Path]:
+    found = sorted((SOURCE / "reporting").glob(pattern))
+    assert found, f"no {pattern}: has the folder another name?"
+    return found
+
+
 def _modules_of_pages() -> list[Path]:
-    return [*sorted((SOURCE / "reporting").glob("*.py")), SOURCE / "papers" / "rough_damper" / "page.py"]
+    return [*files_of_pages("*.py"), SOURCE / "papers" / "rough_damper" / "page.py"]
 
 
 @pytest.mark.parametrize("module", _modules_of_pages(), ids=lambda path: path.stem)
@@ -221,7 +227,7 @@ def test_code_makes_markup_of_its_own_words_alone(module: Path) -> None:
 
 
 def test_own_scripts_write_no_html() -> None:
-    for script in (SOURCE / "report" / "assets").glob("*.js"):
+    for script in files_of_pages("assets/*.js"):
         code = script.read_text(encoding="utf-8")
         for way in (
             "innerHTML",
@@ -236,6 +242,6 @@ def test_own_scripts_write_no_html() -> None:
 
 
 def test_templates_mark_no_text_as_safe_and_handle_no_events_inline() -> None:
-    for template in (SOURCE / "report" / "assets").glob("*.html"):
+    for template in [*files_of_pages("assets/*.html"), SOURCE / "reporting" / "page_sections.py"]:
         text = template.read_text(encoding="utf-8")
         assert not re.search(r"\|\s*safe\b|autoescape|\son\w+\s*=|javascript:", text), template.name

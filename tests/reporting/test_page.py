@@ -13,11 +13,16 @@ import pytest
 from browser_pages import LARGEST_PAGE
 from large_results import large_result
 from sketches import stacked_boxes
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb import CoulombLaw
+from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import InputError
+from stickslip.reporting import page as page_module
 from stickslip.reporting import page_data as page_data_module
 from stickslip.reporting import plots
 from stickslip.reporting.page import page, write_page
 from stickslip.reporting.page_data import page_data
+from stickslip.reporting.page_sections import Section
 from stickslip.reporting.view import View
 from stickslip.results.storage import load_results, save_results
 from synthetic import synthetic_response, synthetic_study
@@ -76,7 +81,7 @@ def test_peak_at_the_end_of_the_range_is_a_warning(case):
     response, study = case
     half = 12
     parts = ("frequency_hz", "displacement", "contact_state", "dissipated_energy", "normal_work", "closure", "residual")
-    parts += ("iterations", "input_energy", "viscous_energy")
+    parts += ("iterations", "input_energy", "viscous_energy", "load_factor")
     cut = dataclasses.replace(response, **{name: getattr(response, name)[:half] for name in parts})
     assert "widen the frequency range" in without_plotly(page(cut, study))
 
@@ -177,7 +182,8 @@ def test_no_page_grows_beyond_its_limit(n_pairs: int, n_points: int) -> None:
 def test_no_page_grows_beyond_its_limit_where_all_pairs_need_their_forces() -> None:
     """Tractions that are kept at rest: the page needs the friction force of stuck pairs too."""
     response, study = large_result(3000, 200)
-    kept = response.pairs.with_constants(residual_traction=np.zeros((response.pairs.n_pairs, 2)))
+    law = dataclasses.replace(response.pairs.coulomb, residual_traction=np.zeros((response.pairs.n_pairs, 2)))
+    kept = ContactPairs.with_laws(response.pairs.operator, [law])
     text = page(dataclasses.replace(response, pairs=kept), study)
     assert 11e6 < len(text.encode()) < LARGEST_PAGE
 
@@ -251,3 +257,30 @@ def test_study_without_faces_groups_or_modes(case):
     text = without_plotly(page(response, bare))
     assert "Motion over one period" not in text
     assert "inferred" not in text
+
+
+def test_a_section_is_one_object_and_shows_where_it_applies(case, monkeypatch):
+    def values(view: View) -> dict[str, int]:
+        return {"largest": int(view.response.moving_pairs.max())}
+
+    sections = [
+        Section(
+            f"Moving pairs {which}", "<p>at most {{ largest }}</p>", values, applies=lambda view, which=which: which
+        )
+        for which in (True, False)
+    ]
+    monkeypatch.setattr(page_module, "SECTIONS", (*page_module.SECTIONS, *sections))
+    text = without_plotly(page(*case))
+    assert f"<h2>Moving pairs True</h2>\n<p>at most {case[0].moving_pairs.max()}</p>" in text
+    assert "Moving pairs False" not in text
+
+
+def test_states_of_other_laws_have_their_names(case, monkeypatch):
+    response, study = case
+    names = {ContactState.STUCK: "elastic", ContactState.STICK_SLIP: "sliding"}
+    monkeypatch.setattr(CoulombLaw, "states", names)
+    data = page_data(View.of(response, study))
+    assert [style["name"] for style in data["stateStyles"]] == ["elastic", "sliding", None]
+    tiles = without_plotly(page(response, study))
+    assert re.search(r"\d+ elastic · \d+ sliding<", tiles)
+    assert '<th scope="row">Pairs sliding</th>' in tiles

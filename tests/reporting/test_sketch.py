@@ -14,7 +14,7 @@ from colour_vision import VISION, difference, seen
 from large_results import large_result
 from sketches import ABOVE, BACK, BOX_SIDES, FRONT, LEFT, RIGHT, box, sketch_of_boxes, stacked_boxes
 from stickslip.reporting.page import page
-from stickslip.reporting.sketch import structure_section
+from stickslip.reporting.sketch import structure_content
 from stickslip.reporting.sketch_labels import Label, Labels, text_size
 from stickslip.reporting.sketch_marks import arrows, scale_bar
 from stickslip.reporting.sketch_view import Camera, best_camera, contact_window, glass_bodies, whole_window
@@ -29,7 +29,7 @@ USUAL = Camera.at(-60.0, 30.0)
 
 
 def drawing(sketch: Sketch, **changes: Any) -> str:
-    return structure_section(dataclasses.replace(synthetic_study(), sketch=sketch, **changes))
+    return structure_content(dataclasses.replace(synthetic_study(), sketch=sketch, **changes))
 
 
 def figures(text: str) -> list[str]:

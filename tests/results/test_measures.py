@@ -6,16 +6,8 @@ import numpy as np
 import pytest
 
 from stickslip.core.errors import InputError
-from stickslip.results.measures import (
-    Peak,
-    energy_imbalance,
-    half_power_damping,
-    hertz,
-    peaks,
-    state_counts,
-    summary,
-    summary_table,
-)
+from stickslip.results.measures import energy_imbalance, hertz, state_counts, summary, summary_table
+from stickslip.results.peaks import Peak, half_power_damping, peaks
 from synthetic import synthetic_response, synthetic_study
 
 

@@ -97,3 +97,33 @@ def test_wrong_questions_are_refused(response):
         response.signal(np.ones(N_UNKNOWNS), 20, 16)
     with pytest.raises(InputError, match="one of: stuck, free"):
         response.linear_amplitude(np.ones(N_UNKNOWNS), "tied")
+
+
+def test_the_curve_is_drawn_in_hz_and_um_zero_to_peak(response: ForcedResponse) -> None:
+    row = np.eye(N_UNKNOWNS)[0]
+    (axes,) = response.plot(row, "tip $x$").axes
+    lines = {line.get_label(): line for line in axes.lines}
+    np.testing.assert_array_equal(lines["with friction"].get_xdata(), response.frequency_hz)
+    np.testing.assert_allclose(lines["with friction"].get_ydata(), 1e6 * response.amplitude(row), rtol=1e-14)
+    np.testing.assert_allclose(lines["linear, no contact"].get_ydata(), 1e6 * response.linear_amplitude(row, "free"))
+    assert "linear, all stuck" in lines
+    assert axes.get_xlabel() == "Excitation frequency, Hz"
+    assert axes.get_ylabel() == "Amplitude, 0-to-peak, µm\ntip $x$"
+    assert response.plot(row).axes[0].get_ylabel() == "Amplitude, 0-to-peak, µm"
+    with pytest.raises(InputError, match="output must have shape"):
+        response.plot(np.ones(3))
+
+
+def test_one_line_tells_what_a_result_is(response: ForcedResponse) -> None:
+    top = response.input_energy.argmax()
+    assert repr(response) == (
+        f"ForcedResponse(20 points from 411.11 to 429.96 Hz, 24 pairs; peak at {response.frequency_hz[top]:.2f} Hz, "
+        f"where {response.input_energy[top]:.3g} J per cycle go in and {response.moving_pairs[top]} pairs move; "
+        "converged)"
+    )
+    assert "NOT converged" in repr(dataclasses.replace(response, converged=False))
+    assert repr(response.linear).startswith("LinearCurves(601 points from 405.00 to 439.32 Hz; first natural frequency")
+    assert repr(synthetic_study(4, 3)) == (
+        'StudyRecord("Two blades with an under-platform damper (synthetic)": 8 outputs, 24 pairs on Left face, '
+        "Right face)"
+    )

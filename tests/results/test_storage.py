@@ -14,10 +14,12 @@ import numpy as np
 import pytest
 import xarray
 
+from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError, ResultsFileError
+from stickslip.results.groups import FORMAT_VERSION
 from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
-from stickslip.results.storage import FORMAT_VERSION, load_results, save_results
+from stickslip.results.storage import load_results, save_results
 from synthetic import synthetic_response, synthetic_study
 
 
@@ -26,6 +28,11 @@ def response() -> ForcedResponse:
     return dataclasses.replace(
         synthetic_response(columns=4, rows=3, n_points=20), warnings=("harmonic 3 holds 2 % of the energy",)
     )
+
+
+def changed_pairs(response: ForcedResponse, **constants) -> ContactPairs:
+    """The pairs of a response with other constants of their Coulomb law."""
+    return ContactPairs.with_laws(response.pairs.operator, [dataclasses.replace(response.pairs.coulomb, **constants)])
 
 
 @pytest.fixture
@@ -67,8 +74,12 @@ def test_a_rough_face_that_is_no_grid_is_refused(change, words):
 
 def test_response_alone_and_anisotropic_pairs(response, tmp_path):
     springs = np.column_stack([response.pairs.tangential_stiffness, 0.9 * response.pairs.tangential_stiffness])
-    pairs = response.pairs.with_constants(tangential_stiffness=springs)
-    changed = dataclasses.replace(response, pairs=pairs, converged=False, message="stopped at 420 Hz – “fold”")
+    changed = dataclasses.replace(
+        response,
+        pairs=changed_pairs(response, tangential_stiffness=springs),
+        converged=False,
+        message="stopped at 420 Hz – “fold”",
+    )
     changed.save(tmp_path / "a.nc")
     assert ForcedResponse.load(tmp_path / "a.nc") == changed
     assert load_results(tmp_path / "a.nc").study is None
@@ -76,7 +87,7 @@ def test_response_alone_and_anisotropic_pairs(response, tmp_path):
 
 def test_kept_tractions_come_back(response, tmp_path):
     traction = 0.5 * response.pairs.friction_coefficient[:, None] * response.pairs.normal_load[:, None] * [[0.6, -0.8]]
-    changed = dataclasses.replace(response, pairs=response.pairs.with_constants(residual_traction=traction))
+    changed = dataclasses.replace(response, pairs=changed_pairs(response, residual_traction=traction))
     changed.save(tmp_path / "kept.nc")
     again = ForcedResponse.load(tmp_path / "kept.nc")
     assert again == changed
@@ -312,12 +323,12 @@ def replaced(path, name, make):
         (lambda file: file.create_dataset("residual", 20, "f8", external=[("/etc/passwd", 0, 160)]), "another file"),
         (
             lambda file: file.__setitem__("residual", h5py.ExternalLink("other.nc", "/residual")),
-            "link to another",
+            "link to another file",
         ),
         (lambda file: file.__setitem__("residual", h5py.SoftLink("/residual")), "link to another"),
         (
             lambda file: file.create_dataset("residual", (10**12,), "f8", chunks=(1000,)),
-            "(larger than the file can hold|but unpacks to)",
+            "but unpacks to",
         ),
         (lambda file: file.create_group("residual"), "not a variable"),
         (lambda file: file.create_dataset("residual", data="text"), "numbers of the kind"),

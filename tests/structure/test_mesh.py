@@ -1,9 +1,15 @@
+import dataclasses
+
 import numpy as np
 import pytest
 
 from solid_cells import CORNERS
 from stickslip.core.errors import InputError
+from stickslip.structure.craig_bampton import craig_bampton
+from stickslip.structure.elasticity import Material, assemble
+from stickslip.structure.finite_element_mesh import CellBlock, FiniteElementMesh
 from stickslip.structure.mesh import Mesh
+from structure_fixtures import brick_block
 
 CUBE = (CORNERS + 1) / 2
 CELL = np.arange(8)[None]
@@ -81,3 +87,17 @@ def test_quadratic_adds_shared_edge_nodes(make_block):
     assert quadratic.n_nodes == block.n_nodes + n_edges
     np.testing.assert_array_equal(quadratic.points[: block.n_nodes], block.points)
     assert quadratic.quadratic() is quadratic
+
+
+def test_one_line_tells_what_a_mesh_and_what_follows_from_it_are() -> None:
+    block = brick_block((2, 1, 1), (2.0, 1.0, 1.0))
+    assert repr(block) == "Mesh(12 nodes, 2 cells (hexahedron) in 1 body; node sets: all)"
+    many = dataclasses.replace(block, node_sets={f"set {i}": np.array([i]) for i in range(9)})
+    assert repr(many).endswith("node sets: set 0, set 1, set 2, set 3, set 4, set 5 and 3 more)")
+    structure = assemble(block, Material(), "trilinear", fixed_nodes=np.arange(4))
+    assert repr(structure) == "Structure(24 unknowns of 12 nodes, 4 of them fixed; element trilinear)"
+    superelement = craig_bampton(structure, [10, 11], n_modes=3)
+    assert repr(superelement) == "Superelement(9 unknowns: 2 boundary nodes and 3 other unknowns; no damping matrix)"
+    blocks = (CellBlock("hexahedron", block.cells, np.zeros(2, dtype=np.int64)),)
+    whole = FiniteElementMesh(block.points, blocks, ("bar",))
+    assert repr(whole) == "FiniteElementMesh(12 nodes, 2 cells (hexahedron) in 1 body; face sets: none)"

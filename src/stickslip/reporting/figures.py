@@ -6,9 +6,6 @@ name of a user is no mathematics.
 
 from __future__ import annotations
 
-import os
-import sys
-from contextlib import suppress
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,9 +16,10 @@ from numpy.typing import ArrayLike
 from stickslip.contact.stiffness.roughness_fit import RoughnessFit
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
+from stickslip.core.plain_figure import BLUE, GREY, INK, ORANGE, blank_figure, one_panel, plain_axes
 from stickslip.core.validation import finite_array
 from stickslip.reporting.look import mark_size
-from stickslip.reporting.style import BLUE, GREY, INK, LINE_COLOURS, MICRO, ORANGE, STATES, VERMILLION
+from stickslip.reporting.style import LINE_COLOURS, MICRO, STATES
 from stickslip.reporting.view import View
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
@@ -36,18 +34,8 @@ _MAP = (390.0, 115.0)  # points of one face's map beside its axes and scale
 
 def amplitude_frequency(response: ForcedResponse, study: StudyRecord) -> Figure:
     """Amplitude of the first output against frequency, linear stuck and free beside it, the peak marked."""
-    view = View.of(response, study)
-    figure, axes = _new(7.0, 4.2)
-    linear, peak = response.linear, view.summary.peak
-    axes.plot(linear.frequency_hz, view.stuck_um, "--", color=BLUE, label=view.stuck_words)
-    axes.plot(linear.frequency_hz, view.free_um, ":", color=ORANGE, linewidth=2.0, label="linear, no contact")
-    axes.plot(response.frequency_hz, view.amplitude_um, ".-", color=INK, markersize=4, label="with friction")
-    words = f"peak {MICRO * peak.amplitude:.4g} µm at {peak.frequency_hz:.2f} Hz"
-    axes.plot(peak.frequency_hz, MICRO * peak.amplitude, "D", color=VERMILLION, label=words)
-    axes.set(xlim=view.window_hz, ylim=(0.0, None), xlabel="Excitation frequency, Hz")
-    axes.set_ylabel(f"Amplitude, 0-to-peak, µm\n{study.response_output}", parse_math=False)
-    axes.legend(frameon=False)
-    return figure
+    study.require_fit(response)
+    return response.plot(study.outputs[study.response_output], study.response_output)
 
 
 def contact_states(response: ForcedResponse, study: StudyRecord, point: int | None = None) -> Figure:
@@ -57,10 +45,11 @@ def contact_states(response: ForcedResponse, study: StudyRecord, point: int | No
     figure, panels = _face_panels(study, f"{response.frequency_hz[at]:.2f} Hz, {view.amplitude_um[at]:.4g} µm")
     for face, axes in enumerate(panels):
         size = mark_size(1e3 * study.pair_position[study.pair_face == face], _MAP, 7.4) ** 2
-        for code, state in enumerate(STATES):
-            here = (study.pair_face == face) & (response.contact_state[at] == code)
+        for state, name in response.pairs.state_names.items():
+            here = (study.pair_face == face) & (response.contact_state[at] == state)
             x, y = 1e3 * study.pair_position[here].T
-            axes.scatter(x, y, marker=state.matplotlib_marker, color=state.colour, s=size, label=state.name)
+            look = STATES[state]
+            axes.scatter(x, y, marker=look.matplotlib_marker, color=look.colour, s=size, label=name)
     panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.12), ncols=3, frameon=False, borderaxespad=0.0)
     return figure
 
@@ -116,7 +105,7 @@ def hysteresis_loop(
     force = response.pair_cycle(at).force[:, which, :2]
     motion = MICRO * response.pair_displacement(at, response.samples)[:, which, :2]
     motion = motion - motion.mean(axis=0)
-    figure, axes = _new(4.8, 4.2)
+    figure, axes = one_panel(4.8, 4.2)
     for axis in range(2):
         loop = np.vstack([np.column_stack([motion[:, axis], force[:, axis]]), [motion[0, axis], force[0, axis]]])
         axes.plot(*loop.T, color=LINE_COLOURS[axis], label=f"along t{axis + 1}")
@@ -129,7 +118,7 @@ def hysteresis_loop(
 def energy_curve(response: ForcedResponse, study: StudyRecord) -> Figure:
     """Energy per cycle along the curve: friction, viscous damping, and the work of the excitation."""
     view = View.of(response, study)
-    figure, axes = _new(7.0, 3.6)
+    figure, axes = one_panel(7.0, 3.6)
     factor = view.energy_factor
     axes.plot(response.frequency_hz, factor * response.friction_energy.sum(axis=1), color=INK, label="friction")
     axes.plot(response.frequency_hz, factor * response.viscous_energy, "--", color=BLUE, label="viscous")
@@ -149,7 +138,7 @@ def mode_comparison(study: StudyRecord) -> Figure:
         raise InputError("the mode table has no row with full_hz and table2_hz, so there is nothing to compare.")
     deviation = [100.0 * (float(row["full_hz"]) / float(row["table2_hz"]) - 1.0) for row in rows]
     labels = [f"{row.get('mode', i + 1)}: {float(row['table2_hz']):.1f} Hz" for i, row in enumerate(rows)]
-    figure, axes = _new(7.0, 3.4)
+    figure, axes = one_panel(7.0, 3.4)
     axes.bar(range(len(rows)), deviation, color=BLUE)
     axes.axhline(0.0, color=INK, linewidth=0.8)
     axes.set_xticks(range(len(rows)), labels, rotation=45, ha="right")
@@ -169,7 +158,7 @@ def surface(x: ArrayLike, y: ArrayLike, heights: ArrayLike) -> Figure:
             f"x, y and heights must share one shape (n, m), but their shapes are {grid[0].shape}, {grid[1].shape} and "
             f"{grid[2].shape}. Make x and y with numpy.meshgrid."
         )
-    figure, axes = _new(7.0, 3.2)
+    figure, axes = one_panel(7.0, 3.2)
     about_mean = MICRO * (grid[2] - grid[2].mean())
     mesh = axes.pcolormesh(1e3 * grid[0], 1e3 * grid[1], about_mean, cmap="cividis", shading="nearest", rasterized=True)
     figure.colorbar(mesh, ax=axes, label="Height about the mean, µm")
@@ -180,7 +169,7 @@ def surface(x: ArrayLike, y: ArrayLike, heights: ArrayLike) -> Figure:
 
 def structure_function(fit: RoughnessFit) -> Figure:
     """Measured structure function and the fit of D and G against the lag; a map has one curve for each direction."""
-    figure, axes = _new(6.0, 4.2)
+    figure, axes = one_panel(6.0, 4.2)
     split = fit.points_along_x
     directions = (("x", slice(0, split), "o", BLUE), ("y", slice(split, None), "s", ORANGE))
     shown = [each for each in directions if fit.lag[each[1]].size]
@@ -223,47 +212,6 @@ def save_all(
     if any("table2_hz" in row and "full_hz" in row for row in study.mode_table):
         drawn["mode_comparison"] = mode_comparison(study)
     return [save(figure, Path(folder) / f"{name}.{ending}") for name, figure in drawn.items() for ending in formats]
-
-
-def blank_figure(width: float, height: float) -> Figure:
-    """A figure of so many inches without axes; it is written by the format of its file and never needs a backend."""
-    _import_matplotlib()
-    from matplotlib.figure import Figure
-
-    return Figure(figsize=(width, height), layout="constrained")
-
-
-def _import_matplotlib() -> None:
-    """Import matplotlib without MPLBACKEND, of which it refuses what it does not know.
-
-    Jupyter sets a backend of its own for every command that is started in it. Windows that a script opens itself get
-    the backend all the same, if there is one of that name.
-    """
-    if "matplotlib" in sys.modules:
-        return
-    backend = os.environ.pop("MPLBACKEND", None)
-    try:
-        import matplotlib
-    finally:
-        if backend is not None:
-            os.environ["MPLBACKEND"] = backend
-    if backend:
-        with suppress(ValueError):
-            matplotlib.rcParams["backend"] = backend
-
-
-def _new(width: float, height: float) -> tuple[Figure, Axes]:
-    figure = blank_figure(width, height)
-    return figure, plain_axes(figure.subplots())
-
-
-def plain_axes(axes: Any) -> Any:
-    """Grid behind the lines, no frame at the top and on the right."""
-    axes.grid(color="#e8ecf0")
-    axes.set_axisbelow(True)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.spines[["left", "bottom"]].set_color(GREY)
-    return axes
 
 
 def _face_panels(study: StudyRecord, heading: str) -> tuple[Figure, list[Axes]]:

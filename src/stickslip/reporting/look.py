@@ -9,8 +9,8 @@ import numpy as np
 from markupsafe import Markup
 from scipy.spatial import KDTree
 
+from stickslip.core.plain_figure import INK
 from stickslip.core.validation import FloatArray
-from stickslip.reporting.style import INK
 
 Figure = dict[str, Any]
 

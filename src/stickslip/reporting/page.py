@@ -3,32 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
-from stickslip.reporting import plots
-from stickslip.reporting.look import Figure, plain_figures
+from stickslip.reporting.look import plain_figures
 from stickslip.reporting.page_data import page_data
-from stickslip.reporting.sketch import structure_section
-from stickslip.reporting.style import MICRO, number, shown_number
+from stickslip.reporting.page_sections import CURVE, SECTIONS, STRUCTURE
+from stickslip.reporting.style import number, shown_number
 from stickslip.reporting.templates import Notice, Tile, when, whole_page
 from stickslip.reporting.view import View
-from stickslip.results.measures import summary_table
 from stickslip.results.record import StudyRecord
-from stickslip.results.response import STATE_NAMES, ForcedResponse
-
-_MODE_HEADINGS = {
-    "mode": "#",
-    "description": "Mode",
-    "full_hz": "Full model, Hz",
-    "reduced_hz": "Reduced model, Hz",
-    "difference_percent": "Difference, %",
-    "mac": "MAC",
-    "table2_hz": "Paper, Table 2, Hz",
-}
+from stickslip.results.response import ForcedResponse
 
 
 def write_page(path: str | PathLike[str], response: ForcedResponse, study: StudyRecord) -> None:
@@ -45,32 +32,23 @@ def write_page(path: str | PathLike[str], response: ForcedResponse, study: Study
 def page(response: ForcedResponse, study: StudyRecord) -> str:
     """The report of one run as HTML. Raises InputError if the study does not belong to the response."""
     view = View.of(response, study)
-    drawing = structure_section(study)
     harmonics, ended = f"{response.harmonics} harmonics", "converged" if response.converged else "NOT converged"
+    sections = [section for section in SECTIONS if section.applies(view)]
+    html = [section.html(view) for section in sections]
+    drawing = sum(len(text) for section, text in zip(sections, html, strict=True) if section is STRUCTURE)
+    figures = {name: figure for section in (CURVE, *sections) for name, figure in section.figures(view).items()}
     values = {
         "title": study.title,
         "description": study.description,
         "byline": " · ".join([when(response.provenance), f"{response.n_points} points", harmonics, ended]),
         "notices": list(_notices(view)),
         "tiles": _tiles(view),
-        "output": study.response_output,
         "point": view.point,
         "last_point": response.n_points - 1,
         "pair": view.pair,
         "pair_labels": [view.pair_label(pair) for pair in range(response.pairs.n_pairs)],
-        "structure": drawing,
-        "face_names": study.face_names,
-        "open_at_rest": _open_at_rest(view),
-        "imbalance": number(view.summary.energy_imbalance, 2),
-        "groups": list(study.signal_groups),
-        "modes": _mode_table(study),
-        "measures": _measures(view),
-        "rough_face": _rough_face(study),
-        "derived": [
-            (name, shown_number(value, unit), unit, explanation) for name, value, unit, explanation in study.derived
-        ],
-        "inputs": study.inputs,
-        "settings": [(key, number(value)) for key, value in response.settings.items()],
+        "curve": CURVE.html(view),
+        "sections": html,
     }
     return whole_page(
         "page.html",
@@ -78,27 +56,8 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
         values,
         response.provenance,
         script="page.js",
-        data={"page-data": page_data(view, len(drawing)), "page-figures": plain_figures(_figures(view))},
+        data={"page-data": page_data(view, drawing), "page-figures": plain_figures(figures)},
     )
-
-
-def _figures(view: View) -> dict[str, Figure]:
-    figures = {
-        "curve": plots.amplitude_frequency(view),
-        "loop": plots.hysteresis_loop(),
-        "signals": plots.pair_signals(),
-        "energy-curve": plots.energy_curve(view),
-    }
-    for face in range(len(view.study.face_names)):
-        for quantity in ("state", "energy"):
-            figures[f"{quantity}-map-{face}"] = plots.face_map(view, face, quantity)
-        if view.rest_is_uneven:
-            figures[f"rest-map-{face}"] = plots.rest_map(view, face)
-    if view.study.rough_patch is not None:
-        figures["rough-map"] = plots.rough_face(view.study.rough_patch)
-    for group, names in enumerate(view.study.signal_groups.values()):
-        figures[f"group-{group}"] = plots.output_signals(names)
-    return figures
 
 
 def _notices(view: View) -> Iterator[Notice]:
@@ -126,7 +85,7 @@ def _tiles(view: View) -> tuple[Tile, ...]:
     def shift(value: float | None, what: str) -> str:
         return f"no {what} peak in range" if value is None else f"shift {shown_number(value, 'Hz')} Hz"
 
-    states = " · ".join(f"{count} {name}" for count, name in zip(measures.state_counts, STATE_NAMES, strict=True))
+    states = " · ".join(f"{measures.state_counts[state]} {name}" for state, name in measures.state_names.items())
     moving = sum(measures.state_counts[1:])
     return (
         Tile(
@@ -153,78 +112,4 @@ def _tiles(view: View) -> tuple[Tile, ...]:
             f"{percent(measures.friction_share)} of the loss at the peak",
         ),
         Tile("Equivalent damping ratio", percent(measures.damping_ratio), more="half-power width of the curve"),
-    )
-
-
-def _measures(view: View) -> list[tuple[str, str]]:
-    """Names and values with their units."""
-    return [
-        (name, "–" if value == "-" else f"{value} {'' if unit == '-' else unit}".replace("-", "−"))
-        for name, value, unit in summary_table(view.summary)
-    ]
-
-
-def _open_at_rest(view: View) -> list[tuple[str, int, int]]:
-    """Name, open pairs and pairs of each face; empty where the pressure at rest is uniform on each face."""
-    if not view.rest_is_uneven:
-        return []
-    closed, face = view.response.pairs.closed_at_rest, view.study.pair_face
-    return [
-        (name, int((~closed[face == place]).sum()), int((face == place).sum()))
-        for place, name in enumerate(view.study.face_names)
-    ]
-
-
-@dataclass(frozen=True)
-class _ModeTable:
-    """The mode table in words: headings and cells, each with whether it is a word; ``compared`` with the paper."""
-
-    contact: str
-    compared: bool
-    headings: list[tuple[str, bool]]
-    rows: list[list[tuple[str, bool]]]
-
-
-def _mode_table(study: StudyRecord) -> _ModeTable:
-    columns = [key for key in _MODE_HEADINGS if any(key in row for row in study.mode_table)]
-    compared = "table2_hz" in columns and "full_hz" in columns
-    headings = [(_MODE_HEADINGS[key], key == "description") for key in columns]
-    rows = [[(_mode_cell(key, row.get(key)), key == "description") for key in columns] for row in study.mode_table]
-    if compared:
-        headings.append(("Full model against paper, %", False))
-        for cells, row in zip(rows, study.mode_table, strict=True):
-            cells.append((_deviation(row), False))
-    return _ModeTable(study.mode_contact, compared, headings, rows)
-
-
-def _mode_cell(key: str, value: str | float | int | None) -> str:
-    if value is None:
-        return "–"
-    if isinstance(value, str):
-        return value
-    if key == "mode":
-        return str(int(value))
-    if key == "mac":
-        return f"{value:.4f}"
-    return f"{value:.2e}".replace("-", "−") if key == "difference_percent" else shown_number(float(value), "Hz")
-
-
-def _deviation(row: dict[str, str | float | int]) -> str:
-    if "table2_hz" not in row or "full_hz" not in row:
-        return "–"
-    return f"{100.0 * (float(row['full_hz']) / float(row['table2_hz']) - 1.0):+.2f}".replace("-", "−")
-
-
-def _rough_face(study: StudyRecord) -> str:
-    """What the picture of a rough face shows, where the record has one."""
-    patch = study.rough_patch
-    if patch is None:
-        return ""
-    size = f"{number(1e3 * patch.length)} mm by {number(1e3 * patch.width)} mm"
-    shown = number(MICRO * float(patch.about_mean.std()))
-    return (
-        f"Heights about their mean on {size}, one of the faces that the roughness and its seed describe: "
-        f"Sq {number(MICRO * patch.sq)} µm and Sdq {number(patch.sdq)} of all waves, as the mean over many faces; "
-        f"Sq {shown} µm of the {patch.height.size} points shown, which are too far apart for the shortest waves and "
-        "for a slope."
     )

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.contact.law.law import ContactState
 from stickslip.reporting.plots import group_labels
 from stickslip.reporting.style import MICRO, STATES
 from stickslip.reporting.view import View
@@ -59,7 +60,7 @@ def page_data(view: View, drawing_characters: int = 0) -> dict[str, Any]:
         "mapPoints": held.tolist(),
         "states": packed(response.contact_state[held], "i1"),
         "energy": packed(view.energy_factor * response.friction_energy[held], "f4"),
-        "stateStyles": [{"name": s.name, "colour": s.colour, "symbol": s.plotly_symbol} for s in STATES],
+        "stateStyles": _state_styles(view),
         "faces": len(study.face_names),
         "pairFace": study.pair_face.tolist(),
         "pairPosition": (1e3 * study.pair_position).round(4).tolist(),
@@ -72,6 +73,15 @@ def page_data(view: View, drawing_characters: int = 0) -> dict[str, Any]:
         "signals": signals,
         "loops": _loops(view, held, room),
     }
+
+
+def _state_styles(view: View) -> list[dict[str, str | None]]:
+    """How each state is drawn, by its code; without a name where no pair can have it."""
+    names = view.response.pairs.state_names
+    return [
+        {"name": names.get(state), "colour": style.colour, "symbol": style.plotly_symbol}
+        for state, style in zip(ContactState, STATES, strict=True)
+    ]
 
 
 def _signal_names(view: View) -> list[str]:
@@ -100,8 +110,10 @@ def _loops(view: View, held: NDArray[np.int64], room: int) -> dict[str, Any]:
     response = view.response
     stride = max(1, round(response.samples / LOOP_SAMPLES))
     times = np.arange(0, response.samples, stride)
-    # The page draws stuck released pairs itself; where tractions at rest are kept it needs all forces.
-    moving = (response.contact_state != 0) | (not response.pairs.released)
+    # The page draws stuck released pairs itself, on their springs; where tractions at rest are kept, and of pairs of
+    # other laws, it needs all forces.
+    drawn = response.pairs.released & ~np.isnan(response.pairs.normal_stiffness)
+    moving = (response.contact_state != ContactState.STUCK) | ~drawn
     relative_size = response.pairs.n_pairs * (3 * (2 * response.harmonics + 1) * 4 + 4)  # and the slots of forces
     size = relative_size + moving.sum(axis=1) * (2 * times.size * 2 + 4)  # and their scales
     points = _points_within(size, held, view.point, room)

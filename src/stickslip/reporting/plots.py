@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from stickslip.core.plain_figure import BLUE, GREY, INK, ORANGE, PURPLE, VERMILLION
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import (
     FREQUENCY,
@@ -22,19 +23,7 @@ from stickslip.reporting.look import (
     mark_size,
     plain_list,
 )
-from stickslip.reporting.style import (
-    AXIS_NAMES,
-    BLUE,
-    GREY,
-    INK,
-    LINE_COLOURS,
-    LINE_DASHES,
-    MICRO,
-    ORANGE,
-    PURPLE,
-    STATES,
-    VERMILLION,
-)
+from stickslip.reporting.style import AXIS_NAMES, LINE_COLOURS, LINE_DASHES, MICRO, STATES
 from stickslip.reporting.view import View
 from stickslip.results.rough_patch import RoughPatch
 

@@ -6,6 +6,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
+from stickslip.core.plain_figure import VERMILLION
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.painting import PIXEL, Painting, paint
 from stickslip.reporting.sketch_labels import Box, Label, Labels, text_size
@@ -28,7 +29,7 @@ from stickslip.reporting.sketch_view import (
     glass_bodies,
     whole_window,
 )
-from stickslip.reporting.style import BODY_COLOURS, VERMILLION, number
+from stickslip.reporting.style import BODY_COLOURS, number
 from stickslip.reporting.svg import Element
 from stickslip.reporting.templates import rendered
 from stickslip.results.record import StudyRecord
@@ -44,8 +45,8 @@ _NAMED_BODIES = 12
 _MARK_PX = 6.0  # half the room that the mark of a response needs
 
 
-def structure_section(study: StudyRecord) -> Markup:
-    """The section with the drawing; nothing for a study without a sketch."""
+def structure_content(study: StudyRecord) -> Markup:
+    """The drawing of the structure with its legend; nothing for a study without a sketch."""
     sketch = study.sketch
     if sketch is None:
         return Markup("")

@@ -1,4 +1,4 @@
-"""Colours, marker shapes and units that all figures share; the palette is that of Okabe and Ito, for every eye."""
+"""Marker shapes, line styles and units that all figures share."""
 
 from __future__ import annotations
 
@@ -6,12 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stickslip.core.plain_figure import BLUE, GREEN, VERMILLION
 from stickslip.results.measures import hertz
-from stickslip.results.response import STATE_NAMES
 
-INK = "#1b2a41"
-GREY = "#6b7787"
-BLUE, GREEN, VERMILLION, ORANGE, PURPLE = "#0072B2", "#009E73", "#D55E00", "#E69F00", "#CC79A7"
 # Bodies of a sketch: pale, so that contact, marks and words stand out from them.
 BODY_COLOURS = ("#b3d5e8", "#eae6e0", "#8d94a0", "#f2cf80", "#56b4e9", "#b8ad98")
 
@@ -20,19 +17,16 @@ BODY_COLOURS = ("#b3d5e8", "#eae6e0", "#8d94a0", "#f2cf80", "#56b4e9", "#b8ad98"
 class StateStyle:
     """How a contact state is drawn: by shape as well as by colour, so that a grey print can be read."""
 
-    name: str
     colour: str
     plotly_symbol: str
     matplotlib_marker: str
 
 
-STATES = tuple(
-    StateStyle(name, *style)
-    for name, style in zip(
-        STATE_NAMES,
-        ((BLUE, "circle", "o"), (GREEN, "square", "s"), (VERMILLION, "triangle-up", "^")),
-        strict=True,
-    )
+# By the code of ContactState; their names are those that the laws of the pairs give them.
+STATES = (
+    StateStyle(BLUE, "circle", "o"),
+    StateStyle(GREEN, "square", "s"),
+    StateStyle(VERMILLION, "triangle-up", "^"),
 )
 
 MICRO = 1e6

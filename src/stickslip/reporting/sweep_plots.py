@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.core.plain_figure import BLUE, ORANGE, VERMILLION
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_list
-from stickslip.reporting.style import BLUE, MICRO, ORANGE, VERMILLION
+from stickslip.reporting.style import MICRO
 from stickslip.reporting.sweep_view import (
     COLOURS,
     DASHES,

@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.core.plain_figure import BLUE, GREEN, INK, ORANGE, PURPLE, VERMILLION
 from stickslip.core.validation import FloatArray
-from stickslip.reporting.style import BLUE, GREEN, INK, ORANGE, PURPLE, VERMILLION
 from stickslip.results.sweep_table import SweepCurve, SweepTable, SweptKey
 
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, INK)

@@ -51,6 +51,12 @@ def rendered(template: str, values: Mapping[str, Any]) -> Markup:
     return Markup(_environment().get_template(template).render(values))
 
 
+def rendered_text(template: str, values: Mapping[str, Any]) -> Markup:
+    """A template that stands in the code, which may use ``parts``; else as :func:`rendered`."""
+    whole = '{% import "parts.html" as parts %}' + template
+    return Markup(_environment().from_string(whole).render(values))
+
+
 def whole_page(
     template: str,
     kind: str,

@@ -9,6 +9,7 @@ import numpy as np
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.style import MICRO, energy_unit
 from stickslip.results.measures import Summary, summary
+from stickslip.results.peaks import window_around
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 
@@ -57,17 +58,12 @@ class View:
     @property
     def window_hz(self) -> tuple[float, float]:
         """Frequency range to show: the computed curve and the linear peaks inside their range, with a margin."""
-        shown = [float(self.response.frequency_hz.min()), float(self.response.frequency_hz.max())]
-        shown += [p.frequency_hz for p in (self.summary.stuck_peak, self.summary.free_peak) if p.bracketed]
-        margin = 0.04 * (max(shown) - min(shown))
-        return min(shown) - margin, max(shown) + margin
+        return window_around(self.response.frequency_hz, [self.summary.stuck_peak, self.summary.free_peak])
 
     @property
     def stuck_words(self) -> str:
         """Name of the linear stuck curve, which leaves pairs open that are open at rest."""
-        return (
-            "linear, all stuck" if self.response.pairs.closed_at_rest.all() else "linear, stuck (pairs closed at rest)"
-        )
+        return self.response.stuck_name
 
     @property
     def rest_pressure_mpa(self) -> FloatArray:

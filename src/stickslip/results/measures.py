@@ -1,33 +1,20 @@
 """Measures that engineers read off a forced response: peaks, shifts, equivalent damping, states, energy balance.
 
-Everything walks the curve in its own order (the index), because a curve that folds has several amplitudes at one
-frequency and must never be sorted by it.
+A new measure is here and nowhere else: a field of the summary, its row of the table, and its column of a sweep.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, finite_array
-from stickslip.results.response import STATE_NAMES, ForcedResponse
-
-
-@dataclass(frozen=True)
-class Peak:
-    """A maximum of an amplitude curve.
-
-    ``point`` is the computed point nearest to it; ``bracketed`` is False where the largest amplitude lies at an end of
-    the curve, so that the true peak may be higher.
-    """
-
-    point: int
-    frequency_hz: float
-    amplitude: float
-    bracketed: bool
+from stickslip.contact.law.law import ContactState
+from stickslip.core.validation import FloatArray
+from stickslip.results.peaks import Peak, half_power_damping, peaks
+from stickslip.results.response import ForcedResponse
 
 
 @dataclass(frozen=True)
@@ -36,9 +23,10 @@ class Summary:
 
     Shifts are in Hz, negative when the peak lies below the linear one. Reductions are ``1 - amplitude / linear peak``.
     They are None where one of the two peaks is not inside the computed range. ``damping_ratio`` is None where the curve
-    does not fall to half power on both sides. ``first_harmonic`` and ``mean`` are those of the output at the point
-    nearest to the peak, m. Energies in J per cycle, ``normal_work`` an error of sampling; ``energy_imbalance`` relative
-    to the input and the largest on the whole curve.
+    does not fall to half power on both sides. ``state_counts`` are pairs by the code of ContactState, ``state_names``
+    what the laws of the pairs call the states that they can have. ``first_harmonic`` and ``mean`` are those of the
+    output at the point nearest to the peak, m. Energies in J per cycle, ``normal_work`` an error of sampling;
+    ``energy_imbalance`` relative to the input and the largest on the whole curve.
     """
 
     peak: Peak
@@ -51,6 +39,7 @@ class Summary:
     damping_ratio: float | None
     friction_share: float
     state_counts: tuple[int, int, int]
+    state_names: dict[ContactState, str]
     friction_energy: float
     normal_work: float
     viscous_energy: float
@@ -62,92 +51,9 @@ class Summary:
     peak_energy_frequency_hz: float
 
 
-def peaks(frequency_hz: ArrayLike, amplitude: ArrayLike) -> list[Peak]:
-    """Local maxima along the curve, highest first; if there is none, the higher end of the curve, not bracketed.
-
-    Around each maximum ``1 / amplitude^2`` and the frequency are taken as parabolas through three neighbouring points,
-    over the frequency, or over the index where the curve folds. ``1 / amplitude^2`` of a lightly damped linear
-    resonance is a parabola in the frequency, so that one is found almost exactly.
-
-    Parameters
-    ----------
-    frequency_hz, amplitude:
-        (n_points,) along the curve. Amplitudes must not be negative.
-
-    Raises
-    ------
-    InputError
-        for arrays of different or zero length, or a negative amplitude.
-    """
-    frequency, height = finite_array("frequency_hz", frequency_hz), finite_array("amplitude", amplitude)
-    if frequency.ndim != 1 or frequency.shape != height.shape or not frequency.size:
-        raise InputError(
-            f"frequency_hz and amplitude must be two lists of one length, but their shapes are {frequency.shape} and "
-            f"{height.shape}."
-        )
-    if height.min() < 0:
-        raise InputError("amplitude must not be negative: a 0-to-peak amplitude is the largest absolute value.")
-    inside = np.flatnonzero((height[1:-1] >= height[:-2]) & (height[1:-1] > height[2:])) + 1
-    found = [_interpolated_peak(frequency, height, int(i)) for i in inside]
-    top = int(height.argmax())
-    if top in (0, height.size - 1):
-        found.append(Peak(top, float(frequency[top]), float(height[top]), bracketed=False))
-    return sorted(found, key=lambda peak: -peak.amplitude)
-
-
-def _interpolated_peak(frequency: FloatArray, height: FloatArray, i: int) -> Peak:
-    f, a = frequency[i - 1 : i + 2], height[i - 1 : i + 2]
-    if a.min() <= 0.0:
-        return Peak(i, float(frequency[i]), float(height[i]), bracketed=True)
-    # The frequency is the best length where its two steps are alike. Round a fold it slows and turns back, and the
-    # index stands for the length of the continuation's steps, which change little from one to the next.
-    first, second = np.diff(f)
-    alike = first * second > 0 and max(abs(first), abs(second)) < 3.0 * min(abs(first), abs(second))
-    steps = np.abs(np.diff(f)) if alike else np.ones(2)
-    length = np.concatenate([[-steps[0]], [0.0], [steps[1]]])
-    inverse = (a[1] / a) ** 2
-    parabola = np.polyfit(length, inverse, 2)
-    bend, slope = parabola[:2]
-    place = float(np.clip(-0.5 * slope / bend, length[0], length[2])) if bend > 0 else 0.0
-    smallest = float(np.polyval(parabola, place))
-    nearest = i + int(np.abs(length - place).argmin()) - 1
-    peak_frequency = float(np.polyval(np.polyfit(length, f, 2), place))
-    # A parabola through a sharp corner could pass zero; the computed maximum then stands.
-    amplitude = float(a[1] / np.sqrt(smallest)) if smallest > 0.25 else float(a[1])
-    return Peak(nearest, peak_frequency, amplitude, bracketed=True)
-
-
-def half_power_damping(frequency_hz: ArrayLike, amplitude: ArrayLike, peak: Peak) -> float | None:
-    """Equivalent viscous damping ratio ``(f_2 - f_1) / (2 f_peak)`` from the half-power band of the curve.
-
-    ``f_1`` and ``f_2`` are the first points on either side of the peak, walking along the curve, where the amplitude is
-    ``peak.amplitude / sqrt(2)`` (linear between points). This is the ratio that a linear single resonance of the same
-    width has; it holds friction and viscous losses together. Friction makes a curve that is not a resonance curve, so
-    read it as a measure of width. None if the curve ends before it has fallen that far, or the peak is not bracketed.
-    """
-    frequency, height = finite_array("frequency_hz", frequency_hz), finite_array("amplitude", amplitude)
-    if not peak.bracketed or peak.amplitude <= 0.0:
-        return None
-    level = peak.amplitude / np.sqrt(2.0)
-    lower = _crossing(frequency[peak.point :: -1], height[peak.point :: -1], level)
-    upper = _crossing(frequency[peak.point :], height[peak.point :], level)
-    if lower is None or upper is None:
-        return None
-    return abs(upper - lower) / (2.0 * peak.frequency_hz)
-
-
-def _crossing(frequency: FloatArray, height: FloatArray, level: float) -> float | None:
-    below = np.flatnonzero(height <= level)
-    if not below.size or below[0] == 0:
-        return None
-    i = int(below[0])
-    share = (height[i - 1] - level) / (height[i - 1] - height[i])
-    return float(frequency[i - 1] + share * (frequency[i] - frequency[i - 1]))
-
-
 def state_counts(contact_state: NDArray[np.int8]) -> NDArray[np.int64]:
-    """(n_points, 3) how many pairs are stuck, stick-slip, separating at each point, from (n_points, n_pairs)."""
-    return np.stack([(contact_state == state).sum(axis=1) for state in range(len(STATE_NAMES))], axis=1)
+    """(n_points, 3) how many pairs have each state of ContactState at each point, from (n_points, n_pairs)."""
+    return np.stack([(contact_state == state).sum(axis=1) for state in ContactState], axis=1)
 
 
 def energy_imbalance(response: ForcedResponse) -> FloatArray:
@@ -185,6 +91,7 @@ def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
         damping_ratio=half_power_damping(response.frequency_hz, amplitude, peak),
         friction_share=friction / (friction + viscous) if friction + viscous > 0.0 else 0.0,
         state_counts=(int(counts[0]), int(counts[1]), int(counts[2])),
+        state_names=response.pairs.state_names,
         friction_energy=friction,
         normal_work=float(response.normal_work[point].sum()),
         viscous_energy=viscous,
@@ -213,7 +120,6 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
     def shift(value: float | None) -> str:
         return "-" if value is None else hertz(value)
 
-    stuck, slip, separating = result.state_counts
     what = "Peak" if result.peak.bracketed else "Highest computed (at an end of the curve)"
     return [
         (f"{what} amplitude, 0-to-peak, mean included", number(result.peak.amplitude, 1e6), "µm"),
@@ -226,12 +132,51 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
         ("Reduction against the linear free peak", number(result.reduction_from_free, 100.0, 3), "%"),
         ("Half-power bandwidth ratio (equivalent damping)", number(result.damping_ratio, 100.0, 3), "%"),
         ("Share of friction in the loss", number(result.friction_share, 100.0, 3), "%"),
-        ("Pairs stuck", str(stuck), "-"),
-        ("Pairs stick-slip", str(slip), "-"),
-        ("Pairs separating", str(separating), "-"),
+        *((f"Pairs {name}", str(result.state_counts[state]), "-") for state, name in result.state_names.items()),
         ("Energy dissipated by friction", number(result.friction_energy, 1e6), "µJ per cycle"),
         ("Work of the normal forces (zero but for sampling)", number(result.normal_work, 1e6, 2), "µJ per cycle"),
         ("Energy dissipated by viscous damping", number(result.viscous_energy, 1e6), "µJ per cycle"),
         ("Energy put in by the excitation", number(result.input_energy, 1e6), "µJ per cycle"),
         ("Largest energy imbalance on the curve", number(result.energy_imbalance, digits=2), "of input"),
     ]
+
+
+def _inside(found: Summary, limit: str, what: str) -> float | None:
+    """Amplitude or frequency of a linear peak, None where it does not lie inside the computed range."""
+    peak = getattr(found, f"{limit}_peak")
+    return getattr(peak, what) if peak.bracketed else None
+
+
+# Columns of the table of a sweep: (unit, meaning, how a summary gives it); None of a summary is an empty cell.
+SUMMARY_COLUMNS: dict[str, tuple[str, str, Callable[[Summary], float | bool | None]]] = {
+    "peak_amplitude_m": ("m", "highest peak, 0-to-peak, mean included", lambda s: s.peak.amplitude),
+    "peak_frequency_hz": ("Hz", "frequency of the highest peak", lambda s: s.peak.frequency_hz),
+    "peak_bracketed": ("1", "1 if the peak lies inside the computed range, 0 at an end", lambda s: s.peak.bracketed),
+    "shift_from_stuck_hz": ("Hz", "peak frequency less that of the linear stuck peak", lambda s: s.shift_from_stuck_hz),
+    "shift_from_free_hz": ("Hz", "peak frequency less that of the linear free peak", lambda s: s.shift_from_free_hz),
+    "reduction_from_stuck": ("1", "1 - peak / linear stuck peak", lambda s: s.reduction_from_stuck),
+    "reduction_from_free": ("1", "1 - peak / linear free peak", lambda s: s.reduction_from_free),
+    "stuck_peak_amplitude_m": (
+        "m",
+        "highest linear peak, every pair that is closed at rest stuck",
+        lambda s: _inside(s, "stuck", "amplitude"),
+    ),
+    "stuck_peak_frequency_hz": ("Hz", "its frequency", lambda s: _inside(s, "stuck", "frequency_hz")),
+    "free_peak_amplitude_m": ("m", "highest linear peak, no contact", lambda s: _inside(s, "free", "amplitude")),
+    "free_peak_frequency_hz": ("Hz", "its frequency", lambda s: _inside(s, "free", "frequency_hz")),
+    "damping_ratio": ("1", "half-power bandwidth ratio (equivalent damping)", lambda s: s.damping_ratio),
+    "pairs_stuck": ("1", "pairs stuck at the peak", lambda s: s.state_counts[ContactState.STUCK]),
+    "pairs_stick_slip": ("1", "pairs in stick-slip at the peak", lambda s: s.state_counts[ContactState.STICK_SLIP]),
+    "pairs_separating": ("1", "pairs separating at the peak", lambda s: s.state_counts[ContactState.SEPARATING]),
+    "friction_energy_j": ("J", "dissipated by friction per cycle at the peak", lambda s: s.friction_energy),
+    "normal_work_j": (
+        "J",
+        "of the normal forces per cycle at the peak, zero but for sampling",
+        lambda s: s.normal_work,
+    ),
+    "viscous_energy_j": ("J", "dissipated by viscous damping per cycle at the peak", lambda s: s.viscous_energy),
+    "input_energy_j": ("J", "put in by the excitation per cycle at the peak", lambda s: s.input_energy),
+    "largest_friction_energy_j": ("J", "largest friction energy per cycle on the curve", lambda s: s.peak_energy),
+    "largest_friction_energy_hz": ("Hz", "frequency of that energy", lambda s: s.peak_energy_frequency_hz),
+    "energy_imbalance": ("1", "largest energy imbalance on the curve, of the input", lambda s: s.energy_imbalance),
+}

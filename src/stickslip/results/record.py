@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from importlib.metadata import version
 
@@ -11,17 +11,19 @@ from numpy.typing import NDArray
 
 from stickslip import __version__
 from stickslip.core.errors import InputError
-from stickslip.core.plain_data import plain, same_content
+from stickslip.core.plain_data import plain
 from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.response import ForcedResponse
 from stickslip.results.rough_patch import RoughPatch
 from stickslip.results.sketch import Sketch
+from stickslip.results.variables import Among, InGroup, Json, Labelled, NamedRows, Numbers, Text, WholeNumbers, stored
 
+Value = str | float | int
 MODE_COLUMNS = ("mode", "description", "full_hz", "reduced_hz", "difference_percent", "mac", "table2_hz")
 
 
 @dataclass(frozen=True, eq=False)
-class StudyRecord:
+class StudyRecord(Labelled):
     """What the report shows and the solver does not know.
 
     Parameters
@@ -66,21 +68,52 @@ class StudyRecord:
         that does not exist.
     """
 
-    title: str
-    description: str
-    inputs: str
-    outputs: dict[str, FloatArray]
-    signal_groups: dict[str, tuple[str, ...]]
-    face_names: tuple[str, ...]
-    pair_face: NDArray[np.int64]
-    pair_position: FloatArray
-    pair_area: FloatArray
-    mode_table: tuple[dict[str, str | float | int], ...] = ()
-    mode_contact: str = "tied"
-    derived: tuple[tuple[str, str | float | int, str, str], ...] = ()
-    warnings: tuple[str, ...] = ()
-    sketch: Sketch | None = None
-    rough_patch: RoughPatch | None = None
+    title: str = field(metadata=stored(Text("title")))
+    description: str = field(metadata=stored(Text("description")))
+    inputs: str = field(metadata=stored(Text("study file")))
+    outputs: dict[str, FloatArray] = field(
+        metadata=stored(
+            NamedRows(
+                ("output", "unknown"),
+                "1",
+                "rows that read a displacement",
+                "output_names",
+                "names of the output rows, JSON list",
+                name="output_rows",
+            )
+        )
+    )
+    signal_groups: dict[str, tuple[str, ...]] = field(
+        metadata=stored(Json(dict[str, list[str]], "outputs drawn together, JSON object"))
+    )
+    face_names: tuple[str, ...] = field(metadata=stored(Json(list[str], "names of the contact faces, JSON list")))
+    pair_face: NDArray[np.int64] = field(metadata=stored(WholeNumbers(("pair",), "1", "face of each pair")))
+    pair_position: FloatArray = field(
+        metadata=stored(
+            Numbers(("pair", "direction"), "m", "place of the pair in its face: along the length, across the width")
+        )
+    )
+    pair_area: FloatArray = field(metadata=stored(Numbers(("pair",), "m2", "nominal area of the pair")))
+    mode_table: tuple[dict[str, str | float | int], ...] = field(
+        default=(), metadata=stored(Json(list[dict[str, Value]], "mode table, JSON list of rows"))
+    )
+    mode_contact: str = field(
+        default="tied", metadata=stored(Text("how the pairs were held for the mode table", optional=True))
+    )
+    derived: tuple[tuple[str, str | float | int, str, str], ...] = field(
+        default=(),
+        metadata=stored(
+            Json(
+                list[tuple[str, Value, str, str]],
+                "derived quantities, JSON list of name, value, unit, explanation",
+            )
+        ),
+    )
+    warnings: tuple[str, ...] = field(default=(), metadata=stored(Json(list[str], "warnings of the study, JSON list")))
+    sketch: Sketch | None = field(default=None, metadata=stored(InGroup.of(Sketch, optional=True)))
+    rough_patch: RoughPatch | None = field(
+        default=None, metadata=stored(Among(RoughPatch, name="rough_height", optional=True))
+    )
 
     def __post_init__(self) -> None:
         if not self.outputs:
@@ -116,10 +149,11 @@ class StudyRecord:
         object.__setattr__(self, "derived", tuple(tuple(plain(row)) for row in self.derived))
         object.__setattr__(self, "warnings", tuple(self.warnings))
 
-    def __eq__(self, other: object) -> bool:
-        return same_content(self, other) if isinstance(other, StudyRecord) else NotImplemented
-
-    __hash__ = None  # type: ignore[assignment]
+    def __repr__(self) -> str:
+        return (
+            f'StudyRecord("{self.title}": {len(self.outputs)} outputs, {self.pair_face.size} pairs on '
+            f"{', '.join(self.face_names)})"
+        )
 
     @property
     def response_output(self) -> str:

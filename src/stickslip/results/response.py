@@ -6,58 +6,53 @@ Displacements are Fourier coefficients in the order mean, cos 1, sin 1, cos 2, s
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from os import PathLike
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, ClassVar, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import synthesis_matrix
-from stickslip.core.plain_data import same_content
 from stickslip.core.validation import FloatArray, finite_array, require_choice
+from stickslip.results.curve_figure import AmplitudeCurve
+from stickslip.results.groups import read_groups, write_groups
+from stickslip.results.linear_curves import LinearCurves, points_between
+from stickslip.results.pair_variables import pairs_from, pairs_groups
+from stickslip.results.stored import StoredGroup
+from stickslip.results.variables import (
+    Attribute,
+    Coefficients,
+    HarmonicNumbers,
+    InGroup,
+    Json,
+    Labelled,
+    Numbers,
+    Text,
+    WholeNumbers,
+    require_shape,
+    stored,
+)
 
 if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
     from stickslip.contact.law.coulomb_harmonics import Update
     from stickslip.contact.law.law import ContactCycle
 
-STATE_NAMES = ("stuck", "stick-slip", "separating")
+_CURVE, _PAIRS = ("point",), ("point", "pair")
+_Setting = str | float | int | None
+# More samples of a period than any run takes: what a damaged file says is not believed.
+MOST_SAMPLES = 10**6
 
 
 @dataclass(frozen=True, eq=False)
-class LinearCurves:
-    """The two linear limits beside the computed curve: all pairs that are closed at rest stuck, and no contact at all.
-
-    Parameters
-    ----------
-    frequency_hz:
-        (n_linear,) Hz.
-    stuck, free:
-        (n_linear, n, 2 * harmonics + 1) m, displacement coefficients under the same force.
-    stuck_frequency_hz, free_frequency_hz:
-        (n_modes,) Hz, natural frequencies without damping.
-    """
-
-    frequency_hz: FloatArray
-    stuck: FloatArray
-    free: FloatArray
-    stuck_frequency_hz: FloatArray
-    free_frequency_hz: FloatArray
-
-    def __post_init__(self) -> None:
-        for name in ("frequency_hz", "stuck", "free", "stuck_frequency_hz", "free_frequency_hz"):
-            object.__setattr__(self, name, finite_array(f"linear.{name}", getattr(self, name)))
-
-    def __eq__(self, other: object) -> bool:
-        return same_content(self, other) if isinstance(other, LinearCurves) else NotImplemented
-
-    __hash__ = None  # type: ignore[assignment]
-
-
-@dataclass(frozen=True, eq=False)
-class ForcedResponse:
+class ForcedResponse(Labelled):
     """Forced response along a curve of ``n_points`` points, in the order in which the curve was walked.
 
     The curve may fold, so ``frequency_hz`` need not rise; neighbours in the index are neighbours on the curve.
@@ -69,7 +64,7 @@ class ForcedResponse:
     displacement:
         (n_points, n, 2 * harmonics + 1) m, coefficients mean, cos 1, sin 1, ...
     contact_state:
-        (n_points, n_pairs) 0 stuck, 1 stick-slip, 2 separating.
+        (n_points, n_pairs) codes of :class:`stickslip.ContactState`: 0 stuck, 1 stick-slip, 2 separating.
     dissipated_energy:
         (n_points, n_pairs) J per cycle that the contact force of each pair takes: friction, and ``normal_work``. With
         it the energies of the balance add up: dissipated + viscous = input.
@@ -107,64 +102,108 @@ class ForcedResponse:
         for an array of the wrong shape or with an entry that is not finite.
     """
 
-    frequency_hz: FloatArray
-    displacement: FloatArray
-    contact_state: NDArray[np.int8]
-    dissipated_energy: FloatArray
-    normal_work: FloatArray
-    closure: FloatArray
-    residual: FloatArray
-    iterations: NDArray[np.int64]
-    input_energy: FloatArray
-    viscous_energy: FloatArray
-    converged: bool
-    message: str
-    warnings: tuple[str, ...]
-    harmonics: int
-    samples: int
-    pairs: ContactPairs
-    linear: LinearCurves
-    force: FloatArray
-    settings: dict[str, str | float | int]
-    provenance: dict[str, str]
-    load_factor: FloatArray = field(default_factory=lambda: np.ones(1))
+    DATASET_TITLE: ClassVar[str] = "Forced response of a structure with rough, dry-friction joints"
+    # Properties that :meth:`to_xarray` has beside what is stored.
+    DERIVED: ClassVar[Mapping[str, Numbers]] = {
+        "friction_energy": Numbers(_PAIRS, "J", "energy that friction takes per cycle"),
+        "moving_pairs": WholeNumbers(_CURVE, "1", "pairs that slip or separate"),
+    }
+
+    frequency_hz: FloatArray = field(
+        metadata=stored(Numbers(_CURVE, "Hz", "excitation frequency along the curve, may fold", name="frequency"))
+    )
+    displacement: FloatArray = field(
+        metadata=stored(
+            Coefficients(
+                ("point", "unknown"),
+                "m",
+                "displacement (m for boundary unknowns, own scaling for modal ones)",
+            )
+        )
+    )
+    contact_state: NDArray[np.int8] = field(
+        metadata=stored(
+            WholeNumbers(
+                _PAIRS, "1", f"contact state: {', '.join(f'{each:d} {each.label}' for each in ContactState)}", np.int8
+            )
+        )
+    )
+    dissipated_energy: FloatArray = field(
+        metadata=stored(Numbers(_PAIRS, "J", "energy taken by the contact force per cycle: friction and normal_work"))
+    )
+    normal_work: FloatArray = field(
+        metadata=stored(Numbers(_PAIRS, "J", "work of the normal force per cycle, an error of sampling"))
+    )
+    closure: FloatArray = field(
+        metadata=stored(Numbers(_PAIRS, "1", "relative distance between slider at start and end of the period"))
+    )
+    residual: FloatArray = field(metadata=stored(Numbers(_CURVE, "1", "relative residual of the balance")))
+    iterations: NDArray[np.int64] = field(metadata=stored(WholeNumbers(_CURVE, "1", "Newton iterations")))
+    input_energy: FloatArray = field(metadata=stored(Numbers(_CURVE, "J", "work of the excitation per cycle")))
+    viscous_energy: FloatArray = field(
+        metadata=stored(Numbers(_CURVE, "J", "energy lost to viscous damping per cycle"))
+    )
+    converged: bool = field(metadata=stored(Attribute(0, 1, bool)))
+    message: str = field(metadata=stored(Text("how the solve ended")))
+    warnings: tuple[str, ...] = field(metadata=stored(Json(list[str], "warnings of the solver, JSON list")))
+    harmonics: int = field(metadata=stored(HarmonicNumbers()))
+    samples: int = field(metadata=stored(Attribute(1, MOST_SAMPLES)))
+    pairs: ContactPairs = field(metadata=stored(InGroup(pairs_groups, pairs_from)))
+    linear: LinearCurves = field(metadata=stored(InGroup.of(LinearCurves)))
+    force: FloatArray = field(metadata=stored(Coefficients(("unknown",), "N", "excitation force")))
+    settings: dict[str, str | float | int] = field(
+        metadata=stored(Json(dict[str, _Setting], "settings of the solve, JSON object"))
+    )
+    provenance: dict[str, str] = field(metadata=stored(Json(dict[str, str], "software and machine, JSON object")))
+    load_factor: FloatArray = field(
+        default_factory=lambda: np.ones(1),
+        metadata=stored(Numbers(_CURVE, "1", "excitation at the point over force", optional=True)),
+    )
 
     def __post_init__(self) -> None:
-        points, n_pairs = np.shape(self.frequency_hz), (self.pairs.n_pairs,)
-        coefficients = (self.pairs.operator.shape[1], 2 * self.harmonics + 1)
-        curve = np.shape(self.linear.frequency_hz)
+        points = np.shape(self.frequency_hz)
         if len(points) != 1 or not points[0]:
             raise InputError(f"frequency_hz must be a list of at least one point, but its shape is {points}.")
         if np.shape(self.load_factor) == (1,):
             object.__setattr__(self, "load_factor", np.repeat(self.load_factor, points[0]))
-        expected: dict[str, tuple[int, ...]] = {
-            "frequency_hz": points,
-            "displacement": points + coefficients,
-            "contact_state": points + n_pairs,
-            "dissipated_energy": points + n_pairs,
-            "normal_work": points + n_pairs,
-            "closure": points + n_pairs,
-            "residual": points,
-            "iterations": points,
-            "input_energy": points,
-            "viscous_energy": points,
-            "load_factor": points,
-            "force": coefficients,
+        if not np.isin(self.contact_state, list(ContactState)).all():
+            states = [f"{state:d} ({state.label})" for state in ContactState]
+            raise InputError(f"contact_state must hold {', '.join(states[:-1])} or {states[-1]} only.")
+        sizes = {
+            "point": points[0],
+            "pair": self.pairs.n_pairs,
+            "unknown": self.pairs.operator.shape[1],
+            "harmonic": self.harmonics,
         }
-        for name, shape in expected.items():
-            array = finite_array(name, getattr(self, name))
-            _require_shape(name, array, shape)
-            kind = {"contact_state": np.int8, "iterations": np.int64}.get(name, np.float64)
-            object.__setattr__(self, name, array.astype(kind))
-        _require_shape("linear.stuck", self.linear.stuck, curve + coefficients)
-        _require_shape("linear.free", self.linear.free, curve + coefficients)
-        if self.contact_state.min() < 0 or self.contact_state.max() >= len(STATE_NAMES):
-            raise InputError("contact_state must hold 0 (stuck), 1 (stick-slip) or 2 (separating) only.")
+        self._require_sizes(sizes)
+        limit = (self.linear.frequency_hz.size, sizes["unknown"], 2 * self.harmonics + 1)
+        require_shape("linear.stuck", self.linear.stuck, limit)
+        require_shape("linear.free", self.linear.free, limit)
+        object.__setattr__(self, "warnings", tuple(self.warnings))
 
-    def __eq__(self, other: object) -> bool:
-        return same_content(self, other) if isinstance(other, ForcedResponse) else NotImplemented
+    @classmethod
+    def from_group(cls, group: StoredGroup, harmonics: int = 0) -> Self:
+        """The response that the root group of a results file holds; it knows its number of harmonics itself."""
+        return super().from_group(group, group.integers("harmonic").size)
 
-    __hash__ = None  # type: ignore[assignment]
+    def __repr__(self) -> str:
+        top = int(self.input_energy.argmax())
+        return (
+            f"ForcedResponse({points_between(self.frequency_hz)}, {self.pairs.n_pairs} pairs; peak at "
+            f"{self.frequency_hz[top]:.2f} Hz, where {self.input_energy[top]:.3g} J per cycle go in and "
+            f"{self.moving_pairs[top]} pairs move; {'converged' if self.converged else 'NOT converged'})"
+        )
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The curve as labelled data: what is stored in the root group of the file, and numbers that follow from it.
+
+        Dimensions are point, pair, unknown and harmonic; ``frequency`` (Hz) is a coordinate of the points. Displacement
+        and force are given as mean, cosine and sine parts.
+        """
+        dataset = self.to_dataset()
+        for name, entry in self.DERIVED.items():
+            dataset = dataset.assign(entry.variables(self, name))
+        return dataset.set_coords("frequency")
 
     @property
     def n_points(self) -> int:
@@ -175,6 +214,11 @@ class ForcedResponse:
     def friction_energy(self) -> FloatArray:
         """(n_points, n_pairs) J per cycle that friction takes, the work of the tangential forces."""
         return self.dissipated_energy - self.normal_work
+
+    @property
+    def moving_pairs(self) -> NDArray[np.int64]:
+        """(n_points,) number of pairs that slip or separate."""
+        return np.asarray((self.contact_state != ContactState.STUCK).sum(axis=1))
 
     @property
     def n_unknowns(self) -> int:
@@ -194,6 +238,30 @@ class ForcedResponse:
         require_choice("limit", limit, ("stuck", "free"))
         curve: FloatArray = getattr(self.linear, limit)
         return periodic_amplitude(np.einsum("pic,i->pc", curve, self._row(output)))
+
+    @property
+    def stuck_name(self) -> str:
+        """Name of the linear stuck curve, which leaves pairs open that are open at rest."""
+        return "linear, all stuck" if self.pairs.closed_at_rest.all() else "linear, stuck (pairs closed at rest)"
+
+    def plot(self, output: ArrayLike, name: str = "") -> Figure:
+        """Amplitude of an output against frequency, linear stuck and free beside it, the peak marked.
+
+        Parameters
+        ----------
+        output:
+            (n,) row that reads a displacement; the amplitude is 0-to-peak, in µm.
+        name:
+            of the output, for the axis.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            which a notebook shows and ``savefig`` writes. Raises InputError for a row of another length.
+        """
+        stuck, free = (self.linear_amplitude(output, limit) for limit in ("stuck", "free"))
+        amplitude, linear_hz = self.amplitude(output), self.linear.frequency_hz
+        return AmplitudeCurve(self.frequency_hz, amplitude, linear_hz, stuck, free, self.stuck_name, name).figure()
 
     def harmonic_amplitude(self, output: ArrayLike, harmonic: int) -> FloatArray:
         """(n_points,) ``sqrt(c_k^2 + s_k^2)`` of ``output @ u``, and ``|c_0|`` for harmonic 0. Raises InputError."""
@@ -239,21 +307,17 @@ class ForcedResponse:
         return self.pairs.with_update(cast("Update", self.settings["update"])).cycle(displacement)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write one NetCDF-4 file, whole or not at all; see :func:`stickslip.results.storage.save_results`."""
-        from stickslip.results.storage import save_results
-
-        save_results(path, self)
+        """Write one NetCDF-4 file, whole or not at all. Raises ResultsFileError if the place cannot be written."""
+        write_groups(path, self.to_groups())
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> ForcedResponse:
         """Read back what :meth:`save` wrote: an equal object. Raises ResultsFileError."""
-        from stickslip.results.storage import load_results
-
-        return load_results(path).response
+        return read_groups(path, cls.from_group)
 
     def _row(self, output: ArrayLike) -> FloatArray:
         row = finite_array("output", output)
-        _require_shape("output", row, (self.n_unknowns,))
+        require_shape("output", row, (self.n_unknowns,))
         return row
 
     def _point(self, point: int) -> int:
@@ -294,8 +358,3 @@ def periodic_amplitude(coefficients: FloatArray) -> FloatArray:
     polished = np.abs(coefficients[:, 0] + (cosine * c + sine * s).sum(axis=1))
     amplitude: FloatArray = np.maximum(polished, values[rows, best])
     return amplitude
-
-
-def _require_shape(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> None:
-    if array.shape != shape:
-        raise InputError(f"{name} must have shape {shape}, but its shape is {array.shape}.")

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from stickslip.core.errors import InputError
-from stickslip.core.plain_data import same_content
 from stickslip.core.validation import FloatArray, finite_array
+from stickslip.results.variables import Gathered, Labelled, Numbers, stored
+
+_SIZES = stored(
+    Gathered(
+        "length and width of that face, Sq (m) and Sdq of its roughness, JSON object",
+        ("length", "width", "sq", "sdq"),
+        name="rough_numbers",
+    )
+)
 
 
 @dataclass(frozen=True, eq=False)
-class RoughPatch:
+class RoughPatch(Labelled):
     """Heights of a rough face on a grid.
 
     Parameters
@@ -30,11 +38,13 @@ class RoughPatch:
         for heights that are no grid of two or more points each way, and for an extent that is not above 0.
     """
 
-    length: float
-    width: float
-    height: FloatArray
-    sq: float
-    sdq: float
+    length: float = field(metadata=_SIZES)
+    width: float = field(metadata=_SIZES)
+    height: FloatArray = field(
+        metadata=stored(Numbers(("rough_across", "rough_along"), "m", "heights of a rough face", name="rough_height"))
+    )
+    sq: float = field(metadata=_SIZES)
+    sdq: float = field(metadata=_SIZES)
 
     def __post_init__(self) -> None:
         height = finite_array("height", self.height)
@@ -44,10 +54,9 @@ class RoughPatch:
             raise InputError(f"length and width must be above 0 m; found {self.length:g} and {self.width:g} m.")
         object.__setattr__(self, "height", height)
 
-    def __eq__(self, other: object) -> bool:
-        return same_content(self, other) if isinstance(other, RoughPatch) else NotImplemented
-
-    __hash__ = None  # type: ignore[assignment]
+    def __repr__(self) -> str:
+        across, along = self.height.shape
+        return f"RoughPatch({along} by {across} heights on {self.length:g} by {self.width:g} m, Sq {self.sq:.3g} m)"
 
     @property
     def along(self) -> FloatArray:

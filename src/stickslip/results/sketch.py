@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.errors import InputError
-from stickslip.core.plain_data import same_content
 from stickslip.core.validation import FloatArray, finite_array
+from stickslip.results.variables import Count, Flags, Json, Labelled, Numbers, WholeNumbers, stored
 
 
 @dataclass(frozen=True, eq=False)
-class Sketch:
+class Sketch(Labelled):
     """The outer surface of a mesh and what is marked on it.
 
     Parameters
@@ -46,19 +46,27 @@ class Sketch:
         for arrays that do not fit together, a load of 0 N, and a number of a point or a body that does not exist.
     """
 
-    points: FloatArray
-    held: NDArray[np.bool_]
-    sides: NDArray[np.int64]
-    body: NDArray[np.int64]
-    face: NDArray[np.int64]
-    body_names: tuple[str, ...]
-    load_names: tuple[str, ...]
-    load_places: FloatArray
-    loads: FloatArray
-    constant: NDArray[np.bool_]
-    response_names: tuple[str, ...]
-    response_places: FloatArray
-    mesh_sides: int
+    points: FloatArray = field(
+        metadata=stored(Numbers(("point", "axis"), "m", "corners of the outer sides of the mesh"))
+    )
+    held: NDArray[np.bool_] = field(metadata=stored(Flags(("point",), "1", "1 where the point is held")))
+    sides: NDArray[np.int64] = field(
+        metadata=stored(WholeNumbers(("side", "corner"), "1", "corners, seen from outside", np.int32))
+    )
+    body: NDArray[np.int64] = field(metadata=stored(WholeNumbers(("side",), "1", "body of each side", np.int32)))
+    face: NDArray[np.int64] = field(
+        metadata=stored(WholeNumbers(("side",), "1", "contact face that the side is part of, -1 for none", np.int32))
+    )
+    body_names: tuple[str, ...] = field(metadata=stored(Json(list[str], "names of the bodies, JSON list")))
+    load_names: tuple[str, ...] = field(metadata=stored(Json(list[str], "names of the loads, JSON list")))
+    load_places: FloatArray = field(metadata=stored(Numbers(("load", "axis"), "m", "where the loads act")))
+    loads: FloatArray = field(
+        metadata=stored(Numbers(("load", "axis"), "N", "vectors of the loads, harmonic ones 0-to-peak"))
+    )
+    constant: NDArray[np.bool_] = field(metadata=stored(Flags(("load",), "1", "1 where the load is constant")))
+    response_names: tuple[str, ...] = field(metadata=stored(Json(list[str], "names of the responses, JSON list")))
+    response_places: FloatArray = field(metadata=stored(Numbers(("response", "axis"), "m", "where responses are read")))
+    mesh_sides: int = field(metadata=stored(Count("number of outer sides of the mesh")))
 
     def __post_init__(self) -> None:
         points = finite_array("sketch points", self.points)
@@ -106,10 +114,8 @@ class Sketch:
         if found != shape:
             raise InputError(f"{name} of the sketch must have shape {shape}; found {found}.")
 
-    def __eq__(self, other: object) -> bool:
-        return same_content(self, other) if isinstance(other, Sketch) else NotImplemented
-
-    __hash__ = None  # type: ignore[assignment]
+    def __repr__(self) -> str:
+        return f"Sketch({len(self.sides)} of {self.mesh_sides} outer sides of {', '.join(self.body_names)})"
 
     @property
     def is_coarsened(self) -> bool:

@@ -1,43 +1,21 @@
-"""One NetCDF-4 file for one run: the response, and the record of the study that the report needs.
-
-Layout (read it with xarray, MATLAB, Panoply, ncdump): the curve and the response in the root group, the linear limits
-in ``linear``, the joint in ``pairs``, the study in ``study``, the picture of its structure, if there is one, in
-``sketch``. Cosine and sine parts are separate real arrays.
-"""
+"""The results file of one run: the response, and the record of the study that the report needs."""
 
 from __future__ import annotations
 
-import io
-import json
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from stickslip import __version__
-from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.core.errors import ImportFileError, InputError, ResultsFileError
-from stickslip.core.files import whole_file
-from stickslip.core.input_files import open_hdf5, open_regular
-from stickslip.core.plain_data import plain
-from stickslip.core.validation import FloatArray
-from stickslip.results.netcdf import COMPRESSED, netcdf_bytes
+from stickslip.results.groups import groups_bytes, read_groups, write_groups
 from stickslip.results.record import StudyRecord
-from stickslip.results.response import STATE_NAMES, ForcedResponse, LinearCurves
-from stickslip.results.rough_patch import RoughPatch
-from stickslip.results.sketch import Sketch
-from stickslip.results.stored import LARGEST_EXPANSION, StoredGroup, UnreadableError
+from stickslip.results.response import ForcedResponse
+from stickslip.results.stored import StoredGroup
 
 if TYPE_CHECKING:
     import xarray
 
-FORMAT_VERSION = 2
-_HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
-MOST_SAMPLES = 10**6
-_Value = str | float | int
-_STATES = "0 stuck, 1 stick-slip, 2 separating"
+_STUDY = "study"
 
 
 @dataclass(frozen=True)
@@ -53,20 +31,12 @@ def save_results(path: str | PathLike[str], response: ForcedResponse, study: Stu
 
     Raises InputError if ``study`` does not belong to ``response``, ResultsFileError if the place cannot be written.
     """
-    with whole_file(Path(path), "results", ResultsFileError) as part:
-        part.write_bytes(results_bytes(response, study))
+    write_groups(Path(path), _groups(response, study))
 
 
 def results_bytes(response: ForcedResponse, study: StudyRecord | None = None) -> bytes:
     """The content of a results file. Raises InputError if ``study`` does not belong to ``response``."""
-    if study is not None:
-        study.require_fit(response)
-    groups = {"": _response_dataset(response), "linear": _linear_dataset(response), "pairs": _pairs_dataset(response)}
-    if study is not None:
-        groups["study"] = _study_dataset(study)
-        if study.sketch is not None:
-            groups["sketch"] = _sketch_dataset(study.sketch)
-    return netcdf_bytes(groups.items(), COMPRESSED)
+    return groups_bytes(_groups(response, study))
 
 
 def load_results(path: str | PathLike[str]) -> SavedResults:
@@ -77,325 +47,21 @@ def load_results(path: str | PathLike[str]) -> SavedResults:
     ResultsFileError
         for a file that is missing, is not NetCDF-4, is not of stickslip, is of another version, or is damaged.
     """
-    source = Path(path)
-    try:
-        with open_regular(source, largest=None) as stream:
-            signature = stream.read(len(_HDF5_SIGNATURE))
-            rest = stream.read() if signature == _HDF5_SIGNATURE else b""
-    except OSError as error:
-        raise ResultsFileError(
-            f'the results file "{source}" could not be opened: {error.strerror or error}. "stickslip run" writes it as '
-            "results.nc in its output folder."
-        ) from error
-    if signature != _HDF5_SIGNATURE:
-        raise ResultsFileError(
-            f'"{source}" is not a NetCDF-4 file (its first bytes are {signature!r}). Give the results.nc that '
-            '"stickslip run" wrote.'
-        )
-    try:
-        open_hdf5(source, largest=None).close()
-        return _read(source, signature + rest)
-    except ResultsFileError:
-        raise
-    except ImportFileError as error:
-        raise ResultsFileError(f"the results file is not read: {error}") from error
-    except Exception as error:  # HDF5 has an error of its own kind for every byte that may be wrong
-        reason = "its structure of groups and variables cannot be read"
-        if isinstance(error, UnreadableError | InputError):
-            reason = str(error).removesuffix(".")
-        raise ResultsFileError(
-            f'the results file "{source}" is damaged or incomplete: {reason}. Copy it again from where it was made, or '
-            "solve again."
-        ) from error
+    return read_groups(path, _saved)
 
 
-def _read(source: Path, content: bytes) -> SavedResults:
-    """The results in the content of ``source``: read from memory, since HDF5 ends the process where a disk fails."""
-    import h5py
-
-    with h5py.File(io.BytesIO(content), "r") as file:
-        root = StoredGroup(file, LARGEST_EXPANSION * len(content))
-        if "stickslip_format" not in file.attrs:
-            raise ResultsFileError(
-                f'"{source}" is a NetCDF-4 file, but not one of stickslip: it has no attribute stickslip_format. Give '
-                'the results.nc that "stickslip run" wrote.'
-            )
-        found = root.whole_number("stickslip_format", 0, 10**6)
-        if found != FORMAT_VERSION:
-            raise ResultsFileError(
-                f'the results file "{source}" has format {found}, but this version of stickslip reads format '
-                f"{FORMAT_VERSION}. Open it with the stickslip that wrote it, or solve again."
-            )
-        response = _response_from(root, root.subgroup("linear"), root.subgroup("pairs"))
-        if "study" not in root:
-            return SavedResults(response, None)
-        sketch = _sketch_from(root.subgroup("sketch")) if "sketch" in root else None  # younger than the format
-        study = _study_from(root.subgroup("study"), sketch)
+def _groups(response: ForcedResponse, study: StudyRecord | None) -> dict[str, xarray.Dataset]:
+    groups = response.to_groups()
+    if study is not None:
         study.require_fit(response)
-        return SavedResults(response, study)
+        groups |= study.to_groups(_STUDY)
+    return groups
 
 
-def _variable(dims: tuple[str, ...], values: Any, unit: str, long_name: str) -> tuple[Any, ...]:
-    return (dims, values, {"units": unit, "long_name": long_name})
-
-
-def _text(value: Any, long_name: str) -> tuple[Any, ...]:
-    """A scalar text variable: JSON unless it is text already. Attributes of HDF5 end at 64 kB, variables do not."""
-    return ((), value if isinstance(value, str) else json.dumps(plain(value)), {"long_name": long_name})
-
-
-def _split(
-    name: str, array: FloatArray, dims: tuple[str, ...], unit: str, what: str, harmonic: str = "harmonic"
-) -> dict[str, tuple[Any, ...]]:
-    """Mean (..., n), cosine and sine parts (..., n, harmonics) of coefficients (..., n, 2 * harmonics + 1)."""
-    return {
-        f"{name}_mean": _variable(dims, array[..., 0], unit, f"{what}, mean over the period"),
-        f"{name}_cosine": _variable((*dims, harmonic), array[..., 1::2], unit, f"{what}, cosine part"),
-        f"{name}_sine": _variable((*dims, harmonic), array[..., 2::2], unit, f"{what}, sine part"),
-    }
-
-
-def _excited(array: FloatArray) -> FloatArray:
-    """Coefficients (..., 2H+1) without the harmonics above the highest one that is not zero, but at least the first."""
-    present = np.flatnonzero(array.any(axis=tuple(range(array.ndim - 1))))
-    harmonics = max(1, (int(present.max(initial=0)) + 1) // 2)
-    return array[..., : 2 * harmonics + 1]
-
-
-def _joined(group: StoredGroup, name: str, harmonics: int) -> FloatArray:
-    """Coefficients (..., 2 * harmonics + 1); harmonics that were not stored are zero."""
-    mean, cosine, sine = (group.numbers(f"{name}_{part}") for part in ("mean", "cosine", "sine"))
-    if cosine.shape != sine.shape or cosine.shape[:-1] != mean.shape or cosine.shape[-1] > harmonics:
-        raise UnreadableError(f'the parts of "{name}" do not have shapes that fit each other')
-    array = np.zeros((*mean.shape, 2 * harmonics + 1))
-    stop = 2 * cosine.shape[-1] + 1
-    array[..., 0], array[..., 1:stop:2], array[..., 2:stop:2] = mean, cosine, sine
-    return array
-
-
-def _response_dataset(response: ForcedResponse) -> xarray.Dataset:
-    import xarray
-
-    curve, pairs = ("point",), ("point", "pair")
-    of_unknowns = "m for boundary unknowns, own scaling for modal ones"
-    closure = "relative distance between slider at start and end of the period"
-    dissipated = "energy taken by the contact force per cycle: friction and normal_work"
-    normal = "work of the normal force per cycle, an error of sampling"
-    data = {
-        "frequency": _variable(curve, response.frequency_hz, "Hz", "excitation frequency along the curve, may fold"),
-        **_split("displacement", response.displacement, ("point", "unknown"), "m", f"displacement ({of_unknowns})"),
-        "contact_state": _variable(pairs, response.contact_state, "1", f"contact state: {_STATES}"),
-        "dissipated_energy": _variable(pairs, response.dissipated_energy, "J", dissipated),
-        "normal_work": _variable(pairs, response.normal_work, "J", normal),
-        "closure": _variable(pairs, response.closure, "1", closure),
-        "residual": _variable(curve, response.residual, "1", "relative residual of the balance"),
-        "iterations": _variable(curve, response.iterations, "1", "Newton iterations"),
-        "input_energy": _variable(curve, response.input_energy, "J", "work of the excitation per cycle"),
-        "viscous_energy": _variable(curve, response.viscous_energy, "J", "energy lost to viscous damping per cycle"),
-        **_split("force", response.force, ("unknown",), "N", "excitation force"),
-        "message": _text(response.message, "how the solve ended"),
-        "warnings": _text(response.warnings, "warnings of the solver, JSON list"),
-        "settings": _text(response.settings, "settings of the solve, JSON object"),
-        "provenance": _text(response.provenance, "software and machine, JSON object"),
-    }
-    harmonic = {"harmonic": _variable(("harmonic",), np.arange(1, response.harmonics + 1), "1", "harmonic number")}
-    attributes = {
-        "title": "Forced response of a structure with rough, dry-friction joints",
-        "source": f"stickslip {__version__}",
-        "stickslip_format": FORMAT_VERSION,
-        "converged": int(response.converged),
-        "samples": response.samples,
-    }
-    return xarray.Dataset(data, coords=harmonic, attrs=attributes)
-
-
-def _linear_dataset(response: ForcedResponse) -> xarray.Dataset:
-    import xarray
-
-    linear = response.linear
-    dims = ("linear_point", "unknown")
-    data = {
-        "frequency": _variable(("linear_point",), linear.frequency_hz, "Hz", "excitation frequency"),
-        **_split(
-            "stuck", _excited(linear.stuck), dims, "m", "displacement, contacts closed at rest stuck", "stuck_harmonic"
-        ),
-        **_split("free", _excited(linear.free), dims, "m", "displacement without contact", "free_harmonic"),
-        "stuck_frequency": _variable(
-            ("stuck_mode",), linear.stuck_frequency_hz, "Hz", "natural frequency, contacts closed at rest stuck"
-        ),
-        "free_frequency": _variable(("free_mode",), linear.free_frequency_hz, "Hz", "natural frequency, no contact"),
-    }
-    return xarray.Dataset(data)
-
-
-def _pairs_dataset(response: ForcedResponse) -> xarray.Dataset:
-    import xarray
-
-    pairs = response.pairs
-    tangential = ("pair", "tangent")[: pairs.tangential_stiffness.ndim]
-    data = {
-        "operator": _variable(("row", "unknown"), pairs.operator, "1", "relative displacement t1, t2, n of each pair"),
-        "normal_stiffness": _variable(("pair",), pairs.normal_stiffness, "N m-1", "normal stiffness"),
-        "tangential_stiffness": _variable(tangential, pairs.tangential_stiffness, "N m-1", "tangential stiffness"),
-        "friction_coefficient": _variable(("pair",), pairs.friction_coefficient, "1", "friction coefficient"),
-        "preload": _variable(("pair",), pairs.preload, "N", "normal force at rest"),
-    }
-    if pairs.residual_traction is not None:
-        rest = "traction at rest that friction keeps"
-        data["residual_traction"] = _variable(("pair", "tangent"), pairs.residual_traction, "N", rest)
-    return xarray.Dataset(data)
-
-
-def _response_from(root: StoredGroup, linear: StoredGroup, pairs: StoredGroup) -> ForcedResponse:
-    joint = ContactPairs(
-        pairs.numbers("operator"),
-        **{
-            name: pairs.numbers(name)
-            for name in ("normal_stiffness", "tangential_stiffness", "friction_coefficient", "preload")
-        },
-        residual_traction=pairs.numbers("residual_traction") if "residual_traction" in pairs else None,
-    )
-    harmonics = root.integers("harmonic").size
-    curves = LinearCurves(
-        frequency_hz=linear.numbers("frequency"),
-        stuck=_joined(linear, "stuck", harmonics),
-        free=_joined(linear, "free", harmonics),
-        stuck_frequency_hz=linear.numbers("stuck_frequency"),
-        free_frequency_hz=linear.numbers("free_frequency"),
-    )
-    return ForcedResponse(
-        frequency_hz=root.numbers("frequency"),
-        displacement=_joined(root, "displacement", harmonics),
-        contact_state=root.integers("contact_state").clip(-1, len(STATE_NAMES)).astype(np.int8),  # 256 is not 0
-        iterations=root.integers("iterations"),
-        **{
-            name: root.numbers(name)
-            for name in (
-                "dissipated_energy",
-                "normal_work",
-                "closure",
-                "residual",
-                "input_energy",
-                "viscous_energy",
-            )
-        },
-        converged=root.whole_number("converged", 0, 1) == 1,
-        message=root.text("message"),
-        warnings=tuple(root.parsed("warnings", list[str])),
-        harmonics=harmonics,
-        samples=root.whole_number("samples", 1, MOST_SAMPLES),
-        pairs=joint,
-        linear=curves,
-        force=_joined(root, "force", harmonics),
-        settings=root.parsed("settings", dict[str, _Value | None]),
-        provenance=root.parsed("provenance", dict[str, str]),
-    )
-
-
-def _study_dataset(study: StudyRecord) -> xarray.Dataset:
-    import xarray
-
-    position = "place of the pair in its face: along the length, across the width"
-    outputs = np.stack(list(study.outputs.values()))
-    data = {
-        "title": _text(study.title, "title"),
-        "description": _text(study.description, "description"),
-        "inputs": _text(study.inputs, "study file"),
-        "output_rows": _variable(("output", "unknown"), outputs, "1", "rows that read a displacement"),
-        "output_names": _text(list(study.outputs), "names of the output rows, JSON list"),
-        "signal_groups": _text(study.signal_groups, "outputs drawn together, JSON object"),
-        "face_names": _text(study.face_names, "names of the contact faces, JSON list"),
-        "pair_face": _variable(("pair",), study.pair_face, "1", "face of each pair"),
-        "pair_position": _variable(("pair", "direction"), study.pair_position, "m", position),
-        "pair_area": _variable(("pair",), study.pair_area, "m2", "nominal area of the pair"),
-        "mode_table": _text(study.mode_table, "mode table, JSON list of rows"),
-        "mode_contact": _text(study.mode_contact, "how the pairs were held for the mode table"),
-        "derived": _text(study.derived, "derived quantities, JSON list of name, value, unit, explanation"),
-        "warnings": _text(study.warnings, "warnings of the study, JSON list"),
-        **_rough_variables(study.rough_patch),
-    }
-    return xarray.Dataset(data)
-
-
-def _rough_variables(patch: RoughPatch | None) -> dict[str, tuple[Any, ...]]:
-    """The picture of a rough face, where there is one."""
-    if patch is None:
-        return {}
-    numbers = {"length": patch.length, "width": patch.width, "sq": patch.sq, "sdq": patch.sdq}
-    return {
-        "rough_height": _variable(("rough_across", "rough_along"), patch.height, "m", "heights of a rough face"),
-        "rough_numbers": _text(numbers, "length and width of that face, Sq (m) and Sdq of its roughness, JSON object"),
-    }
-
-
-def _study_from(data: StoredGroup, sketch: Sketch | None) -> StudyRecord:
-    names, rows = data.parsed("output_names", list[str]), data.numbers("output_rows")
-    if rows.ndim != 2 or len(names) != len(rows):
-        raise UnreadableError('"output_rows" does not have one row for each of "output_names"')
-    patch = None
-    if "rough_height" in data:
-        sizes = data.parsed("rough_numbers", dict[Literal["length", "width", "sq", "sdq"], float])
-        if len(sizes) != 4:
-            raise UnreadableError('"rough_numbers" does not have the four numbers of a rough face')
-        patch = RoughPatch(height=data.numbers("rough_height"), **sizes)
-    return StudyRecord(
-        title=data.text("title"),
-        description=data.text("description"),
-        inputs=data.text("inputs"),
-        outputs=dict(zip(names, rows, strict=True)),
-        signal_groups=data.parsed("signal_groups", dict[str, list[str]]),
-        face_names=data.parsed("face_names", list[str]),
-        pair_face=data.integers("pair_face"),
-        pair_position=data.numbers("pair_position"),
-        pair_area=data.numbers("pair_area"),
-        mode_table=tuple(data.parsed("mode_table", list[dict[str, _Value]])),
-        mode_contact=data.text("mode_contact") if "mode_contact" in data else "tied",
-        derived=tuple(data.parsed("derived", list[tuple[str, _Value, str, str]])),
-        warnings=tuple(data.parsed("warnings", list[str])),
-        rough_patch=patch,
-        sketch=sketch,
-    )
-
-
-def _sketch_dataset(sketch: Sketch) -> xarray.Dataset:
-    import xarray
-
-    of_point, of_side, of_load = ("point",), ("side",), ("load", "axis")
-    body, face = "body of each side", "contact face that the side is part of, -1 for none"
-    data = {
-        "points": _variable(("point", "axis"), sketch.points, "m", "corners of the outer sides of the mesh"),
-        "held": _variable(of_point, sketch.held.astype(np.int8), "1", "1 where the point is held"),
-        "sides": _variable(("side", "corner"), sketch.sides.astype(np.int32), "1", "corners, seen from outside"),
-        "body": _variable(of_side, sketch.body.astype(np.int32), "1", body),
-        "face": _variable(of_side, sketch.face.astype(np.int32), "1", face),
-        "body_names": _text(sketch.body_names, "names of the bodies, JSON list"),
-        "load_names": _text(sketch.load_names, "names of the loads, JSON list"),
-        "load_places": _variable(of_load, sketch.load_places, "m", "where the loads act"),
-        "loads": _variable(of_load, sketch.loads, "N", "vectors of the loads, harmonic ones 0-to-peak"),
-        "constant": _variable(("load",), sketch.constant.astype(np.int8), "1", "1 where the load is constant"),
-        "response_names": _text(sketch.response_names, "names of the responses, JSON list"),
-        "response_places": _variable(("response", "axis"), sketch.response_places, "m", "where responses are read"),
-        "mesh_sides": _variable((), sketch.mesh_sides, "1", "number of outer sides of the mesh"),
-    }
-    return xarray.Dataset(data)
-
-
-def _sketch_from(data: StoredGroup) -> Sketch:
-    def names(of: str) -> tuple[str, ...]:
-        return tuple(data.parsed(f"{of}_names", list[str]))
-
-    return Sketch(
-        points=data.numbers("points"),
-        sides=data.integers("sides"),
-        body=data.integers("body"),
-        face=data.integers("face"),
-        load_places=data.numbers("load_places"),
-        loads=data.numbers("loads"),
-        response_places=data.numbers("response_places"),
-        held=data.integers("held") != 0,
-        constant=data.integers("constant") != 0,
-        body_names=names("body"),
-        load_names=names("load"),
-        response_names=names("response"),
-        mesh_sides=int(data.integers("mesh_sides").sum()),
-    )
+def _saved(root: StoredGroup) -> SavedResults:
+    response = ForcedResponse.from_group(root)
+    if _STUDY not in root:
+        return SavedResults(response, None)
+    study = StudyRecord.from_group(root.subgroup(_STUDY))
+    study.require_fit(response)
+    return SavedResults(response, study)

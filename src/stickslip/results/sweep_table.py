@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -14,7 +14,7 @@ import numpy as np
 from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.core.files import whole_file
 from stickslip.core.validation import FloatArray
-from stickslip.results.measures import Summary, summary
+from stickslip.results.measures import SUMMARY_COLUMNS, summary
 from stickslip.results.netcdf import netcdf_bytes
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
@@ -24,47 +24,8 @@ if TYPE_CHECKING:
 
 Value = float | int | str
 
-# column -> (unit, meaning, how a summary gives it); None of a summary is an empty cell
-_MEASURES: dict[str, tuple[str, str, Callable[[Summary], float | bool | None]]] = {
-    "peak_amplitude_m": ("m", "highest peak, 0-to-peak, mean included", lambda s: s.peak.amplitude),
-    "peak_frequency_hz": ("Hz", "frequency of the highest peak", lambda s: s.peak.frequency_hz),
-    "peak_bracketed": ("1", "1 if the peak lies inside the computed range, 0 at an end", lambda s: s.peak.bracketed),
-    "shift_from_stuck_hz": ("Hz", "peak frequency less that of the linear stuck peak", lambda s: s.shift_from_stuck_hz),
-    "shift_from_free_hz": ("Hz", "peak frequency less that of the linear free peak", lambda s: s.shift_from_free_hz),
-    "reduction_from_stuck": ("1", "1 - peak / linear stuck peak", lambda s: s.reduction_from_stuck),
-    "reduction_from_free": ("1", "1 - peak / linear free peak", lambda s: s.reduction_from_free),
-    "stuck_peak_amplitude_m": (
-        "m",
-        "highest linear peak, every pair that is closed at rest stuck",
-        lambda s: _inside(s, "stuck", "amplitude"),
-    ),
-    "stuck_peak_frequency_hz": ("Hz", "its frequency", lambda s: _inside(s, "stuck", "frequency_hz")),
-    "free_peak_amplitude_m": ("m", "highest linear peak, no contact", lambda s: _inside(s, "free", "amplitude")),
-    "free_peak_frequency_hz": ("Hz", "its frequency", lambda s: _inside(s, "free", "frequency_hz")),
-    "damping_ratio": ("1", "half-power bandwidth ratio (equivalent damping)", lambda s: s.damping_ratio),
-    "pairs_stuck": ("1", "pairs stuck at the peak", lambda s: s.state_counts[0]),
-    "pairs_stick_slip": ("1", "pairs in stick-slip at the peak", lambda s: s.state_counts[1]),
-    "pairs_separating": ("1", "pairs separating at the peak", lambda s: s.state_counts[2]),
-    "friction_energy_j": ("J", "dissipated by friction per cycle at the peak", lambda s: s.friction_energy),
-    "normal_work_j": (
-        "J",
-        "of the normal forces per cycle at the peak, zero but for sampling",
-        lambda s: s.normal_work,
-    ),
-    "viscous_energy_j": ("J", "dissipated by viscous damping per cycle at the peak", lambda s: s.viscous_energy),
-    "input_energy_j": ("J", "put in by the excitation per cycle at the peak", lambda s: s.input_energy),
-    "largest_friction_energy_j": ("J", "largest friction energy per cycle on the curve", lambda s: s.peak_energy),
-    "largest_friction_energy_hz": ("Hz", "frequency of that energy", lambda s: s.peak_energy_frequency_hz),
-    "energy_imbalance": ("1", "largest energy imbalance on the curve, of the input", lambda s: s.energy_imbalance),
-}
-MEASURES = tuple(_MEASURES)
+MEASURES = tuple(SUMMARY_COLUMNS)
 _WHOLE = frozenset({"peak_bracketed", "pairs_stuck", "pairs_stick_slip", "pairs_separating"})
-
-
-def _inside(found: Summary, limit: str, what: str) -> float | None:
-    """Amplitude or frequency of a linear peak, None where it does not lie inside the computed range."""
-    peak = getattr(found, f"{limit}_peak")
-    return getattr(peak, what) if peak.bracketed else None
 
 
 @dataclass(frozen=True)
@@ -178,7 +139,7 @@ class SweepTable:
 
         cells = list(self._cells())
         about = {key.name: (key.unit or "1", f"{key.name} of the study file") for key in self.keys}
-        about |= {name: (unit, meaning) for name, (unit, meaning, _) in _MEASURES.items()}
+        about |= {name: (unit, meaning) for name, (unit, meaning, _) in SUMMARY_COLUMNS.items()}
         about |= {
             "converged": ("1", "1 if the curve was followed to its end"),
             "message": ("", "how the case ended"),
@@ -230,6 +191,6 @@ def curve_and_measures(response: ForcedResponse, study: StudyRecord) -> tuple[Sw
     """Amplitude curve of a study's response output, and those of its measures that are defined. Raises InputError."""
     row = study.outputs[study.response_output]
     found = summary(response, row)
-    numbers = {name: entry[2](found) for name, entry in _MEASURES.items()}
+    numbers = {name: entry[2](found) for name, entry in SUMMARY_COLUMNS.items()}
     cells = {name: float(number) for name, number in numbers.items() if number is not None}
     return SweepCurve(response.frequency_hz, response.amplitude(row)), cells

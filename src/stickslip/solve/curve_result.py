@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from stickslip.contact.law.law import ContactState
 from stickslip.core.validation import FloatArray
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.harmonic.balance import Balance, Trial
@@ -36,7 +37,7 @@ def follower(
         trial = event.point.trial
         frequency_hz = trial.omega / (2.0 * np.pi)
         done = (frequency_hz - window[0]) / (window[1] - window[0])
-        moving = int((trial.contact.state > 0).sum())
+        moving = int((trial.contact.state != ContactState.STUCK).sum())
         fraction = min(LARGEST_FRACTION, max(0.0, done))
         report.stage(f"{frequency_hz:.2f} Hz, point {event.count}, {moving} pairs moving", fraction)
 

@@ -84,6 +84,11 @@ class Structure:
         whole = (3 * np.asarray(self.fixed_nodes, dtype=np.int64)[:, None] + np.arange(3)).ravel()
         object.__setattr__(self, "fixed_unknowns", np.union1d(whole, self.fixed_unknowns).astype(np.int64))
 
+    def __repr__(self) -> str:
+        fixed = f"{len(self.fixed_nodes)} of them fixed"
+        unknowns = self.stiffness.shape[0]
+        return f"Structure({unknowns} unknowns of {self.mesh.n_nodes} nodes, {fixed}; element {self.element})"
+
     @property
     def free_unknowns(self) -> IntArray:
         """(n_free,) position of each unknown among the 3 * n_nodes displacements (node, then x, y, z)."""

@@ -10,7 +10,15 @@ import numpy as np
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array
 from stickslip.structure.cell_kinds import CELL_KINDS, CORNERS_OF_SIDE, IntArray, outer_sides
-from stickslip.structure.mesh import Mesh, named_nodes, node_numbers, require_upright, sides_in_nodes
+from stickslip.structure.mesh import (
+    Mesh,
+    counted,
+    named_nodes,
+    names_in_short,
+    node_numbers,
+    require_upright,
+    sides_in_nodes,
+)
 
 
 @dataclass(frozen=True)
@@ -92,6 +100,13 @@ class FiniteElementMesh:
         object.__setattr__(self, "element_sets", elements)
         object.__setattr__(self, "face_sets", faces)
         object.__setattr__(self, "node_sets", nodes)
+
+    def __repr__(self) -> str:
+        kinds = ", ".join(dict.fromkeys(block.kind for block in self.blocks))
+        return (
+            f"FiniteElementMesh({self.n_nodes} nodes, {self.n_cells} cells ({kinds}) in "
+            f"{counted(len(self.body_names), 'body', 'bodies')}; face sets: {names_in_short(self.face_sets)})"
+        )
 
     @property
     def n_nodes(self) -> int:

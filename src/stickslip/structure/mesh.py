@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,6 +14,8 @@ from stickslip.structure.cell_kinds import CELL_KINDS, KIND_OF_SIZE, CellKind, a
 from stickslip.structure.cell_kinds import IntArray as IntArray
 
 EDGES = CELL_KINDS["hexahedron"].edges
+# Names of sets that one line shows.
+SHOWN_NAMES = 6
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,13 @@ class Mesh:
         object.__setattr__(self, "cells", cells)
         object.__setattr__(self, "body", body)
         object.__setattr__(self, "node_sets", sets)
+
+    def __repr__(self) -> str:
+        bodies = counted(np.unique(self.body).size, "body", "bodies")
+        return (
+            f"Mesh({self.n_nodes} nodes, {self.n_cells} cells ({self.kind.name}) in {bodies}; "
+            f"node sets: {names_in_short(self.node_sets)})"
+        )
 
     @property
     def n_nodes(self) -> int:
@@ -124,6 +133,18 @@ class Mesh:
             body=self.body,
             node_sets=sets,
         )
+
+
+def names_in_short(names: Iterable[str]) -> str:
+    """The first names, and how many more there are."""
+    known = sorted(names)
+    more = len(known) - SHOWN_NAMES
+    return ", ".join(known[:SHOWN_NAMES]) + (f" and {more} more" if more > 0 else "") or "none"
+
+
+def counted(count: int, one: str, many: str) -> str:
+    """A number with its word: 1 body, 2 bodies."""
+    return f"{count} {one if count == 1 else many}"
 
 
 def node_numbers(name: str, value: ArrayLike, n_nodes: int) -> IntArray:

@@ -68,6 +68,13 @@ class Superelement:
         object.__setattr__(self, "mass", mass)
         self._require_nodes()
 
+    def __repr__(self) -> str:
+        nodes = self.boundary_nodes.size
+        return (
+            f"Superelement({self.size} unknowns: {nodes} boundary nodes and {self.size - 3 * nodes} other unknowns; "
+            f"{'no ' if self.damping is None else ''}damping matrix)"
+        )
+
     def _require_nodes(self) -> None:
         """Raise InputError where boundary nodes, positions and node sets do not fit together."""
         nodes = self.boundary_nodes

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip.contact.law.coulomb_kernel import OPEN, SLIP
+from stickslip.contact.law.law import ContactState
 from stickslip.core.validation import FloatArray
 from stickslip.model.joint import Joint, odd_values
 from stickslip.model.layout import Derived, Setup
@@ -85,13 +85,14 @@ def resting_state(model: ReducedModel) -> tuple[Derived, ...]:
     rows: list[Derived] = []
     for face, name in enumerate(joint.face_names):
         here = joint.face_pairs.face == face
-        opened = int((state.state[here] == OPEN).sum())
+        opened = int((state.state[here] == ContactState.SEPARATING).sum())
         traction = float(np.linalg.norm(state.traction[here].sum(axis=0)))
         largest = float(pressure[here].max())
         words = "none: with released tractions the state at rest is that without friction"
         rows.append((f"Pairs open at rest, {name}", opened, "-", f"of {int(here.sum())}; solved from the static load"))
         if not model.pairs.released:
-            limit, words = int((state.state[here] == SLIP).sum()), "resultant of the tractions of its pairs"
+            limit = int((state.state[here] == ContactState.STICK_SLIP).sum())
+            words = "resultant of the tractions of its pairs"
             meaning = "moved further the same way, they slip at once"
             rows.append((f"Pairs on the friction limit at rest, {name}", limit, "-", meaning))
         rows += [

@@ -23,7 +23,8 @@ from stickslip.model.joint import odd_values
 from stickslip.model.layout import Derived
 from stickslip.model.model import Model, ReducedModel, build_model, kind_of, load_joint, set_up
 from stickslip.model.solved_preload import resting_pairs
-from stickslip.results.measures import hertz, peaks, summary, summary_table
+from stickslip.results.measures import hertz, summary, summary_table
+from stickslip.results.peaks import peaks
 from stickslip.results.record import StudyRecord, run_provenance
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, results_bytes

@@ -13,7 +13,7 @@ from pathlib import Path
 from stickslip.case.case import Case
 from stickslip.case.own_sections import FILE_KEYS
 from stickslip.core.errors import InputError, StudyFileError
-from stickslip.results.storage import FORMAT_VERSION
+from stickslip.results.groups import FORMAT_VERSION
 from stickslip.results.sweep_table import SweptKey, Value
 from stickslip.sweeps.axes import UNSWEPT_SECTIONS, study_value
 from stickslip.sweeps.work import worker_version

@@ -10,7 +10,8 @@ from plane_curves import PlaneCurve, PlanePoint, circle, corner, lemniscate, lin
 
 from stickslip.case.case import Case
 from stickslip.model.model import build_model, load_joint, set_up
-from stickslip.results.measures import Peak, summary
+from stickslip.results.measures import summary
+from stickslip.results.peaks import Peak
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.path.continuation import POINTS_BACK, Branch
 from stickslip.solve.path.newton import Correction, Newton, NewtonSettings

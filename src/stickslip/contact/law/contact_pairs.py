@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.coulomb_harmonics import Update
-from stickslip.contact.law.law import BoolArray, ContactCycle, ContactLaw, IndexArray, LawPeriod
+from stickslip.contact.law.law import BoolArray, ContactCycle, ContactLaw, ContactState, IndexArray, LawPeriod
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, per_pair
 
@@ -143,6 +143,15 @@ class ContactPairs:
     def law_names(self) -> tuple[str, ...]:
         """Names of the laws."""
         return tuple(dict.fromkeys(law.name for law in self.laws))
+
+    @property
+    def state_names(self) -> dict[ContactState, str]:
+        """Names of the states that the pairs can have, as their laws call them."""
+        names = {
+            state: dict.fromkeys(law.states[state] for law in self.laws if state in law.states)
+            for state in ContactState
+        }
+        return {state: " or ".join(words) for state, words in names.items() if words}
 
     @property
     def coulomb(self) -> CoulombLaw:

@@ -51,11 +51,7 @@ class CoulombLaw:
     """
 
     name: ClassVar[str] = "coulomb"
-    states: ClassVar[Mapping[ContactState, str]] = {
-        ContactState.STUCK: "stuck",
-        ContactState.STICK_SLIP: "stick-slip",
-        ContactState.SEPARATING: "separating",
-    }
+    states: ClassVar[Mapping[ContactState, str]] = {state: state.label for state in ContactState}
 
     normal_stiffness: FloatArray
     tangential_stiffness: FloatArray

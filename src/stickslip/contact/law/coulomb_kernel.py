@@ -14,13 +14,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.contact.law.law import ContactState
 from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
 
 CodeArray = NDArray[np.int8]
 # Sample numbers; constants are written np.int64(...), else numba compiles a version for each constant.
 Index = int | np.int64
-STICK, SLIP, OPEN = 0, 1, 2
+STICK, SLIP, OPEN = (int(state) for state in ContactState)  # numba takes plain numbers
 # |T| may pass the limit by this relative amount and still count as stick: round-off of a pair that touches its limit.
 STICK_TOLERANCE = 1e-14
 # Unit perturbations of the six inputs of a step.

@@ -29,6 +29,11 @@ class ContactState(IntEnum):
     STICK_SLIP = 1
     SEPARATING = 2
 
+    @property
+    def label(self) -> str:
+        """Its name in words."""
+        return self.name.lower().replace("_", "-")
+
 
 @dataclass(frozen=True)
 class LawPeriod:

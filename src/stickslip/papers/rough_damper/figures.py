@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stickslip.contact.law.law import ContactState
+from stickslip.core.plain_figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, VERMILLION, blank_figure, plain_axes
 from stickslip.core.validation import FloatArray
 from stickslip.papers.rough_damper.claims import MICRO, energy_at, fixed_frequencies, friction_energy, series
 from stickslip.papers.rough_damper.plan import EXCITATIONS
 from stickslip.papers.rough_damper.records import SHOWN_PLACES, Solved
-from stickslip.reporting.figures import blank_figure, plain_axes, save
-from stickslip.reporting.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, STATES, VERMILLION
+from stickslip.reporting.figures import save
+from stickslip.reporting.style import STATES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -164,15 +166,15 @@ def state_maps(solutions: Sequence[Solved], along: str) -> Figure:
             panel = axes[row, column]
             x, y = 1e3 * one.pair_position.T
             span = float(np.ptp(y)) + 2.0
-            for code, state in enumerate(STATES):
+            for code, style in zip(ContactState, STATES, strict=True):
                 here = one.pair_state == code
                 panel.scatter(
                     x[here],
                     (y + np.where(one.pair_face == 0, 0.6, -0.6) * span)[here],
-                    marker=state.matplotlib_marker,
-                    color=state.colour,
+                    marker=style.matplotlib_marker,
+                    color=style.colour,
                     s=12,
-                    label=state.name,
+                    label=code.label,
                 )
             counts = "/".join(f"{one.numbers[name]:g}" for name in ("stuck", "stick_slip", "separating"))
             panel.set_title(f"{one.setting.excitation}, {label(one, along)}: {counts}", fontsize=8)

@@ -19,7 +19,8 @@ from stickslip.core.seal import require_seal, seal
 from stickslip.core.validation import FloatArray
 from stickslip.model.model import ReducedModel
 from stickslip.papers.rough_damper.plan import Setting
-from stickslip.results.measures import half_power_damping, peaks, state_counts
+from stickslip.results.measures import state_counts
+from stickslip.results.peaks import half_power_damping, peaks
 from stickslip.results.response import ForcedResponse
 from stickslip.structure.superelement import Superelement
 

@@ -144,7 +144,8 @@
   function showLegend(row) {
     const counts = data.stateStyles.map(() => 0);
     for (let pair = 0; pair < data.nPairs; pair++) counts[states[row + pair]] += 1;
-    element("state-legend").replaceChildren(...data.stateStyles.map(function (style, i) {
+    element("state-legend").replaceChildren(...data.stateStyles.flatMap(function (style, i) {
+      if (style.name === null) return [];  // no pair can be in that state
       const count = document.createElement("b"), entry = document.createElement("li");
       count.textContent = counts[i];
       entry.append(stateMark(style), style.name, count);

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.contact.law.law import ContactState
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.compliance import StuckStructure
@@ -57,7 +58,7 @@ def _measure(
     contact = np.array([trial.contact.force.reshape(balance.rows, -1).T for trial in trials])
     # Work of a force on a motion in one period: pi * sum_h h (s_h . fc_h - c_h . fs_h).
     by_direction = _work(order, np.array([trial.relative for trial in trials]), contact).reshape(len(trials), -1, 3)
-    by_direction[np.array([trial.contact.state for trial in trials]) == 0] = 0.0
+    by_direction[np.array([trial.contact.state for trial in trials]) == ContactState.STUCK] = 0.0
     quadratic = balance.compliance.gain.viscous_form(np.array([trial.amplitude for trial in trials]))
     viscous = np.pi * omega * ((quadratic[:, 0::2] + quadratic[:, 1::2]) * order[:, 0] ** 2).sum(axis=1)
     applied = balance.applied(trials)

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.linalg
 
 from stickslip.core.validation import FloatArray
-from stickslip.results.response import LinearCurves
+from stickslip.results.linear_curves import LinearCurves
 from stickslip.solve.excitation import ExcitationForce
 from stickslip.solve.harmonic.damping import modal_basis
 from stickslip.solve.harmonic.gain import ComplexArray, to_complex

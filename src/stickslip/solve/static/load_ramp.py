@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb_kernel import OPEN, SLIP
+from stickslip.contact.law.law import ContactState
 from stickslip.contact.law.normal_law import NormalLaw
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
@@ -134,7 +134,8 @@ class LoadRamp:
             )
         force = point.force if joint.friction else point.force * np.array([0.0, 0.0, 1.0])
         reached = "in damped steps" if damped else "by Newton's method"
-        open_pairs, slipping = int((point.code == OPEN).sum()), int((point.code == SLIP).sum())
+        open_pairs = int((point.code == ContactState.SEPARATING).sum())
+        slipping = int((point.code == ContactState.STICK_SLIP).sum())
         return StaticState(
             displacement=displacement,
             normal_force=np.maximum(normal, 0.0),

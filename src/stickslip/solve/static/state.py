@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb_kernel import OPEN, CodeArray
+from stickslip.contact.law.law import CodeArray, ContactState
 from stickslip.core.validation import FloatArray
 
 
@@ -25,8 +25,8 @@ class StaticState:
     gap:
         (n_pairs,) m, 0 where closed.
     state:
-        (n_pairs,) 0 stuck, 1 slipping (on the friction limit), 2 open; without friction all closed pairs are 1, as they
-        are free to slide.
+        (n_pairs,) codes of :class:`stickslip.ContactState`: 0 stuck, 1 slipping (on the friction limit), 2 open;
+        without friction all closed pairs are 1, as they are free to slide.
     normal_stiffness, tangential_stiffness:
         (n_pairs,) N/m at rest, for small motions about it.
     residual:
@@ -52,7 +52,7 @@ class StaticState:
     @property
     def preload(self) -> FloatArray:
         """(n_pairs,) N as :class:`ContactPairs` takes it: the normal force, or minus k_n times the gap."""
-        return np.where(self.state == OPEN, -self.normal_stiffness * self.gap, self.normal_force)
+        return np.where(self.state == ContactState.SEPARATING, -self.normal_stiffness * self.gap, self.normal_force)
 
     def pairs(self, operator: FloatArray, friction_coefficient: ArrayLike, keep_traction: bool) -> ContactPairs:
         """Contact pairs about this state, with the traction at rest kept or released."""

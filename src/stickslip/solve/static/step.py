@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.coulomb_kernel import OPEN, SLIP, CodeArray
 from stickslip.contact.law.coulomb_step import friction_step
+from stickslip.contact.law.law import CodeArray, ContactState
 from stickslip.contact.law.normal_law import NormalLaw
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.compliance import MEAN_RESTRAINT, StaticFactor
@@ -132,7 +132,7 @@ class LoadStep:
             derivative[:, :2, 2] = step.by_limit * limit_slope[:, None]
         else:
             # A body that only friction would hold gets the restraint of the mean position in dynamics.
-            code = np.where(normal > 0.0, SLIP, OPEN).astype(np.int8)
+            code = np.where(normal > 0.0, ContactState.STICK_SLIP, ContactState.SEPARATING).astype(np.int8)
             force[:, :2] = MEAN_RESTRAINT * tangential * (relative[:, :2] - self._slider_rest)
             derivative[:, [0, 1], [0, 1]] = MEAN_RESTRAINT * tangential
         closed = normal > 0.0

@@ -9,9 +9,10 @@ import math
 
 import numpy as np
 
+from stickslip.contact.law.law import ContactState
 from stickslip.core.compiled import njit
 
-STUCK, SLIPPING, OPEN = 0, 1, 2
+STUCK, SLIPPING, OPEN = (int(state) for state in ContactState)  # numba takes plain numbers
 
 # A force this close to the friction limit (relative, squared) counts as on it: slip then starts at once, and the
 # round-off of the step before cannot be taken for a short stick.

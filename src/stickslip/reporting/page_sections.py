@@ -1,0 +1,365 @@
+"""The sections of the page of one run, in their order: each declares its heading, its content and when it applies.
+
+A result that is to show on the page adds its section to ``SECTIONS`` below, and nothing elsewhere. Contents are Jinja2
+templates, in which ``parts`` are the pieces that all pages share (assets/parts.html); text in values is escaped. Text
+of a user is never part of a template.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from markupsafe import Markup
+
+from stickslip.reporting import plots
+from stickslip.reporting.look import Figure
+from stickslip.reporting.sketch import structure_content
+from stickslip.reporting.style import MICRO, number, shown_number
+from stickslip.reporting.templates import rendered_text
+from stickslip.reporting.view import View
+from stickslip.results.measures import summary_table
+from stickslip.results.record import StudyRecord
+from stickslip.results.rough_patch import RoughPatch
+
+
+def _nothing(view: View) -> dict[str, Any]:
+    return {}
+
+
+@dataclass(frozen=True)
+class Section:
+    """A section of the page.
+
+    heading:
+        what stands above it; a template.
+    content:
+        what stands below the heading; a template, or what makes it.
+    values:
+        what heading and content name.
+    figures:
+        id of a plot in the content -> its figure.
+    applies:
+        whether the page of this run has the section.
+    beside:
+        what stands beside the heading; a template.
+    identity:
+        id of the element, for style sheets.
+    """
+
+    heading: str
+    content: str | Callable[[View], Markup]
+    values: Callable[[View], Mapping[str, Any]] = _nothing
+    figures: Callable[[View], Mapping[str, Figure]] = _nothing
+    applies: Callable[[View], bool] = lambda view: True
+    beside: str = ""
+    identity: str = ""
+
+    def html(self, view: View) -> Markup:
+        """The section as it stands on the page."""
+        values = self.values(view)
+        content = self.content(view) if callable(self.content) else rendered_text(self.content, values)
+        heading = rendered_text(self.heading, values)
+        frame = {
+            "heading": heading,
+            "beside": rendered_text(self.beside, values),
+            "content": content,
+            "identity": self.identity,
+        }
+        return rendered_text(_FRAME, frame)
+
+
+_FRAME = """\
+<section{{ {"id": identity or none} | xmlattr }}>
+  {% if beside %}
+  <div class="heading"><h2>{{ heading }}</h2>{{ beside }}</div>
+  {% else %}
+  <h2>{{ heading }}</h2>
+  {% endif %}
+{{ content }}
+</section>
+"""
+
+
+_MAPS = """\
+  <div class="maps">
+{%- for name in face_names %}{{ parts.face_map(quantity, words, name, loop.index0) }}{% endfor -%}
+</div>
+"""
+
+
+def _maps(quantity: str, words: str) -> Callable[[View], dict[str, Any]]:
+    return lambda view: {"quantity": quantity, "words": words, "face_names": view.study.face_names}
+
+
+def _map_figures(quantity: str) -> Callable[[View], dict[str, Figure]]:
+    def figures(view: View) -> dict[str, Figure]:
+        faces = range(len(view.study.face_names))
+        return {f"{quantity}-map-{face}": plots.face_map(view, face, quantity) for face in faces}
+
+    return figures
+
+
+def _open_at_rest(view: View) -> list[tuple[str, int, int]]:
+    """Name, open pairs and pairs of each face."""
+    closed, face = view.response.pairs.closed_at_rest, view.study.pair_face
+    return [
+        (name, int((~closed[face == place]).sum()), int((face == place).sum()))
+        for place, name in enumerate(view.study.face_names)
+    ]
+
+
+def _measures(view: View) -> list[tuple[str, str]]:
+    """Names and values with their units."""
+    return [
+        (name, "–" if value == "-" else f"{value} {'' if unit == '-' else unit}".replace("-", "−"))
+        for name, value, unit in summary_table(view.summary)
+    ]
+
+
+_MODE_HEADINGS = {
+    "mode": "#",
+    "description": "Mode",
+    "full_hz": "Full model, Hz",
+    "reduced_hz": "Reduced model, Hz",
+    "difference_percent": "Difference, %",
+    "mac": "MAC",
+    "table2_hz": "Paper, Table 2, Hz",
+}
+
+
+@dataclass(frozen=True)
+class _ModeTable:
+    """The mode table in words: headings and cells, each with whether it is a word; ``compared`` with the paper."""
+
+    contact: str
+    compared: bool
+    headings: list[tuple[str, bool]]
+    rows: list[list[tuple[str, bool]]]
+
+
+def _mode_table(study: StudyRecord) -> _ModeTable:
+    columns = [key for key in _MODE_HEADINGS if any(key in row for row in study.mode_table)]
+    compared = "table2_hz" in columns and "full_hz" in columns
+    headings = [(_MODE_HEADINGS[key], key == "description") for key in columns]
+    rows = [[(_mode_cell(key, row.get(key)), key == "description") for key in columns] for row in study.mode_table]
+    if compared:
+        headings.append(("Full model against paper, %", False))
+        for cells, row in zip(rows, study.mode_table, strict=True):
+            cells.append((_deviation(row), False))
+    return _ModeTable(study.mode_contact, compared, headings, rows)
+
+
+def _mode_cell(key: str, value: str | float | int | None) -> str:
+    if value is None:
+        return "–"
+    if isinstance(value, str):
+        return value
+    if key == "mode":
+        return str(int(value))
+    if key == "mac":
+        return f"{value:.4f}"
+    return f"{value:.2e}".replace("-", "−") if key == "difference_percent" else shown_number(float(value), "Hz")
+
+
+def _deviation(row: dict[str, str | float | int]) -> str:
+    if "table2_hz" not in row or "full_hz" not in row:
+        return "–"
+    return f"{100.0 * (float(row['full_hz']) / float(row['table2_hz']) - 1.0):+.2f}".replace("-", "−")
+
+
+def _rough_face(patch: RoughPatch) -> str:
+    """What the picture of a rough face shows."""
+    size = f"{number(1e3 * patch.length)} mm by {number(1e3 * patch.width)} mm"
+    shown = number(MICRO * float(patch.about_mean.std()))
+    return (
+        f"Heights about their mean on {size}, one of the faces that the roughness and its seed describe: "
+        f"Sq {number(MICRO * patch.sq)} µm and Sdq {number(patch.sdq)} of all waves, as the mean over many faces; "
+        f"Sq {shown} µm of the {patch.height.size} points shown, which are too far apart for the shortest waves and "
+        "for a slope."
+    )
+
+
+def _rest_values(view: View) -> dict[str, Any]:
+    return {"open_at_rest": _open_at_rest(view), "face_names": view.study.face_names}
+
+
+def _rest_figures(view: View) -> dict[str, Figure]:
+    return {f"rest-map-{face}": plots.rest_map(view, face) for face in range(len(view.study.face_names))}
+
+
+def _group_figures(view: View) -> dict[str, Figure]:
+    groups = enumerate(view.study.signal_groups.values())
+    return {f"group-{group}": plots.output_signals(names) for group, names in groups}
+
+
+def _rough_values(view: View) -> dict[str, Any]:
+    return {} if view.study.rough_patch is None else {"rough_face": _rough_face(view.study.rough_patch)}
+
+
+def _rough_figures(view: View) -> dict[str, Figure]:
+    return {} if view.study.rough_patch is None else {"rough-map": plots.rough_face(view.study.rough_patch)}
+
+
+def _derived(view: View) -> dict[str, Any]:
+    rows = view.study.derived
+    return {"derived": [(name, shown_number(value, unit), unit, meaning) for name, value, unit, meaning in rows]}
+
+
+def _solver(view: View) -> dict[str, Any]:
+    settings = [(key, number(value)) for key, value in view.response.settings.items()]
+    return {"settings": settings, "provenance": view.response.provenance}
+
+
+# The section that is always first: the controls of all others follow it.
+CURVE = Section(
+    "Amplitude against frequency",
+    """\
+  <p class="note">{{ output }}, 0-to-peak. Choose a point on the curve, or move the slider below: the figures after it
+  show that point.</p>
+  {{ parts.panel("curve", "Amplitude against frequency") }}
+""",
+    lambda view: {"output": view.study.response_output},
+    lambda view: {"curve": plots.amplitude_frequency(view)},
+    beside='\n    <button type="button" id="scale" class="screen-only">Logarithmic axis</button>',
+)
+
+STRUCTURE = Section(
+    "Structure",
+    lambda view: structure_content(view.study),
+    applies=lambda view: view.study.sketch is not None,
+    identity="structure",
+)
+
+SECTIONS = (
+    STRUCTURE,
+    Section(
+        "Contact states",
+        """\
+  <p class="note">At <b class="now"></b>. Select a pair by a click, or with the arrow keys once a map has the focus; its
+  loop follows below.</p>
+  <ul class="legend" id="state-legend"></ul>
+"""
+        + _MAPS,
+        _maps("state", "Contact states"),
+        _map_figures("state"),
+    ),
+    Section(
+        "Dissipated energy of each pair",
+        """\
+  <p class="note">At <b class="now"></b>. In all <b id="energy-now"></b> per cycle.</p>
+"""
+        + _MAPS,
+        _maps("energy", "Dissipated energy"),
+        _map_figures("energy"),
+    ),
+    Section(
+        "Hysteresis and time signals of one pair",
+        """\
+  <p class="note"><b id="pair-now"></b>, <span id="loop-now"></span>. Tangential directions t1 and t2, normal n
+  (positive when it closes). The normal force N contains the preload; t1 and t2 are shown about their mean over the
+  period.</p>
+  <div class="two">
+    {{ parts.figure("loop", "Hysteresis loop", "Hysteresis loop of the chosen pair") }}
+    {{ parts.figure("signals", "Time signals", "Time signals of the chosen pair") }}
+  </div>
+""",
+        figures=lambda view: {"loop": plots.hysteresis_loop(), "signals": plots.pair_signals()},
+    ),
+    Section(
+        "Pressure at rest",
+        """\
+<p class="note">
+{%- for name, opened, count in open_at_rest %}
+{{ name }}: {{ opened }} of {{ count }} pairs open{{ "" if loop.last else "; " }}
+{%- endfor -%}
+. Hollow pairs are open at rest; the linear stuck curve leaves them open.</p><div class="maps">
+{%- for name in face_names %}
+{{ parts.figure("rest-map-" ~ loop.index0, name, "Pressure at rest, " ~ name) }}
+{%- endfor -%}
+</div>""",
+        _rest_values,
+        _rest_figures,
+        lambda view: view.rest_is_uneven,
+    ),
+    Section(
+        "Energy per cycle along the curve",
+        """\
+  <p class="note">Friction and viscous damping together balance the work of the excitation; the largest imbalance on the
+  curve is {{ imbalance }} of the input.</p>
+  {{ parts.panel("energy-curve", "Energy per cycle against frequency") }}
+""",
+        lambda view: {"imbalance": number(view.summary.energy_imbalance, 2)},
+        lambda view: {"energy-curve": plots.energy_curve(view)},
+    ),
+    Section(
+        "Motion over one period",
+        """\
+<p class="note">At <b class="now"></b>; displacements are shown about their mean over the period.</p><div class="two">
+{%- for heading in groups %}{{ parts.figure("group-" ~ loop.index0, heading, heading) }}{% endfor -%}
+</div>""",
+        lambda view: {"groups": list(view.study.signal_groups)},
+        _group_figures,
+        lambda view: bool(view.study.signal_groups),
+    ),
+    Section(
+        "Natural frequencies, contact {{ modes.contact }}{% if modes.compared %} (geometry inferred){% endif %}",
+        """\
+{% if modes.compared %}
+<p class="note">The geometry is <b>inferred</b>: the paper's drawing does not survive, so seven dimensions were
+  fitted to these ten frequencies of its Table 2, with tied contact. The last column shows how good that fit is;
+  it is not an independent check. The frequencies of this study, with its own contact stiffness, stand among the
+  derived quantities.</p>{% endif %}
+{%- call parts.scrolled("Natural frequencies") %}<table><thead><tr>
+{%- for heading, is_word in modes.headings %}{{ parts.head_cell(heading, is_word) }}{% endfor -%}
+</tr></thead><tbody>
+{%- for row in modes.rows %}<tr>
+{%- for value, is_word in row %}<td{% if is_word %} class="word"{% endif %}>{{ value }}</td>{% endfor -%}
+</tr>{% endfor -%}
+</tbody></table>{% endcall %}""",
+        lambda view: {"modes": _mode_table(view.study)},
+        applies=lambda view: bool(view.study.mode_table),
+    ),
+    Section(
+        "Measures at the peak",
+        """\
+  {{ parts.named_values("Measures at the peak", measures) }}
+  <p class="note">The equivalent damping ratio is the half-power width of the curve, (f2 − f1) / (2 f), of friction and
+  viscous damping together; the curve of a joint that slips is not a resonance curve, so read it as a measure of width.
+  Shifts and reductions compare this peak with the highest peak of each linear curve; “–” means that the linear curve
+  has no peak inside its range, or that this curve does not fall to half power.</p>
+""",
+        lambda view: {"measures": _measures(view)},
+    ),
+    Section(
+        "Rough face",
+        """<p class="note">{{ rough_face }}</p>{{ parts.panel("rough-map", "Heights of a rough face") }}""",
+        _rough_values,
+        _rough_figures,
+        lambda view: view.study.rough_patch is not None,
+    ),
+    Section(
+        "Derived quantities",
+        """\
+{% call parts.scrolled("Derived quantities") %}<table class="plain"><thead><tr>
+<th class="word">Quantity</th><th>Value</th>
+<th class="word">Unit</th><th class="word">Meaning</th></tr></thead><tbody>
+{%- for name, value, unit, explanation in derived %}<tr><th scope="row">{{ name }}</th><td>{{ value }}</td>
+<td class="word unit">{{ unit }}</td><td class="word">{{ explanation }}</td></tr>{% endfor -%}
+</tbody></table>{% endcall %}""",
+        _derived,
+        applies=lambda view: bool(view.study.derived),
+    ),
+    Section("Inputs", "{{ parts.input_text(inputs) }}", lambda view: {"inputs": view.study.inputs}),
+    Section(
+        "Settings and provenance",
+        """\
+  <div class="two tables">
+    {{ parts.named_values("Solver", settings, "Solver") }}
+    {{ parts.named_values("Software", provenance.items(), "Software") }}
+  </div>
+""",
+        _solver,
+    ),
+)

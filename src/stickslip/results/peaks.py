@@ -1,0 +1,120 @@
+"""Peaks of an amplitude curve and the width of the highest one.
+
+Everything walks the curve in its own order (the index), because a curve that folds has several amplitudes at one
+frequency and must never be sorted by it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, finite_array
+
+
+@dataclass(frozen=True)
+class Peak:
+    """A maximum of an amplitude curve.
+
+    ``point`` is the computed point nearest to it; ``bracketed`` is False where the largest amplitude lies at an end of
+    the curve, so that the true peak may be higher.
+    """
+
+    point: int
+    frequency_hz: float
+    amplitude: float
+    bracketed: bool
+
+
+def peaks(frequency_hz: ArrayLike, amplitude: ArrayLike) -> list[Peak]:
+    """Local maxima along the curve, highest first; if there is none, the higher end of the curve, not bracketed.
+
+    Around each maximum ``1 / amplitude^2`` and the frequency are taken as parabolas through three neighbouring points,
+    over the frequency, or over the index where the curve folds. ``1 / amplitude^2`` of a lightly damped linear
+    resonance is a parabola in the frequency, so that one is found almost exactly.
+
+    Parameters
+    ----------
+    frequency_hz, amplitude:
+        (n_points,) along the curve. Amplitudes must not be negative.
+
+    Raises
+    ------
+    InputError
+        for arrays of different or zero length, or a negative amplitude.
+    """
+    frequency, height = finite_array("frequency_hz", frequency_hz), finite_array("amplitude", amplitude)
+    if frequency.ndim != 1 or frequency.shape != height.shape or not frequency.size:
+        raise InputError(
+            f"frequency_hz and amplitude must be two lists of one length, but their shapes are {frequency.shape} and "
+            f"{height.shape}."
+        )
+    if height.min() < 0:
+        raise InputError("amplitude must not be negative: a 0-to-peak amplitude is the largest absolute value.")
+    inside = np.flatnonzero((height[1:-1] >= height[:-2]) & (height[1:-1] > height[2:])) + 1
+    found = [_interpolated_peak(frequency, height, int(i)) for i in inside]
+    top = int(height.argmax())
+    if top in (0, height.size - 1):
+        found.append(Peak(top, float(frequency[top]), float(height[top]), bracketed=False))
+    return sorted(found, key=lambda peak: -peak.amplitude)
+
+
+def _interpolated_peak(frequency: FloatArray, height: FloatArray, i: int) -> Peak:
+    f, a = frequency[i - 1 : i + 2], height[i - 1 : i + 2]
+    if a.min() <= 0.0:
+        return Peak(i, float(frequency[i]), float(height[i]), bracketed=True)
+    # The frequency is the best length where its two steps are alike. Round a fold it slows and turns back, and the
+    # index stands for the length of the continuation's steps, which change little from one to the next.
+    first, second = np.diff(f)
+    alike = first * second > 0 and max(abs(first), abs(second)) < 3.0 * min(abs(first), abs(second))
+    steps = np.abs(np.diff(f)) if alike else np.ones(2)
+    length = np.concatenate([[-steps[0]], [0.0], [steps[1]]])
+    inverse = (a[1] / a) ** 2
+    parabola = np.polyfit(length, inverse, 2)
+    bend, slope = parabola[:2]
+    place = float(np.clip(-0.5 * slope / bend, length[0], length[2])) if bend > 0 else 0.0
+    smallest = float(np.polyval(parabola, place))
+    nearest = i + int(np.abs(length - place).argmin()) - 1
+    peak_frequency = float(np.polyval(np.polyfit(length, f, 2), place))
+    # A parabola through a sharp corner could pass zero; the computed maximum then stands.
+    amplitude = float(a[1] / np.sqrt(smallest)) if smallest > 0.25 else float(a[1])
+    return Peak(nearest, peak_frequency, amplitude, bracketed=True)
+
+
+def half_power_damping(frequency_hz: ArrayLike, amplitude: ArrayLike, peak: Peak) -> float | None:
+    """Equivalent viscous damping ratio ``(f_2 - f_1) / (2 f_peak)`` from the half-power band of the curve.
+
+    ``f_1`` and ``f_2`` are the first points on either side of the peak, walking along the curve, where the amplitude is
+    ``peak.amplitude / sqrt(2)`` (linear between points). This is the ratio that a linear single resonance of the same
+    width has; it holds friction and viscous losses together. Friction makes a curve that is not a resonance curve, so
+    read it as a measure of width. None if the curve ends before it has fallen that far, or the peak is not bracketed.
+    """
+    frequency, height = finite_array("frequency_hz", frequency_hz), finite_array("amplitude", amplitude)
+    if not peak.bracketed or peak.amplitude <= 0.0:
+        return None
+    level = peak.amplitude / np.sqrt(2.0)
+    lower = _crossing(frequency[peak.point :: -1], height[peak.point :: -1], level)
+    upper = _crossing(frequency[peak.point :], height[peak.point :], level)
+    if lower is None or upper is None:
+        return None
+    return abs(upper - lower) / (2.0 * peak.frequency_hz)
+
+
+def _crossing(frequency: FloatArray, height: FloatArray, level: float) -> float | None:
+    below = np.flatnonzero(height <= level)
+    if not below.size or below[0] == 0:
+        return None
+    i = int(below[0])
+    share = (height[i - 1] - level) / (height[i - 1] - height[i])
+    return float(frequency[i - 1] + share * (frequency[i] - frequency[i - 1]))
+
+
+def window_around(frequency_hz: FloatArray, others: list[Peak]) -> tuple[float, float]:
+    """Frequency range to show, Hz: a computed curve and those of other ``peaks`` that are bracketed, with a margin."""
+    shown = [float(frequency_hz.min()), float(frequency_hz.max())]
+    shown += [peak.frequency_hz for peak in others if peak.bracketed]
+    margin = 0.04 * (max(shown) - min(shown))
+    return min(shown) - margin, max(shown) + margin
