@@ -269,7 +269,7 @@ def test_a_section_is_one_object_and_shows_where_it_applies(case, monkeypatch):
         )
         for which in (True, False)
     ]
-    monkeypatch.setattr(page_module, "SECTIONS", (*page_module.SECTIONS, *sections))
+    monkeypatch.setattr(page_module, "SECTIONS", (*page_module.SECTIONS, *sections))  # type: ignore[attr-defined]
     text = without_plotly(page(*case))
     assert f"<h2>Moving pairs True</h2>\n<p>at most {case[0].moving_pairs.max()}</p>" in text
     assert "Moving pairs False" not in text

@@ -11,8 +11,8 @@ from browser_pages import LARGEST_PAGE, WIDTHS, opened_page, require_readable, t
 from helpers import opened_browser
 from large_results import large_result
 from sketches import stacked_boxes
+from stickslip.core.plain_figure import VERMILLION
 from stickslip.reporting.page import write_page
-from stickslip.reporting.style import VERMILLION
 from synthetic import synthetic_response, synthetic_study
 
 pytestmark = pytest.mark.slow

@@ -13,12 +13,13 @@ from browser_pages import LARGEST_PAGE
 from colour_vision import VISION, difference, seen
 from large_results import large_result
 from sketches import ABOVE, BACK, BOX_SIDES, FRONT, LEFT, RIGHT, box, sketch_of_boxes, stacked_boxes
+from stickslip.core.plain_figure import VERMILLION
 from stickslip.reporting.page import page
 from stickslip.reporting.sketch import structure_content
 from stickslip.reporting.sketch_labels import Label, Labels, text_size
 from stickslip.reporting.sketch_marks import arrows, scale_bar
 from stickslip.reporting.sketch_view import Camera, best_camera, contact_window, glass_bodies, whole_window
-from stickslip.reporting.style import BODY_COLOURS, VERMILLION
+from stickslip.reporting.style import BODY_COLOURS
 from stickslip.results.sketch import Sketch
 from stickslip.study.sketching import MOST_SIDES
 from synthetic import synthetic_response, synthetic_study

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from sketches import stacked_boxes
-from stickslip.contact.law import law as laws
+from stickslip.contact.law import registry as laws
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.law import ContactState
@@ -125,7 +125,7 @@ class _Springs(CoulombLaw):
 @pytest.fixture
 def mixed(response: ForcedResponse, monkeypatch: pytest.MonkeyPatch) -> ForcedResponse:
     """A response of pairs of two laws, every other pair of the second one, which is registered."""
-    monkeypatch.setattr(laws, "_registered", dict(laws._registered))
+    monkeypatch.setattr(laws._LAWS, "_makers", dict(laws._LAWS._makers))
     laws.register_contact_law(_Springs.name, _Springs)
     law = response.pairs.coulomb
     parts = [np.arange(start, law.n_pairs, 2) for start in (0, 1)]
@@ -157,7 +157,7 @@ def test_pairs_of_any_law_come_back(mixed: ForcedResponse, tmp_path: Path) -> No
 
 def test_a_law_that_is_not_known_here_is_named(mixed: ForcedResponse, tmp_path: Path) -> None:
     mixed.save(tmp_path / "mixed.nc")
-    del laws._registered[_Springs.name]
+    del laws._LAWS._makers[_Springs.name]
     with pytest.raises(ResultsFileError, match=r'law "springs of a test", which is not known here. Install'):
         load_results(tmp_path / "mixed.nc")
 
@@ -169,7 +169,7 @@ def test_a_law_that_is_not_known_here_is_named(mixed: ForcedResponse, tmp_path: 
 def test_a_constant_that_no_file_can_hold_is_refused(
     mixed: ForcedResponse, tmp_path: Path, constant: Any, words: str
 ) -> None:
-    changed = dataclasses.replace(mixed.pairs.laws[1], **constant)
+    changed = dataclasses.replace(mixed.pairs.laws[1], **constant)  # type: ignore[type-var]
     pairs = ContactPairs.with_laws(mixed.pairs.operator, [mixed.pairs.laws[0], changed], mixed.pairs.members)
     with pytest.raises(InputError, match=words):
         dataclasses.replace(mixed, pairs=pairs).save(tmp_path / "mixed.nc")

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.coulomb_harmonics import Update
-from stickslip.contact.law.law import ContactLaw, contact_law, contact_law_names, law_constants
+from stickslip.contact.law.law import ContactLaw
+from stickslip.contact.law.registry import contact_law, contact_law_names, law_constants
 from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.core.plain_data import plain as plain_data
 from stickslip.core.validation import FloatArray, finite_array
