@@ -14,7 +14,15 @@ from stickslip.contact.stiffness.asperities import fully_plastic_load
 from stickslip.contact.stiffness.fractal import pair_stiffness
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
-from stickslip.model.joint import FaceSettings, Joint, case_roughness, describe_faces, pair_springs
+from stickslip.model.joint import (
+    FaceSettings,
+    Joint,
+    RoughFace,
+    case_roughness,
+    describe_faces,
+    pair_springs,
+    roughness_section,
+)
 from stickslip.solve.static.ramp_to_rest import static_preload
 from stickslip.solve.static.state import StaticState
 from stickslip.structure.superelement import Superelement
@@ -113,7 +121,7 @@ def _state(
     state = static_preload(superelement, pairs, load, friction=friction, local_stiffness=local)
     if case.preload.normal_law == "spring":
         return state
-    law = _pressure_gap_law(case, joint, settings, state)
+    law = _pressure_gap_law(case, joint, state)
     start = ContactPairs(
         operator,
         state.normal_stiffness,
@@ -154,29 +162,29 @@ def _with_floor(case: Case, joint: Joint, normal_force: FloatArray) -> FloatArra
     return np.maximum(normal_force, least)
 
 
-def _pressure_gap_law(case: Case, joint: Joint, settings: Sequence[FaceSettings], state: StaticState) -> NormalLaw:
+def _pressure_gap_law(case: Case, joint: Joint, state: StaticState) -> NormalLaw:
     """Each face's curve of pressure over closure, from its roughness; springs where its stiffness is given."""
     pairs, mean = joint.face_pairs, _mean_pressure(joint, state.normal_force)
     lowest = _lowest_pressure(case, joint, state.normal_force)
     laws: list[NormalLaw] = []
-    for face, own in enumerate(settings):
+    for face in range(len(joint.rough_faces)):
         members = pairs.face == face
         area = pairs.area[members]
-        if own.stiffness is not None:
-            laws.append(SpringLaw(own.stiffness[0] * area / area.sum()))
+        rough = joint.rough_faces[face]
+        if rough is None:
+            laws.append(SpringLaw(joint.normal_stiffness[members]))
             continue
-        stiffness = _stiffness_over_pressure(case, joint, face)
+        stiffness = _stiffness_over_pressure(case, joint, face, rough)
         highest = HIGHEST_PRESSURE * mean[face]
         laws.append(PressureGapLaw.from_stiffness(area, stiffness, lowest[face], highest))
     return FaceLaws(pairs.face, tuple(laws))
 
 
-def _stiffness_over_pressure(case: Case, joint: Joint, face: int) -> Callable[[FloatArray], FloatArray]:
+def _stiffness_over_pressure(
+    case: Case, joint: Joint, face: int, rough: RoughFace
+) -> Callable[[FloatArray], FloatArray]:
     """kappa (k,) in N/m3 at pressures (k,) in Pa of a rough face, with the reference area of its pairs' springs."""
-    given, rough = case.roughness, joint.rough_faces[face]
-    assert given is not None  # a face without a stiffness of its own has a roughness
-    assert rough is not None
-    roughness, mode = case_roughness(case, *joint.layout.face_materials[face]), given.mode
+    roughness, mode = case_roughness(case, *joint.layout.face_materials[face]), roughness_section(case).mode
 
     def kappa(pressure: FloatArray) -> FloatArray:
         unit_areas = np.ones(pressure.size)

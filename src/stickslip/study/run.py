@@ -144,8 +144,7 @@ def solve(
     response = forced_response(
         model.superelement,
         model.pairs,
-        model.force_cos,
-        model.force_sin,
+        model.excitation,
         frequency_hz=(settings.frequency_start, settings.frequency_stop),
         harmonics=settings.harmonics,
         samples=settings.samples,
