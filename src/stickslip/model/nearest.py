@@ -25,8 +25,8 @@ def nearest_node(positions: FloatArray, point: FloatArray) -> int:
     x, y, z = 1e3 * positions[nearest]
     if distance[nearest] > POINT_FRACTION * size:
         raise InputError(
-            f"the nearest node to the point is {1e3 * distance[nearest]:.4g} mm away, at ({x:.4g}, {y:.4g}, {z:.4g}) "
-            f"mm; at most {1e3 * POINT_FRACTION * size:.4g} mm is allowed. Check the point and structure.length_unit."
+            f"the nearest node is {1e3 * distance[nearest]:.4g} mm away, at ({x:.4g}, {y:.4g}, {z:.4g}) "
+            f"mm; at most {1e3 * POINT_FRACTION * size:.4g} mm is allowed. Check the point and the unit of length."
         )
     apart = np.linalg.norm(positions - positions[nearest], axis=1)
     apart[nearest] = np.inf

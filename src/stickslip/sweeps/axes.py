@@ -10,7 +10,7 @@ import difflib
 import math
 from collections.abc import Mapping, Sequence
 from types import UnionType
-from typing import Literal, Union, get_args, get_origin
+from typing import Annotated, Literal, Union, get_args, get_origin
 
 import numpy as np
 
@@ -88,6 +88,7 @@ def _kind(name: str) -> Quantity | Count | tuple[str, ...]:
     quantity, annotation, metadata = quantity_of(model, key), field.annotation, field.metadata
     count = next((entry for entry in metadata if isinstance(entry, Count)), None)
     held = next(kind for kind in (annotation, *get_args(annotation)) if kind is not None and not _is_union(kind))
+    held = get_args(held)[0] if get_origin(held) is Annotated else held
     if get_origin(held) is Literal:
         return get_args(held)
     if quantity is not None and get_origin(held) is not tuple:
