@@ -67,7 +67,11 @@ def test_the_key_follows_from_the_code_that_solves_not_from_what_shows(
     before = digest_of_copy()
     monkeypatch.setattr(work, "__file__", str(copy / "sweeps" / "work.py"))
     assert digest_of_copy() == before
-    for name, changes in (("reporting/page.py", False), ("papers/rough_damper/claims.py", False), ("solve/path/newton.py", True)):
+    for name, changes in (
+        ("reporting/page.py", False),
+        ("papers/rough_damper/claims.py", False),
+        ("solve/path/newton.py", True),
+    ):
         with (copy / name).open("a", encoding="utf-8") as stream:
             stream.write("# changed\n")
         assert (digest_of_copy() != before) == changes, name

@@ -13,7 +13,6 @@ from stickslip.solve.harmonic.damping import modal_basis
 from stickslip.solve.harmonic.gain import ComplexArray, to_complex
 from stickslip.structure.superelement import moves_freely
 
-
 POSSIBLY_RIGID = 1e-4
 
 
