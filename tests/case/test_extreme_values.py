@@ -21,6 +21,7 @@ from stickslip.core.errors import InputError, StudyFileError
 from stickslip.core.units import Count, Quantity
 from stickslip.model.model import load_joint, set_up
 from stickslip.study import run as study
+from stickslip.study.check import check
 from stickslip.study.facts import derived_quantities
 
 EXTREME = (5e-324, 1e-310, 1e-300, -5e-324, 1e300, 1e308, -1e308)
@@ -184,7 +185,7 @@ def test_the_check_of_a_study_ends_at_its_limits() -> None:
     """The soft end of Young's modulus beside stiff contact: the eigenvalues end after a bounded number of restarts."""
     case = Case.from_mapping({"mesh": {"chordwise": 2, "airfoil_rows": 4}, "material": {"young_modulus": "1 kPa"}})
     with pytest.raises(InputError, match=r"^the material has Young's modulus 1e\+03 Pa, .*Most likely because of that"):
-        study.check(case)
+        check(case)
 
 
 def test_check_and_run_agree_on_the_fewest_samples() -> None:
@@ -234,7 +235,7 @@ def test_odd_values_of_the_two_blades_are_told_first(data: dict[str, Any], words
     """As a warning of ``check``, or before the sentence that follows from them."""
     case = Case.from_mapping(BLADES | data)
     try:
-        said = dict(study.check(case))["Warnings"][0][1]
+        said = dict(check(case))["Warnings"][0][1]
     except InputError as error:
         said = str(error)
         fitting = "Most likely because of that: " in said

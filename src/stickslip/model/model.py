@@ -163,12 +163,21 @@ def _rows_of(superelement: Superelement, port: Port) -> FloatArray:
 
 def build_model(
     case: Case,
-    structure: Structure | Superelement,
-    joint: Joint,
+    structure: Structure | Superelement | None = None,
+    joint: Joint | None = None,
     threads: int = 1,
     progress: ProgressCallback | None = None,
 ) -> Model:
-    """Reduce the structure and connect joint, forces and outputs to the reduced unknowns."""
+    """What is solved for a case: superelement, contact pairs, excitation, and outputs by name.
+
+    ``model.outputs["tip"] @ response.displacement`` reads an output. ``structure`` and ``joint`` are those of the case
+    where they exist already; ``threads`` serve the reduction, and ``progress`` hears the fraction that is done.
+    Raises InputError for what does not fit, RoughnessError where the roughness gives no usable contact, and
+    ConvergenceError for a solved preload that is not found.
+    """
+    if structure is None or joint is None:
+        setup = set_up(case)
+        structure, joint = structure or setup.assemble(), joint or load_joint(case, setup.layout)
     reduced = reduce_structure(case, structure, joint.layout, threads, progress)
     return Model(**vars(connect(case, reduced, joint)), structure=structure)
 

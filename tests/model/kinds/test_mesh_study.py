@@ -16,7 +16,7 @@ from stickslip.core.errors import InputError
 from stickslip.model.model import build_model, load_joint, set_up
 from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
-from stickslip.study import run as study
+from stickslip.study.check import check
 
 CUBES = Path(__file__).parents[2] / "data" / "models" / "cubes.bdf"
 DENSITY = "8200 kg/m^3"
@@ -72,7 +72,7 @@ def test_mode_table_compares_full_and_reduced(solved: tuple[Path, str]) -> None:
 
 
 def test_check_shows_bodies_sets_pairs_and_frequencies() -> None:
-    sections = dict(study.check(mesh_case()))
+    sections = dict(check(mesh_case()))
     sizes = dict(sections["Sizes"])
     assert sizes["body beam"].startswith("48 elements, 0.03768 kg")  # 60 x 10 x 8 mm of 7850 kg/m^3
     assert "8200 kg/m^3" in sizes["body damper"]

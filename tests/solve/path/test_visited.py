@@ -22,7 +22,7 @@ from stickslip.solve.path.continuation import (
 )
 from stickslip.solve.path.newton import Correction, Newton, NewtonSettings
 from stickslip.solve.path.visited import Visited
-from stickslip.study.run import solve
+from stickslip.study.analyses import solve
 from sweep_cases import COARSE_MESH
 
 
