@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import stickslip as ss
-from own_cases import mesh_case
+from own_cases import EXAMPLE, mesh_case
 from stickslip.core.errors import StudyFileError
-from stickslip.model.model import set_up
+from stickslip.model.model import kind_of, set_up
 
 PLACE = {"set": "damper_top"}
 
@@ -50,8 +53,6 @@ def test_base_motion_drives_with_the_mass_that_it_carries(kind: str) -> None:
 
     # the same from matrices: no node held, so that the mass of the held ones is in the matrix
     setup = set_up(case)
-    from dataclasses import replace
-
     whole = replace(setup, fixed_unknowns=np.empty(0, dtype=np.int64)).assemble()
     rigid = np.tile(direction, whole.mesh.n_nodes)
     full = np.zeros(rigid.size)
@@ -60,17 +61,26 @@ def test_base_motion_drives_with_the_mass_that_it_carries(kind: str) -> None:
     assert not force[2].any()
 
 
-def test_a_structure_without_support_has_no_base() -> None:
-    data = mesh_case().to_dict()
-    data["base_motion"] = {"direction": [1, 0, 0], "amplitude": "1 m/s^2"}
-    case = ss.Case.from_mapping(data)
-    assert "base acceleration 1 m/s^2" in ss.solve_case.__module__ or case.base_motion.amplitude == 1.0  # type: ignore[attr-defined]
+def test_base_motion_needs_nodes_that_are_held(tmp_path: Path) -> None:
+    deck = tmp_path / "free.inp"
+    text = (EXAMPLE / "beam_and_block.inp").read_text(encoding="utf-8")
+    deck.write_text(text[: text.index("*BOUNDARY")], encoding="utf-8")
+    case = with_sections(base_motion={"direction": [1, 0, 0], "amplitude": "1 m/s^2"})
+    assert kind_of(case).description(case).startswith("base acceleration 1 m/s^2. ")
+    with pytest.raises(ss.InputError, match=r"\[base_motion\] moves the nodes that are held, but neither"):
+        ss.build_model(case.replace({"structure.file": str(deck)}))
+
+
+def test_base_motion_is_an_acceleration_or_a_displacement_of_a_mesh() -> None:
+    motion = {"direction": [1, 0, 0], "amplitude": "1 m/s^2"}
+    case = with_sections(base_motion=motion)
     with pytest.raises(StudyFileError, match=r"base_motion\.kind = \"speed\" .* 'acceleration' or 'displacement'"):
         case.replace({"base_motion.kind": "speed"})
-    with pytest.raises(StudyFileError, match="base_motion does not belong to a structure of kind .matrices."):
-        ss.Case.from_mapping(
-            {"structure": {"kind": "matrices", "file": "a.npz"}, "base_motion": data["base_motion"], "interfaces": {}}
-        )
+    with pytest.raises(StudyFileError, match=r"base_motion\.amplitude = .* a unit of acceleration, but a length"):
+        case.replace({"base_motion.kind": "displacement"})
+    matrices = {"structure": {"kind": "matrices", "file": "a.npz"}, "base_motion": motion}
+    with pytest.raises(StudyFileError, match=r'base_motion does not belong to a structure of kind "matrices"'):
+        ss.Case.from_mapping(matrices)
 
 
 def test_unbalance_turns_about_its_axis() -> None:

@@ -50,6 +50,7 @@ from stickslip.case.own_sections import (
     StaticLoadSection,
     UnbalanceSection,
 )
+from stickslip.case.plain import plain_section, with_absolute_files
 from stickslip.case.sections import (
     ContactStiffnessSection,
     DampingSection,
@@ -64,7 +65,7 @@ from stickslip.case.sections import (
     instead_of,
     without_default,
 )
-from stickslip.case.template import is_named, quantity_of, section_types, study_text
+from stickslip.case.template import is_named, section_types, study_text
 from stickslip.case.two_blade_sections import (
     ExcitationSection,
     GeometrySection,
@@ -156,14 +157,7 @@ class Case(BaseModel):
     @classmethod
     def in_folder(cls, data: dict[str, Any], folder: Path, source: str, lines: Mapping[tuple[str, ...], int]) -> Self:
         """The case of a file in ``folder``: names of files become absolute. Raises StudyFileError."""
-        structure = data.get("structure")
-        if isinstance(structure, dict):
-            files = {key: str(folder / structure[key]) for key in _FILE_KEYS if isinstance(structure.get(key), str)}
-            data = {**data, "structure": {**structure, **files}}
-        interfaces = data.get("interfaces")
-        if isinstance(interfaces, dict):
-            data = {**data, "interfaces": {name: _with_pairs_in(folder, each) for name, each in interfaces.items()}}
-        return cls._validated(data, source, lines)
+        return cls._validated(with_absolute_files(data, folder), source, lines)
 
     @classmethod
     def _validated(cls, data: dict[str, Any], source: str, lines: Mapping[tuple[str, ...], int]) -> Self:
@@ -277,9 +271,9 @@ class Case(BaseModel):
             if not self.shows(name) or section is None or (only_given and name not in self.model_fields_set):
                 continue
             if isinstance(section, dict):
-                data[name] = {entry: _plain(values, only_given) for entry, values in section.items()}
+                data[name] = {entry: plain_section(values, only_given) for entry, values in section.items()}
             else:
-                data[name] = _plain(section, only_given)
+                data[name] = plain_section(section, only_given)
         return data
 
     def shows(self, name: str) -> bool:
@@ -389,7 +383,6 @@ class MatrixCase(OwnCase):
 
 
 KINDS: dict[str, type[Case]] = {"two-blade": TwoBladeCase, "mesh": MeshCase, "matrices": MatrixCase}
-_FILE_KEYS = ("file", "stiffness", "mass", "damping", "unknown_map", "node_positions")
 
 
 class _StructureOfSomeKind(BaseModel):
@@ -414,25 +407,6 @@ def _class_of(data: Any) -> Any:
     """The class of the kind of structure in the mappings of a study file; TwoBladeCase where there is none."""
     kind = _kind_in(data)
     return KINDS[kind] if kind in get_args(Kind) else _CaseOfSomeKind
-
-
-def _plain(section: BaseModel, only_given: bool) -> dict[str, Any]:
-    """Key -> value of one section as in a study file, without empty keys, or only with what the file gave."""
-    values = {}
-    for key, value in section:
-        if value is None or (only_given and key not in section.model_fields_set):
-            continue
-        quantity = quantity_of(type(section), key)
-        plain = list(value) if isinstance(value, tuple) else value
-        values[key] = quantity.stored(value) if quantity and isinstance(value, float) else plain
-    return values
-
-
-def _with_pairs_in(folder: Path, interface: Any) -> Any:
-    """An interface whose file of pairs is absolute."""
-    if isinstance(interface, dict) and isinstance(interface.get("pairs"), str):
-        return {**interface, "pairs": str(folder / interface["pairs"])}
-    return interface
 
 
 def load_case(path: str | PathLike[str]) -> Case:
