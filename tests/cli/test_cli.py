@@ -63,11 +63,14 @@ class Study:
 
 @pytest.fixture
 def study(monkeypatch: pytest.MonkeyPatch) -> Study:
-    """The stand-in, installed as stickslip.study.run."""
+    """The stand-in, installed as stickslip.study.run and stickslip.study.check."""
     fake = Study()
     module = ModuleType("stickslip.study.run")
-    vars(module).update(run=fake.run, check=fake.check, report=fake.report)
+    vars(module).update(run=fake.run, report=fake.report)
     monkeypatch.setitem(sys.modules, "stickslip.study.run", module)
+    checking = ModuleType("stickslip.study.check")
+    vars(checking).update(check=fake.check)
+    monkeypatch.setitem(sys.modules, "stickslip.study.check", checking)
     monkeypatch.setattr(stickslip, "study", module, raising=False)
     return fake
 

@@ -79,9 +79,9 @@ from stickslip.core.errors import StudyFileError
 Kind = Literal["two-blade", "mesh", "matrices"]
 # Sections in the order of the file, those of every kind.
 SECTIONS = (
-    "study", "structure", "analysis", "geometry", "mesh", "material", "bodies", "reduction", "roughness",
+    "study", "structure", "geometry", "mesh", "material", "bodies", "reduction", "roughness",
     "contact_stiffness", "friction", "interfaces", "preload", "damping", "excitation", "forces", "base_motion",
-    "unbalance", "responses", "static_loads", "rotation", "solver", "output",
+    "unbalance", "responses", "static_loads", "rotation", "analysis", "solver", "output",
 )  # fmt: skip
 
 
