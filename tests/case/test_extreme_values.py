@@ -20,7 +20,6 @@ from stickslip.contact.law.coulomb_harmonics import MIN_SAMPLES
 from stickslip.core.errors import InputError, StudyFileError
 from stickslip.core.units import Count, Quantity
 from stickslip.model.model import load_joint, set_up
-from stickslip.study import run as study
 from stickslip.study.check import check
 from stickslip.study.facts import derived_quantities
 
