@@ -66,7 +66,7 @@ def test_base_motion_needs_nodes_that_are_held(tmp_path: Path) -> None:
     text = (EXAMPLE / "beam_and_block.inp").read_text(encoding="utf-8")
     deck.write_text(text[: text.index("*BOUNDARY")], encoding="utf-8")
     case = with_sections(base_motion={"direction": [1, 0, 0], "amplitude": "1 m/s^2"})
-    assert kind_of(case).description(case).startswith("base acceleration 1 m/s^2. ")
+    assert kind_of(case).description(case).startswith("Base acceleration 1 m/s^2. ")
     with pytest.raises(ss.InputError, match=r"\[base_motion\] moves the nodes that are held, but neither"):
         ss.build_model(case.replace({"structure.file": str(deck)}))
 

@@ -121,7 +121,8 @@ class OwnKind(Generic[OwnCaseT]):
             + f"friction {given.friction:g}"
             for (name, each), given in zip(case.interfaces.items(), self.face_settings(case), strict=True)
         )
-        return f"{' and '.join(self._excitation_words(case))}. {joints}.{self._preload_words(case)}"
+        acting = " and ".join(self._excitation_words(case))
+        return f"{acting[0].upper()}{acting[1:]}. {joints}.{self._preload_words(case)}"
 
     def _excitation_words(self, case: OwnCaseT) -> list[str]:
         """Each kind of excitation that the study has, in words."""
