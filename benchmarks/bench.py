@@ -35,7 +35,7 @@ from stickslip.model.model import Model, build_joint, build_model, build_structu
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
 from stickslip.structure.superelement import Superelement
-from stickslip.study.run import solve
+from stickslip.study.analyses import solve
 
 HARMONICS, SAMPLES = 3, 128
 PRELOAD_FACTOR = 4.0  # no contact opens then

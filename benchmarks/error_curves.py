@@ -56,8 +56,7 @@ class Problem:
         curve = forced_response(
             model.superelement,
             model.pairs,
-            np.zeros(model.superelement.size),
-            model.force_sin,
+            model.excitation,
             frequency_hz=(425.0, 462.0),
             harmonics=harmonics,
             samples=samples,

@@ -16,7 +16,7 @@ import numpy as np
 
 from stickslip.case.case import Case
 from stickslip.model.model import build_joint, build_model, build_structure
-from stickslip.study.run import solve
+from stickslip.study.analyses import solve
 
 # Pairs of both faces -> elements up the contact face and along the damper.
 ELEMENTS = {110: (4, 10), 440: (9, 21), 990: (14, 32)}

@@ -18,7 +18,7 @@ from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
 from stickslip.model.model import ReducedModel, ReducedStructure, connect, load_joint, reduce_structure, set_up
 from stickslip.results.measures import Summary, summary
-from stickslip.study.run import solve
+from stickslip.study.analyses import solve
 
 FORCES_N = (20, 50, 100, 200, 500, 1000)
 VARIANTS = ("uniform", "released", "kept")

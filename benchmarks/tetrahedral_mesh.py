@@ -19,7 +19,7 @@ import numpy as np
 from both_factors import with_each_factor
 
 from stickslip.case.case import Case
-from stickslip.model.kinds.mesh import set_up
+from stickslip.model.model import set_up
 from stickslip.model.kinds.two_blade_mesh import BladePairElements, blade_pair_mesh
 from stickslip.model.model import ReducedStructure, connect, load_joint, port_rows
 from stickslip.structure.craig_bampton import craig_bampton

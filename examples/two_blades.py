@@ -11,7 +11,7 @@ import numpy as np
 
 from stickslip.case.case import Case
 from stickslip.model.model import build_joint, build_model, build_structure
-from stickslip.study.run import solve
+from stickslip.study.analyses import solve
 
 
 def main(harmonics: int = 3, samples: int = 128) -> dict[str, float]:

@@ -8,7 +8,7 @@ from types import ModuleType
 
 import pytest
 
-from stickslip.model.kinds.mesh import set_up
+from stickslip.model.model import set_up
 from stickslip.model.kinds.two_blade_mesh import BladePairElements
 from stickslip.structure.model_facts import body_volumes
 
@@ -56,9 +56,9 @@ def test_bricks_cut_into_tetrahedra_fill_the_same_space(tmp_path: Path, monkeypa
     path = tmp_path / "coarse.msh"
     tetrahedral_mesh.write_model(path)
     setup = set_up(tetrahedral_mesh.study(path))
-    assert 1e9 * body_volumes(setup.mesh) == pytest.approx([38962.7, 38962.7, 1461.34], rel=1e-5)
+    assert 1e9 * body_volumes(setup.mesh) == pytest.approx([38962.7, 38962.7, 1461.34], rel=1e-5)  # type: ignore[attr-defined]
     for name in tetrahedral_mesh.FACES:
-        (sides,) = setup.mesh.sides(name)
+        (sides,) = setup.mesh.sides(name)  # type: ignore[attr-defined]
         assert sides.shape == (2 * 2 * 4, 6)
     assert setup.layout.face_pairs.is_matching
     assert setup.layout.face_pairs.n_pairs == 2 * 5 * 9

@@ -1,5 +1,8 @@
 # The public names of stickslip: the one list, read by type checkers and by the lazy import of __init__.py.
 from .case.case import Case as Case
+from .case.case import MatrixCase as MatrixCase
+from .case.case import MeshCase as MeshCase
+from .case.case import TwoBladeCase as TwoBladeCase
 from .case.case import load_case as load_case
 from .contact.law.contact_pairs import ContactPairs as ContactPairs
 from .contact.law.coulomb import CoulombLaw as CoulombLaw
@@ -31,6 +34,7 @@ from .formats.matrices.exchange import write_superelement as write_superelement
 from .formats.matrices.model import MatrixModel as MatrixModel
 from .formats.matrices.read import read_matrices as read_matrices
 from .formats.matrices.reduce import reduce_matrices as reduce_matrices
+from .model.model import build_model as build_model
 from .results.response import ForcedResponse as ForcedResponse
 from .solve.controlled import controlled_response as controlled_response
 from .solve.excitation import Excitation as Excitation
@@ -52,6 +56,7 @@ from .structure.mesh import Mesh as Mesh
 from .structure.superelement import Superelement as Superelement
 from .study.run import report as report
 from .study.run import run as run
+from .study.solution import solve_case as solve_case
 from .sweeps.run import sweep as sweep
 
 __all__: list[str]

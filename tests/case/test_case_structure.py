@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from own_cases import EXAMPLE, mesh_case
-from stickslip.case.case import Case, load_case
+from stickslip.case.case import Case, MeshCase, TwoBladeCase, load_case
 from stickslip.case.examples import EXAMPLES
 from stickslip.cli.main import app
 from stickslip.core.errors import InputError, StudyFileError
@@ -44,7 +45,9 @@ def test_values_are_si_and_file_names_absolute() -> None:
     assert case.responses["block"].point == pytest.approx((0.048, 0.00367, 0.014))
     assert case.interfaces["lid"].normal_stiffness == 1e6
     assert case.forces["push"].phase == 0.0
-    assert (case.geometry, case.mesh, case.excitation, case.material) == (None, None, None, None)
+    assert type(case) is MeshCase
+    assert case.material is None
+    assert {"geometry", "mesh", "excitation"}.isdisjoint(case.sections)
 
 
 def test_equal_cases_have_one_hash() -> None:
@@ -169,3 +172,39 @@ def test_bodies_are_called_as_in_the_mesh_and_texts_can_be_shown() -> None:
         Case.from_mapping(data)
     assert 'bodies."a\\u001b[2Jb"] holds the control character U+001B' in str(error.value)
     assert 'structure.fixed = ["root\\u0007"] holds the control character U+0007' in str(error.value)
+
+
+def test_each_kind_is_a_class_with_its_sections() -> None:
+    two_blade, mesh = Case(), mesh_case()
+    assert (type(two_blade), type(mesh)) == (TwoBladeCase, MeshCase)
+    assert isinstance(mesh, Case)
+    assert pickle.loads(pickle.dumps(mesh)) == mesh
+    assert not hasattr(two_blade, "interfaces")
+    assert not hasattr(mesh, "geometry")
+    assert Case.model_validate(mesh.to_dict()) == mesh
+    with pytest.raises(StudyFileError, match=r"structure\.kind = \"mesh\" is not allowed: it must be 'two-blade'"):
+        TwoBladeCase.from_mapping(mesh.to_dict())
+
+
+def test_what_belongs_to_another_kind_is_judged_by_its_value_first() -> None:
+    data = mesh_case().to_dict()
+    data["interfaces"]["sole"]["area"] = "3 mm"
+    data["geometry"] = {"width": "4 kg"}
+    with pytest.raises(StudyFileError) as error:
+        Case.from_mapping(data)
+    assert 'interfaces.sole.area = "3 mm" has "mm", a unit of length' in str(error.value)
+    assert 'geometry.width = "4 kg" has "kg"' in str(error.value)
+    assert "does not belong" not in str(error.value)
+
+
+def test_foreign_keys_that_say_nothing_are_read() -> None:
+    """Files of earlier versions have them."""
+    data = mesh_case().to_dict()
+    data["preload"]["friction_coefficient_at_assembly"] = 0.0
+    assert Case.from_mapping(data) == mesh_case()
+
+
+def test_the_kind_of_analysis_is_a_choice() -> None:
+    assert Case.from_text('[analysis]\nkind = "forced"\n') == Case()
+    with pytest.raises(StudyFileError, match=r"line 2: analysis\.kind = \"modes\" is not allowed: it must be 'forced'"):
+        Case.from_text('[analysis]\nkind = "modes"\n')

@@ -16,12 +16,11 @@ from pydantic.fields import FieldInfo
 from own_cases import EXAMPLE, mesh_case, write_matrices
 from stickslip.case.case import Case
 from stickslip.case.sections import SolverSection
-from stickslip.case.template import is_named, section_type
 from stickslip.contact.law.coulomb_harmonics import MIN_SAMPLES
 from stickslip.core.errors import InputError, StudyFileError
 from stickslip.core.units import Count, Quantity
 from stickslip.model.model import load_joint, set_up
-from stickslip.study import run as study
+from stickslip.study.check import check
 from stickslip.study.facts import derived_quantities
 
 EXTREME = (5e-324, 1e-310, 1e-300, -5e-324, 1e300, 1e308, -1e308)
@@ -31,6 +30,8 @@ COARSE = {
 }  # fmt: skip
 BLADES: dict[str, Any] = {"mesh": COARSE, "reduction": {"modes": 3}}
 KINDS = ("two-blade", "mesh", "matrices")
+# (section, key, field) of all kinds of study; a key that several classes of a section have stands here once.
+ALL_FIELDS = tuple((name, key, Case.field_of(name, key)[1]) for name, keys in Case.known_keys().items() for key in keys)
 
 
 def limits_in(annotation: Any) -> Iterator[Quantity | Count]:
@@ -50,17 +51,15 @@ def limits_of(field: FieldInfo) -> tuple[Quantity | Count, ...]:
 
 def numeric_keys() -> Iterator[tuple[str, str, tuple[Quantity | Count, ...]]]:
     """(section, key, limits) of every key that holds a number."""
-    for name, field in Case.model_fields.items():
-        for key, inner in section_type(field).model_fields.items():
-            if found := limits_of(inner):
-                yield name, key, found
+    for name, key, inner in ALL_FIELDS:
+        if found := limits_of(inner):
+            yield name, key, found
 
 
 NUMERIC = tuple(numeric_keys())
 DIRECTIONS = tuple(
     (name, key)
-    for name, field in Case.model_fields.items()
-    for key, inner in section_type(field).model_fields.items()
+    for name, key, inner in ALL_FIELDS
     if inner.annotation is not None and "PlainValidator" in repr((inner.metadata, inner.annotation))
 )
 
@@ -88,7 +87,7 @@ def with_value(base: dict[str, Any], section: str, key: str, value: Any) -> dict
     """A copy of a study with one other value; a section with named entries gets it in its first entry, or a new one."""
     data = copy.deepcopy(base)
     home = data.setdefault(section, {})
-    if is_named(Case.model_fields[section]):
+    if section in Case.named_sections():
         home = home.setdefault(next(iter(home), "one"), {})
     home[key] = value
     return data
@@ -146,11 +145,10 @@ def test_every_quantity_has_two_limits() -> None:
 def test_every_key_with_a_number_was_found() -> None:
     """A key whose type holds a float or an int has a Quantity, a Count or a direction."""
     found = {(name, key) for name, key, _ in NUMERIC} | set(DIRECTIONS)
-    for name, field in Case.model_fields.items():
-        for key, inner in section_type(field).model_fields.items():
-            words = repr(inner.annotation)
-            if "float" in words or "int" in words:
-                assert (name, key) in found, f"{name}.{key}"
+    for name, key, inner in ALL_FIELDS:
+        words = repr(inner.annotation)
+        if "float" in words or "int" in words:
+            assert (name, key) in found, f"{name}.{key}"
 
 
 @pytest.mark.parametrize("value", [[5e-324, 0, 0], [1e308, 1e308, 0], [1e-310, 1e-310, 0], [10**400, 0, 0]])
@@ -186,7 +184,7 @@ def test_the_check_of_a_study_ends_at_its_limits() -> None:
     """The soft end of Young's modulus beside stiff contact: the eigenvalues end after a bounded number of restarts."""
     case = Case.from_mapping({"mesh": {"chordwise": 2, "airfoil_rows": 4}, "material": {"young_modulus": "1 kPa"}})
     with pytest.raises(InputError, match=r"^the material has Young's modulus 1e\+03 Pa, .*Most likely because of that"):
-        study.check(case)
+        check(case)
 
 
 def test_check_and_run_agree_on_the_fewest_samples() -> None:
@@ -236,7 +234,7 @@ def test_odd_values_of_the_two_blades_are_told_first(data: dict[str, Any], words
     """As a warning of ``check``, or before the sentence that follows from them."""
     case = Case.from_mapping(BLADES | data)
     try:
-        said = dict(study.check(case))["Warnings"][0][1]
+        said = dict(check(case))["Warnings"][0][1]
     except InputError as error:
         said = str(error)
         fitting = "Most likely because of that: " in said

@@ -62,10 +62,11 @@ class Study:
 
 @pytest.fixture
 def study(monkeypatch: pytest.MonkeyPatch) -> Study:
-    """The stand-in, in place of the functions of stickslip.study.run."""
+    """The stand-in, in place of the functions of stickslip.study.run and stickslip.study.check."""
     fake = Study()
-    for name in ("run", "check", "report"):
+    for name in ("run", "report"):
         monkeypatch.setattr(f"stickslip.study.run.{name}", getattr(fake, name))
+    monkeypatch.setattr("stickslip.study.check.check", fake.check)
     return fake
 
 

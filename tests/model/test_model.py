@@ -100,7 +100,8 @@ def test_wrong_number_of_preloads_is_refused(structure: Structure) -> None:
 @pytest.mark.parametrize(("mode", "right"), [("single", 0.0), ("same", 300.0), ("opposite", -300.0)])
 def test_excitation_modes(structure: Structure, model: Model, mode: str, right: float) -> None:
     case = Case().replace({"excitation.mode": mode})
-    force = build_model(case, structure, model.joint).force_sin
+    excitation = build_model(case, structure, model.joint).excitation
+    force = excitation.on(model.superelement, 1).coefficients(0.0)[2]
     sets = structure.mesh.node_sets
     found = [
         force[model.superelement.unknowns_of(int(sets[name][0]))] for name in ("excitation_left", "excitation_right")

@@ -21,7 +21,10 @@ from stickslip.solve.harmonic.damping import modal_basis, stuck_stiffness_matrix
 from stickslip.structure.craig_bampton import ReductionRow, reduction_table
 from stickslip.structure.elasticity import natural_frequencies
 from stickslip.study import run as study
+from stickslip.study.analyses import solve
+from stickslip.study.check import check
 from stickslip.study.facts import resting_state
+from stickslip.study.record import compare_modes, held_contact
 from stickslip.sweeps.work import CaseTask, reduce_task, solve_task
 from sweep_cases import COARSE_MESH, quick_case
 
@@ -52,9 +55,7 @@ def built(case: Case) -> Model:
 
 
 def table_of(found: Model) -> tuple[ReductionRow, ...]:
-    return study.compare_modes(
-        found.structure, found.superelement, found.joint.face_pairs, found.pairs.resting_stiffness()
-    )
+    return compare_modes(found.structure, found.superelement, found.joint.face_pairs, found.pairs.resting_stiffness())
 
 
 @cache
@@ -104,7 +105,7 @@ def test_closing_the_open_pairs_would_be_seen() -> None:
 )
 def test_check_shows_the_frequencies_of_the_run(preload: dict[str, object], words: str) -> None:
     case = block_case(preload)
-    sections = dict(study.check(case))
+    sections = dict(check(case))
     shown = dict(sections["Would run"])[f"first natural frequencies, contact stuck {words}"]
     found = [float(number) for number in shown.removesuffix(" Hz").split(", ")]
     assert found == pytest.approx([row.full_hz for row in table_of(built(case))[:4]], abs=0.06)
@@ -115,8 +116,8 @@ def test_matching_faces_with_open_pairs_are_not_tied() -> None:
     found = two_blades("released")
     closed = found.pairs.closed_at_rest
     assert 0 < np.count_nonzero(closed) < closed.size
-    assert study.held_contact(found.joint.face_pairs, all_closed=True) == "tied"
-    assert study.held_contact(found.joint.face_pairs, all_closed=False) == HELD
+    assert held_contact(found.joint.face_pairs, all_closed=True) == "tied"
+    assert held_contact(found.joint.face_pairs, all_closed=False) == HELD
     omega, _ = modal_basis(found.superelement.mass, stuck_stiffness_matrix(found.superelement, found.pairs))
     table = table_of(found)
     assert [row.reduced_hz for row in table] == pytest.approx(omega[: len(table)] / (2.0 * np.pi), rel=1e-6)
@@ -133,12 +134,12 @@ def test_a_body_that_open_pairs_leave_free_moves_at_0_hz() -> None:
     beam, _ = natural_frequencies(found.structure.stiffness, found.structure.mass, 8)
     assert [row.full_hz for row in table[6:8]] == pytest.approx(beam[6:], rel=1e-9)
     assert all(row.mac > 0.999 and row.difference_percent < 0.1 for row in table[6:8])
-    sections = dict(study.check(case))
+    sections = dict(check(case))
     frequencies = dict(sections["Would run"])["first natural frequencies, contact stuck (pairs closed at rest)"]
     assert frequencies == "0.00, 0.00, 0.00, 0.00 Hz"
     assert "a body that moves freely: the pairs closed at rest do not hold it" in sections["Warnings"][0][1]
     with pytest.raises(InputError, match="at 48 of 48 pairs, and the others do not hold every body"):
-        study.solve(case, found)
+        solve(case, found)
 
 
 def test_friction_limit_only_where_the_state_was_found_with_friction() -> None:

@@ -36,3 +36,25 @@ def test_very_stiff_springs_come_to_the_tied_frequencies(blade_mesh, blade_super
 def test_springs_of_the_wrong_number_are_refused(blade_mesh, blade_superelement, pairs_of):
     with pytest.raises(InputError, match=r"springs must have shape \(330,\)"):
         joined_modes(blade_superelement, pairs_of(blade_mesh), 2, np.ones(110))
+
+
+def test_a_body_that_moves_freely_has_no_frequency_and_a_soft_one_has() -> None:
+    """Below 1 Hz everything counted as free."""
+    from stickslip.structure.superelement import Superelement
+
+    class Unpaired:
+        """One pair between the two last nodes, along x, y, z."""
+
+        def operator(self, superelement: Superelement) -> np.ndarray:
+            rows = np.zeros((3, superelement.size))
+            rows[:, -3:] = np.eye(3)
+            return rows
+
+    mass = np.eye(6)
+    softly_held = Superelement(mass, np.diag([1.0, 1.0, 1.0, 4.0, 4.0, 4.0]))
+    frequency_hz, _ = joined_modes(softly_held, Unpaired(), 5, np.zeros(3))
+    assert (frequency_hz > 0.1).all()
+    loose = Superelement(mass, np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]))
+    frequency_hz, _ = joined_modes(loose, Unpaired(), 5, np.zeros(3))
+    assert (frequency_hz[:3] == 0.0).all()
+    assert (frequency_hz[3:] > 0.1).all()

@@ -18,8 +18,10 @@ from stickslip.model.model import build_joint, build_model, build_structure
 from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
 from stickslip.solve.path.stepping import ContinuationSettings
+from stickslip.study import analyses, solution
 from stickslip.study import places as run_places
 from stickslip.study import run as study
+from stickslip.study.check import check
 from stickslip.study.figure_process import PAGE_GRID, rough_patch
 from sweep_cases import COARSE_MESH
 
@@ -102,7 +104,7 @@ def test_report_of_an_empty_folder_is_refused(tmp_path: Path) -> None:
 
 
 def test_check_says_what_would_run() -> None:
-    sections = dict(study.check(Case()))
+    sections = dict(check(Case()))
     sizes = dict(sections["Sizes"])
     assert sizes["nodes"] == "5005"
     assert sizes["unknowns after reduction"].startswith("699 ")
@@ -114,14 +116,14 @@ def test_check_says_what_would_run() -> None:
 
 def test_check_shows_the_warnings_of_the_roughness() -> None:
     sections = dict(
-        study.check(Case().replace({"roughness.fractal_dimension": 2.49, "roughness.fractal_roughness": "1e-11 m"}))
+        check(Case().replace({"roughness.fractal_dimension": 2.49, "roughness.fractal_roughness": "1e-11 m"}))
     )
     assert "Warnings" in sections
 
 
 def test_an_unfinished_curve_is_kept_and_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The branch ends after six points: exit code 3, the sentence why, and every file of what was found."""
-    monkeypatch.setattr(study, "ContinuationSettings", lambda **steps: ContinuationSettings(max_points=6, **steps))
+    monkeypatch.setattr(analyses, "ContinuationSettings", lambda **steps: ContinuationSettings(max_points=6, **steps))
     path = tmp_path / "study.toml"
     path.write_text(Case().replace(COARSE).to_text(), encoding="utf-8")
     result = CliRunner().invoke(app, ["run", str(path), "--out", str(tmp_path / "out"), "--quiet"])
@@ -149,7 +151,7 @@ def test_the_curve_is_the_same_with_one_and_two_threads(tmp_path: Path, monkeypa
 def test_a_folder_that_is_removed_while_the_case_is_solved_loses_no_curve(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    solve = study.solve
+    solve = solution.solve
 
     def solve_and_remove(*arguments: Any) -> Any:
         response = solve(*arguments)
@@ -157,7 +159,7 @@ def test_a_folder_that_is_removed_while_the_case_is_solved_loses_no_curve(
         return response
 
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.setattr(study, "solve", solve_and_remove)
+    monkeypatch.setattr(solution, "solve", solve_and_remove)
     with pytest.raises(ResultsFileError, match=r'kept in .*"stickslip report" makes the report') as error:
         study.run(Case().replace(COARSE), tmp_path / "out")
     (kept,) = (tmp_path / "cache").rglob("results.nc")
@@ -169,7 +171,7 @@ def test_a_folder_that_is_removed_while_the_case_is_solved_loses_no_curve(
 def test_places_that_are_taken_are_found_before_anything_is_built(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(study, "set_up", None)
+    monkeypatch.setattr(solution, "set_up", None)
     for name in ("results.nc", "report.html", "mode_shapes.vtu", "deflected_shape.pvd", "contact_pairs.vtu"):
         (tmp_path / name).mkdir()
         with pytest.raises(PlaceError, match=f'{name}" is a folder, but a file of that name will be written'):
@@ -193,7 +195,7 @@ def test_a_disk_that_fills_up_after_the_results_keeps_them(tmp_path: Path, monke
 
 
 def test_too_little_room_is_found_before_solving(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(study, "solve", None)
+    monkeypatch.setattr(solution, "solve", None)
     usage = SimpleNamespace(free=11_500_000)  # enough at the start, not for the results of this model
     monkeypatch.setattr(shutil, "disk_usage", lambda _: usage)
     with pytest.raises(PlaceError, match=r"has 11\.5 MB free, but about .* MB will be written"):

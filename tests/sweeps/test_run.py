@@ -22,6 +22,7 @@ from stickslip.results.measures import summary
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results
 from stickslip.study import run as study
+from stickslip.study.analyses import solve
 from stickslip.sweeps import run as sweep_run
 from stickslip.sweeps import schedule, work
 from sweep_cases import quick_case
@@ -227,7 +228,7 @@ def test_curves_without_end_or_start_are_kept_and_failed(tmp_path: Path, monkeyp
             raise ConvergenceError("No first point at 440 Hz.")
         if case.excitation.mode == "opposite":
             raise ZeroDivisionError("division by zero")
-        return replace(study.solve(case, model, threads=threads), converged=False, message="The step became too small.")
+        return replace(solve(case, model, threads=threads), converged=False, message="The step became too small.")
 
     monkeypatch.setattr(work, "solve", stopped)
     vary = {"excitation.mode": "single,same,opposite"}

@@ -1,97 +1,148 @@
-"""The study file as one frozen, validated ``Case``, everything SI after load."""
+"""The study file as one frozen, validated ``Case``, everything SI after load: a class for each kind of structure."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from os import PathLike
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Literal, Self, cast, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    ModelWrapValidatorHandler,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+from pydantic.fields import FieldInfo
 
 from stickslip.case import toml_text as case_file
-from stickslip.case.consistency import require_fit
+from stickslip.case.analysis import Analysis, ForcedAnalysis
+from stickslip.case.consistency import (
+    EntryError,
+    excitation_errors,
+    joint_errors,
+    name_errors,
+    place_errors,
+    preload_errors,
+)
+from stickslip.case.explained import explained
 from stickslip.case.own_sections import (
-    FILE_KEYS,
-    FOREIGN_KEYS,
+    BaseMotion,
     BodyName,
     BodySection,
     ForceSection,
     InterfaceSection,
+    MatrixInterface,
+    MatrixStructure,
+    MeshInterfaceSection,
+    MeshStructureSection,
     Name,
+    OwnMaterialSection,
+    OwnPreloadSection,
+    PlaceSection,
     ResponseSection,
     RotationSection,
     StaticLoadSection,
-    StructureSection,
-    without_other_kinds,
+    UnbalanceSection,
 )
+from stickslip.case.plain import plain_section, with_absolute_files
 from stickslip.case.sections import (
     ContactStiffnessSection,
     DampingSection,
-    ExcitationSection,
     FrictionSection,
-    GeometrySection,
-    MaterialSection,
-    MeshSection,
     OutputSection,
     PreloadSection,
     ReductionSection,
     RoughnessSection,
     SolverSection,
+    StructureSection,
     StudySection,
     instead_of,
     without_default,
 )
-from stickslip.case.template import is_named, quantity_of, section_type, study_text
+from stickslip.case.template import is_named, section_types, study_text
+from stickslip.case.two_blade_sections import (
+    ExcitationSection,
+    GeometrySection,
+    MaterialSection,
+    MeshSection,
+    TwoBladeStructureSection,
+    WedgePreloadSection,
+)
 from stickslip.core.errors import StudyFileError
+
+Kind = Literal["two-blade", "mesh", "matrices"]
+# Sections in the order of the file, those of every kind.
+SECTIONS = (
+    "study", "structure", "geometry", "mesh", "material", "bodies", "reduction", "roughness",
+    "contact_stiffness", "friction", "interfaces", "preload", "damping", "excitation", "forces", "base_motion",
+    "unbalance", "responses", "static_loads", "rotation", "analysis", "solver", "output",
+)  # fmt: skip
 
 
 class Case(BaseModel):
-    """One study, validated, all values SI floats.
+    """One study, validated, all values SI floats; what studies of every kind of structure have.
 
-    Sections that do not belong to the kind of its structure are None or empty. ``Case()`` is the project's two-blade
-    study. ``load_case(path)`` and ``Case.from_text(text)`` read a study file, ``Case.from_mapping`` the same as nested
-    dictionaries; they raise StudyFileError with one line for each error.
+    Each kind is a class of its own with its sections: :class:`TwoBladeCase`, :class:`MeshCase`, :class:`MatrixCase`.
+    ``Case()`` is the project's two-blade study. ``load_case(path)`` and ``Case.from_text(text)`` read a study file,
+    ``Case.from_mapping`` the same as nested dictionaries; they raise StudyFileError with one line for each error.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     study: StudySection = StudySection()
-    structure: StructureSection = StructureSection()
-    geometry: GeometrySection | None = GeometrySection()
-    mesh: MeshSection | None = MeshSection()
-    material: MaterialSection | None = MaterialSection()
-    bodies: dict[BodyName, BodySection] = Field(default={}, description=BodySection.__doc__)
+    structure: StructureSection = TwoBladeStructureSection()
+    analysis: Analysis = ForcedAnalysis()
     reduction: ReductionSection = ReductionSection()
     roughness: RoughnessSection | None = RoughnessSection()
     contact_stiffness: ContactStiffnessSection | None = Field(default=None, description=ContactStiffnessSection.__doc__)
     friction: FrictionSection = FrictionSection()
-    interfaces: dict[Name, InterfaceSection] = Field(default={}, description=InterfaceSection.__doc__)
     preload: PreloadSection = PreloadSection()
     damping: DampingSection = DampingSection()
-    excitation: ExcitationSection | None = ExcitationSection()
-    forces: dict[Name, ForceSection] = Field(default={}, description=ForceSection.__doc__)
-    responses: dict[Name, ResponseSection] = Field(default={}, description=ResponseSection.__doc__)
-    static_loads: dict[Name, StaticLoadSection] = Field(default={}, description=StaticLoadSection.__doc__)
-    rotation: RotationSection | None = Field(default=None, description=RotationSection.__doc__)
     solver: SolverSection = SolverSection()
     output: OutputSection = OutputSection()
+
+    def __new__(cls, **sections: Any) -> Self:
+        """A case of the kind that its sections say."""
+        kind = _kind_in(sections)
+        chosen = KINDS[kind] if cls is Case and kind in get_args(Kind) else cls
+        return cast(Self, super().__new__(chosen))
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _of_its_kind(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        if cls is not Case or isinstance(data, Case):
+            return handler(data)
+        return cast(Self, _class_of(data).model_validate(data))
 
     @model_validator(mode="before")
     @classmethod
     def _measured_stiffness_replaces_roughness(cls, data: Any) -> Any:
-        return without_default(without_other_kinds(data), ("contact_stiffness",), "roughness")
+        return without_default(data, ("contact_stiffness",), "roughness")
 
     @model_validator(mode="after")
-    def _sections_fit_the_kind(self) -> Self:
-        require_fit(self)
+    def _sections_fit_each_other(self) -> Self:
+        """Raise EntryError for the first entry that does not fit another one."""
+        for section in self.named_sections():
+            for error in name_errors(section, tuple(getattr(self, section))):
+                raise error
+        for error in self._misfits():
+            raise error
         return self
 
     @field_validator("contact_stiffness")
     @classmethod
     def _one_source(cls, value: Any, info: ValidationInfo) -> Any:
         return instead_of(value, info, "roughness")
+
+    def _misfits(self) -> Iterator[EntryError]:
+        """What does not fit in the sections of this kind."""
+        raise NotImplementedError
 
     @classmethod
     def from_mapping(cls, data: Mapping[str, Any]) -> Self:
@@ -106,22 +157,16 @@ class Case(BaseModel):
     @classmethod
     def in_folder(cls, data: dict[str, Any], folder: Path, source: str, lines: Mapping[tuple[str, ...], int]) -> Self:
         """The case of a file in ``folder``: names of files become absolute. Raises StudyFileError."""
-        structure = data.get("structure")
-        if isinstance(structure, dict):
-            files = {key: str(folder / structure[key]) for key in FILE_KEYS if isinstance(structure.get(key), str)}
-            data = {**data, "structure": {**structure, **files}}
-        interfaces = data.get("interfaces")
-        if isinstance(interfaces, dict):
-            data = {**data, "interfaces": {name: _with_pairs_in(folder, each) for name, each in interfaces.items()}}
-        return cls._validated(data, source, lines)
+        return cls._validated(with_absolute_files(data, folder), source, lines)
 
     @classmethod
     def _validated(cls, data: dict[str, Any], source: str, lines: Mapping[tuple[str, ...], int]) -> Self:
         try:
             return cls.model_validate(data)
         except ValidationError as error:
-            details = error.errors(include_url=False)
-            message = case_file.report(details, source, data, cls.known_keys(), lines, cls.named_sections())
+            own, found = _class_of(data) if cls is Case else cls, error.errors(include_url=False)
+            details = [part for each in found for part in explained(each, data, own, KINDS)]
+            message = case_file.report(details, source, data, Case.known_keys(), lines, Case.named_sections())
             raise StudyFileError(message) from error
 
     def __hash__(self) -> int:
@@ -130,13 +175,45 @@ class Case(BaseModel):
 
     @classmethod
     def known_keys(cls) -> dict[str, tuple[str, ...]]:
-        """Section name -> its keys, in the order of the file."""
-        return {name: tuple(section_type(field).model_fields) for name, field in cls.model_fields.items()}
+        """Section name -> its keys, in the order of the file; of all kinds of structure for ``Case`` itself."""
+        return {
+            name: tuple(dict.fromkeys(key for kind in classes for key in kind.model_fields))
+            for name, classes in cls.section_classes().items()
+        }
+
+    @classmethod
+    def section_classes(cls) -> dict[str, tuple[type[BaseModel], ...]]:
+        """Section name -> its classes, in the order of the file; of all kinds of structure for ``Case`` itself."""
+        kinds = KINDS.values() if cls is Case else (cls,)
+        fields = {name: [kind.model_fields[name] for kind in kinds if name in kind.model_fields] for name in SECTIONS}
+        return {
+            name: tuple(dict.fromkeys(each for field in found for each in section_types(field.annotation)))
+            for name, found in fields.items()
+            if found
+        }
+
+    @classmethod
+    def field_of(cls, section: str, key: str) -> tuple[type[BaseModel], FieldInfo]:
+        """A key of the file: a class of its section that has it, and the field."""
+        home = next(each for each in cls.section_classes()[section] if key in each.model_fields)
+        return home, home.model_fields[key]
 
     @classmethod
     def named_sections(cls) -> tuple[str, ...]:
         """Sections whose entries have names of their own, [section.NAME]."""
-        return tuple(name for name, field in cls.model_fields.items() if is_named(field))
+        kinds = KINDS.values() if cls is Case else (cls,)
+        found = {name for kind in kinds for name, field in kind.model_fields.items() if is_named(field)}
+        return tuple(name for name in SECTIONS if name in found)
+
+    @property
+    def sections(self) -> dict[str, Any]:
+        """Section name -> its values, or name -> values where entries have names; in the order of the file."""
+        return {name: getattr(self, name) for name in SECTIONS if name in type(self).model_fields}
+
+    @property
+    def input_files(self) -> dict[str, str]:
+        """Key or name of an interface -> file that the case reads."""
+        return dict(self.structure.files)
 
     def replace(self, changes: Mapping[str, Any]) -> Self:
         """A validated copy with other values, ``case.replace({"preload.centrifugal_force": "300 N"})``.
@@ -146,15 +223,16 @@ class Case(BaseModel):
         data = self._as_mapping(only_given=True)
         for path, value in changes.items():
             section, _, rest = path.partition(".")
-            name, _, key = rest.rpartition(".") if section in self.named_sections() else ("", "", rest)
-            if name and name not in getattr(self, section):
-                known = ", ".join(getattr(self, section)) or "none"
+            name, _, key = rest.rpartition(".") if section in Case.named_sections() else ("", "", rest)
+            entries = self.sections.get(section, {})
+            if name and name not in entries:
+                known = ", ".join(entries) or "none"
                 raise StudyFileError(
                     f"the study: 1 error.\n  {path}: there is no [{section}.{name}] in the study; there are: {known}."
                 )
             home = data.setdefault(section, {})
             (home.setdefault(name, {}) if name else home)[key] = value
-        return type(self).from_mapping(data)
+        return cast(Self, Case.from_mapping(data))
 
     def to_dict(self) -> dict[str, dict[str, Any]]:
         """Every value with its SI unit ("0.145 m"), for records; ``Case.from_mapping`` reads it back exactly."""
@@ -162,14 +240,12 @@ class Case(BaseModel):
 
     def to_text(self) -> str:
         """A commented study file of this case, in the units that engineers use (15 digits)."""
-        shown = [name for name in type(self).model_fields if self.shows(name)]
-        return study_text(self, shown, FOREIGN_KEYS[self.structure.kind])
+        return study_text({name: values for name, values in self.sections.items() if self.shows(name)}, type(self))
 
     def defaulted_keys(self) -> tuple[str, ...]:
         """Keys that the study file left out, as ``section.key``, or ``[section]`` where it left out all of them."""
         result: list[str] = []
-        for name in type(self).model_fields:
-            section = getattr(self, name)
+        for name, section in self.sections.items():
             if section is None or name == "structure":
                 continue
             if isinstance(section, dict):
@@ -185,48 +261,152 @@ class Case(BaseModel):
             if not given and missing:
                 result.append(f"[{name}]")
             else:
-                foreign = FOREIGN_KEYS[self.structure.kind]
-                result += [f"{name}.{key}" for key in missing if f"{name}.{key}" not in foreign]
+                result += [f"{name}.{key}" for key in missing]
         return tuple(result)
 
     def _as_mapping(self, only_given: bool) -> dict[str, dict[str, Any]]:
         """Section -> key -> value as in a study file, without empty keys, or only with what the file gave."""
         data: dict[str, dict[str, Any]] = {}
-        for name in type(self).model_fields:
-            section = getattr(self, name)
+        for name, section in self.sections.items():
             if not self.shows(name) or section is None or (only_given and name not in self.model_fields_set):
                 continue
             if isinstance(section, dict):
-                data[name] = {entry: _plain(values, only_given) for entry, values in section.items()}
+                data[name] = {entry: plain_section(values, only_given) for entry, values in section.items()}
             else:
-                data[name] = _plain(section, only_given)
+                data[name] = plain_section(section, only_given)
         return data
 
     def shows(self, name: str) -> bool:
         """Whether a section stands in the study file of this case, be it as a comment."""
-        value = getattr(self, name)
         if name == "structure":
             return self.structure.kind != "two-blade"
-        return bool(value) or name in ("roughness", "contact_stiffness")
+        return bool(self.sections.get(name)) or name in ("roughness", "contact_stiffness")
 
 
-def _plain(section: BaseModel, only_given: bool) -> dict[str, Any]:
-    """Key -> value of one section as in a study file, without empty keys, or only with what the file gave."""
-    values = {}
-    for key, value in section:
-        if value is None or (only_given and key not in section.model_fields_set):
-            continue
-        quantity = quantity_of(type(section), key)
-        plain = list(value) if isinstance(value, tuple) else value
-        values[key] = quantity.stored(value) if quantity and isinstance(value, float) else plain
-    return values
+class TwoBladeCase(Case):
+    """A study of two blades and the damper between them."""
+
+    structure: TwoBladeStructureSection = TwoBladeStructureSection()
+    geometry: GeometrySection = GeometrySection()
+    mesh: MeshSection = MeshSection()
+    material: MaterialSection = MaterialSection()
+    preload: WedgePreloadSection = WedgePreloadSection()
+    excitation: ExcitationSection = ExcitationSection()
+    rotation: RotationSection | None = Field(default=None, description=RotationSection.__doc__)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _rotation_replaces_the_wedge(cls, data: Any) -> Any:
+        preload = data.get("preload", {}) if isinstance(data, Mapping) and "rotation" in data else None
+        if isinstance(preload, Mapping) and "centrifugal_force" not in preload:
+            return {**data, "preload": {"centrifugal_force": None, **preload}}
+        return data
+
+    def _misfits(self) -> Iterator[EntryError]:
+        loads = () if self.rotation is None else ("rotation",)
+        yield from preload_errors(self.preload, loads, rough=self.roughness is not None)
 
 
-def _with_pairs_in(folder: Path, interface: Any) -> Any:
-    """An interface whose file of pairs is absolute."""
-    if isinstance(interface, dict) and isinstance(interface.get("pairs"), str):
-        return {**interface, "pairs": str(folder / interface["pairs"])}
-    return interface
+class OwnCase(Case):
+    """A study of a structure of the user's own, with interfaces, excitations and responses that have names."""
+
+    material: OwnMaterialSection | None = None
+    preload: OwnPreloadSection = OwnPreloadSection()
+    interfaces: Mapping[Name, InterfaceSection]
+    forces: dict[Name, ForceSection] = Field(default={}, description=ForceSection.__doc__)
+    unbalance: dict[Name, UnbalanceSection] = Field(default={}, description=UnbalanceSection.__doc__)
+    responses: dict[Name, ResponseSection] = Field(default={}, description=ResponseSection.__doc__)
+    static_loads: dict[Name, StaticLoadSection] = Field(default={}, description=StaticLoadSection.__doc__)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _titled_by_its_file(cls, data: Any) -> Any:
+        study = data.get("study", {}) if isinstance(data, Mapping) else None
+        if not isinstance(study, Mapping) or "title" in study or not isinstance(data.get("structure"), Mapping):
+            return data
+        file = data["structure"].get("file") or data["structure"].get("stiffness") or "own matrices"
+        return {**data, "study": {**study, "title": f"Vibration of {Path(str(file)).stem}"}}
+
+    @property
+    def places(self) -> dict[str, PlaceSection]:
+        """section.NAME -> every place that the study names."""
+        return {
+            f"{section}.{name}": place
+            for section in ("forces", "responses", "static_loads", "unbalance")
+            for name, place in self.sections[section].items()
+        }
+
+    @property
+    def input_files(self) -> dict[str, str]:
+        """Key or name of an interface -> file that the case reads."""
+        listed = {name: getattr(each, "pairs", None) for name, each in self.interfaces.items()}
+        return {**self.structure.files, **{name: file for name, file in listed.items() if file is not None}}
+
+    def _own_misfits(self, loads: tuple[str, ...], excitations: Mapping[str, Any], has_areas: bool) -> Any:
+        """What does not fit, for the sections with static loads and those with excitations that the study has."""
+        measured = [each.normal_stiffness is not None for each in self.interfaces.values()]
+        rough = self.roughness is not None and not (measured and all(measured))
+        yield from preload_errors(self.preload, loads, rough)
+        yield from joint_errors(self.interfaces, self.preload)
+        harmonics = {name: force.harmonic for name, force in self.forces.items()}
+        yield from excitation_errors(excitations, harmonics, self.solver.harmonics)
+        if not self.responses:
+            yield EntryError(("responses",), "has no entry. Give at least one section [responses.NAME].")
+        for section in ("forces", "responses", "static_loads", "unbalance"):
+            yield from place_errors(section, self.sections[section], has_areas)
+
+
+class MeshCase(OwnCase):
+    """A study of bodies from a mesh file."""
+
+    structure: MeshStructureSection
+    bodies: dict[BodyName, BodySection] = Field(default={}, description=BodySection.__doc__)
+    interfaces: dict[Name, MeshInterfaceSection] = Field(default={}, description=MeshInterfaceSection.__doc__)
+    base_motion: BaseMotion | None = None
+    rotation: RotationSection | None = Field(default=None, description=RotationSection.__doc__)
+
+    def _misfits(self) -> Iterator[EntryError]:
+        loads = tuple(name for name in ("rotation", "static_loads") if getattr(self, name))
+        excitations = {"forces": self.forces, "unbalance": self.unbalance, "base_motion": self.base_motion}
+        yield from self._own_misfits(loads, excitations, has_areas=True)
+
+
+class MatrixCase(OwnCase):
+    """A study of matrices of another program."""
+
+    structure: MatrixStructure
+    interfaces: dict[Name, MatrixInterface] = {}
+
+    def _misfits(self) -> Iterator[EntryError]:
+        loads = ("static_loads",) if self.static_loads else ()
+        yield from self._own_misfits(loads, {"forces": self.forces, "unbalance": self.unbalance}, has_areas=False)
+
+
+KINDS: dict[str, type[Case]] = {"two-blade": TwoBladeCase, "mesh": MeshCase, "matrices": MatrixCase}
+
+
+class _StructureOfSomeKind(BaseModel):
+    kind: Kind
+
+
+class _CaseOfSomeKind(BaseModel):
+    """What is wrong where the kind does not exist: nothing else of the file can be judged."""
+
+    structure: _StructureOfSomeKind
+
+
+def _kind_in(data: Any) -> Any:
+    """The kind of structure in the mappings of a study file."""
+    structure = data.get("structure") if isinstance(data, Mapping) else None
+    if isinstance(structure, StructureSection):
+        return structure.kind
+    return structure.get("kind", "two-blade") if isinstance(structure, Mapping) else "two-blade"
+
+
+def _class_of(data: Any) -> Any:
+    """The class of the kind of structure in the mappings of a study file; TwoBladeCase where there is none."""
+    kind = _kind_in(data)
+    return KINDS[kind] if kind in get_args(Kind) else _CaseOfSomeKind
 
 
 def load_case(path: str | PathLike[str]) -> Case:

@@ -1,5 +1,5 @@
-"""The sections of a study file. The defaults are the two-blade study; tests hold them equal
-to those of the classes that they end up in.
+"""The sections that study files of every kind share, and what all sections are made of. The defaults are the
+two-blade study; tests hold them equal to those of the classes that they end up in.
 
 The fields are the keys of the file, their descriptions and the docstrings its comments (``template.py``). Values with a
 unit are texts ("145 mm"), plain numbers are SI; after loading everything is SI floats.
@@ -7,9 +7,10 @@ unit are texts ("145 mm"), plain numbers are SI; after loading everything is SI 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import PurePath
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 from unicodedata import category
 
 from pydantic import (
@@ -19,6 +20,7 @@ from pydantic import (
     Field,
     PlainValidator,
     ValidationInfo,
+    create_model,
     field_validator,
     model_validator,
 )
@@ -101,15 +103,58 @@ def _file_name(value: str) -> str:
 FileName = Annotated[str, AfterValidator(_file_name)]
 
 
+@dataclass(frozen=True)
+class Required:
+    """What a message says of a key that must be there, after its name."""
+
+    sentence: str
+
+
 class Section(BaseModel):
-    """A section of the study file."""
+    """A section of the study file.
+
+    ``foreign`` are keys that the section has in a study of another kind, with what a message says of them here.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+    foreign: ClassVar[Mapping[str, str]] = {}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _foreign_keys_may_say_nothing(cls, data: Any) -> Any:
+        """Files of earlier versions hold foreign keys that are empty or zero, which change nothing."""
+        if not isinstance(data, Mapping):
+            return data
+        return {key: value for key, value in data.items() if value or key not in cls.foreign}
 
     @field_validator("*", mode="before")
     @classmethod
     def _texts_can_be_shown(cls, value: Any) -> Any:
         return require_printable(value)
+
+
+def chosen_by(choose: Callable[[Any], type[Section]]) -> PlainValidator:
+    """The validator of a union of sections of which ``choose`` picks one for the data of a file."""
+    return PlainValidator(lambda data: data if isinstance(data, Section) else choose(data).model_validate(data))
+
+
+def _literal(words: tuple[str, ...]) -> Any:
+    return Literal[words]
+
+
+def of_kind(classes: Mapping[str, type[Section]], default: str) -> PlainValidator:
+    """The validator of a union of sections that their key ``kind`` tells apart."""
+    config = ConfigDict(extra="ignore", frozen=True)
+    unknown = create_model("UnknownKind", __config__=config, kind=(_literal(tuple(classes)), ...))
+
+    def validated(data: Any) -> Any:
+        if isinstance(data, Section):
+            return data
+        kind = data.get("kind", default) if isinstance(data, Mapping) else default
+        known = isinstance(kind, str) and kind in classes
+        return (classes[kind] if known else unknown).model_validate(data)
+
+    return PlainValidator(validated)
 
 
 class StudySection(Section):
@@ -118,62 +163,15 @@ class StudySection(Section):
     title: str = Field(default="Two blades with an under-platform damper", description="heads the report")
 
 
-class GeometrySection(Section):
-    """Two mirrored blades and the damper between them; every dimension. The defaults are inferred, not from a drawing.
-    z runs from the fixed root to the tip, x across the airfoil's thickness, y along the chord."""
+class StructureSection(Section):
+    """Where the structure comes from."""
 
-    blade_length: Length = Field(default=0.145, description="root to tip")
-    width: Length = Field(default=0.028, description="chord: extent along y")
-    airfoil_thickness: Length = Field(default=0.007, description="along x")
-    damper_length: Length = Field(default=0.028, description="along y")
-    contact_face_width: Length = Field(default=0.0065, description="along the slope of the platform")
-    platform_angle: Annotated[
-        float,
-        Quantity(
-            "angle",
-            shown="deg",
-            at_least=1e-6,
-            below=1.5707963267948966,
-            unit_required="A plain number would be radian, which few expect here.",
-        ),
-    ] = Field(default=0.523598775598299, description="contact face against the horizontal")
-    underside_height_at_shank: Length = Field(default=0.0367, description="height of the platform's underside")
-    inner_overhang: Length = Field(default=0.0117, description="flat underside between shank and contact face")
-    platform_edge_thickness: Length = Field(default=0.0057, description="at the free edge")
-    platform_gap: Length = Field(default=0.001, description="between the two platforms")
-    shank_thickness_at_platform: Length = Field(default=0.0139, description="tapers to the next one")
-    shank_thickness_at_base: Length = Field(default=0.0093, description="at the fixed root")
-    damper_flank_height: Length = Field(default=0.0025, description="vertical side below the damper's contact face")
-    excitation_height: Length = Field(
-        default=0.00367, description="z of N1, N2 on the outer shank faces; near the root it takes a large force"
-    )
+    kind: str
 
-
-class MeshSection(Section):
-    """Element formulation and element counts: columns along x, rows along z, chordwise along y."""
-
-    element: Literal["incompatible", "trilinear", "serendipity"] = Field(
-        default="incompatible",
-        description="incompatible: 8-node brick that bends; trilinear: locks in bending; serendipity: 20 nodes",
-    )
-    shank_columns: Elements = Field(default=3, description="across shank and airfoil")
-    shank_rows: Elements = Field(default=10, description="root to platform")
-    platform_rows: Elements = Field(default=4)
-    airfoil_rows: Elements = Field(default=30, description="platform to tip")
-    inner_columns: Elements = Field(default=2, description="flat underside between shank and contact face")
-    contact_columns: Elements = Field(default=4, description="up the contact face; the damper has as many")
-    chordwise: Elements = Field(default=10, description="along the damper's length")
-    beyond_damper: Elements = Field(default=1, description="at each end, if the damper is shorter than the width")
-    damper_columns: Elements = Field(default=4)
-    damper_flank_rows: Elements = Field(default=2)
-
-
-class MaterialSection(Section):
-    """One linear elastic material for blades and damper."""
-
-    young_modulus: YoungModulus = Field(default=197e9)
-    poisson_ratio: PoissonRatio = Field(default=0.3)
-    density: Density = Field(default=7800.0)
+    @property
+    def files(self) -> dict[str, str]:
+        """Key -> name of each file that the structure comes from."""
+        return {}
 
 
 class ReductionSection(Section):
@@ -271,16 +269,9 @@ class PreloadSection(Section):
         default="prescribed",
         description="prescribed: uniform pressure, or values; solved: the pressure that the static load gives",
     )
-    centrifugal_force: Force | None = Field(
-        default=500.0,
-        description="F of the damper, total over both ends; each face carries F / (2 (cos angle + mu_0 sin angle))",
-    )
-    friction_coefficient_at_assembly: Annotated[float, Quantity("pure number", at_least=0.0, at_most=10.0)] = Field(
-        default=0.0, description="mu_0: friction that helps to carry the force"
-    )
     values: tuple[PairForce, ...] | None = Field(
         default=None,
-        description="N of each pair, left face first, instead of centrifugal_force; below 0: a gap",
+        description="N of each pair in the order of the faces, instead of a load of the face; below 0: a gap",
         examples=[[2.5, 2.5, 2.5]],
     )
     residual_traction: Literal["released", "kept"] = Field(
@@ -291,16 +282,6 @@ class PreloadSection(Section):
         default="spring",
         description="solved: springs of the face or of each pair (roughness.allocation), or the whole curve",
     )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _values_replace_the_default(cls, data: Any) -> Any:
-        return without_default(data, ("values",), "centrifugal_force")
-
-    @field_validator("values")
-    @classmethod
-    def _one_source(cls, value: Any, info: ValidationInfo) -> Any:
-        return instead_of(value, info, "centrifugal_force")
 
 
 class DampingSection(Section):
@@ -328,19 +309,6 @@ class DampingSection(Section):
     @classmethod
     def _one_source(cls, value: Any, info: ValidationInfo) -> Any:
         return instead_of(value, info, "modal_damping_ratio")
-
-
-class ExcitationSection(Section):
-    """Harmonic force at N1 (left blade) and N2 (right blade)."""
-
-    mode: Literal["single", "same", "opposite"] = Field(
-        default="single", description="single: N1 alone; same, opposite: direction at N1 and N2"
-    )
-    amplitude: Force = Field(default=300.0, description="of each force")
-    direction: Direction = Field(
-        default=(1.0, 0.0, 0.0),
-        description="[x, y, z] of the force and of the response at A; any length",
-    )
 
 
 class SolverSection(Section):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import textwrap
-from collections.abc import Collection, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel
@@ -22,23 +22,19 @@ _WIDTH = 120
 _COLUMN = 39  # comments start two columns further
 
 
-def study_text(study: BaseModel, shown: Collection[str], hidden: Collection[str]) -> str:
-    """The study file of ``study``, a model whose fields are sections, or dictionaries of sections with own names.
+def study_text(sections: Mapping[str, Any], study: type[BaseModel]) -> str:
+    """The study file with ``sections``: name -> values, name -> values of each entry, or None.
 
-    Every key, its value and its description, of the sections that are ``shown``, without the keys ``section.key``
-    that are ``hidden``.
+    Every key, its value and its description; ``study`` is the model whose fields are the sections.
     """
     parts = [_OPENING]
-    for name, field in type(study).model_fields.items():
-        value, kind = getattr(study, name), section_type(field)
-        if name not in shown:
-            continue
+    for name, value in sections.items():
+        kinds = section_types(study.model_fields[name].annotation)
         if isinstance(value, dict):
             entries = [(f"{name}.{bare_name(entry)}", values) for entry, values in value.items()]
         else:
             entries = [(name, value)]
-        keys = [key for key in kind.model_fields if f"{name}.{key}" not in hidden]
-        parts += [_section_text(title, kind, keys, values) for title, values in entries]
+        parts += [_section_text(title, kinds, values) for title, values in entries]
     return "\n".join(parts)
 
 
@@ -52,10 +48,11 @@ def bare_name(name: str) -> str:
     return name if re.fullmatch(r"[\w-]+", name, flags=re.ASCII) else json.dumps(name, ensure_ascii=False)
 
 
-def section_type(field: FieldInfo) -> type[BaseModel]:
-    """The model of a section, also where the section is optional."""
-    candidates = (field.annotation, *get_args(field.annotation))
-    return next(kind for kind in candidates if isinstance(kind, type) and issubclass(kind, BaseModel))
+def section_types(annotation: Any) -> tuple[type[BaseModel], ...]:
+    """The models in the annotation of a section: also where it is optional, has named entries, or is one of several."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return (annotation,)
+    return tuple(dict.fromkeys(kind for each in get_args(annotation) for kind in section_types(each)))
 
 
 def quantity_of(section: type[BaseModel], key: str) -> Quantity | None:
@@ -65,16 +62,22 @@ def quantity_of(section: type[BaseModel], key: str) -> Quantity | None:
     return next((entry for entry in (*field.metadata, *inner) if isinstance(entry, Quantity)), None)
 
 
-def _section_text(name: str, section: type[BaseModel], keys: Sequence[str], values: BaseModel | None) -> str:
-    """Heading, description and keys; a section without values stands there as comment lines with its examples."""
-    about = " ".join((section.__doc__ or "").split())
+def _section_text(name: str, kinds: Sequence[type[BaseModel]], values: BaseModel | None) -> str:
+    """Heading, description and keys; a section without values stands there as comment lines with its examples.
+
+    Where a section is one of several ``kinds``, the keys that only others have stand there as comments.
+    """
+    own = kinds[0] if values is None else type(values)
+    about = " ".join((own.__doc__ or "").split())
     lines = [
         f"[{name}]" if values is not None else f"# [{name}]",
         *textwrap.wrap(about, _WIDTH - 2, initial_indent="# ", subsequent_indent="# "),
     ]
-    for key in keys:
+    homes = {key: kind for kind in (*reversed(kinds), own) for key in kind.model_fields}
+    for key in dict.fromkeys(key for kind in (own, *kinds) for key in kind.model_fields):
+        section = homes[key]
         field = section.model_fields[key]
-        value = None if values is None else getattr(values, key)
+        value = getattr(values, key, None)
         if value is None:
             entry = f"# {key} = {_example(section, key)}"
         else:

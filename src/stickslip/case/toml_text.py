@@ -17,6 +17,7 @@ from stickslip.core.errors import InputError, StudyFileError
 from stickslip.core.input_files import read_input
 
 LARGEST_STUDY = 10_000_000  # bytes; a study file with every key has some 10 kB
+STATED = "stated"  # type of an error whose context holds the sentence after the name of the entry
 _KEY = re.compile(r"\s*([\w-]+)\s*=")
 _OF_THE_NAME = "[key]"  # how pydantic marks the place of an error in the name of an entry
 _LONG_WORD = re.compile(r"\S{200,}")
@@ -184,6 +185,8 @@ def _sentence(entry: _Entry, details: ErrorDetails, data: Mapping[str, Any], kno
     """Key, what was found, what is allowed, what to do."""
     if entry.path[-1] == _OF_THE_NAME:
         return f"[{entry.path[0]}.{_toml(entry.path[1])}] {details['ctx']['error']}"
+    if details["type"] == STATED:
+        return f"{'.'.join(entry.path)} {details['ctx']['sentence']}"
     found = f"{entry} = {_toml(details['input'])}"
     match details["type"]:
         case "extra_forbidden":

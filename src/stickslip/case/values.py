@@ -21,7 +21,7 @@ def unusual_values(case: Case) -> tuple[OddValue, ...]:
 
 def _sections(case: Case) -> Iterator[tuple[str, BaseModel]]:
     """(section, its values) and (section.NAME, its values)."""
-    for name, value in case:
+    for name, value in case.sections.items():
         if isinstance(value, dict):
             yield from ((f"{name}.{entry}", each) for entry, each in value.items())
         elif value is not None:

@@ -109,10 +109,10 @@ def check(path: StudyFile, debug: Debug = False) -> None:
     """Validate a study file and show what would run."""
     with error_sentences(debug):
         case, places = _load(path)
-        from stickslip.study import run as study
+        from stickslip.study.check import check as checked
 
         with _about(places):
-            sections = study.check(case)
+            sections = checked(case)
         for title, rows in sections:
             echo(f"\n{title}")
             _print_rows(rows)

@@ -8,7 +8,7 @@ from math import exp
 from os import PathLike
 from pathlib import Path
 
-from stickslip.case.case import Case
+from stickslip.case.case import TwoBladeCase
 from stickslip.contact.stiffness.asperities import fully_plastic_load, log_critical_area
 from stickslip.contact.stiffness.roughness_fit import Interval, RoughnessFit, fit_roughness
 from stickslip.core.errors import InputError
@@ -84,7 +84,7 @@ def rows(measured: MeasuredRoughness) -> list[tuple[str, str]]:
 
 def require_hardness(text: str) -> None:
     """Raise InputError unless the text is a hardness that a study file takes."""
-    Case().replace({"roughness.hardness": text})
+    TwoBladeCase().replace({"roughness.hardness": text})
 
 
 def contact_sentence(fit: RoughnessFit, hardness: str | None = None) -> str:
@@ -98,13 +98,12 @@ def contact_sentence(fit: RoughnessFit, hardness: str | None = None) -> str:
         "roughness.fractal_dimension": fit.fractal_dimension,
         "roughness.fractal_roughness": f"{fit.fractal_roughness!r} m",
     }
-    case = Case().replace(chosen | ({} if hardness is None else {"roughness.hardness": hardness}))
+    case = TwoBladeCase().replace(chosen | ({} if hardness is None else {"roughness.hardness": hardness}))
     roughness = case_roughness(case, *[case_material(case)] * 2)
     least = fully_plastic_load(roughness)
-    assert case.roughness is not None
     given = "" if hardness else "the default "
     return (
-        f"With {given}hardness {case.roughness.hardness / 1e9:g} GPa spots below the critical area "
+        f"With {given}hardness {roughness.hardness / 1e9:g} GPa spots below the critical area "
         f"{exp(log_critical_area(roughness)):.3g} m2 are plastic. A face that carries less than {least:.3g} N has no "
         "other spots, so the law gives it no stiffness (mode unloading does); above that it has one, which stickslip "
         "check shows."

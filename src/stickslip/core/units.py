@@ -34,6 +34,8 @@ KINDS: dict[str, tuple[str, str]] = {
     "speed of rotation": ("rad/s", '"3000 rpm"'),
     "time": ("s", '"1e-7 s"'),
     "rate": ("1/s", '"0.5 1/s"'),
+    "acceleration": ("m/s^2", '"9.81 m/s^2"'),
+    "unbalance": ("kg m", '"2e-6 kg m"'),
 }
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.case.case import Case, OwnCase, TwoBladeCase
+from stickslip.case.sections import RoughnessSection
 from stickslip.case.values import unusual_values
 from stickslip.contact.pairing.pairing import FacePairs
 from stickslip.contact.preload import area_share, face_sum
@@ -19,17 +20,13 @@ from stickslip.contact.stiffness.fractal import (
     reduced_modulus,
 )
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
-from stickslip.contact.stiffness.stiffness_law import Allocation, StiffnessLaw, springs_of_pairs
+from stickslip.contact.stiffness.stiffness_law import StiffnessLaw, springs_of_pairs
 from stickslip.contact.stiffness.surface import SurfaceStatistics, surface_statistics
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.plausible import OddValue
 from stickslip.core.validation import FloatArray
 from stickslip.model.layout import Layout
 from stickslip.structure.elasticity import Material
-
-if TYPE_CHECKING:
-    from stickslip.case.case import Case
-
 
 # Pa; where the preload is solved, the iteration of the contact stiffness starts from it.
 STARTING_PRESSURE = 3e6
@@ -50,6 +47,7 @@ class FaceSettings:
 
     friction: float
     stiffness: tuple[float, float] | None
+    load_key: str = "preload.centrifugal_force"  # the key of the study file that gives the face its load
 
     @classmethod
     def of_case(cls, case: Case) -> FaceSettings:
@@ -128,7 +126,7 @@ def describe_faces(
             continue
         area, load = float(pairs.area[members].sum()), float(np.maximum(preload[members], 0.0).sum())
         reference = given.reference_area or area
-        with concerning(*_roughness_keys(case, layout.face_names[face])):
+        with concerning(*_roughness_keys(case, own)):
             roughness = case_roughness(case, *layout.face_materials[face])
             faces.append(
                 RoughFace(
@@ -156,17 +154,16 @@ def pair_springs(
             normal[members], tangential[members] = (value * share[members] for value in own.stiffness)
             continue
         law = face_law(case, layout, face)
-        with concerning(*_roughness_keys(case, layout.face_names[face])):
+        with concerning(*_roughness_keys(case, own)):
             normal[members], tangential[members] = springs_of_pairs(
-                law, pairs.area[members], preload[members], _allocation(case)
+                law, pairs.area[members], preload[members], roughness_section(case).allocation
             )
     return normal, tangential
 
 
 def face_law(case: Case, layout: Layout, face: int) -> StiffnessLaw:
     """The stiffness law of a face that has no stiffness of its own. Raises InputError."""
-    given = case.roughness
-    assert given is not None  # a case has a roughness wherever a face has no stiffness of its own
+    given = roughness_section(case)
     if given.reference_area is not None and given.allocation != "pressure":
         raise InputError(
             f'reference_area belongs to allocation "pressure", but allocation is "{given.allocation}".',
@@ -177,19 +174,14 @@ def face_law(case: Case, layout: Layout, face: int) -> StiffnessLaw:
     return FractalStiffness(roughness, given.reference_area or area, given.mode)
 
 
-def _allocation(case: Case) -> Allocation:
-    """Whether pairs take the stiffness of their face or of their own pressure."""
-    return "area" if case.roughness is None else case.roughness.allocation
-
-
-def _roughness_keys(case: Case, face_name: str) -> tuple[str, ...]:
+def _roughness_keys(case: Case, settings: FaceSettings) -> tuple[str, ...]:
     """What the stiffness of a rough face follows from: the roughness, and where its load comes from."""
     if case.preload.method == "solved":
         load = "preload.method"
     elif case.preload.values is not None:
         load = "preload.values"
     else:
-        load = "preload.centrifugal_force" if case.interfaces == {} else f"interfaces.{face_name}.normal_load"
+        load = settings.load_key
     return "roughness", load
 
 
@@ -198,17 +190,23 @@ def odd_values(case: Case, layout: Layout) -> tuple[OddValue, ...]:
     return (*unusual_values(case), *layout.odd_values)
 
 
-def case_material(case: Case) -> Material:
+def case_material(case: TwoBladeCase | OwnCase) -> Material:
     """The material of [material]. Raises InputError where a study of own structure has none."""
     if case.material is None:
         raise InputError("there is no section [material]. Give young_modulus, poisson_ratio and density.")
     return Material(case.material.young_modulus, case.material.poisson_ratio, case.material.density)
 
 
+def roughness_section(case: Case) -> RoughnessSection:
+    """The section [roughness]. Raises InputError where a study has none, though a face has no stiffness of its own."""
+    if case.roughness is None:
+        raise InputError("there is no section [roughness]. Give it, or the stiffness of each face.")
+    return case.roughness
+
+
 def case_roughness(case: Case, first: Material, second: Material) -> Roughness:
     """Roughness of a case that has one, between two bodies."""
-    given = case.roughness
-    assert given is not None
+    given = roughness_section(case)
     return Roughness(
         fractal_dimension=given.fractal_dimension,
         fractal_roughness=given.fractal_roughness,

@@ -13,6 +13,7 @@ import numpy as np
 from stickslip.contact.pairing.pairing import FacePairs
 from stickslip.core.plausible import OddValue
 from stickslip.core.validation import FloatArray
+from stickslip.solve.excitation import BaseMotion
 from stickslip.structure.elasticity import Material, Structure
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.superelement import Superelement
@@ -65,6 +66,9 @@ class Layout:
         name -> place of a force or a response.
     body_load:
         (3 * n_nodes,) N of the whole mesh at a rotation of 1 rad/s, or None where nothing rotates.
+    base_inertia:
+        (3 * n_nodes, 3) kg, the force on the whole mesh that resists an acceleration of 1 m/s2 along x, y, z, or None
+        where the support does not move.
     facts:
         (name, value, unit, explanation) of how the layout was found.
     messages:
@@ -82,6 +86,7 @@ class Layout:
     face_materials: tuple[tuple[Material, Material], ...]
     ports: Mapping[str, Port]
     body_load: FloatArray | None = None
+    base_inertia: FloatArray | None = None
     facts: tuple[Derived, ...] = ()
     messages: tuple[str, ...] = ()
     body_names: tuple[str, ...] = ()
@@ -113,12 +118,43 @@ class Setup(Protocol):
 
 @dataclass(frozen=True)
 class PortForce:
-    """A force of ``amplitude`` N along a unit vector at a port; if it is harmonic, times ``sin(w t + phase)``, rad."""
+    """A force of ``amplitude`` N along a unit vector at a port; a harmonic one times ``sin(harmonic w t + phase)``."""
 
     port: str
     direction: Direction
     amplitude: float
     phase: float = 0.0
+    harmonic: int = 1
+
+
+@dataclass(frozen=True)
+class PortUnbalance:
+    """A rotating unbalance of ``mass_times_radius`` kg m at a port; it turns to the right about a unit vector."""
+
+    port: str
+    axis: Direction
+    mass_times_radius: float
+
+    @property
+    def turning(self) -> tuple[FloatArray, FloatArray]:
+        """(3,) unit vectors across the axis: where the unbalance is at t = 0, and a quarter of a turn later.
+
+        The first is the global axis x, y or z that is most across, without its part along the axis.
+        """
+        axis = np.asarray(self.axis)
+        first = np.eye(3)[np.abs(axis).argmin()]
+        first = first - (first @ axis) * axis
+        first /= np.linalg.norm(first)
+        return first, np.cross(axis, first)
+
+
+@dataclass(frozen=True)
+class BaseMotionOfSupport:
+    """All held nodes move by ``amplitude cos(w t)``, m/s2 or m, along a unit vector."""
+
+    direction: Direction
+    amplitude: float
+    kind: BaseMotion
 
 
 @dataclass(frozen=True)

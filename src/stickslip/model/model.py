@@ -2,92 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from functools import reduce
+from operator import add
+from typing import Any
 
 import numpy as np
 
+from stickslip.case.case import Case, MatrixCase, MeshCase, TwoBladeCase
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import keys_of_section
 from stickslip.core.plausible import suspecting
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.validation import FloatArray
-from stickslip.model.joint import FaceSettings, Joint, make_joint, odd_values
-from stickslip.model.kinds import matrices as matrix_study
-from stickslip.model.kinds import mesh as mesh_study
-from stickslip.model.kinds import own as own_structure
-from stickslip.model.kinds import two_blade
-from stickslip.model.layout import Layout, Port, PortForce, Reading, Setup
+from stickslip.model.joint import Joint, make_joint, odd_values
+from stickslip.model.kinds.kind import Kind
+from stickslip.model.kinds.matrices import MatrixKind
+from stickslip.model.kinds.mesh import MeshKind
+from stickslip.model.kinds.two_blade import TwoBladeKind
+from stickslip.model.layout import BaseMotionOfSupport, Layout, Port, PortForce, PortUnbalance, Setup
 from stickslip.model.solved_preload import SolvedPreload, resting_joint, resting_pairs, solve_preload
+from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.damping import rayleigh_damping_matrix
 from stickslip.structure.cache import cached_superelement
 from stickslip.structure.craig_bampton import ReductionRow, craig_bampton
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.factor import best_backend
-from stickslip.structure.finite_element_mesh import AnyMesh
 from stickslip.structure.recovery import reduced_load
 from stickslip.structure.superelement import Superelement
 
-if TYPE_CHECKING:
-    from stickslip.case.case import Case
-
-
-class Geometry(Protocol):
-    """What a module offers that finds the structure of a case and its joints."""
-
-    def set_up(self, case: Case) -> Setup:
-        """Mesh or matrices, and the layout on them. Raises InputError."""
-
-    def find_layout(self, case: Case, mesh: AnyMesh) -> Layout:
-        """The layout on a mesh that is there already. Raises InputError."""
-
-
-class Kind(Protocol):
-    """What a module offers that reads loads, responses and words of a case, beside what all kinds share here."""
-
-    def preload(self, case: Case, layout: Layout) -> FloatArray:
-        """(n_pairs,) N at rest. Raises InputError."""
-
-    def face_settings(self, case: Case) -> tuple[FaceSettings, ...]:
-        """Friction and stiffness of each face."""
-
-    def forces(self, case: Case) -> tuple[PortForce, ...]:
-        """The harmonic forces."""
-
-    def static_forces(self, case: Case) -> tuple[PortForce, ...]:
-        """The constant forces, beside rotation."""
-
-    def outputs(self, case: Case) -> tuple[dict[str, Reading], dict[str, tuple[str, ...]]]:
-        """Name -> what is read, the response of the curve first; heading -> names that are drawn together."""
-
-    def force_amplitude(self, case: Case) -> float:
-        """N, the force that a response is divided by where several forces are compared."""
-
-    def description(self, case: Case) -> str:
-        """One sentence on force, load and friction."""
-
-    def rough_face_size(self, case: Case) -> tuple[float, float]:
-        """m along and across a face, for a picture of its roughness."""
-
-    def is_fitted(self, case: Case) -> bool:
-        """Whether the structure is the one that was fitted to the paper's Table 2."""
-
-
-_KINDS: dict[str, tuple[Geometry, Kind]] = {
-    "two-blade": (two_blade, two_blade),
-    "mesh": (mesh_study, own_structure),
-    "matrices": (matrix_study, own_structure),
+# Class of the cases of a kind -> the kind; a further kind is one more file in ``kinds`` and one more line here.
+KINDS: dict[type[Case], Kind[Any]] = {
+    TwoBladeCase: TwoBladeKind(),
+    MeshCase: MeshKind(),
+    MatrixCase: MatrixKind(),
 }
 
 
-def kind_of(case: Case) -> Kind:
-    """The module that reads the loads and responses of the case's kind of structure."""
-    return _KINDS[case.structure.kind][1]
-
-
-def _geometry_of(case: Case) -> Geometry:
-    return _KINDS[case.structure.kind][0]
+def kind_of(case: Case) -> Kind[Any]:
+    """The kind of the case's structure."""
+    return KINDS[type(case)]
 
 
 @dataclass(frozen=True)
@@ -99,6 +54,9 @@ class ReducedStructure:
         unknowns.
     body_load:
         (n,) N of the bodies at a rotation of 1 rad/s.
+    base_inertia:
+        (n, 3) kg, the force that resists an acceleration of the support of 1 m/s2 along x, y, z; None where it stands
+        still.
     mode_table:
         frequencies of the full and the reduced model with every pair closed, where they were compared.
     """
@@ -106,6 +64,7 @@ class ReducedStructure:
     superelement: Superelement
     ports: Mapping[str, FloatArray]
     body_load: FloatArray
+    base_inertia: FloatArray | None = None
     mode_table: tuple[ReductionRow, ...] = ()
 
 
@@ -113,7 +72,7 @@ class ReducedStructure:
 class ReducedModel:
     """What is needed to solve one case and to describe it; the mesh and its matrices are no longer part of it.
 
-    The excitation is ``force_cos cos(w t) + force_sin sin(w t)``, (n,) N each; ``outputs`` are rows (n,);
+    ``outputs`` are rows (n,);
     ``static_load`` (n,) N are the constant forces and the load of rotation; where the preload was solved from them,
     ``preload`` tells, and ``joint`` and ``pairs`` are those at rest.
     """
@@ -121,8 +80,7 @@ class ReducedModel:
     superelement: Superelement
     joint: Joint
     pairs: ContactPairs
-    force_cos: FloatArray
-    force_sin: FloatArray
+    excitation: Excitation
     static_load: FloatArray
     outputs: Mapping[str, FloatArray]
     signal_groups: Mapping[str, tuple[str, ...]]
@@ -138,7 +96,7 @@ class Model(ReducedModel):
 
 def set_up(case: Case) -> Setup:
     """The structure of a case before its matrices, with its layout. Raises InputError for what does not fit."""
-    return _geometry_of(case).set_up(case)
+    return kind_of(case).set_up(case)
 
 
 def build_structure(case: Case) -> Structure | Superelement:
@@ -148,7 +106,7 @@ def build_structure(case: Case) -> Structure | Superelement:
 
 def build_joint(case: Case, structure: Structure) -> Joint:
     """Pairs, preload and stiffness. Raises RoughnessError where the roughness gives no usable contact."""
-    return load_joint(case, _geometry_of(case).find_layout(case, structure.mesh))
+    return load_joint(case, kind_of(case).find_layout(case, structure.mesh))
 
 
 def load_joint(case: Case, layout: Layout) -> Joint:
@@ -182,7 +140,8 @@ def reduce_structure(
     body_load = (
         np.zeros(superelement.size) if layout.body_load is None else reduced_load(superelement, layout.body_load)
     )
-    return ReducedStructure(superelement, port_rows(superelement, layout), body_load)
+    inertia = None if layout.base_inertia is None else reduced_load(superelement, layout.base_inertia)
+    return ReducedStructure(superelement, port_rows(superelement, layout), body_load, inertia)
 
 
 def port_rows(superelement: Superelement, layout: Layout) -> dict[str, FloatArray]:
@@ -204,12 +163,21 @@ def _rows_of(superelement: Superelement, port: Port) -> FloatArray:
 
 def build_model(
     case: Case,
-    structure: Structure | Superelement,
-    joint: Joint,
+    structure: Structure | Superelement | None = None,
+    joint: Joint | None = None,
     threads: int = 1,
     progress: ProgressCallback | None = None,
 ) -> Model:
-    """Reduce the structure and connect joint, forces and outputs to the reduced unknowns."""
+    """What is solved for a case: superelement, contact pairs, excitation, and outputs by name.
+
+    ``model.outputs["tip"] @ response.displacement`` reads an output. ``structure`` and ``joint`` are those of the case
+    where they exist already; ``threads`` serve the reduction, and ``progress`` hears the fraction that is done.
+    Raises InputError for what does not fit, RoughnessError where the roughness gives no usable contact, and
+    ConvergenceError for a solved preload that is not found.
+    """
+    if structure is None or joint is None:
+        setup = set_up(case)
+        structure, joint = structure or setup.assemble(), joint or load_joint(case, setup.layout)
     reduced = reduce_structure(case, structure, joint.layout, threads, progress)
     return Model(**vars(connect(case, reduced, joint)), structure=structure)
 
@@ -224,12 +192,8 @@ def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel
         if superelement.damping is not None:  # that of the matrix files
             damping = damping + superelement.damping
         superelement = replace(superelement, damping=damping)
-    force_cos, force_sin = np.zeros(superelement.size), np.zeros(superelement.size)
-    for force in kind.forces(case):
-        row = np.asarray(force.direction) @ reduced.ports[force.port]
-        force_cos += force.amplitude * np.sin(force.phase) * row
-        force_sin += force.amplitude * np.cos(force.phase) * row
-    static_load = np.zeros(superelement.size) if case.rotation is None else case.rotation.speed**2 * reduced.body_load
+    excitation = _excitation(reduced, kind.forces(case), kind.unbalances(case), kind.base_motion(case))
+    static_load = kind.rotation_speed(case) ** 2 * reduced.body_load
     for force in kind.static_forces(case):
         static_load = static_load + force.amplitude * (np.asarray(force.direction) @ reduced.ports[force.port])
     readings, groups = kind.outputs(case)
@@ -248,4 +212,29 @@ def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel
             joint.friction_coefficient,
             joint.preload,
         )
-    return ReducedModel(superelement, joint, pairs, force_cos, force_sin, static_load, outputs, groups, solved)
+    return ReducedModel(superelement, joint, pairs, excitation, static_load, outputs, groups, solved)
+
+
+def _excitation(
+    reduced: ReducedStructure,
+    forces: Sequence[PortForce],
+    unbalances: Sequence[PortUnbalance],
+    motion: BaseMotionOfSupport | None,
+) -> Excitation:
+    """Everything that drives the structure, on its reduced unknowns."""
+    parts = []
+    if forces:
+        shape = (reduced.superelement.size, max(force.harmonic for force in forces))
+        cosine, sine = np.zeros(shape), np.zeros(shape)
+        for force in forces:
+            row = np.asarray(force.direction) @ reduced.ports[force.port]
+            cosine[:, force.harmonic - 1] += force.amplitude * np.sin(force.phase) * row
+            sine[:, force.harmonic - 1] += force.amplitude * np.cos(force.phase) * row
+        parts.append(Excitation.force(cosine, sine))
+    for each in unbalances:
+        first, second = (across @ reduced.ports[each.port] for across in each.turning)
+        parts.append(Excitation.unbalance(first, second, each.mass_times_radius))
+    if motion is not None and reduced.base_inertia is not None:
+        carried = reduced.base_inertia @ np.asarray(motion.direction)
+        parts.append(Excitation.carried_base_motion(carried, motion.amplitude, motion.kind))
+    return reduce(add, parts)

@@ -7,7 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
-from stickslip.case.own_sections import GROUND, InterfaceSection
+from stickslip.case.own_sections import GROUND, MeshInterfaceSection
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.core.errors import InputError
 from stickslip.structure.finite_element_mesh import AnyMesh
@@ -15,7 +15,7 @@ from stickslip.structure.finite_element_mesh import AnyMesh
 _PARALLEL = 0.99  # cosine between normals of pairs that press along one line
 
 
-def require_single_joints(mesh: AnyMesh, interfaces: Mapping[str, InterfaceSection]) -> None:
+def require_single_joints(mesh: AnyMesh, interfaces: Mapping[str, MeshInterfaceSection]) -> None:
     """Raise InputError where two interfaces join the same element sides on both of their faces.
 
     Faces that share one side of the joint only are allowed: two blocks may stand on one face.

@@ -112,7 +112,7 @@ def _state(
     state = static_preload(superelement, pairs, load, friction=friction, local_stiffness=local)
     if case.preload.normal_law == "spring":
         return state
-    law = _pressure_gap_law(case, joint, settings, state)
+    law = _pressure_gap_law(case, joint, state)
     start = ContactPairs(
         operator,
         state.normal_stiffness,
@@ -153,16 +153,17 @@ def _with_floor(case: Case, joint: Joint, normal_force: FloatArray) -> FloatArra
     return np.maximum(normal_force, least)
 
 
-def _pressure_gap_law(case: Case, joint: Joint, settings: Sequence[FaceSettings], state: StaticState) -> NormalLaw:
+def _pressure_gap_law(case: Case, joint: Joint, state: StaticState) -> NormalLaw:
     """Each face's curve of pressure over closure, from its roughness; springs where its stiffness is given."""
     pairs, mean = joint.face_pairs, _mean_pressure(joint, state.normal_force)
     lowest = _lowest_pressure(case, joint, state.normal_force)
     laws: list[NormalLaw] = []
-    for face, own in enumerate(settings):
+    for face in range(len(joint.rough_faces)):
         members = pairs.face == face
         area = pairs.area[members]
-        if own.stiffness is not None:
-            laws.append(SpringLaw(own.stiffness[0] * area / area.sum()))
+        rough = joint.rough_faces[face]
+        if rough is None:
+            laws.append(SpringLaw(joint.normal_stiffness[members]))
             continue
         stiffness = face_law(case, joint.layout, face).normal
         highest = HIGHEST_PRESSURE * mean[face]

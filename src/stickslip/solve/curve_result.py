@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from stickslip.contact.law.law import ContactState
+from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.harmonic.balance import Balance, Trial
@@ -24,6 +25,9 @@ from stickslip.solve.setting_up import Balances, StageReport
 LARGEST_FRACTION = 0.99
 # The check of the resolution takes as many harmonics again, and at least so many more.
 LEAST_CUT_OFF = 4
+# A point that leaves more than this fraction of its forces unbalanced is no result. It is half of what the check of the
+# samples tolerates (checks.LARGEST_SAMPLE_RESIDUAL), so that the arithmetic never adds more than the discretisation.
+LARGEST_UNBALANCE = 1e-3
 
 
 def follower(
@@ -53,11 +57,23 @@ def response_of(
     how: str,
     report: StageReport,
 ) -> ForcedResponse:
-    """The response along a branch that was followed through ``window`` (Hz); ``how`` says how it began."""
+    """The response along a branch that was followed through ``window`` (Hz); ``how`` says how it began.
+
+    It ends before the first point that does not meet the equation of motion. Raises ConvergenceError where that is the
+    first point.
+    """
     superelement, stuck, harmonics = balances.superelement, balances.stuck, balance.harmonics
     report.stage("energies and checks of the curve")
     trials = [point.point.trial for point in branch.points]
     measures = measure_curve(trials, balance, superelement, stuck)
+    converged, message = branch.complete, branch.message
+    wrong = np.flatnonzero(~(measures.residual <= LARGEST_UNBALANCE))
+    if wrong.size:
+        end = int(wrong[0])
+        message = _unbalanced(trials, end, float(measures.residual[end]), damped=bool(stuck.damping.any()))
+        if not end:
+            raise ConvergenceError(message)
+        converged, trials, measures = False, trials[:end], measures.first(end)
     fine = balances.with_harmonics(harmonics + max(harmonics, LEAST_CUT_OFF), 2 * balances.samples)
     check = check_resolution(fine, trials)
     report.stage("linear limits")
@@ -76,11 +92,11 @@ def response_of(
         normal_work=measures.normal_work,
         closure=np.array([trial.contact.closure for trial in trials]),
         residual=measures.residual,
-        iterations=np.array([point.iterations for point in branch.points]),
+        iterations=np.array([point.iterations for point in branch.points[: len(trials)]]),
         input_energy=measures.input_energy,
         viscous_energy=measures.viscous_energy,
-        converged=branch.complete,
-        message=f"{how} {'The stop frequency was reached.' if branch.complete else branch.message}",
+        converged=converged,
+        message=f"{how} {'The stop frequency was reached.' if converged else message}",
         warnings=warnings + neighbour_warnings(*places_hz),
         harmonics=harmonics,
         samples=balance.samples,
@@ -90,6 +106,26 @@ def response_of(
         settings=_settings(window, balances, balance, newton, check),
         provenance={},
         load_factor=np.array([trial.load for trial in trials]),
+    )
+
+
+def _unbalanced(trials: list[Trial], end: int, residual: float, damped: bool) -> str:
+    """Why the curve has no point ``end``: its residual, and what most likely causes it."""
+    hertz = trials[end].omega / (2.0 * np.pi)
+    words = f"{residual:.1e}" if np.isfinite(residual) else "no number"
+    where = f"The curve ends at {trials[end - 1].omega / (2.0 * np.pi):.3f} Hz" if end else "There is no curve"
+    cause = (
+        "Contact many orders stiffer than the structure loses all digits: lower its stiffness, or look for unknowns "
+        "with nearly no mass."
+    )
+    if not damped:
+        cause = (
+            "There is no viscous damping, and friction does not limit the motion there, so the amplitude has no bound: "
+            "give a damping matrix or modal_damping_ratio."
+        )
+    return (
+        f"{where}: at {hertz:.3f} Hz the equation of motion is met only to {words} of its forces, but a result meets "
+        f"it to {LARGEST_UNBALANCE:.0e}. {cause}"
     )
 
 

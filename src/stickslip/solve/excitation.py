@@ -7,7 +7,7 @@ displacement.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -111,16 +111,17 @@ class Excitation:
 
         Raises InputError for an amplitude that is not above zero, or another kind.
         """
-        require_choice("kind", kind, get_args(BaseMotion))
-        unit = "m/s2" if kind == "acceleration" else "m"
-        size = positive_number("amplitude", amplitude, unit)
-        column = size * _columns("direction", direction)
-        if column.shape[1] != 1:
-            raise InputError(f"direction must have shape (n,), one entry for each unknown; found {column.shape}.")
-        words = f"base {kind} of {size:g} {unit}"
-        # A displacement X cos(w t) is an acceleration -w^2 X cos(w t).
-        power, sign = (0, 1.0) if kind == "acceleration" else (2, -1.0)
-        return cls((_Part(power, sign * column, np.zeros_like(column), True, words),))
+        return cls((_base_part("direction", direction, amplitude, kind, inertial=True),))
+
+    @classmethod
+    def carried_base_motion(cls, inertia: ArrayLike, amplitude: float, kind: BaseMotion = "acceleration") -> Excitation:
+        """:meth:`base_motion` of a structure whose held unknowns are no longer in its matrices.
+
+        Their mass drives too, so the force is ``-i a(t)`` with ``inertia`` i (n,) in kg: ``M r`` of the structure with
+        its held unknowns, in the unknowns that are left (for a reduction ``T^T M r``).
+        """
+        part = _base_part("inertia", inertia, amplitude, kind, inertial=False)
+        return cls((replace(part, cos=-part.cos),))
 
     @classmethod
     def unbalance(cls, first: ArrayLike, second: ArrayLike, mass_times_radius: float) -> Excitation:
@@ -174,6 +175,19 @@ class Excitation:
                 "force_cos and force_sin are zero everywhere; without a force there is no forced response."
             )
         return ExcitationForce(tuple(sorted(terms.items(), key=lambda term: term[0])))
+
+
+def _base_part(name: str, vector: ArrayLike, amplitude: float, kind: BaseMotion, inertial: bool) -> _Part:
+    """``vector`` (n,) times the acceleration of a support. Raises InputError."""
+    require_choice("kind", kind, get_args(BaseMotion))
+    unit = "m/s2" if kind == "acceleration" else "m"
+    size = positive_number("amplitude", amplitude, unit)
+    column = size * _columns(name, vector)
+    if column.shape[1] != 1:
+        raise InputError(f"{name} must have shape (n,), one entry for each unknown; found {column.shape}.")
+    # A displacement X cos(w t) is an acceleration -w^2 X cos(w t).
+    power, sign = (0, 1.0) if kind == "acceleration" else (2, -1.0)
+    return _Part(power, sign * column, np.zeros_like(column), inertial, f"base {kind} of {size:g} {unit}")
 
 
 def _columns(name: str, value: ArrayLike) -> FloatArray:

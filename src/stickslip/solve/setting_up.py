@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import get_args
 
+import numpy as np
+
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.core.errors import InputError
@@ -15,6 +17,10 @@ from stickslip.solve.excitation import Excitation, ExcitationForce
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.compliance import StuckStructure, stuck_structure
 from stickslip.structure.superelement import Superelement
+
+# Contact may be so many times stiffer than the structure at its place. The numbers have 16 digits, and the balance
+# needs nine of the deformation of the contact (NewtonSettings.tolerance).
+STIFFEST_CONTACT = 1e7
 
 
 class StageReport:
@@ -72,10 +78,33 @@ def prepare_balances(
         require_allowed("modal_damping_ratio", ratio, ratio >= 0, "0 or above, for example 0.001")
     pairs = pairs.with_update(update)
     force = excitation.on(superelement, harmonics)
+    _require_comparable(superelement, pairs, highest_omega)
     on_stage(f"modes of the stuck structure, {superelement.size} unknowns")
     stuck = stuck_structure(superelement, pairs, highest_omega, modal_damping_ratio)
     on_stage(f"compliance of {pairs.n_pairs} pairs")
     return Balances(superelement, pairs, stuck, excitation, force, samples, update, modal_damping_ratio)
+
+
+def _require_comparable(superelement: Superelement, pairs: ContactPairs, omega: float) -> None:
+    """Raise InputError for contact so much stiffer than the structure that its deformation has no digits.
+
+    The structure's stiffness at a pair is that of its place with all other unknowns held, or of its inertia at the
+    highest frequency: ``(b K b + w^2 b M b) / |b|^4`` for a row b of the operator.
+    """
+    operator, springs = pairs.operator, pairs.resting_stiffness()
+    length = (operator**2).sum(axis=1)
+    elastic = np.abs(((operator @ superelement.stiffness) * operator).sum(axis=1))
+    inertial = omega**2 * np.abs(((operator @ superelement.mass) * operator).sum(axis=1))
+    allowed = STIFFEST_CONTACT * (elastic + inertial)
+    wrong = np.flatnonzero((springs * length**2 > allowed) & (allowed > 0.0))
+    if wrong.size:
+        worst = int(wrong[(springs[wrong] * length[wrong] ** 2 / allowed[wrong]).argmax()])
+        there = allowed[worst] / (STIFFEST_CONTACT * length[worst] ** 2)
+        raise InputError(
+            f"the contact stiffness of pair {worst // 3} is {springs[worst]:.3g} N/m, but the structure has only "
+            f"{there:.3g} N/m there: more than {STIFFEST_CONTACT:.0e} times as much leaves no digits for the "
+            f"deformation of the contact. {1e3 * there:.2g} N/m is rigid in effect; give that, or less."
+        )
 
 
 def checked_window(frequency_hz: tuple[float, float]) -> tuple[float, float]:

@@ -22,8 +22,22 @@ def centrifugal_load(mesh: AnyMesh, materials: Sequence[Material], axis: FloatAr
     included. Multiply by the square of the speed. ``materials`` are one for each body, in their order.
     """
     arm = mesh.points - point
-    arm = arm - np.outer(arm @ axis, axis)
-    load = np.zeros((mesh.n_nodes, 3))
+    return _inertia(mesh, materials, arm - np.outer(arm @ axis, axis)).ravel()
+
+
+def translation_inertia(mesh: AnyMesh, materials: Sequence[Material]) -> FloatArray:
+    """(3 * n_nodes, 3) kg: ``M r`` for translations r of all nodes by 1 along x, y, z, held ones included.
+
+    ``M`` is the consistent mass. Times an acceleration of the support it is the force that the support exerts through
+    the inertia of the structure.
+    """
+    carried = _inertia(mesh, materials, np.ones((mesh.n_nodes, 1)))
+    return np.asarray(np.kron(carried, np.eye(3)))
+
+
+def _inertia(mesh: AnyMesh, materials: Sequence[Material], field: FloatArray) -> FloatArray:
+    """``M field`` of a field (n_nodes, k) with the consistent mass of all nodes."""
+    load = np.zeros_like(field)
     blocks = mesh.blocks if isinstance(mesh, FiniteElementMesh) else (CellBlock(mesh.kind.name, mesh.cells, mesh.body),)
     for block in blocks:
         density = np.array([material.density for material in materials])[block.body]
@@ -31,5 +45,5 @@ def centrifugal_load(mesh: AnyMesh, materials: Sequence[Material], axis: FloatAr
             part = slice(start, start + _CELLS_AT_ONCE)
             cells = block.cells[part]
             mass = consistent_mass(mesh.points[cells], 1.0) * density[part, None, None]
-            np.add.at(load, cells, np.einsum("mij,mjx->mix", mass, arm[cells]))
-    return load.ravel()
+            np.add.at(load, cells, np.einsum("mij,mjx->mix", mass, field[cells]))
+    return load

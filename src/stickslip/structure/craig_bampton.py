@@ -22,7 +22,7 @@ from stickslip.structure.floating_parts import floating_sentence
 from stickslip.structure.joined import NodePairs, joined_modes
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.recovery import FullModel, Recovery, partition
-from stickslip.structure.superelement import RIGID_BODY_HZ, Superelement
+from stickslip.structure.superelement import Superelement
 
 # Columns that matrix products take at a time; so many for each thread are in memory.
 BLOCK = 64
@@ -177,8 +177,8 @@ def _boundary(boundary_nodes: ArrayLike) -> IntArray:
 class ReductionRow:
     """One mode before and after reduction; the ``paper_`` columns are Table 2 of the paper (None beyond its rows).
 
-    Difference and modal assurance are not a number for a body that moves freely: its frequency is 0 Hz within
-    round-off, and its modes are any combination of its motions.
+    Difference and modal assurance are not a number for a body that moves freely: its frequency is 0 Hz, and its
+    modes are any combination of its motions.
     """
 
     mode: int
@@ -220,7 +220,7 @@ def reduction_table(
     reduced_hz, reduced = joined_modes(superelement, pairs, count, springs)
     product = np.einsum("ij,ij->j", full, reduced)
     mac = product**2 / (np.einsum("ij,ij->j", full, full) * np.einsum("ij,ij->j", reduced, reduced))
-    elastic = np.minimum(full_hz, reduced_hz) > RIGID_BODY_HZ
+    elastic = np.minimum(full_hz, reduced_hz) > 0.0
     mac[~elastic] = np.nan
     difference = np.full(count, np.nan)
     difference[elastic] = 100.0 * (reduced_hz[elastic] / full_hz[elastic] - 1.0)

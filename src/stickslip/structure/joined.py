@@ -11,7 +11,7 @@ from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.structure.elasticity import Structure, natural_frequencies
 from stickslip.structure.mesh import IntArray
-from stickslip.structure.superelement import Superelement
+from stickslip.structure.superelement import Superelement, moves_freely
 
 
 class NodePairs(Protocol):
@@ -102,7 +102,7 @@ def joined_modes(
 
     Without ``springs`` the pairs are tied: ``T^T K T v = (2 pi f)^2 T^T M T v``. With ``springs`` (3 * n_pairs,) in
     N/m, in the order t1, t2, n of each pair, they are stuck: ``(K + B^T diag(springs) B) v = (2 pi f)^2 M v``. A pair
-    that is open has springs of 0; a body that then moves freely has modes at 0 Hz within round-off.
+    that is open has springs of 0. A body that moves freely has modes at 0 Hz (:func:`moves_freely`).
     Modes of a superelement without recovery stay in its own unknowns.
 
     Pairs of node and node are tied by letting the second nodes follow. Otherwise each first node follows the point of
@@ -113,7 +113,9 @@ def joined_modes(
     """
     if springs is None:
         tie = _tied(model, pairs)
-        frequency_hz, modes = natural_frequencies(tie.T @ model.stiffness @ tie, tie.T @ model.mass @ tie, count)
+        stiffness = tie.T @ model.stiffness @ tie
+        frequency_hz, modes = natural_frequencies(stiffness, tie.T @ model.mass @ tie, count)
+        frequency_hz[moves_freely(stiffness, modes)] = 0.0
         modes = tie @ modes
     else:
         if isinstance(model, Structure):
@@ -124,8 +126,9 @@ def joined_modes(
             raise InputError(
                 f"springs must have shape ({operator.shape[0]},), t1, t2, n of each pair; found {np.shape(springs)}."
             )
-        contact = operator.T @ (scipy.sparse.diags(springs) @ operator)
-        frequency_hz, modes = natural_frequencies(model.stiffness + contact, model.mass, count)
+        stiffness = model.stiffness + operator.T @ (scipy.sparse.diags(springs) @ operator)
+        frequency_hz, modes = natural_frequencies(stiffness, model.mass, count)
+        frequency_hz[moves_freely(stiffness, modes)] = 0.0
     if isinstance(model, Structure):
         return frequency_hz, model.expand(modes)
     return frequency_hz, modes if model.recovery is None else model.recovery @ modes

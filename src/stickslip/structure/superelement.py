@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, symmetric_matrix
 
-# Below this a mode is a body that moves freely; its frequency is round-off.
-RIGID_BODY_HZ = 1.0
+# A mode whose strain energy is below this fraction of the energy that its displacements would have if neighbours moved
+# against each other is a body that moves freely. Round-off leaves 1e-16 of it, and 1e-12 after a reduction; the lowest
+# bending mode of a solid beam 100 times as long as thick, with four elements across, has 1e-9.
+RIGID_FRACTION = 1e-10
 
 
 @dataclass(frozen=True)
@@ -119,3 +121,14 @@ class Superelement:
         row = np.zeros(self.size)
         row[self.unknowns_of(node)] = np.asarray(direction, dtype=float)
         return row
+
+
+def moves_freely(stiffness: Any, modes: FloatArray) -> NDArray[np.bool_]:
+    """(k,) whether modes (n, k) strain nothing but by round-off: ``phi^T K phi <= 1e-10 |phi|^T |K| |phi|``.
+
+    ``stiffness`` (n, n) may be sparse. The measure is relative to the stiffness that each mode feels by itself: no
+    frequency is too low for an elastic mode, and a light free body may stand beside stiff ones.
+    """
+    energy = np.abs((modes * (stiffness @ modes)).sum(axis=0))
+    size = np.abs(modes)
+    return np.asarray(energy <= RIGID_FRACTION * (size * (abs(stiffness) @ size)).sum(axis=0))

@@ -10,12 +10,12 @@ import difflib
 import math
 from collections.abc import Mapping, Sequence
 from types import UnionType
-from typing import Literal, Union, get_args, get_origin
+from typing import Annotated, Literal, Union, get_args, get_origin
 
 import numpy as np
 
 from stickslip.case.case import Case
-from stickslip.case.template import quantity_of, section_type
+from stickslip.case.template import quantity_of
 from stickslip.core.errors import InputError
 from stickslip.core.units import Count, Quantity
 from stickslip.results.sweep_table import SweptKey, Value
@@ -84,11 +84,11 @@ def _kind(name: str) -> Quantity | Count | tuple[str, ...]:
         raise InputError(f"{name} is not a key of a study file (section.key or section.NAME.key). {advice}")
     if section in UNSWEPT_SECTIONS:
         raise InputError(f"{name} does not change the answer of a case, so there is nothing to vary. Leave it out.")
-    model = section_type(Case.model_fields[section])
-    quantity = quantity_of(model, key)
-    annotation, metadata = model.model_fields[key].annotation, model.model_fields[key].metadata
+    model, field = Case.field_of(section, key)
+    quantity, annotation, metadata = quantity_of(model, key), field.annotation, field.metadata
     count = next((entry for entry in metadata if isinstance(entry, Count)), None)
     held = next(kind for kind in (annotation, *get_args(annotation)) if kind is not None and not _is_union(kind))
+    held = get_args(held)[0] if get_origin(held) is Annotated else held
     if get_origin(held) is Literal:
         return get_args(held)
     if quantity is not None and get_origin(held) is not tuple:

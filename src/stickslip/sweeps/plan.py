@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip.case.case import Case
-from stickslip.case.own_sections import FILE_KEYS
 from stickslip.core.errors import InputError, StudyFileError
 from stickslip.results.groups import FORMAT_VERSION
 from stickslip.results.sweep_table import SweptKey, Value
@@ -31,6 +30,7 @@ _LAYOUT_KEYS = {
     "forces": _PLACE_KEYS,
     "responses": _PLACE_KEYS,
     "static_loads": _PLACE_KEYS,
+    "unbalance": _PLACE_KEYS,
 }  # fmt: skip
 
 
@@ -101,9 +101,9 @@ def case_hashes(case: Case) -> tuple[str, str]:
             for name, entry in inputs.get(section, {}).items()
         }
     structure["preload"] = {"method": case.preload.method}  # a solved one has ports for its load
+    structure["excited_at"] = {"base": "base_motion" in inputs}  # its influence needs the mass of the whole mesh
     structure["axis"] = {key: value for key, value in inputs.get("rotation", {}).items() if key != "speed"}
-    files = {key: _content(getattr(case.structure, key)) for key in FILE_KEYS if getattr(case.structure, key)}
-    files |= {name: _content(each.pairs) for name, each in case.interfaces.items() if each.pairs}
+    files = {name: _content(file) for name, file in case.input_files.items()}
     if files:
         answer["files"], structure["files"] = files, files
     whole = {"stickslip": worker_version(), "results_format": FORMAT_VERSION, "inputs": answer}

@@ -26,7 +26,8 @@ from stickslip.model.layout import Setup
 from stickslip.model.model import ReducedStructure, connect, reduce_structure
 from stickslip.results.storage import results_bytes
 from stickslip.results.sweep_table import SweepCurve, curve_and_measures
-from stickslip.study.run import compare_modes, solve, study_record
+from stickslip.study.analyses import solve
+from stickslip.study.record import compare_modes, study_record
 
 # Entry of a results file's provenance that says which inputs and version it answers.
 CASE_KEY = "sweep_case"

@@ -66,7 +66,7 @@ def test_mesh_and_matrices_agree(folder: Path) -> None:
         assert getattr(pairs, name)[order] == pytest.approx(getattr(lid, name)[expected], abs=1e-12)
     assert pairs.area.sum() == pytest.approx(160e-6)
     model = build_model(matrices, setup.assemble(), load_joint(matrices, setup.layout))
-    assert model.force_sin.sum() == pytest.approx(8.0)
+    assert model.excitation.on(model.superelement, 1).coefficients(0.0)[2].sum() == pytest.approx(8.0)
     assert model.joint.preload.sum() == pytest.approx(40.0)
 
 

@@ -16,7 +16,7 @@ from stickslip.core.errors import InputError
 from stickslip.model.model import build_model, load_joint, set_up
 from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
-from stickslip.study import run as study
+from stickslip.study.check import check
 
 CUBES = Path(__file__).parents[2] / "data" / "models" / "cubes.bdf"
 DENSITY = "8200 kg/m^3"
@@ -73,7 +73,7 @@ def test_mode_table_compares_full_and_reduced(solved: tuple[Path, str]) -> None:
 
 
 def test_check_shows_bodies_sets_pairs_and_frequencies() -> None:
-    sections = dict(study.check(mesh_case()))
+    sections = dict(check(mesh_case()))
     sizes = dict(sections["Sizes"])
     assert sizes["body beam"].startswith("48 elements, 0.03768 kg")  # 60 x 10 x 8 mm of 7850 kg/m^3
     assert "8200 kg/m^3" in sizes["body damper"]
@@ -102,8 +102,9 @@ def test_forces_loads_and_outputs_of_sets() -> None:
     mass = 8200.0 * 0.02 * 0.008 * 0.006
     turning = (200.0 / 60.0 * 2.0 * np.pi) ** 2 * mass * 1.05
     assert shift @ model.static_load == pytest.approx([turning, 0.0, -80.0], rel=1e-9, abs=1e-9)
-    assert np.linalg.norm(model.force_cos) == pytest.approx(3.0)
-    assert model.force_cos[model.superelement.unknowns_of(int(setup.layout.ports["forces.second"].nodes[0]))][1] == 3.0
+    cosine = model.excitation.on(model.superelement, 1).coefficients(0.0)[1]
+    assert np.linalg.norm(cosine) == pytest.approx(3.0)
+    assert cosine[model.superelement.unknowns_of(int(setup.layout.ports["forces.second"].nodes[0]))][1] == 3.0
     assert model.outputs["block"] @ shift[0] == pytest.approx(1.0)
     assert np.allclose(setup.layout.ports["forces.push"].shares.sum(), 1.0)
     assert model.preload is not None
@@ -263,7 +264,8 @@ def test_a_deck_with_parts_gives_the_same_study(tmp_path: Path) -> None:
     for name in ("stiffness", "mass"):
         found, wanted = (getattr(model.superelement, name) for model in models)
         np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9 * np.abs(wanted).max())
-    np.testing.assert_array_equal(models[0].force_cos, models[1].force_cos)
+    drives = [model.excitation.on(model.superelement, 1).coefficients(0.0) for model in models]
+    np.testing.assert_array_equal(*drives)
     np.testing.assert_allclose(models[0].joint.preload, models[1].joint.preload, rtol=1e-12)
     assert set_up(case).mesh.body_names == ("Beam-1", "Block.1")  # type: ignore[attr-defined]
 

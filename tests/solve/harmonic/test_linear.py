@@ -25,3 +25,11 @@ def test_response_equals_direct_solves(blade: Blade) -> None:
                 expected = np.linalg.solve(stiffness - x**2 * mass + 1j * x * damping, to_complex(force[1:])[order - 1])
                 got = found[k, :, 2 * order - 1] - 1j * found[k, :, 2 * order]
                 assert np.abs(got - expected).max() < 1e-8 * np.abs(expected).max()
+
+
+def test_frequencies_below_one_hertz_are_those_of_a_structure_and_free_bodies_have_none() -> None:
+    """Everything below 1 Hz was left out as a body that moves freely."""
+    soft = np.array([[2.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 0.0]])  # two masses on springs and a free one
+    limit = LinearLimit.of_matrices(np.eye(3), soft, np.zeros((3, 3)))
+    np.testing.assert_array_equal(limit.rigid, [True, False, False])
+    np.testing.assert_allclose(limit.natural_hz[~limit.rigid], [0.0984, 0.2575], atol=1e-4)

@@ -17,7 +17,7 @@ from stickslip.solve.path.continuation import POINTS_BACK, Branch
 from stickslip.solve.path.newton import Correction, Newton, NewtonSettings
 from stickslip.solve.path.stepping import Accepted, ContinuationSettings, Corner, Retreat
 from stickslip.solve.path.visited import Visited
-from stickslip.study.run import solve
+from stickslip.study.analyses import solve
 from sweep_cases import COARSE_MESH
 
 

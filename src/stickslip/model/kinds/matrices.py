@@ -6,11 +6,17 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip.case.own_sections import GROUND, InterfaceSection, PortSection
+from stickslip.case.case import MatrixCase
+from stickslip.case.own_sections import (
+    GROUND,
+    PairsInterfaceSection,
+    PlaceSection,
+    SetInterfaceSection,
+    SuperelementSection,
+)
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.contact.pairing.local_axes import local_tangents, map_position
 from stickslip.core.errors import ImportFileError, InputError, concerning, keys_of_section
@@ -23,8 +29,9 @@ from stickslip.formats.matrices.read import read_matrices
 from stickslip.formats.matrices.reduce import reduce_matrices
 from stickslip.formats.matrices.source import quoted
 from stickslip.model.joint import case_material
-from stickslip.model.kinds.own import port_sections
+from stickslip.model.kinds.own import OwnKind
 from stickslip.model.layout import Layout, Port
+from stickslip.model.nearest import nearest_node
 from stickslip.model.overlap import require_single_pairs
 from stickslip.structure.elasticity import Material
 from stickslip.structure.finite_element_mesh import AnyMesh
@@ -33,13 +40,9 @@ from stickslip.structure.mesh import IntArray
 from stickslip.structure.model_facts import material_oddities, matrix_oddities
 from stickslip.structure.superelement import Superelement
 
-if TYPE_CHECKING:
-    from stickslip.case.case import Case
-
 _COINCIDENT = 1e-6  # m between the nodes of a pair, unless search_distance says more
 _NODE_NUMBER = re.compile(r"-?\d{1,18}", flags=re.ASCII)
 _MOST_BYTES = 100_000_000  # of a file of pairs
-_POINT_SHARE = 0.05  # of the size of the structure: how far a point may be from a node
 _MAP_STEP = 1e-3  # m between pairs on a map, where the matrices have no positions
 
 
@@ -100,60 +103,60 @@ class MatrixSetup:
         return ()
 
 
-def set_up(case: Case) -> MatrixSetup:
-    """Read the matrices, pair their nodes, and find the places of forces and responses.
+class MatrixKind(OwnKind[MatrixCase]):
+    """Matrices of another program. Their support cannot move: they do not hold the mass of its nodes."""
 
-    Raises ImportFileError for a file; InputError that names the entry of the study file for what does not fit.
-    """
-    matrices = _read(case)
-    if matrices.damping is not None and case.damping.modal_damping_ratio is not None:
-        raise InputError(
-            f"damping.modal_damping_ratio = {case.damping.modal_damping_ratio:g} cannot come on top of the damping in "
-            "the matrix files. Set damping.rayleigh_alpha = 0 to take that of the files alone, or take theirs out.",
-            ("damping.modal_damping_ratio",),
+    def set_up(self, case: MatrixCase) -> MatrixSetup:
+        """Read the matrices, pair their nodes, and find the places of forces and responses.
+
+        Raises ImportFileError for a file; InputError that names the entry of the study file for what does not fit.
+        """
+        matrices = _read(case)
+        if matrices.damping is not None and case.damping.modal_damping_ratio is not None:
+            raise InputError(
+                f"damping.modal_damping_ratio = {case.damping.modal_damping_ratio:g} cannot come on top of the damping "
+                "in the matrix files. Set damping.rayleigh_alpha = 0 to take that of the files alone, or take theirs "
+                "out.",
+                ("damping.modal_damping_ratio",),
+            )
+        book, pairs, messages = _Book.of(matrices), [], []
+        if not book.labels.size:
+            raise InputError(
+                "structure.unknown_map: no node of the matrices has unknowns along x, y and z, so no place can be "
+                "named. Give a file with the node and direction of each row.",
+                ("structure.unknown_map",),
+            )
+        odd_values = _odd_values(case, matrices, book)
+        with suspecting(odd_values):
+            for name, given in case.interfaces.items():
+                found, words = _pairs(book, name, given)
+                pairs.append(found)
+                messages += words
+            ports = {name: _port(book, name, given) for name, given in case.places.items()}
+        materials = _face_materials(case)
+        joined = FacePairs.concatenate(pairs)
+        require_single_pairs(tuple(case.interfaces), joined)
+        layout = Layout(
+            joined,
+            tuple(case.interfaces),
+            materials,
+            ports,
+            messages=(*getattr(matrices, "messages", ()), *messages),
+            odd_values=odd_values,
         )
-    book, pairs, messages = _Book.of(matrices), [], []
-    if not book.labels.size:
-        raise InputError(
-            "structure.unknown_map: no node of the matrices has unknowns along x, y and z, so no place can be named. "
-            "Give a file with the node and direction of each row.",
-            ("structure.unknown_map",),
-        )
-    odd_values = _odd_values(case, matrices, book)
-    with suspecting(odd_values):
-        for name, given in case.interfaces.items():
-            found, words = _pairs(book, name, given)
-            pairs.append(found)
-            messages += words
-        ports = {name: _port(book, name, given) for name, given in port_sections(case).items()}
-    materials = _face_materials(case)
-    joined = FacePairs.concatenate(pairs)
-    require_single_pairs(tuple(case.interfaces), joined)
-    layout = Layout(
-        joined,
-        tuple(case.interfaces),
-        materials,
-        ports,
-        messages=(*getattr(matrices, "messages", ()), *messages),
-        odd_values=odd_values,
-    )
-    return MatrixSetup(matrices, layout, case.reduction.modes)
+        return MatrixSetup(matrices, layout, case.reduction.modes)
+
+    def find_layout(self, case: MatrixCase, mesh: AnyMesh) -> Layout:
+        """The layout of :func:`set_up`; matrices have no mesh."""
+        return self.set_up(case).layout
 
 
-def find_layout(case: Case, mesh: AnyMesh) -> Layout:
-    """The layout of :func:`set_up`; matrices have no mesh."""
-    return set_up(case).layout
-
-
-def _read(case: Case) -> Superelement | MatrixModel:
+def _read(case: MatrixCase) -> Superelement | MatrixModel:
     """The matrices of the files. Raises ImportFileError, and InputError for a unit that is not known."""
     given = case.structure
-    if given.file is not None:
+    if isinstance(given, SuperelementSection):
         with concerning("structure.file"):
             return read_superelement(given.file)
-    assert given.stiffness is not None
-    assert given.mass is not None
-    assert given.length_unit is not None
     with keys_of_section("structure"):
         return read_matrices(
             given.stiffness,
@@ -181,7 +184,7 @@ def _mass_along_x(matrices: Superelement | MatrixModel) -> float:
     return float(along_x @ (matrices.mass @ along_x))
 
 
-def _odd_values(case: Case, matrices: Superelement | MatrixModel, book: _Book) -> tuple[OddValue, ...]:
+def _odd_values(case: MatrixCase, matrices: Superelement | MatrixModel, book: _Book) -> tuple[OddValue, ...]:
     """What only wrong units can explain about the matrices, and about the material of the rough faces."""
     rows = _displacements(matrices)
     stiffness, mass = (np.asarray(each.diagonal())[rows] for each in (matrices.stiffness, matrices.mass))
@@ -191,7 +194,7 @@ def _odd_values(case: Case, matrices: Superelement | MatrixModel, book: _Book) -
     return (*of_matrices, *material_oddities("the material", case_material(case), "its unit", "material"))
 
 
-def _face_materials(case: Case) -> tuple[tuple[Material, Material], ...]:
+def _face_materials(case: MatrixCase) -> tuple[tuple[Material, Material], ...]:
     """The material of [material] on both sides; it serves the roughness alone, so faces with stiffness need none."""
     rough = case.contact_stiffness is None and any(each.normal_stiffness is None for each in case.interfaces.values())
     material = case_material(case) if rough or case.material is not None else Material()
@@ -209,7 +212,7 @@ def _nodes(book: _Book, entry: str, name: str) -> IntArray:
     return nodes
 
 
-def _pairs(book: _Book, name: str, given: InterfaceSection) -> tuple[FacePairs, list[str]]:
+def _pairs(book: _Book, name: str, given: SetInterfaceSection | PairsInterfaceSection) -> tuple[FacePairs, list[str]]:
     """Node to node pairs of an interface, or pairs of nodes and the ground; sentences on what was assumed."""
     entry = f"interfaces.{name}"
     messages: list[str] = []
@@ -217,8 +220,6 @@ def _pairs(book: _Book, name: str, given: InterfaceSection) -> tuple[FacePairs, 
     count = first.size
     weight = np.full((count, 1), 0.0 if second is None else 1.0)
     second = first if second is None else second
-    assert given.normal is not None
-    assert given.area is not None
     normal = np.tile(given.normal, (count, 1))
     area = np.full(count, given.area / count)
     places = _places(book, first)
@@ -230,7 +231,7 @@ def _pairs(book: _Book, name: str, given: InterfaceSection) -> tuple[FacePairs, 
         messages.append(
             f"{entry}: the matrices do not say where their nodes are, so maps show the pairs in a row in their order."
         )
-        if given.pairs is None and given.second != GROUND:
+        if isinstance(given, SetInterfaceSection) and given.second != GROUND:
             messages.append(f"{entry}: its nodes are paired in the order of the two sets, as positions are not known.")
     else:
         position = map_position(points, tangent1, tangent2, area)
@@ -241,13 +242,13 @@ def _pairs(book: _Book, name: str, given: InterfaceSection) -> tuple[FacePairs, 
     return pairs, messages
 
 
-def _sides(book: _Book, entry: str, given: InterfaceSection) -> tuple[IntArray, IntArray | None]:
+def _sides(
+    book: _Book, entry: str, given: SetInterfaceSection | PairsInterfaceSection
+) -> tuple[IntArray, IntArray | None]:
     """First and second node of each pair, from a file or from sets; None for the ground."""
-    if given.pairs is not None:
+    if isinstance(given, PairsInterfaceSection):
         with concerning(f"{entry}.pairs"):
             return _listed_pairs(book, entry, Path(given.pairs))
-    assert given.first is not None
-    assert given.second is not None
     first = _nodes(book, f"{entry}.first", given.first)
     if given.second == GROUND:
         return first, None
@@ -299,7 +300,7 @@ def _places(book: _Book, nodes: IntArray) -> FloatArray | None:
     return np.asarray(book.positions)[found]
 
 
-def _partners(book: _Book, entry: str, given: InterfaceSection, first: IntArray, others: IntArray) -> IntArray:
+def _partners(book: _Book, entry: str, given: SetInterfaceSection, first: IntArray, others: IntArray) -> IntArray:
     """The partner of each first node: the node at its place, or, without positions, the one with its rank in the set.
 
     Raises InputError for sets of different size, and for a node without a partner near enough.
@@ -328,7 +329,7 @@ def _partners(book: _Book, entry: str, given: InterfaceSection, first: IntArray,
     return np.asarray(others[nearest])
 
 
-def _port(book: _Book, name: str, given: PortSection) -> Port:
+def _port(book: _Book, name: str, given: PlaceSection) -> Port:
     """The nodes of a place. Raises InputError that names the entry."""
     if given.set is not None:
         return Port.equal(_nodes(book, f"{name}.set", given.set))
@@ -346,15 +347,9 @@ def _port(book: _Book, name: str, given: PortSection) -> Port:
 
 def _nearest(book: _Book, name: str, point: FloatArray) -> Port:
     """The node nearest to a point. Raises InputError where that is not known, far, or not a single one."""
-    places = _places(book, book.labels)
-    if places is None:
+    if book.positions is None:
         raise InputError(f"{name}.point: the matrices do not say where their nodes are. Give node or set.")
-    distance = np.linalg.norm(places - point, axis=1)
-    size = float(np.linalg.norm(np.ptp(places, axis=0)))
-    if distance.min() > _POINT_SHARE * size:
-        raise InputError(f"{name}.point: the nearest node is {1e3 * distance.min():.4g} mm away. Check the point.")
-    if np.sum(distance <= distance.min() + _COINCIDENT * size) > 1:
-        raise InputError(
-            f"{name}.point: several nodes lie at the place nearest to it, as on both sides of a joint. Give node."
-        )
-    return Port.single(int(book.labels[distance.argmin()]))
+    try:
+        return Port.single(int(book.labels[nearest_node(book.positions, point)]))
+    except InputError as error:
+        raise error.reworded(f"{name}.point: {error}") from error

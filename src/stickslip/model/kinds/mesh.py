@@ -6,24 +6,24 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip.case.own_sections import GROUND, InterfaceSection, PortSection
+from stickslip.case.case import MeshCase
+from stickslip.case.own_sections import GROUND, MeshInterfaceSection, PlaceSection
 from stickslip.case.template import bare_name
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.contact.pairing.pairing import pair_surfaces, pair_with_ground
 from stickslip.contact.pairing.pairing_result import Pairing, write_pairs
 from stickslip.core.errors import InputError, concerning, keys_of_section
 from stickslip.core.plausible import OddValue, suspecting
-from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.read import read_model
-from stickslip.model.kinds.own import port_sections
-from stickslip.model.layout import Derived, Layout, Port
+from stickslip.model.kinds.own import OwnKind
+from stickslip.model.layout import BaseMotionOfSupport, Derived, Layout, Port
+from stickslip.model.nearest import nearest_node
 from stickslip.model.overlap import require_single_joints
-from stickslip.structure.body_load import centrifugal_load
+from stickslip.structure.body_load import centrifugal_load, translation_inertia
 from stickslip.structure.elasticity import Hexahedron, Material, Structure, assemble_bodies
 from stickslip.structure.faces import face_geometry
 from stickslip.structure.finite_element_mesh import AnyMesh, FiniteElementMesh
@@ -31,13 +31,7 @@ from stickslip.structure.mesh import IntArray
 from stickslip.structure.model_facts import body_volumes, bounding_box, model_oddities
 from stickslip.structure.rigid_motions import part_motions
 
-if TYPE_CHECKING:
-    from stickslip.case.case import Case
-
 PAIRS_FILE = "contact_pairs.vtu"
-# A point of the study file may lie this share of the model's size from the nearest node.
-_POINT_SHARE = 0.05
-_CORNER = 1e-9  # share of the model's size below which two nodes are at one place
 
 
 @dataclass(frozen=True)
@@ -87,37 +81,46 @@ class MeshSetup:
         return (write_pairs(folder / PAIRS_FILE, self.pairings),)
 
 
-def set_up(case: Case) -> MeshSetup:
-    """Read the mesh, pair its faces and find the places of forces and responses.
+class MeshKind(OwnKind[MeshCase]):
+    """Bodies from a mesh file."""
 
-    Raises ImportFileError for the file; InputError that names the entry of the study file for a set that is missing or
-    empty, a material that is missing, faces that do not meet, and a body that nothing holds.
-    """
-    source = _source(case)
-    mesh, materials = source.mesh, body_materials(case, source)
-    odd_values = tuple(model_oddities(mesh, dict(zip(mesh.body_names, materials, strict=True))))
-    with suspecting(odd_values):
-        fixed = _fixed_unknowns(case, source)
-        pairings = tuple(_pairing(mesh, name, each) for name, each in case.interfaces.items())
-        require_single_joints(mesh, case.interfaces)
-        layout = _layout(case, source, materials, pairings, fixed, odd_values)
-    element = case.structure.element or "incompatible"
-    return MeshSetup(mesh, materials, fixed, element, layout, pairings)
+    def set_up(self, case: MeshCase) -> MeshSetup:
+        """Read the mesh, pair its faces and find the places of forces and responses.
+
+        Raises ImportFileError for the file; InputError that names the entry of the study file for a set that is
+        missing or empty, a material that is missing, faces that do not meet, and a body that nothing holds.
+        """
+        source = _source(case)
+        mesh, materials = source.mesh, body_materials(case, source)
+        odd_values = tuple(model_oddities(mesh, dict(zip(mesh.body_names, materials, strict=True))))
+        with suspecting(odd_values):
+            fixed = _fixed_unknowns(case, source)
+            pairings = tuple(_pairing(mesh, name, each) for name, each in case.interfaces.items())
+            require_single_joints(mesh, case.interfaces)
+            layout = _layout(case, source, materials, pairings, fixed, odd_values)
+        element = case.structure.element or "incompatible"
+        return MeshSetup(mesh, materials, fixed, element, layout, pairings)
+
+    def find_layout(self, case: MeshCase, mesh: AnyMesh) -> Layout:
+        """The layout on the mesh of the file; ``mesh`` must be that of :func:`set_up`."""
+        setup = self.set_up(case)
+        if not np.array_equal(setup.mesh.points, mesh.points):
+            raise InputError("the structure belongs to another mesh file than the case.")
+        return setup.layout
+
+    def rotation_speed(self, case: MeshCase) -> float:
+        """rad/s; 0 where nothing rotates."""
+        return 0.0 if case.rotation is None else case.rotation.speed
+
+    def base_motion(self, case: MeshCase) -> BaseMotionOfSupport | None:
+        """The motion of all held nodes."""
+        given = case.base_motion
+        return None if given is None else BaseMotionOfSupport(given.direction, given.amplitude, given.kind)
 
 
-def find_layout(case: Case, mesh: AnyMesh) -> Layout:
-    """The layout on the mesh of the file; ``mesh`` must be that of :func:`set_up`."""
-    setup = set_up(case)
-    if not np.array_equal(setup.mesh.points, mesh.points):
-        raise InputError("the structure belongs to another mesh file than the case.")
-    return setup.layout
-
-
-def _source(case: Case) -> ImportedModel:
+def _source(case: MeshCase) -> ImportedModel:
     """The mesh file."""
     given = case.structure
-    assert given.file is not None
-    assert given.length_unit is not None
     with keys_of_section("structure"), concerning("file"):
         return read_model(given.file, given.length_unit, given.unit_system, bool(given.includes_outside))
 
@@ -132,7 +135,7 @@ def _entry(name: str) -> Iterator[None]:
         raise error.reworded(f"{name}: {error}") from error
 
 
-def body_materials(case: Case, source: ImportedModel) -> tuple[Material, ...]:
+def body_materials(case: MeshCase, source: ImportedModel) -> tuple[Material, ...]:
     """Material of each body: of [bodies.NAME], else of the file, else of [material]. Raises InputError."""
     names = source.mesh.body_names
     unknown = [name for name in case.bodies if name not in names]
@@ -144,7 +147,7 @@ def body_materials(case: Case, source: ImportedModel) -> tuple[Material, ...]:
     return tuple(_material(case, name, source) for name in names)
 
 
-def _material(case: Case, name: str, source: ImportedModel) -> Material:
+def _material(case: MeshCase, name: str, source: ImportedModel) -> Material:
     sections = (case.bodies.get(name), source.materials.get(name), case.material)
     keys = ("young_modulus", "poisson_ratio", "density")
     values: dict[str, float] = {}
@@ -167,7 +170,7 @@ def _material(case: Case, name: str, source: ImportedModel) -> Material:
     return Material(**values)
 
 
-def _fixed_unknowns(case: Case, source: ImportedModel) -> IntArray:
+def _fixed_unknowns(case: MeshCase, source: ImportedModel) -> IntArray:
     """Positions among 3 * n_nodes that the file or structure.fixed holds at zero."""
     held = [source.fixed_unknowns]
     for name in case.structure.fixed:
@@ -176,10 +179,8 @@ def _fixed_unknowns(case: Case, source: ImportedModel) -> IntArray:
     return np.unique(np.concatenate(held)).astype(np.int64)
 
 
-def _pairing(mesh: FiniteElementMesh, name: str, given: InterfaceSection) -> Pairing:
+def _pairing(mesh: FiniteElementMesh, name: str, given: MeshInterfaceSection) -> Pairing:
     points = given.points or "nodes"
-    assert given.first is not None
-    assert given.second is not None
     with _entry(f"interfaces.{name}"), keys_of_section(f"interfaces.{name}"):
         if given.second == GROUND:
             serve_two = ("search_distance", "edge_tolerance", "gap_tolerance", "adjust")
@@ -203,7 +204,7 @@ def _pairing(mesh: FiniteElementMesh, name: str, given: InterfaceSection) -> Pai
 
 
 def _layout(
-    case: Case,
+    case: MeshCase,
     source: ImportedModel,
     materials: Sequence[Material],
     pairings: Sequence[Pairing],
@@ -211,12 +212,21 @@ def _layout(
     odd_values: tuple[OddValue, ...],
 ) -> Layout:
     mesh, names = source.mesh, tuple(case.interfaces)
-    ports = {name: _port(source, name, given) for name, given in port_sections(case).items()}
+    ports = {name: _port(source, name, given) for name, given in case.places.items()}
     pairs = FacePairs.concatenate([each.pairs for each in pairings])
     body_load = None
     if case.rotation is not None:
         turn = case.rotation
         body_load = centrifugal_load(mesh, materials, np.array(turn.axis), np.array(turn.point))
+    base_inertia = None
+    if case.base_motion is not None:
+        if not fixed.size:
+            raise InputError(
+                "[base_motion] moves the nodes that are held, but neither structure.fixed nor the file holds any. Hold "
+                "some, or take the section out.",
+                ("base_motion",),
+            )
+        base_inertia = translation_inertia(mesh, materials)
     _require_held(mesh, pairs, fixed, source)
     _require_free(dict(zip(names, pairings, strict=True)), ports, fixed, source)
     messages = (
@@ -230,6 +240,7 @@ def _layout(
         tuple(_face_materials(mesh, materials, each) for each in pairings),
         ports,
         body_load,
+        base_inertia,
         tuple(_facts(names, pairings)),
         messages,
         mesh.body_names,
@@ -265,41 +276,21 @@ def _body_of(mesh: FiniteElementMesh, name: str) -> int:
     return int(np.argmax(members))
 
 
-def _port(source: ImportedModel, name: str, given: PortSection) -> Port:
+def _port(source: ImportedModel, name: str, given: PlaceSection) -> Port:
     """The nodes of a place with their shares. Raises InputError that names the entry."""
     mesh = source.mesh
     with _entry(name):
         if given.node is not None:
             with concerning(f"{name}.node"):
                 return Port.single(int(source.node_numbers(np.array([given.node]))[0]))
-        if given.point is not None:
-            with concerning(f"{name}.point"):
-                return Port.single(_nearest(mesh, np.array(given.point)))
-        assert given.set is not None
-        with concerning(f"{name}.set"):
-            if given.spread == "area":
-                nodes, area, _ = face_geometry(mesh, given.set)
-                return Port(nodes, area / area.sum())
-            return Port.equal(mesh.node_set(given.set))
-
-
-def _nearest(mesh: FiniteElementMesh, point: FloatArray) -> int:
-    """The node nearest to a point. Raises InputError where it is far, or where two nodes lie at one place."""
-    distance = np.linalg.norm(mesh.points - point, axis=1)
-    low, high = bounding_box(mesh.points)
-    size = float(np.linalg.norm(high - low))
-    order = np.argsort(distance)
-    x, y, z = 1e3 * mesh.points[order[0]]
-    if distance[order[0]] > _POINT_SHARE * size:
-        raise InputError(
-            f"the nearest node to the point is {1e3 * distance[order[0]]:.4g} mm away, at ({x:.4g}, {y:.4g}, {z:.4g}) "
-            f"mm; at most {1e3 * _POINT_SHARE * size:.4g} mm is allowed. Check the point and structure.length_unit."
-        )
-    if len(order) > 1 and np.linalg.norm(mesh.points[order[1]] - mesh.points[order[0]]) < _CORNER * size:
-        raise InputError(
-            f"two nodes lie at ({x:.4g}, {y:.4g}, {z:.4g}) mm, the nearest place to the point. Give a set or a node."
-        )
-    return int(order[0])
+        if given.set is not None:
+            with concerning(f"{name}.set"):
+                if given.spread == "area":
+                    nodes, area, _ = face_geometry(mesh, given.set)
+                    return Port(nodes, area / area.sum())
+                return Port.equal(mesh.node_set(given.set))
+        with concerning(f"{name}.point"):
+            return Port.single(nearest_node(mesh.points, np.array(given.point)))
 
 
 def _require_free(

@@ -2,127 +2,147 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Generic, TypeVar
 
 import numpy as np
 
+from stickslip.case.case import OwnCase
 from stickslip.contact.preload import prescribed_preload
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
-from stickslip.model.joint import STARTING_PRESSURE, FaceSettings
-from stickslip.model.layout import Layout, PortForce, Reading
+from stickslip.model.joint import STARTING_PRESSURE, FaceSettings, roughness_section
+from stickslip.model.layout import BaseMotionOfSupport, Layout, PortForce, PortUnbalance, Reading
 
-if TYPE_CHECKING:
-    from stickslip.case.case import Case
-    from stickslip.case.own_sections import PortSection
-
-PORT_SECTIONS = ("forces", "responses", "static_loads")
+OwnCaseT = TypeVar("OwnCaseT", bound=OwnCase)
 
 
-def port_sections(case: Case) -> dict[str, PortSection]:
-    """section.NAME -> the place of every force and response of a case."""
-    return {f"{section}.{name}": port for section in PORT_SECTIONS for name, port in getattr(case, section).items()}
+class OwnKind(Generic[OwnCaseT]):
+    """What the kinds "mesh" and "matrices" share."""
 
+    def preload(self, case: OwnCaseT, layout: Layout) -> FloatArray:
+        """(n_pairs,) N: each face's normal load with uniform pressure on the pairs that touch, or as prescribed; where
+        it is solved, a pressure to start from.
 
-def preload(case: Case, layout: Layout) -> FloatArray:
-    """(n_pairs,) N: each face's normal load with uniform pressure on the pairs that touch, or as prescribed; where it
-    is solved, a pressure to start from.
+        Raises InputError for a number of values that is not that of the pairs, and for a load on a face that is apart.
+        """
+        pairs = layout.face_pairs
+        if case.preload.method == "solved":
+            return STARTING_PRESSURE * pairs.area
+        if case.preload.values is not None:
+            count = np.bincount(pairs.face)
+            if len(case.preload.values) != pairs.n_pairs:
+                parts = ", ".join(f"{n} of {name}" for n, name in zip(count, layout.face_names, strict=True))
+                raise InputError(
+                    f"preload.values has {len(case.preload.values)} entries, but there are {pairs.n_pairs} contact "
+                    f"pairs ({parts}). Give one force for each, in this order, or normal_load of each interface "
+                    "instead.",
+                    ("preload.values",),
+                )
+            return prescribed_preload(case.preload.values, pairs.n_pairs)
+        load = np.zeros(pairs.n_pairs)
+        for face, (name, given) in enumerate(case.interfaces.items()):
+            touching = (pairs.face == face) & (pairs.gap <= 0.0)
+            if given.normal_load is None or not touching.any():
+                raise InputError(
+                    f"interfaces.{name}: the normal load cannot rest on this face, because all of its pairs are apart "
+                    f"by {1e3 * pairs.gap[pairs.face == face].min():.3g} mm or more. If the bodies touch and only "
+                    'their meshes differ, set adjust = "closed".',
+                    (f"interfaces.{name}.normal_load",),
+                )
+            load[touching] = given.normal_load * pairs.area[touching] / pairs.area[touching].sum()
+        return load
 
-    Raises InputError for a number of values that is not that of the pairs, and for a load on a face that is apart.
-    """
-    pairs = layout.face_pairs
-    if case.preload.method == "solved":
-        return STARTING_PRESSURE * pairs.area
-    if case.preload.values is not None:
-        count = np.bincount(pairs.face)
-        if len(case.preload.values) != pairs.n_pairs:
-            parts = ", ".join(f"{n} of {name}" for n, name in zip(count, layout.face_names, strict=True))
-            raise InputError(
-                f"preload.values has {len(case.preload.values)} entries, but there are {pairs.n_pairs} contact pairs "
-                f"({parts}). Give one force for each, in this order, or normal_load of each interface instead.",
-                ("preload.values",),
-            )
-        return prescribed_preload(case.preload.values, pairs.n_pairs)
-    load = np.zeros(pairs.n_pairs)
-    for face, (name, given) in enumerate(case.interfaces.items()):
-        touching = (pairs.face == face) & (pairs.gap <= 0.0)
-        if given.normal_load is None or not touching.any():
-            raise InputError(
-                f"interfaces.{name}: the normal load cannot rest on this face, because all of its pairs are apart by "
-                f"{1e3 * pairs.gap[pairs.face == face].min():.3g} mm or more. If the bodies touch and only their "
-                'meshes differ, set adjust = "closed".',
-                (f"interfaces.{name}.normal_load",),
-            )
-        load[touching] = given.normal_load * pairs.area[touching] / pairs.area[touching].sum()
-    return load
+    def face_settings(self, case: OwnCaseT) -> tuple[FaceSettings, ...]:
+        """Friction and stiffness of each interface, its own or those of [friction] and [contact_stiffness]."""
+        common = FaceSettings.of_case(case)
+        settings = []
+        for name, each in case.interfaces.items():
+            stiffness = common.stiffness
+            if each.normal_stiffness is not None and each.tangential_stiffness is not None:
+                stiffness = (each.normal_stiffness, each.tangential_stiffness)
+            friction = common.friction if each.friction is None else each.friction
+            settings.append(FaceSettings(friction, stiffness, f"interfaces.{name}.normal_load"))
+        return tuple(settings)
 
+    def static_forces(self, case: OwnCaseT) -> tuple[PortForce, ...]:
+        """The constant forces."""
+        return tuple(
+            PortForce(f"static_loads.{name}", each.direction, each.force) for name, each in case.static_loads.items()
+        )
 
-def face_settings(case: Case) -> tuple[FaceSettings, ...]:
-    """Friction and stiffness of each interface, its own or those of [friction] and [contact_stiffness]."""
-    common = FaceSettings.of_case(case)
-    settings = []
-    for each in case.interfaces.values():
-        stiffness = common.stiffness
-        if each.normal_stiffness is not None and each.tangential_stiffness is not None:
-            stiffness = (each.normal_stiffness, each.tangential_stiffness)
-        settings.append(FaceSettings(common.friction if each.friction is None else each.friction, stiffness))
-    return tuple(settings)
+    def outputs(self, case: OwnCaseT) -> tuple[dict[str, Reading], dict[str, tuple[str, ...]]]:
+        """The responses, the first one that of the curve; all are drawn together."""
+        readings = {name: Reading(f"responses.{name}", each.direction) for name, each in case.responses.items()}
+        return readings, {"Responses": tuple(readings)}
 
+    def rough_face_size(self, case: OwnCaseT) -> tuple[float, float]:
+        """m: a patch as long as the longest wave of the surface, and a quarter as wide."""
+        length = roughness_section(case).sample_length
+        return length, 0.25 * length
 
-def forces(case: Case) -> tuple[PortForce, ...]:
-    """The harmonic forces."""
-    return tuple(
-        PortForce(f"forces.{name}", each.direction, each.amplitude, each.phase) for name, each in case.forces.items()
-    )
+    def is_fitted(self, case: OwnCaseT) -> bool:
+        """Only the two blades were fitted to the paper."""
+        return False
 
+    def forces(self, case: OwnCaseT) -> tuple[PortForce, ...]:
+        """The harmonic forces."""
+        return tuple(
+            PortForce(f"forces.{name}", each.direction, each.amplitude, each.phase, each.harmonic)
+            for name, each in case.forces.items()
+        )
 
-def static_forces(case: Case) -> tuple[PortForce, ...]:
-    """The constant forces."""
-    return tuple(
-        PortForce(f"static_loads.{name}", each.direction, each.force) for name, each in case.static_loads.items()
-    )
+    def unbalances(self, case: OwnCaseT) -> tuple[PortUnbalance, ...]:
+        """The rotating unbalances."""
+        return tuple(
+            PortUnbalance(f"unbalance.{name}", each.axis, each.mass_times_radius)
+            for name, each in case.unbalance.items()
+        )
 
+    def base_motion(self, case: OwnCaseT) -> BaseMotionOfSupport | None:
+        """The motion of the support, where the structure knows what it carries along."""
+        return None
 
-def outputs(case: Case) -> tuple[dict[str, Reading], dict[str, tuple[str, ...]]]:
-    """The responses, the first one that of the curve; all are drawn together."""
-    readings = {name: Reading(f"responses.{name}", each.direction) for name, each in case.responses.items()}
-    return readings, {"Responses": tuple(readings)}
+    def rotation_speed(self, case: OwnCaseT) -> float:
+        """rad/s; 0 where nothing rotates."""
+        return 0.0
 
+    def force_amplitude(self, case: OwnCaseT) -> float:
+        """N of the largest force, or the size of what excites the structure instead, in its SI unit."""
+        motion = self.base_motion(case)
+        others = [each.mass_times_radius for each in case.unbalance.values()]
+        others += [] if motion is None else [motion.amplitude]
+        return max([each.amplitude for each in case.forces.values()] or others)
 
-def force_amplitude(case: Case) -> float:
-    """N of the largest force."""
-    return max(each.amplitude for each in case.forces.values())
+    def description(self, case: OwnCaseT) -> str:
+        """Excitations, normal loads and friction in one sentence."""
+        joints = "; ".join(
+            f"{name}: "
+            + ("" if each.normal_load is None else f"normal load {each.normal_load:g} N, ")
+            + f"friction {given.friction:g}"
+            for (name, each), given in zip(case.interfaces.items(), self.face_settings(case), strict=True)
+        )
+        acting = " and ".join(self._excitation_words(case))
+        return f"{acting[0].upper()}{acting[1:]}. {joints}.{self._preload_words(case)}"
 
+    def _excitation_words(self, case: OwnCaseT) -> list[str]:
+        """Each kind of excitation that the study has, in words."""
+        forces = [
+            f"{each.amplitude:g} N at {name}" + (f" (harmonic {each.harmonic})" if each.harmonic > 1 else "")
+            for name, each in case.forces.items()
+        ]
+        words = [f"Force {' and '.join(forces)}"] if forces else []
+        words += [f"unbalance {each.mass_times_radius:g} kg m at {name}" for name, each in case.unbalance.items()]
+        motion = self.base_motion(case)
+        if motion is not None:
+            unit = "m/s^2" if motion.kind == "acceleration" else "m"
+            words.append(f"base {motion.kind} {motion.amplitude:g} {unit}")
+        return words
 
-def description(case: Case) -> str:
-    """Forces, normal loads and friction in one sentence."""
-    acting = " and ".join(f"{each.amplitude:g} N at {name}" for name, each in case.forces.items())
-    settings = face_settings(case)
-    joints = "; ".join(
-        f"{name}: "
-        + ("" if each.normal_load is None else f"normal load {each.normal_load:g} N, ")
-        + f"friction {given.friction:g}"
-        for (name, each), given in zip(case.interfaces.items(), settings, strict=True)
-    )
-    return f"Force {acting}. {joints}.{_preload_words(case)}"
-
-
-def _preload_words(case: Case) -> str:
-    """What a preload that no interface gives comes from."""
-    given = case.preload
-    if given.method == "prescribed":
-        return "" if given.values is None else " Prescribed preload."
-    loads = [f"{each.force:g} N at {name}" for name, each in case.static_loads.items()]
-    loads += [] if case.rotation is None else [f"rotation at {case.rotation.speed:g} rad/s"]
-    return f" Preload solved from {' and '.join(loads)}, tractions at rest {given.residual_traction}."
-
-
-def rough_face_size(case: Case) -> tuple[float, float]:
-    """m: a patch as long as the longest wave of the surface, and a quarter as wide."""
-    assert case.roughness is not None
-    return case.roughness.sample_length, 0.25 * case.roughness.sample_length
-
-
-def is_fitted(case: Case) -> bool:
-    """Only the two blades were fitted to the paper."""
-    return False
+    def _preload_words(self, case: OwnCaseT) -> str:
+        """What a preload that no interface gives comes from."""
+        given, speed = case.preload, self.rotation_speed(case)
+        if given.method == "prescribed":
+            return "" if given.values is None else " Prescribed preload."
+        loads = [f"{each.force:g} N at {name}" for name, each in case.static_loads.items()]
+        loads += [f"rotation at {speed:g} rad/s"] if speed else []
+        return f" Preload solved from {' and '.join(loads)}, tractions at rest {given.residual_traction}."

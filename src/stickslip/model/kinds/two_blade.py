@@ -4,26 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip.case.sections import GeometrySection, MaterialSection
+from stickslip.case.case import TwoBladeCase
+from stickslip.case.two_blade_sections import GeometrySection, MaterialSection
 from stickslip.contact.pairing.pairing import FacePairs, pair_faces
 from stickslip.contact.preload import prescribed_preload, uniform_preload
 from stickslip.core.errors import InputError, concerning, keys_of_section
 from stickslip.core.validation import FloatArray
 from stickslip.model.joint import STARTING_PRESSURE, FaceSettings, case_material
 from stickslip.model.kinds.two_blade_mesh import BladePairElements, BladePairGeometry, blade_pair_mesh
-from stickslip.model.layout import Direction, Layout, Port, PortForce, Reading
+from stickslip.model.layout import Direction, Layout, Port, PortForce, PortUnbalance, Reading
 from stickslip.structure.body_load import centrifugal_load
 from stickslip.structure.elasticity import Element, Material, Structure, assemble
 from stickslip.structure.finite_element_mesh import AnyMesh
 from stickslip.structure.mesh import Mesh
 from stickslip.structure.model_facts import material_oddities, size_oddities, wave_oddities
-
-if TYPE_CHECKING:
-    from stickslip.case.case import Case
 
 FACES = (("damper_left_face", "left_face"), ("damper_right_face", "right_face"))
 FACE_NAMES = ("left face", "right face")
@@ -57,17 +54,133 @@ class TwoBladeSetup:
         return ()
 
 
-def set_up(case: Case) -> TwoBladeSetup:
-    """Mesh, contact pairs and ports. Raises InputError for a geometry that does not fit."""
-    assert case.mesh is not None  # a two-blade case has all of its sections
-    mesh = build_mesh(case)
-    return TwoBladeSetup(mesh, case_material(case), case.mesh.element, find_layout(case, mesh))
+class TwoBladeKind:
+    """Two blades and the damper between them."""
+
+    def set_up(self, case: TwoBladeCase) -> TwoBladeSetup:
+        """Mesh, contact pairs and ports. Raises InputError for a geometry that does not fit."""
+        mesh = build_mesh(case)
+        return TwoBladeSetup(mesh, case_material(case), case.mesh.element, self.find_layout(case, mesh))
+
+    def find_layout(self, case: TwoBladeCase, mesh: AnyMesh) -> Layout:
+        """Contact pairs of both faces, left face first, and the places of forces and responses."""
+        pairs = FacePairs.concatenate([pair_faces(mesh, *names) for names in FACES])
+        ports = {name: Port.single(int(mesh.node_set(name)[0])) for name in PORTS}
+        material = case_material(case)
+        if _static_force(case):
+            ports |= {name: _edge_port(mesh, name) for name in EDGES}
+        body_load = None
+        if case.rotation is not None:
+            body_load = centrifugal_load(
+                mesh, [material] * 3, np.array(case.rotation.axis), np.array(case.rotation.point)
+            )
+        odd_values = (
+            *size_oddities(mesh.points),
+            *material_oddities("the material", material, "its unit", "material"),
+            *wave_oddities("the structure", material, mesh.points),
+        )
+        return Layout(
+            pairs,
+            FACE_NAMES,
+            ((material, material),) * len(FACES),
+            ports,
+            body_load,
+            body_names=BODY_NAMES,
+            contact_sets=FACES,
+            odd_values=odd_values,
+        )
+
+    def preload(self, case: TwoBladeCase, layout: Layout) -> FloatArray:
+        """(n_pairs,) N of the wedge under centrifugal force, or as prescribed; where it is solved, a start for it."""
+        face_pairs = layout.face_pairs
+        if case.preload.values is not None:
+            if len(case.preload.values) != face_pairs.n_pairs:
+                first = int((face_pairs.face == 0).sum())
+                raise InputError(
+                    f"preload.values has {len(case.preload.values)} entries, but this mesh has {face_pairs.n_pairs} "
+                    f"contact pairs. Give one force for each: {first} of the left face, then "
+                    f"{face_pairs.n_pairs - first} of the right one; or give centrifugal_force instead.",
+                    ("preload.values",),
+                )
+            return prescribed_preload(case.preload.values, face_pairs.n_pairs)
+        if case.preload.centrifugal_force is None:
+            return STARTING_PRESSURE * face_pairs.area
+        return uniform_preload(
+            case.preload.centrifugal_force,
+            case.geometry.platform_angle,
+            face_pairs.area,
+            face_pairs.face,
+            friction_coefficient=case.preload.friction_coefficient_at_assembly,
+        )
+
+    def face_settings(self, case: TwoBladeCase) -> tuple[FaceSettings, ...]:
+        """Both faces follow [friction] and [contact_stiffness]."""
+        return (FaceSettings.of_case(case),) * len(FACES)
+
+    def rotation_speed(self, case: TwoBladeCase) -> float:
+        """rad/s; 0 where nothing rotates."""
+        return 0.0 if case.rotation is None else case.rotation.speed
+
+    def static_forces(self, case: TwoBladeCase) -> tuple[PortForce, ...]:
+        """Half of F_N at each end of the damper's bottom, where the preload is solved; else the wedge's is known."""
+        force = _static_force(case)
+        return tuple(PortForce(name, (0.0, 0.0, 1.0), 0.5 * force) for name in EDGES) if force else ()
+
+    def forces(self, case: TwoBladeCase) -> tuple[PortForce, ...]:
+        """Forces at N1 and N2: single (N1 alone), same direction, or opposite."""
+        given = case.excitation
+        second = {"single": 0.0, "same": 1.0, "opposite": -1.0}[given.mode]
+        return (
+            PortForce("excitation_left", given.direction, given.amplitude),
+            PortForce("excitation_right", given.direction, second * given.amplitude),
+        )
+
+    def unbalances(self, case: TwoBladeCase) -> tuple[PortUnbalance, ...]:
+        """None: forces at N1 and N2 excite the blades."""
+        return ()
+
+    def base_motion(self, case: TwoBladeCase) -> None:
+        """None: forces at N1 and N2 excite the blades."""
+
+    def outputs(self, case: TwoBladeCase) -> tuple[dict[str, Reading], dict[str, tuple[str, ...]]]:
+        """A along the excitation's direction and both sides of the damper along x, y, z; what is drawn together."""
+        readings, groups = {"blade tip A": Reading("response", case.excitation.direction)}, {}
+        for side in ("left", "right"):
+            names = tuple(f"damper {side} {axis}" for axis in AXES)
+            readings |= {name: Reading(f"damper_{side}_mid", AXES[name[-1]]) for name in names}
+            groups[f"Damper, middle of its {side} face"] = names
+        return readings, groups
+
+    def force_amplitude(self, case: TwoBladeCase) -> float:
+        """N of each force."""
+        return case.excitation.amplitude
+
+    def description(self, case: TwoBladeCase) -> str:
+        """One sentence on force, load and friction."""
+        kinds = {
+            "single": "at one blade",
+            "same": "at both blades, same direction",
+            "opposite": "at both blades, opposed",
+        }
+        excitation, force = case.excitation, case.preload.centrifugal_force
+        load = "prescribed preload" if force is None else f"centrifugal force {force:g} N"
+        if case.preload.method == "solved":
+            turning = "" if case.rotation is None else f"rotation at {case.rotation.speed:g} rad/s"
+            load = f"solved preload under {turning or load}, tractions at rest {case.preload.residual_traction}"
+        friction = case.friction.coefficient
+        return f"Force {excitation.amplitude:g} N {kinds[excitation.mode]}, {load}, friction {friction:g}."
+
+    def rough_face_size(self, case: TwoBladeCase) -> tuple[float, float]:
+        """m along and across the contact face, for a picture of it."""
+        return case.geometry.damper_length, case.geometry.contact_face_width
+
+    def is_fitted(self, case: TwoBladeCase) -> bool:
+        """Whether the structure is the one whose dimensions were fitted to the paper's Table 2."""
+        return case.geometry == GeometrySection() and case.material == MaterialSection()
 
 
-def build_mesh(case: Case) -> Mesh:
+def build_mesh(case: TwoBladeCase) -> Mesh:
     """Mesh of the two blades and the damper. Raises InputError for a geometry that does not fit."""
-    assert case.geometry is not None
-    assert case.mesh is not None
     dimensions = case.geometry.model_dump()
     dimensions["platform_angle_deg"] = float(np.degrees(dimensions.pop("platform_angle")))
     counts = case.mesh.model_dump()
@@ -79,34 +192,7 @@ def build_mesh(case: Case) -> Mesh:
     return mesh.quadratic() if element == "serendipity" else mesh
 
 
-def find_layout(case: Case, mesh: AnyMesh) -> Layout:
-    """Contact pairs of both faces, left face first, and the places of forces and responses."""
-    pairs = FacePairs.concatenate([pair_faces(mesh, *names) for names in FACES])
-    ports = {name: Port.single(int(mesh.node_set(name)[0])) for name in PORTS}
-    material = case_material(case)
-    if _static_force(case):
-        ports |= {name: _edge_port(mesh, name) for name in EDGES}
-    body_load = None
-    if case.rotation is not None:
-        body_load = centrifugal_load(mesh, [material] * 3, np.array(case.rotation.axis), np.array(case.rotation.point))
-    odd_values = (
-        *size_oddities(mesh.points),
-        *material_oddities("the material", material, "its unit", "material"),
-        *wave_oddities("the structure", material, mesh.points),
-    )
-    return Layout(
-        pairs,
-        FACE_NAMES,
-        ((material, material),) * len(FACES),
-        ports,
-        body_load,
-        body_names=BODY_NAMES,
-        contact_sets=FACES,
-        odd_values=odd_values,
-    )
-
-
-def _static_force(case: Case) -> float:
+def _static_force(case: TwoBladeCase) -> float:
     """N on the damper, both ends together; 0 where the preload is not solved from it."""
     return (case.preload.centrifugal_force or 0.0) if case.preload.method == "solved" else 0.0
 
@@ -120,90 +206,3 @@ def _edge_port(mesh: AnyMesh, name: str) -> Port:
     shares[:-1] += 0.5 * length
     shares[1:] += 0.5 * length
     return Port(nodes, shares / shares.sum())
-
-
-def preload(case: Case, layout: Layout) -> FloatArray:
-    """(n_pairs,) N of the wedge under centrifugal force, or as prescribed; where it is solved, a start for it."""
-    assert case.geometry is not None
-    face_pairs = layout.face_pairs
-    if case.preload.values is not None:
-        if len(case.preload.values) != face_pairs.n_pairs:
-            first = int((face_pairs.face == 0).sum())
-            raise InputError(
-                f"preload.values has {len(case.preload.values)} entries, but this mesh has {face_pairs.n_pairs} "
-                f"contact pairs. Give one force for each: {first} of the left face, then "
-                f"{face_pairs.n_pairs - first} of the right one; or give centrifugal_force instead.",
-                ("preload.values",),
-            )
-        return prescribed_preload(case.preload.values, face_pairs.n_pairs)
-    if case.preload.centrifugal_force is None:
-        return STARTING_PRESSURE * face_pairs.area
-    return uniform_preload(
-        case.preload.centrifugal_force,
-        case.geometry.platform_angle,
-        face_pairs.area,
-        face_pairs.face,
-        friction_coefficient=case.preload.friction_coefficient_at_assembly,
-    )
-
-
-def face_settings(case: Case) -> tuple[FaceSettings, ...]:
-    """Both faces follow [friction] and [contact_stiffness]."""
-    return (FaceSettings.of_case(case),) * len(FACES)
-
-
-def static_forces(case: Case) -> tuple[PortForce, ...]:
-    """Half of F_N at each end of the damper's bottom, where the preload is solved; else the wedge's is known."""
-    force = _static_force(case)
-    return tuple(PortForce(name, (0.0, 0.0, 1.0), 0.5 * force) for name in EDGES) if force else ()
-
-
-def forces(case: Case) -> tuple[PortForce, ...]:
-    """Forces at N1 and N2: single (N1 alone), same direction, or opposite."""
-    given = case.excitation
-    assert given is not None
-    second = {"single": 0.0, "same": 1.0, "opposite": -1.0}[given.mode]
-    return (
-        PortForce("excitation_left", given.direction, given.amplitude),
-        PortForce("excitation_right", given.direction, second * given.amplitude),
-    )
-
-
-def outputs(case: Case) -> tuple[dict[str, Reading], dict[str, tuple[str, ...]]]:
-    """A along the excitation's direction and both sides of the damper along x, y, z; what is drawn together."""
-    assert case.excitation is not None
-    readings, groups = {"blade tip A": Reading("response", case.excitation.direction)}, {}
-    for side in ("left", "right"):
-        names = tuple(f"damper {side} {axis}" for axis in AXES)
-        readings |= {name: Reading(f"damper_{side}_mid", AXES[name[-1]]) for name in names}
-        groups[f"Damper, middle of its {side} face"] = names
-    return readings, groups
-
-
-def force_amplitude(case: Case) -> float:
-    """N of each force."""
-    assert case.excitation is not None
-    return case.excitation.amplitude
-
-
-def description(case: Case) -> str:
-    """One sentence on force, load and friction."""
-    kinds = {"single": "at one blade", "same": "at both blades, same direction", "opposite": "at both blades, opposed"}
-    excitation, force = case.excitation, case.preload.centrifugal_force
-    assert excitation is not None
-    load = "prescribed preload" if force is None else f"centrifugal force {force:g} N"
-    if case.preload.method == "solved":
-        turning = "" if case.rotation is None else f"rotation at {case.rotation.speed:g} rad/s"
-        load = f"solved preload under {turning or load}, tractions at rest {case.preload.residual_traction}"
-    return f"Force {excitation.amplitude:g} N {kinds[excitation.mode]}, {load}, friction {case.friction.coefficient:g}."
-
-
-def rough_face_size(case: Case) -> tuple[float, float]:
-    """m along and across the contact face, for a picture of it."""
-    assert case.geometry is not None
-    return case.geometry.damper_length, case.geometry.contact_face_width
-
-
-def is_fitted(case: Case) -> bool:
-    """Whether the structure is the one whose dimensions were fitted to the paper's Table 2."""
-    return case.geometry == GeometrySection() and case.material == MaterialSection()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from stickslip.case.case import Case
+from stickslip.case.case import TwoBladeCase
 from stickslip.papers.rough_damper.claims import CLAIMS, Solutions
 from stickslip.papers.rough_damper.items import Item
 from stickslip.papers.rough_damper.model_items import MODEL_CLAIMS
@@ -58,7 +58,7 @@ class ChangedSet:
 
     name: str
     key: str
-    case: Case
+    case: TwoBladeCase
     curves: tuple[Solved, ...]
 
 

@@ -14,8 +14,8 @@ from stickslip.core.progress import Progress
 from stickslip.model.model import ReducedStructure, connect, load_joint, set_up
 from stickslip.papers.rough_damper.plan import Computation, Setting
 from stickslip.papers.rough_damper.records import Solved, record
+from stickslip.study.analyses import solve
 from stickslip.study.facts import study_warnings
-from stickslip.study.run import solve
 from stickslip.sweeps.plan import PlannedCase
 from stickslip.sweeps.run import local_executor
 from stickslip.sweeps.schedule import Schedule, StructureGroup

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from stickslip.case.case import Case
+from stickslip.case.case import TwoBladeCase
 from stickslip.papers.rough_damper.claims import CLAIMS, MICRO, Solutions, friction_energy
 from stickslip.papers.rough_damper.plan import BASE_CHOICE
 from stickslip.papers.rough_damper.records import Solved
@@ -53,7 +53,7 @@ class ModelClaim:
     place: str
     depends_on: frozenset[str]
     reason: str
-    judged: Callable[[Case, Solutions], Judgement]
+    judged: Callable[[TwoBladeCase, Solutions], Judgement]
 
 
 def judged(solutions: Solutions, *names: str) -> tuple[tuple[str, Judgement], ...]:

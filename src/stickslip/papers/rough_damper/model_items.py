@@ -8,11 +8,11 @@ from math import cos
 
 import numpy as np
 
-from stickslip.case.case import Case
+from stickslip.case.case import TwoBladeCase
 from stickslip.contact.stiffness.fractal import ContactStatus, ContactStiffness, Roughness, contact_stiffness
 from stickslip.contact.stiffness.surface import draw_phases, fractal_surface, frequency_count, surface_statistics
 from stickslip.core.validation import FloatArray
-from stickslip.model.joint import case_material, case_roughness
+from stickslip.model.joint import case_material, case_roughness, roughness_section
 from stickslip.papers.rough_damper.claims import MICRO, Solutions
 from stickslip.papers.rough_damper.items import Item, ModelClaim, Picture
 from stickslip.papers.rough_damper.tables import Cell, Table, columns
@@ -27,7 +27,7 @@ LOADS = (50.0, 100.0, 500.0, 2000.0)  # N of the damper; a face carries 0.577 of
 LAWS = ("consistent", "paper", "unloading")
 
 
-def reduction_item(case: Case, solutions: Solutions, full_size: int, pairs: int) -> Item:
+def reduction_item(case: TwoBladeCase, solutions: Solutions, full_size: int, pairs: int) -> Item:
     """Tables 1 and 2, Figure 2."""
     reduced = int(solutions[0].numbers["unknowns_reduced"])
     rows: list[tuple[Cell, ...]] = []
@@ -96,7 +96,7 @@ def reduction_item(case: Case, solutions: Solutions, full_size: int, pairs: int)
     )
 
 
-def _judged_reduction(_case: Case, solutions: Solutions) -> Judgement:
+def _judged_reduction(_case: TwoBladeCase, solutions: Solutions) -> Judgement:
     answers = []
     for mode, paper in zip(solutions[0].mode_table, paper_table(), strict=False):
         number, difference = int(mode[0]), float(mode[3])
@@ -114,21 +114,21 @@ REDUCTION = ModelClaim(
 )
 
 
-def rough_case(base: Case, dimension: float, scale: float) -> Case:
+def rough_case(base: TwoBladeCase, dimension: float, scale: float) -> TwoBladeCase:
     """The base with another roughness."""
     changes = {"roughness.fractal_dimension": dimension, "roughness.fractal_roughness": f"{scale!r} m"}
     return base.replace(changes)
 
 
-def _heights(base: Case, dimension: float, scale: float) -> tuple[float, float]:
+def _heights(base: TwoBladeCase, dimension: float, scale: float) -> tuple[float, float]:
     """Sq in m and Sdq of a rough face between the longest and the shortest wave of the case."""
     case = rough_case(base, dimension, scale)
-    assert case.roughness is not None
-    found = surface_statistics(_roughness(case), case.roughness.sample_length, case.roughness.shortest_length)
+    given = roughness_section(case)
+    found = surface_statistics(_roughness(case), given.sample_length, given.shortest_length)
     return found.sq, found.sdq
 
 
-def surface_item(base: Case) -> Item:
+def surface_item(base: TwoBladeCase) -> Item:
     """Figure 4, and whether a larger D and a smaller G are rougher."""
     rows: list[tuple[Cell, ...]] = []
     for scale in (1e-8, 1e-9, 1e-11):
@@ -161,7 +161,7 @@ def surface_item(base: Case) -> Item:
     )
 
 
-def _judged_surfaces(base: Case, _solutions: Solutions) -> Judgement:
+def _judged_surfaces(base: TwoBladeCase, _solutions: Solutions) -> Judgement:
     answers = []
     for name, place in (("Sq", 0), ("Sdq", 1)):
         for scale in (1e-8, 1e-9, 1e-11):
@@ -192,27 +192,26 @@ def _roughness_words(sq: float, sdq: float) -> str:
     return "a machined face" if sq < 10e-6 else "a coarse machined face"
 
 
-def _face_load(base: Case, load: float) -> tuple[float, float]:
+def _face_load(base: TwoBladeCase, load: float) -> tuple[float, float]:
     """Normal load N and area m2 of one face under a centrifugal force, without friction."""
     geometry = base.geometry
-    assert geometry is not None
     return load / (2.0 * cos(geometry.platform_angle)), geometry.damper_length * geometry.contact_face_width
 
 
-def _roughness(case: Case) -> Roughness:
+def _roughness(case: TwoBladeCase) -> Roughness:
     """Roughness of a case whose bodies are of one material."""
     material = case_material(case)
     return case_roughness(case, material, material)
 
 
 @cache
-def _stiffness(base: Case, dimension: float, scale: float, load: float, law: str) -> ContactStiffness:
+def _stiffness(base: TwoBladeCase, dimension: float, scale: float, load: float, law: str) -> ContactStiffness:
     force, area = _face_load(base, load)
     roughness = _roughness(rough_case(base, dimension, scale))
     return contact_stiffness(roughness, force, mode=law, nominal_area=area)  # type: ignore[arg-type]
 
 
-def stiffness_item(base: Case) -> Item:
+def stiffness_item(base: TwoBladeCase) -> Item:
     """K_n and K_t against D, G and load in three modes; where the law fails; equation 8 against Hertz."""
     rows = []
     for dimension, scale, load in _grid():
@@ -276,12 +275,11 @@ def stiffness_item(base: Case) -> Item:
     )
 
 
-def _judged_stiffness(base: Case, _solutions: Solutions) -> Judgement:
-    assert base.roughness is not None
+def _judged_stiffness(base: TwoBladeCase, _solutions: Solutions) -> Judgement:
     answers = []
     for dimension in PAPER_DIMENSIONS:
         for load in LOADS:
-            found = _stiffness(base, dimension, PAPER_SCALE, load, base.roughness.mode)
+            found = _stiffness(base, dimension, PAPER_SCALE, load, roughness_section(base).mode)
             holds = found.status is not ContactStatus.FULLY_PLASTIC
             where = {"D": f"{dimension:g}", "F_N": f"{load:g} N"}
             answers.append(Answer(where, holds, f"K_n {found.normal:.3g} N/m"))
@@ -305,11 +303,9 @@ def _grid() -> Iterator[tuple[float, float, float]]:
                 yield dimension, scale, load
 
 
-def drawn_faces(base: Case) -> list[tuple[str, FloatArray, FloatArray, FloatArray]]:
+def drawn_faces(base: TwoBladeCase) -> list[tuple[str, FloatArray, FloatArray, FloatArray]]:
     """(title, x, y, heights) of the paper's three faces, all with the phases of the case's seed, m."""
-    given, geometry = base.roughness, base.geometry
-    assert given is not None
-    assert geometry is not None
+    given, geometry = roughness_section(base), base.geometry
     phases = draw_phases(given.seed, given.ridges, frequency_count(given.sample_length, given.shortest_length))
     along, across = np.linspace(0.0, geometry.damper_length, 280), np.linspace(0.0, geometry.contact_face_width, 66)
     x, y = np.meshgrid(along, across)
@@ -327,7 +323,7 @@ def drawn_faces(base: Case) -> list[tuple[str, FloatArray, FloatArray, FloatArra
 Line = tuple[str, list[float], list[float]]
 
 
-def stiffness_over_load(base: Case, scale: float) -> dict[str, list[Line]]:
+def stiffness_over_load(base: TwoBladeCase, scale: float) -> dict[str, list[Line]]:
     """The same over the centrifugal force in N, at one G."""
     return {
         law: [
@@ -338,7 +334,7 @@ def stiffness_over_load(base: Case, scale: float) -> dict[str, list[Line]]:
     }
 
 
-def stiffness_over_scale(base: Case) -> dict[str, list[Line]]:
+def stiffness_over_scale(base: TwoBladeCase) -> dict[str, list[Line]]:
     """Lines of the stiffness figure: law -> (label, G in m, K_n in N/m) at the base load, one line for each D."""
     load = float(base.preload.centrifugal_force or 0.0)
     result = {}

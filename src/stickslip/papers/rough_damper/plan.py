@@ -10,8 +10,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from stickslip.case.case import Case
+from stickslip.case.case import TwoBladeCase
 from stickslip.core.errors import StudyFileError
+from stickslip.model.joint import roughness_section
 from stickslip.sweeps.plan import PlannedCase, case_hashes
 
 EXCITATIONS = ("single", "same", "opposite")
@@ -162,10 +163,10 @@ class Scope:
 WINDOW: Mapping[str, Any] = {"solver.frequency_start": "405 Hz", "solver.frequency_stop": "535 Hz"}
 
 
-def base_case(scope: Scope) -> Case:
+def base_case(scope: Scope) -> TwoBladeCase:
     """The case that all others are made from. Raises StudyFileError for a wrong change."""
     chosen = {choice.key: choice.base for choice in CHOICES}
-    return Case().replace({**chosen, **WINDOW, **scope.changes})
+    return TwoBladeCase().replace({**chosen, **WINDOW, **scope.changes})
 
 
 def computations(scope: Scope) -> tuple[Computation, ...]:
@@ -194,12 +195,12 @@ def _wanted(scope: Scope) -> Iterator[tuple[str, dict[str, Any], float, float, f
         yield BASE_CHOICE, {}, force, load, dimension, scale, other
     for choice, value in changes(scope):
         changed, probe = variant(choice, value), base_case(scope).replace({choice.key: value})
-        assert probe.roughness is not None
+        law_there = roughness_section(probe).mode
         for force, load, points in scope.changed_runs(changed_load(choice, probe)):
             if choice.key == LOAD_KEY and (force, load) in scope.runs:
                 continue  # a run of the base already
             for dimension, scale in points:
-                yield changed, {choice.key: value}, force, load, dimension, scale, probe.roughness.mode
+                yield changed, {choice.key: value}, force, load, dimension, scale, law_there
 
 
 def changes(scope: Scope) -> Iterator[tuple[Choice, Any]]:
@@ -209,7 +210,7 @@ def changes(scope: Scope) -> Iterator[tuple[Choice, Any]]:
             yield choice, value
 
 
-def changed_load(choice: Choice, case: Case) -> float | None:
+def changed_load(choice: Choice, case: TwoBladeCase) -> float | None:
     """The main centrifugal force (N) of a case if it is the choice that is varied, else None."""
     return case.preload.centrifugal_force if choice.key == LOAD_KEY else None
 

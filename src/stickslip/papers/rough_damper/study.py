@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.files import require_folder, require_room
 from stickslip.core.progress import Progress, SilentProgress
-from stickslip.model.kinds.two_blade import set_up
+from stickslip.model.kinds.two_blade import TwoBladeKind
 from stickslip.papers.rough_damper import choice_items, curve_items, figures, model_items, motion_items, verdict_items
 from stickslip.papers.rough_damper.compute import FOLDER as COMPUTATIONS
 from stickslip.papers.rough_damper.compute import Computed, Failure, compute
@@ -97,7 +97,7 @@ def _items(
 ) -> tuple[tuple[Item, ...], list[verdict_items.Judged], list[choice_items.ChangedVerdict]]:
     """The items of the page in its order, the claims that they judge, and these under every changed choice."""
     case = base_case(scope)
-    setup = set_up(case)
+    setup = TwoBladeKind().set_up(case)
     surfaces, stiffness = model_items.surface_item(case), model_items.stiffness_item(case)
     reduction = model_items.reduction_item(case, solved, 3 * setup.mesh.n_nodes, setup.layout.face_pairs.n_pairs)
     claims = verdict_items.judged_claims(case, solved)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from stickslip.case.case import Case
+from stickslip.case.case import TwoBladeCase
 from stickslip.papers.rough_damper.choice_items import ChangedVerdict
 from stickslip.papers.rough_damper.claims import CLAIMS, Solutions
 from stickslip.papers.rough_damper.items import Item, base
@@ -29,7 +29,7 @@ REMARKS = {
 Judged = tuple[str, str, Judgement]  # statement, place in the paper, verdict
 
 
-def judged_claims(case: Case, solutions: Solutions) -> list[Judged]:
+def judged_claims(case: TwoBladeCase, solutions: Solutions) -> list[Judged]:
     """Every claim: those about the vibration, and those that the model decides alone."""
     chosen = base(solutions)
     found = [(claim.statement, claim.place, claim.judged(chosen)) for claim in CLAIMS]

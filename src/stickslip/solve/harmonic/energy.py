@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,10 @@ class CurveMeasures:
     input_energy: FloatArray  # (n_points,)
     viscous_energy: FloatArray  # (n_points,)
     residual: FloatArray  # (n_points,)
+
+    def first(self, count: int) -> CurveMeasures:
+        """Those of the first ``count`` points."""
+        return CurveMeasures(*(getattr(self, field.name)[:count] for field in fields(self)))
 
 
 def measure_curve(

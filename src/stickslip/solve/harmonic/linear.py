@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.linalg
+from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
 from stickslip.results.linear_curves import LinearCurves
 from stickslip.solve.excitation import ExcitationForce
 from stickslip.solve.harmonic.damping import modal_basis
 from stickslip.solve.harmonic.gain import ComplexArray, to_complex
-from stickslip.structure.superelement import RIGID_BODY_HZ
+from stickslip.structure.superelement import moves_freely
+
+POSSIBLY_RIGID = 1e-4
 
 
 class LinearLimit:
@@ -21,9 +24,19 @@ class LinearLimit:
     system is solved.
     """
 
-    def __init__(self, circular_frequency: FloatArray, modes: FloatArray, modal_damping: FloatArray) -> None:
-        """From mass-normalised modes (n, n); ``modal_damping`` (n,) if they diagonalise the damping, else (n, n)."""
+    def __init__(
+        self,
+        circular_frequency: FloatArray,
+        modes: FloatArray,
+        modal_damping: FloatArray,
+        rigid: NDArray[np.bool_] | None = None,
+    ) -> None:
+        """From mass-normalised modes (n, n); ``modal_damping`` (n,) if they diagonalise the damping, else (n, n).
+
+        ``rigid`` (n,) says which modes are bodies that move freely; None for none.
+        """
         self.circular_frequency, self._modes = circular_frequency, modes
+        self.rigid = np.zeros(circular_frequency.size, dtype=bool) if rigid is None else rigid
         if modal_damping.ndim == 1:
             self._diagonal, self._rest = modal_damping, None
         else:
@@ -34,7 +47,11 @@ class LinearLimit:
     def of_matrices(cls, mass: FloatArray, stiffness: FloatArray, damping: FloatArray) -> LinearLimit:
         """The limit of a structure given by its matrices (n, n)."""
         circular_frequency, modes = modal_basis(mass, stiffness)
-        return cls(circular_frequency, modes, modes.T @ damping @ modes)
+        # What round-off leaves of a frequency of zero is far below this fraction of the highest one.
+        slow = circular_frequency <= POSSIBLY_RIGID * circular_frequency.max()
+        rigid = np.zeros(slow.size, dtype=bool)
+        rigid[slow] = moves_freely(stiffness, modes[:, slow])
+        return cls(circular_frequency, modes, modes.T @ damping @ modes, rigid)
 
     @property
     def natural_hz(self) -> FloatArray:
@@ -98,7 +115,7 @@ def linear_curves(
         stuck=stuck.response_to(omega, force),
         free=free.response_to(omega, force),
         stuck_frequency_hz=stuck.natural_hz[:shown_modes],
-        free_frequency_hz=free.natural_hz[free.natural_hz > RIGID_BODY_HZ][:shown_modes],
+        free_frequency_hz=free.natural_hz[~free.rigid][:shown_modes],
     )
 
 

@@ -1,0 +1,21 @@
+"""What is computed of a structure: the section [analysis] of a study file, one class for each kind.
+
+A further kind is one more class here and one function in ``study/analyses.py``.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from stickslip.case.sections import Section, of_kind
+
+
+class ForcedAnalysis(Section):
+    """What is computed: forced is the periodic response to the excitation over the window of [solver]."""
+
+    kind: Literal["forced"] = Field(default="forced", description="forced")
+
+
+Analysis = Annotated[ForcedAnalysis, of_kind({"forced": ForcedAnalysis}, "forced")]

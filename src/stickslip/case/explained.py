@@ -1,0 +1,87 @@
+"""What pydantic finds wrong in a study file, with the sentences of the sections where these say more."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from stickslip.case.sections import Required, Section
+from stickslip.case.template import section_types
+from stickslip.case.toml_text import STATED
+
+
+def explained(
+    details: ErrorDetails, data: Mapping[str, Any], own: type[BaseModel], kinds: Mapping[str, type[BaseModel]]
+) -> list[ErrorDetails]:
+    """The error itself, or what takes its place: for a key that must be there the sentence of its section; for what
+    belongs to studies of another kind what is wrong with its value, or else that it does not belong here.
+
+    ``own`` is the class of the study with the sections ``data``, ``kinds`` those of all kinds.
+    """
+    path = tuple(str(part) for part in details["loc"])
+    if details["type"] == "missing":
+        sentence = next((entry.sentence for entry in _required(own, path)), None)
+        return [details if sentence is None else _stated(details, sentence)]
+    if details["type"] != "extra_forbidden":
+        return [details]
+    sentence = _foreign_sentence(path, own, kinds)
+    if sentence is None:
+        return [details]
+    return _wrong_values(path, data, own, kinds) or [_stated(details, sentence)]
+
+
+def _stated(details: ErrorDetails, sentence: str) -> ErrorDetails:
+    return {**details, "type": STATED, "ctx": {"sentence": sentence}}
+
+
+def _classes(case: type[BaseModel], section: str) -> tuple[type[BaseModel], ...]:
+    field = case.model_fields.get(section)
+    return () if field is None else section_types(field.annotation)
+
+
+def _required(own: type[BaseModel], path: tuple[str, ...]) -> list[Required]:
+    fields = [each.model_fields[path[-1]] for each in _classes(own, path[0]) if path[-1] in each.model_fields]
+    return [entry for field in fields for entry in field.metadata if isinstance(entry, Required)]
+
+
+def _foreign_sentence(path: tuple[str, ...], own: type[BaseModel], kinds: Mapping[str, type[BaseModel]]) -> str | None:
+    """What a message says of an entry that only studies of other kinds have; None if none has it."""
+    if len(path) == 1:
+        owners = [name for name, kind in kinds.items() if path[0] in kind.model_fields]
+        kind = next((name for name, each in kinds.items() if each is own), "")
+        if not owners:
+            return None
+        return (
+            f'does not belong to a structure of kind "{kind}", only to {" and ".join(owners)}. Take the section out, '
+            "or set structure.kind."
+        )
+    found = [each.foreign for each in _classes(own, path[0]) if issubclass(each, Section)]
+    return next((foreign[path[-1]] for foreign in found if path[-1] in foreign), None)
+
+
+def _wrong_values(
+    path: tuple[str, ...], data: Mapping[str, Any], own: type[BaseModel], kinds: Mapping[str, type[BaseModel]]
+) -> list[ErrorDetails]:
+    """What the first other kind that has an entry finds wrong with its value."""
+    for name, other in kinds.items():
+        if other is own or path[0] not in other.model_fields:
+            continue
+        section = data[path[0]]
+        if path[0] == "structure":
+            section = {**section, "kind": name}
+        try:
+            other.model_validate({"structure": {"kind": name}, path[0]: section})
+        except ValidationError as error:
+            found = [each for each in error.errors(include_url=False) if _is_below(each, path)]
+            if found:
+                return found
+    return []
+
+
+def _is_below(details: ErrorDetails, path: tuple[str, ...]) -> bool:
+    """Whether an error is about a value at or below a path, and not about keys that are there or not."""
+    place = tuple(str(part) for part in details["loc"])
+    return place[: len(path)] == path and details["type"] not in ("missing", "extra_forbidden")

@@ -1,0 +1,131 @@
+"""The sections of a study file about the two blades and their damper; the defaults are the project's study."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+
+from stickslip.case.sections import (
+    Density,
+    Direction,
+    Elements,
+    Force,
+    Length,
+    PoissonRatio,
+    PreloadSection,
+    Section,
+    StructureSection,
+    YoungModulus,
+    instead_of,
+    without_default,
+)
+from stickslip.core.units import Quantity
+
+
+class GeometrySection(Section):
+    """Two mirrored blades and the damper between them; every dimension. The defaults are inferred, not from a drawing.
+    z runs from the fixed root to the tip, x across the airfoil's thickness, y along the chord."""
+
+    blade_length: Length = Field(default=0.145, description="root to tip")
+    width: Length = Field(default=0.028, description="chord: extent along y")
+    airfoil_thickness: Length = Field(default=0.007, description="along x")
+    damper_length: Length = Field(default=0.028, description="along y")
+    contact_face_width: Length = Field(default=0.0065, description="along the slope of the platform")
+    platform_angle: Annotated[
+        float,
+        Quantity(
+            "angle",
+            shown="deg",
+            at_least=1e-6,
+            below=1.5707963267948966,
+            unit_required="A plain number would be radian, which few expect here.",
+        ),
+    ] = Field(default=0.523598775598299, description="contact face against the horizontal")
+    underside_height_at_shank: Length = Field(default=0.0367, description="height of the platform's underside")
+    inner_overhang: Length = Field(default=0.0117, description="flat underside between shank and contact face")
+    platform_edge_thickness: Length = Field(default=0.0057, description="at the free edge")
+    platform_gap: Length = Field(default=0.001, description="between the two platforms")
+    shank_thickness_at_platform: Length = Field(default=0.0139, description="tapers to the next one")
+    shank_thickness_at_base: Length = Field(default=0.0093, description="at the fixed root")
+    damper_flank_height: Length = Field(default=0.0025, description="vertical side below the damper's contact face")
+    excitation_height: Length = Field(
+        default=0.00367, description="z of N1, N2 on the outer shank faces; near the root it takes a large force"
+    )
+
+
+class MeshSection(Section):
+    """Element formulation and element counts: columns along x, rows along z, chordwise along y."""
+
+    element: Literal["incompatible", "trilinear", "serendipity"] = Field(
+        default="incompatible",
+        description="incompatible: 8-node brick that bends; trilinear: locks in bending; serendipity: 20 nodes",
+    )
+    shank_columns: Elements = Field(default=3, description="across shank and airfoil")
+    shank_rows: Elements = Field(default=10, description="root to platform")
+    platform_rows: Elements = Field(default=4)
+    airfoil_rows: Elements = Field(default=30, description="platform to tip")
+    inner_columns: Elements = Field(default=2, description="flat underside between shank and contact face")
+    contact_columns: Elements = Field(default=4, description="up the contact face; the damper has as many")
+    chordwise: Elements = Field(default=10, description="along the damper's length")
+    beyond_damper: Elements = Field(default=1, description="at each end, if the damper is shorter than the width")
+    damper_columns: Elements = Field(default=4)
+    damper_flank_rows: Elements = Field(default=2)
+
+
+class MaterialSection(Section):
+    """One linear elastic material for blades and damper."""
+
+    young_modulus: YoungModulus = Field(default=197e9)
+    poisson_ratio: PoissonRatio = Field(default=0.3)
+    density: Density = Field(default=7800.0)
+
+
+class ExcitationSection(Section):
+    """Harmonic force at N1 (left blade) and N2 (right blade)."""
+
+    mode: Literal["single", "same", "opposite"] = Field(
+        default="single", description="single: N1 alone; same, opposite: direction at N1 and N2"
+    )
+    amplitude: Force = Field(default=300.0, description="of each force")
+    direction: Direction = Field(
+        default=(1.0, 0.0, 0.0),
+        description="[x, y, z] of the force and of the response at A; any length",
+    )
+
+
+class TwoBladeStructureSection(StructureSection):
+    """The structure is meshed from [geometry] and [mesh]."""
+
+    foreign: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("file", "length_unit", "unit_system", "includes_outside", "stiffness", "mass", "damping", "unknown_map",
+         "node_positions", "fixed", "element"),
+        'does not belong to a structure of kind "two-blade". Take it out.',
+    )  # fmt: skip
+
+    kind: Literal["two-blade"] = Field(default="two-blade", description="two-blade, mesh or matrices")
+
+
+class _WedgeKeys(Section):
+    centrifugal_force: Force | None = Field(
+        default=500.0,
+        description="F of the damper, total over both ends; each face carries F / (2 (cos angle + mu_0 sin angle))",
+    )
+    friction_coefficient_at_assembly: Annotated[float, Quantity("pure number", at_least=0.0, at_most=10.0)] = Field(
+        default=0.0, description="mu_0: friction that helps to carry the force"
+    )
+
+
+class WedgePreloadSection(PreloadSection, _WedgeKeys):
+    """Normal load at rest: prescribed, or solved from the static load with contact, gaps and friction."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _values_replace_the_default(cls, data: Any) -> Any:
+        return without_default(data, ("values",), "centrifugal_force")
+
+    @field_validator("values")
+    @classmethod
+    def _one_source(cls, value: Any, info: ValidationInfo) -> Any:
+        return instead_of(value, info, "centrifugal_force")

@@ -1,0 +1,59 @@
+"""What a kind of structure offers: how it finds its structure and joints, and reads loads, responses and words."""
+
+from __future__ import annotations
+
+from typing import Protocol, TypeVar
+
+from stickslip.case.case import Case
+from stickslip.core.validation import FloatArray
+from stickslip.model.joint import FaceSettings
+from stickslip.model.layout import BaseMotionOfSupport, Layout, PortForce, PortUnbalance, Reading, Setup
+from stickslip.structure.finite_element_mesh import AnyMesh
+
+CaseT = TypeVar("CaseT", bound=Case, contravariant=True)
+
+
+class Kind(Protocol[CaseT]):
+    """One kind of structure; it is registered in :data:`stickslip.model.model.KINDS` under the class of its cases."""
+
+    def set_up(self, case: CaseT) -> Setup:
+        """Mesh or matrices, and the layout on them. Raises InputError."""
+
+    def find_layout(self, case: CaseT, mesh: AnyMesh) -> Layout:
+        """The layout on a mesh that is there already. Raises InputError."""
+
+    def preload(self, case: CaseT, layout: Layout) -> FloatArray:
+        """(n_pairs,) N at rest. Raises InputError."""
+
+    def face_settings(self, case: CaseT) -> tuple[FaceSettings, ...]:
+        """Friction and stiffness of each face."""
+
+    def rotation_speed(self, case: CaseT) -> float:
+        """rad/s; 0 where nothing rotates."""
+
+    def static_forces(self, case: CaseT) -> tuple[PortForce, ...]:
+        """The constant forces, beside rotation."""
+
+    def forces(self, case: CaseT) -> tuple[PortForce, ...]:
+        """The harmonic forces."""
+
+    def unbalances(self, case: CaseT) -> tuple[PortUnbalance, ...]:
+        """The rotating unbalances."""
+
+    def base_motion(self, case: CaseT) -> BaseMotionOfSupport | None:
+        """The motion of the support; None where it stands still."""
+
+    def outputs(self, case: CaseT) -> tuple[dict[str, Reading], dict[str, tuple[str, ...]]]:
+        """Name -> what is read, the response of the curve first; heading -> names that are drawn together."""
+
+    def force_amplitude(self, case: CaseT) -> float:
+        """N, the force that a response is divided by where several forces are compared."""
+
+    def description(self, case: CaseT) -> str:
+        """One sentence on excitation, load and friction."""
+
+    def rough_face_size(self, case: CaseT) -> tuple[float, float]:
+        """m along and across a face, for a picture of its roughness."""
+
+    def is_fitted(self, case: CaseT) -> bool:
+        """Whether the structure is the one that was fitted to the paper's Table 2."""

@@ -1,0 +1,38 @@
+"""The node nearest to a point of a study file: one rule for every kind of structure."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray
+
+# A point of the study file may lie this fraction of the structure's size from the nearest node.
+POINT_FRACTION = 0.05
+# Two nodes are at one place when they are closer to each other than this fraction of the structure's size. Files hold
+# coordinates with six or more digits, so that equal places differ by less; the smallest elements are far larger.
+SAME_PLACE_FRACTION = 1e-6
+
+
+def nearest_node(positions: FloatArray, point: FloatArray) -> int:
+    """Position in ``positions`` (n, 3) m of the node that is nearest to ``point`` (3,) m.
+
+    Raises InputError where the nearest one is far, and where another node is at its place, as on two sides of a joint.
+    """
+    distance = np.linalg.norm(positions - point, axis=1)
+    size = float(np.linalg.norm(np.ptp(positions, axis=0)))
+    nearest = int(distance.argmin())
+    x, y, z = 1e3 * positions[nearest]
+    if distance[nearest] > POINT_FRACTION * size:
+        raise InputError(
+            f"the nearest node is {1e3 * distance[nearest]:.4g} mm away, at ({x:.4g}, {y:.4g}, {z:.4g}) "
+            f"mm; at most {1e3 * POINT_FRACTION * size:.4g} mm is allowed. Check the point and the unit of length."
+        )
+    apart = np.linalg.norm(positions - positions[nearest], axis=1)
+    apart[nearest] = np.inf
+    if apart.min() <= SAME_PLACE_FRACTION * size:
+        raise InputError(
+            f"two nodes lie at ({x:.4g}, {y:.4g}, {z:.4g}) mm, the nearest place to the point, as on both sides of a "
+            "joint. Give a set or a node."
+        )
+    return nearest

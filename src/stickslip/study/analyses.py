@@ -1,0 +1,55 @@
+"""What is computed of a model: one function for each kind of [analysis], and the one place that chooses it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from stickslip.case.analysis import ForcedAnalysis
+from stickslip.case.case import Case
+from stickslip.core.progress import Progress, SilentProgress
+from stickslip.model.model import ReducedModel
+from stickslip.results.record import run_provenance
+from stickslip.results.response import ForcedResponse
+from stickslip.solve.forced import forced_response
+from stickslip.solve.path.stepping import ContinuationSettings
+from stickslip.solve.path.newton import NewtonSettings
+
+Analyse = Callable[[Case, ReducedModel, Progress, int | None], ForcedResponse]
+
+
+def solve(
+    case: Case, model: ReducedModel, progress: Progress | None = None, threads: int | None = None
+) -> ForcedResponse:
+    """What the case asks for, with its settings; provenance says inputs and versions. Raises ConvergenceError."""
+    response = _ANALYSES[type(case.analysis)](case, model, progress or SilentProgress(), threads)
+    return replace(response, provenance={**response.provenance, **run_provenance()})
+
+
+def _forced(case: Case, model: ReducedModel, told: Progress, threads: int | None) -> ForcedResponse:
+    """The forced response over the window of [solver]."""
+    settings = case.solver
+    compiling = "preparing; the first run on a machine compiles the friction law, about ten seconds"
+    told.update("Response", 0.0, compiling)
+    return forced_response(
+        model.superelement,
+        model.pairs,
+        model.excitation,
+        frequency_hz=(settings.frequency_start, settings.frequency_stop),
+        harmonics=settings.harmonics,
+        samples=settings.samples,
+        modal_damping_ratio=case.damping.modal_damping_ratio,
+        update=settings.update,
+        newton=NewtonSettings(tolerance=settings.tolerance),
+        continuation=ContinuationSettings(
+            largest_step=settings.largest_step,
+            smallest_step=settings.smallest_step,
+            first_step=settings.first_step,
+        ),
+        threads=threads,
+        progress=lambda fraction, detail: told.update("Response", fraction, detail),
+    )
+
+
+# Class of the section [analysis] -> what computes it.
+_ANALYSES: dict[type[ForcedAnalysis], Analyse] = {ForcedAnalysis: _forced}

@@ -1,0 +1,76 @@
+"""What a study would run, before anything heavy: for ``stickslip check``."""
+
+from __future__ import annotations
+
+import math
+
+from stickslip.case.case import Case
+from stickslip.core.plausible import suspecting
+from stickslip.model.joint import odd_values
+from stickslip.model.model import kind_of, load_joint, set_up
+from stickslip.results.measures import hertz
+from stickslip.structure.joined import joined_modes
+from stickslip.study.facts import (
+    derived_quantities,
+    sizes,
+    study_warnings,
+)
+from stickslip.study.record import CLOSED_AT_REST
+
+SHOWN_FREQUENCIES = 4
+
+
+def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
+    """What would run, as sections of (label, value); builds the mesh and the joint, but reduces and solves nothing.
+
+    Raises InputError where the geometry does not fit, RoughnessError for a contact without stiffness.
+    """
+    setup = set_up(case)
+    joint = load_joint(case, setup.layout)
+    structure = setup.assemble()
+    numbers = [
+        (name, f"{_short(value)} {unit}".rstrip("- ")) for name, value, unit, _ in derived_quantities(case, joint)
+    ]
+    solver = case.solver
+    with suspecting(odd_values(case, setup.layout)):
+        stuck_hz, _ = joined_modes(structure, joint.face_pairs, SHOWN_FREQUENCIES, joint.resting_springs)
+    solved = case.preload.method == "solved"
+    held = "" if joint.closed_at_rest.all() else " (pairs without a gap)" if solved else f" {CLOSED_AT_REST}"
+    sections = [
+        ("Sizes", list(sizes(case, setup, structure, joint))),
+        ("Derived quantities", numbers),
+        (
+            "Would run",
+            [
+                ("sweep", f"{solver.frequency_start:g} to {solver.frequency_stop:g} Hz"),
+                (f"first natural frequencies, contact stuck{held}", ", ".join(map(hertz, stuck_hz)) + " Hz"),
+                ("excitation", kind_of(case).description(case)),
+                ("resolution", f"{solver.harmonics} harmonics, {solver.samples} samples"),
+            ],
+        ),
+    ]
+    warnings = list(study_warnings(case, joint))
+    if solved:
+        warnings.append(
+            "The preload is solved by a run: normal loads, stiffness and frequencies shown here are those of the "
+            "pressure that the solution starts from, with every pair closed that has no gap."
+        )
+    if (stuck_hz == 0.0).any():
+        warnings.append(
+            "A frequency of 0 Hz is a body that moves freely: "
+            + ("pairs without a gap" if solved else "the pairs closed at rest")
+            + " do not hold it"
+            + (", so the static load must close others." if solved else ", and a run refuses that.")
+        )
+    low, high = sorted((solver.frequency_start, solver.frequency_stop))
+    if not ((stuck_hz >= low) & (stuck_hz <= high)).any():
+        warnings.append("None of these natural frequencies lies in the sweep, so it may hold no resonance.")
+    if warnings:
+        sections.append(("Warnings", [(f"{i}.", sentence) for i, sentence in enumerate(warnings, start=1)]))
+    return sections
+
+
+def _short(value: str | float | int) -> str:
+    if isinstance(value, float):
+        return f"{value:.4g}" if math.isfinite(value) else "not defined"
+    return str(value)

@@ -1,0 +1,99 @@
+"""A case solved in memory: response, model and what the report shows, without a folder."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from stickslip.case.case import Case
+from stickslip.core.progress import Progress, SilentProgress
+from stickslip.core.threads import thread_count
+from stickslip.model.layout import Setup
+from stickslip.model.model import Model, build_model, load_joint, set_up
+from stickslip.results.record import StudyRecord
+from stickslip.results.response import ForcedResponse
+from stickslip.study.analyses import solve
+from stickslip.study.record import compare_modes, study_record, with_other_tractions
+from stickslip.study.sketching import sketch_of
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A solved case.
+
+    response:
+        the curve; ``response.converged`` is False where it could not be followed to its end.
+    model:
+        superelement, pairs, excitation and outputs by name.
+    record:
+        what the report shows beside the response.
+    """
+
+    case: Case
+    response: ForcedResponse
+    model: Model
+    record: StudyRecord
+
+    @property
+    def converged(self) -> bool:
+        """Whether the curve reaches its end."""
+        return self.response.converged
+
+    @property
+    def message(self) -> str:
+        """How the curve ended."""
+        return self.response.message
+
+    def __repr__(self) -> str:
+        start, stop = self.response.frequency_hz[[0, -1]]
+        ending = "" if self.converged else ", not complete"
+        return (
+            f"Solution({self.case.study.title!r}: {self.response.n_points} points from {start:.2f} to {stop:.2f} Hz"
+            f"{ending})"
+        )
+
+    def plot(self) -> Any:
+        """The amplitude of the first output over the frequency with both linear limits, a matplotlib figure."""
+        from stickslip.reporting.figures import amplitude_frequency
+
+        return amplitude_frequency(self.response, self.record)
+
+
+def solve_case(case: Case, progress: Progress | None = None, threads: int | None = None) -> Solution:
+    """Solve a case in memory; nothing is written.
+
+    ``threads`` None takes the environment variable STICKSLIP_THREADS, or else the usable cores, at most 4. Raises
+    InputError (geometry, roughness) and ConvergenceError (not even a first point).
+    """
+    count, told = thread_count(threads), progress or SilentProgress()
+    # One thread for the matrix products here: beside threads that solve for many right-hand sides more would be slower.
+    with threadpool_limits(limits=1):
+        _, model = reported_model(case, told, count)
+        return solved(case, model, told, count)
+
+
+def reported_model(case: Case, progress: Progress, threads: int) -> tuple[Setup, Model]:
+    """The structure of a case before its matrices, and its model; ``progress`` hears how far they are."""
+    progress.update("Structure", 0.0, "mesh and matrices")
+    setup = set_up(case)
+    joint = load_joint(case, setup.layout)
+    structure = setup.assemble()
+    model = build_model(
+        case, structure, joint, threads, lambda share, detail: progress.update("Structure", 0.1 + 0.7 * share, detail)
+    )
+    return setup, model
+
+
+def solved(case: Case, model: Model, progress: Progress, threads: int) -> Solution:
+    """Solve a model and gather what the report shows of it."""
+    progress.update("Structure", 0.8, "full against reduced frequencies")
+    pairs = model.joint.face_pairs
+    table = compare_modes(model.structure, model.superelement, pairs, model.pairs.resting_stiffness())
+    progress.update("Structure", 1.0, f"{model.superelement.size} unknowns, {model.pairs.n_pairs} pairs")
+    response = solve(case, model, progress, threads)
+    record = study_record(case, model, table, response)
+    other = with_other_tractions(case, model, response, progress, threads)
+    record = replace(record, derived=(*record.derived, *other), sketch=sketch_of(case, model))
+    return Solution(case, response, model, record)

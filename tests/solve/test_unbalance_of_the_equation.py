@@ -1,0 +1,67 @@
+"""Points that do not meet the equation of motion are no results, and contact beyond the arithmetic is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.solve.curve_result import LARGEST_UNBALANCE
+
+
+def two_masses(
+    stiffness: float, ratio: float | None, mass: float = 1.0, damping: np.ndarray | None = None
+) -> ss.ForcedResponse:
+    """Two masses, the second one on a friction contact, under 10 N at the first one."""
+    operator = np.zeros((3, 2))
+    operator[0, 1] = 1.0
+    structure = ss.Superelement(np.diag([1.0, mass]), np.array([[2e6, -1e6], [-1e6, 1e6]]), damping)
+    return ss.forced_response(
+        structure,
+        ss.ContactPairs(operator, stiffness, stiffness, 0.3, 20.0),
+        [10.0, 0.0],
+        frequency_hz=(200.0, 300.0),
+        harmonics=1,
+        samples=64,
+        modal_damping_ratio=ratio,
+        threads=1,
+    )
+
+
+@pytest.mark.parametrize("mass", [1.0, 1e-14])
+def test_an_undamped_resonance_ends_the_curve(mass: float) -> None:
+    """Amplitudes grew to 1e64 m, with a residual of 1e53."""
+    window = two_masses(1e6, None, mass)
+    assert window.residual.max() <= LARGEST_UNBALANCE
+    assert np.abs(window.displacement).max() < 1e6
+    if not window.converged:
+        assert "There is no viscous damping" in window.message
+        assert "the equation of motion is met only to" in window.message
+    assert mass < 1.0 or not window.converged
+
+
+@pytest.mark.parametrize("stiffness", [1e14, 1e16, 1e18])
+def test_contact_beyond_the_arithmetic_is_refused(stiffness: float) -> None:
+    """The residual was 1e11."""
+    with pytest.raises(ss.InputError, match=r"the contact stiffness of pair 0 is 1e\+1[468] N/m, but the structure"):
+        two_masses(stiffness, 0.01)
+
+
+def test_stiff_contact_within_the_arithmetic_is_solved() -> None:
+    response = two_masses(1e9, 0.01)
+    assert response.converged
+    assert response.residual.max() <= LARGEST_UNBALANCE
+
+
+def test_a_free_mass_on_a_contact_is_no_stiff_contact() -> None:
+    response = ss.forced_response(
+        ss.Superelement(np.eye(1), np.zeros((1, 1))),
+        ss.ContactPairs([[1.0], [0.0], [0.0]], 1e9, 1e9, 0.3, 20.0),
+        [1.0],
+        frequency_hz=(100.0, 200.0),
+        harmonics=1,
+        samples=64,
+        modal_damping_ratio=0.01,
+        threads=1,
+    )
+    assert response.converged

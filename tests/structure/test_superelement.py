@@ -1,0 +1,38 @@
+"""Which modes are bodies that move freely: measured by the stiffness that they feel, not by a frequency."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+import scipy.sparse
+
+from stickslip.structure.superelement import moves_freely
+
+
+def chain(n: int, stiffness: float, mass: float, held: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Stiffness and mass of ``n`` masses in a row, the first one held by a spring or not."""
+    matrix = stiffness * (np.diag(np.full(n, 2.0)) - np.diag(np.ones(n - 1), 1) - np.diag(np.ones(n - 1), -1))
+    matrix[-1, -1] = stiffness
+    if not held:
+        matrix[0, 0] = stiffness
+    return matrix, mass * np.eye(n)
+
+
+def test_a_soft_structure_is_elastic() -> None:
+    """0.2 Hz were below the limit of 1 Hz."""
+    stiffness, mass = chain(10, 40.0, 1.0, held=True)
+    squares, modes = scipy.linalg.eigh(stiffness, mass)
+    assert np.sqrt(squares[0]) / (2.0 * np.pi) == pytest.approx(0.15, abs=0.05)
+    assert not moves_freely(stiffness, modes).any()
+
+
+@pytest.mark.parametrize("kind", ["dense", "sparse"])
+@pytest.mark.parametrize(("soft", "heavy"), [(1e9, 1.0), (40.0, 1.0), (1e-3, 1e3)])
+def test_a_free_body_beside_stiff_ones(kind: str, soft: float, heavy: float) -> None:
+    held, light = chain(8, 1e9, 1.0, held=True), chain(6, soft, heavy, held=False)
+    stiffness, mass = (scipy.linalg.block_diag(*pair) for pair in zip(held, light, strict=True))
+    squares, modes = scipy.linalg.eigh(stiffness, mass)
+    matrix = scipy.sparse.csr_array(stiffness) if kind == "sparse" else stiffness
+    free = moves_freely(matrix, modes)
+    assert free.sum() == 1
+    assert free[0] or soft < 1.0  # the order of values below round-off is any
+    assert squares[free].max() <= 1e-12 * squares.max()
