@@ -29,8 +29,16 @@ def requirements(dev: bool = False, extras: bool = False) -> list[str]:
     """Requirements of the project in pyproject.toml, of its group dev and of all extras where these are wanted."""
     data = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     answer = list(data["project"]["dependencies"])
-    answer += data["dependency-groups"]["dev"] if dev else []
+    answer += _group(data["dependency-groups"], "dev") if dev else []
     answer += [each for extra in data["project"]["optional-dependencies"].values() for each in extra] if extras else []
+    return answer
+
+
+def _group(groups: dict[str, list[str | dict[str, str]]], name: str) -> list[str]:
+    """Requirements of a dependency group and of those that it includes (PEP 735)."""
+    answer = []
+    for each in groups[name]:
+        answer += [each] if isinstance(each, str) else _group(groups, each["include-group"])
     return answer
 
 
