@@ -12,7 +12,7 @@ from stickslip.core.files import whole_file
 from stickslip.reporting import plots
 from stickslip.reporting.look import Figure, plain_figures
 from stickslip.reporting.page_data import page_data
-from stickslip.reporting.sketch import structure_section
+from stickslip.reporting.structure_section import structure_section
 from stickslip.reporting.style import MICRO, number, shown_number
 from stickslip.reporting.templates import Notice, Tile, when, whole_page
 from stickslip.reporting.view import View
@@ -45,7 +45,7 @@ def write_page(path: str | PathLike[str], response: ForcedResponse, study: Study
 def page(response: ForcedResponse, study: StudyRecord) -> str:
     """The report of one run as HTML. Raises InputError if the study does not belong to the response."""
     view = View.of(response, study)
-    drawing = structure_section(study)
+    structure = structure_section(study)
     harmonics, ended = f"{response.harmonics} harmonics", "converged" if response.converged else "NOT converged"
     values = {
         "title": study.title,
@@ -58,7 +58,7 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
         "last_point": response.n_points - 1,
         "pair": view.pair,
         "pair_labels": [view.pair_label(pair) for pair in range(response.pairs.n_pairs)],
-        "structure": drawing,
+        "structure": "" if structure is None else structure.html,
         "face_names": study.face_names,
         "open_at_rest": _open_at_rest(view),
         "imbalance": number(view.summary.energy_imbalance, 2),
@@ -72,13 +72,19 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
         "inputs": study.inputs,
         "settings": [(key, number(value)) for key, value in response.settings.items()],
     }
+    numbers = page_data(view, 0 if structure is None else structure.characters)
+    data = {"page-data": numbers, "page-figures": plain_figures(_figures(view))}
+    scripts = ["unpack.js", "page.js"]
+    if structure is not None:
+        data["structure-data"] = structure.data
+        scripts.append("structure.js")
     return whole_page(
         "page.html",
         "Forced response with rough frictional contact",
         values,
         response.provenance,
-        script="page.js",
-        data={"page-data": page_data(view, len(drawing)), "page-figures": plain_figures(_figures(view))},
+        scripts=scripts,
+        data=data,
     )
 
 

@@ -1,4 +1,5 @@
-"""What a picture of the structure needs: its outer sides, and where contact, constraints, loads and responses are."""
+"""What a picture of the structure needs: its outer sides, where contact, constraints, loads and responses are, and how
+all of them move at the peak."""
 
 from __future__ import annotations
 
@@ -11,6 +12,49 @@ from numpy.typing import NDArray
 from stickslip.core.errors import InputError
 from stickslip.core.plain_data import same_content
 from stickslip.core.validation import FloatArray, finite_array
+
+Coefficients = NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """How what a sketch shows moves over one period, at one point of the response curve.
+
+    Parameters
+    ----------
+    points, loads, responses:
+        (n, 3, 2H+1), (k, 3, 2H+1) and (r, 3, 2H+1) m, single precision: displacements x, y, z of the points of the
+        sketch, of the places of its loads and of those of its responses, as coefficients mean, cos 1, sin 1, ...
+    frequency_hz:
+        of the response at that point.
+
+    Raises
+    ------
+    InputError
+        for arrays of another shape, and for numbers that are not finite.
+    """
+
+    points: Coefficients
+    loads: Coefficients
+    responses: Coefficients
+    frequency_hz: float
+
+    def __post_init__(self) -> None:
+        columns = np.shape(self.points)[-1] if np.ndim(self.points) == 3 else 0
+        for name in ("points", "loads", "responses"):
+            array = finite_array(f"motion of the {name}", getattr(self, name))
+            if array.ndim != 3 or array.shape[1] != 3 or array.shape[2] != columns or columns % 2 == 0:
+                raise InputError(
+                    f"the motion of the {name} must have the shape (count, 3, 2H+1) with the same harmonics H for all; "
+                    f"found {array.shape}."
+                )
+            object.__setattr__(self, name, array.astype(np.float32))
+        object.__setattr__(self, "frequency_hz", float(self.frequency_hz))
+
+    def __eq__(self, other: object) -> bool:
+        return same_content(self, other) if isinstance(other, Motion) else NotImplemented
+
+    __hash__ = None  # type: ignore[assignment]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +83,8 @@ class Sketch:
         names, and places (r, 3) m where displacements are read.
     mesh_sides:
         number of outer sides of the mesh; above m where the sketch is coarser than the mesh.
+    motion:
+        how all of this moves at the peak of the response; None for results files of older versions.
 
     Raises
     ------
@@ -59,6 +105,7 @@ class Sketch:
     response_names: tuple[str, ...]
     response_places: FloatArray
     mesh_sides: int
+    motion: Motion | None = None
 
     def __post_init__(self) -> None:
         points = finite_array("sketch points", self.points)
@@ -84,6 +131,13 @@ class Sketch:
             raise InputError("loads of the sketch has a load of 0 N, which has no direction; leave it out.")
         if self.mesh_sides < m:
             raise InputError(f"mesh_sides is {self.mesh_sides}, but the sketch has {m} sides; it cannot have more.")
+        if self.motion is not None:
+            shapes = (self.motion.points.shape[0], self.motion.loads.shape[0], self.motion.responses.shape[0])
+            if shapes != (len(points), k, r):
+                raise InputError(
+                    f"motion of the sketch has {shapes[0]} points, {shapes[1]} loads and {shapes[2]} responses, but "
+                    f"the sketch has {len(points)}, {k} and {r}."
+                )
         changed: dict[str, Any] = {
             "points": points,
             "held": np.asarray(self.held, dtype=bool),

@@ -24,7 +24,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse, LinearCurves
 from stickslip.results.rough_patch import RoughPatch
-from stickslip.results.sketch import Sketch
+from stickslip.results.sketch import Motion, Sketch
 
 if TYPE_CHECKING:
     import xarray
@@ -361,8 +361,31 @@ def _sketch_dataset(sketch: Sketch) -> xarray.Dataset:
         "response_names": _text(sketch.response_names, "names of the responses, JSON list"),
         "response_places": _variable(("response", "axis"), sketch.response_places, "m", "where responses are read"),
         "mesh_sides": _variable((), sketch.mesh_sides, "1", "number of outer sides of the mesh"),
+        **_motion_variables(sketch.motion),
     }
     return xarray.Dataset(data)
+
+
+_MOTION_OF = {"points": "point", "loads": "load", "responses": "response"}
+
+
+def _motion_variables(motion: Motion | None) -> dict[str, tuple[Any, ...]]:
+    """How the picture moves at the peak, where that is known."""
+    if motion is None:
+        return {}
+    variables = {"motion_frequency": _variable((), motion.frequency_hz, "Hz", "frequency of the motion")}
+    for name, dim in _MOTION_OF.items():
+        what = f"displacement of the {name} at the peak of the response"
+        variables |= _split(f"motion_of_{name}", getattr(motion, name), (dim, "axis"), "m", what)
+    return variables
+
+
+def _motion_from(data: xarray.Dataset) -> Motion | None:
+    if "motion_frequency" not in data:  # younger than the format
+        return None
+    harmonics = int(data.sizes["harmonic"])
+    parts = {name: _joined(data, f"motion_of_{name}", harmonics).astype(np.float32) for name in _MOTION_OF}
+    return Motion(**parts, frequency_hz=float(data["motion_frequency"]))
 
 
 def _sketch_from(data: xarray.Dataset) -> Sketch:
@@ -378,4 +401,5 @@ def _sketch_from(data: xarray.Dataset) -> Sketch:
         load_names=names("load"),
         response_names=names("response"),
         mesh_sides=int(data["mesh_sides"]),
+        motion=_motion_from(data),
     )
