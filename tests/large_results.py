@@ -38,7 +38,7 @@ def large_result(n_pairs: int, n_points: int) -> tuple[ForcedResponse, StudyReco
     )
     along_curve: dict[str, Any] = {
         name: again(getattr(response, name))
-        for name in ("displacement", "residual", "iterations", "input_energy", "viscous_energy")
+        for name in ("displacement", "residual", "iterations", "input_energy", "viscous_energy", "load_factor")
     }
     for name in ("contact_state", "dissipated_energy", "normal_work", "closure"):
         along_curve[name] = np.tile(again(getattr(response, name)), (1, copies))

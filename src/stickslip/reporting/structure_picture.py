@@ -17,7 +17,15 @@ from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import Figure, PlotMarkup, figure_of, plain_figures
 from stickslip.reporting.packing import FULL_SCALE, packed
 from stickslip.reporting.structure_marks import Frame, Label, Marked, labels, marked, outlines
-from stickslip.reporting.structure_view import Camera, Extent, best_camera, contact_extent, glass_bodies, round_length
+from stickslip.reporting.structure_view import (
+    Camera,
+    Extent,
+    area_vectors,
+    best_camera,
+    contact_extent,
+    glass_bodies,
+    round_length,
+)
 from stickslip.reporting.style import BLUE, INK, body_colour, face_colour
 from stickslip.results.record import StudyRecord
 from stickslip.results.sketch import Motion, Sketch
@@ -27,11 +35,15 @@ _MM = 1e3
 _GLASS = 0.14  # opacity of bodies that would hide the contact
 _DEFLECTION_SHARE = 0.08  # of the diagonal of the structure, for its largest displacement
 _LEAST_HARMONIC = 1e-3  # of the largest coefficient; harmonics that nowhere reach it are left out of the picture
+# Times the motion about the mean; a larger mean is left out. A body that only friction holds has no unique one.
+_LARGEST_MEAN = 10.0
+_SUNK = 1e-3  # of the diagonal of the structure, for contact faces
 _TICKS = 5  # along the longest axis
 _CONE_SHARE = 0.3  # of the length of an arrow, for its head
 _HALF_ANGLE = np.tan(np.radians(22.5))  # plotly.js sees 45 degrees from bottom to top
 _AROUND = 1.2  # room in a view for the axes and the labels, of the size of what it shows
 _MATT = {"ambient": 0.7, "diffuse": 0.5, "specular": 0.02, "roughness": 0.9, "fresnel": 0.02}
+_BRIGHT = _MATT | {"ambient": 0.85, "diffuse": 0.3}  # of contact faces, for their true colour
 _LIGHT = np.array([-3e4, 6e4, 9e4])  # right, up, towards the eye; as far away as plotly.js takes it
 
 
@@ -47,10 +59,15 @@ class LegendEntry:
 
 @dataclass(frozen=True)
 class Deflection:
-    """What is said of the deflected shape: its magnification, the largest true displacement in m, its frequency."""
+    """What is said of the deflected shape.
+
+    ``largest`` is the largest displacement shown, in m, before the magnification; ``left_out`` is the largest mean
+    displacement in m where the shape is shown about its mean, else 0.
+    """
 
     magnification: float
     largest: float
+    left_out: float
     frequency_hz: float
 
 
@@ -73,18 +90,49 @@ class _Trace:
     at: NDArray[np.int64]
 
 
+@dataclass(frozen=True)
+class _Contact:
+    """The points of contact faces a second time, a little inside their bodies.
+
+    There no side of another body lies in the same plane, which would be drawn in turn with the contact face.
+    ``points`` (c,) are the points of the sketch, ``places`` (c, 3) m where they are drawn, and ``number`` (n,) is what
+    each of these points of the sketch is numbered in the picture.
+    """
+
+    points: NDArray[np.int64]
+    places: FloatArray
+    number: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, sketch: Sketch, first: int) -> _Contact:
+        """The points of a sketch, numbered from ``first``."""
+        here = sketch.face >= 0
+        sides, vectors = sketch.sides[here], area_vectors(sketch)[here]
+        outwards = np.zeros_like(sketch.points)
+        for corner in range(4):
+            np.add.at(outwards, sides[:, corner], vectors)
+        points = np.unique(sides)
+        length = np.linalg.norm(outwards[points], axis=1, keepdims=True)
+        depth = _SUNK * float(np.linalg.norm(np.ptp(sketch.points, axis=0)))
+        places = sketch.points[points] - depth * outwards[points] / np.where(length > 0.0, length, 1.0)
+        number = np.full(len(sketch.points), -1)
+        number[points] = first + np.arange(points.size)
+        return cls(points, places, number)
+
+
 def structure_picture(study: StudyRecord, sketch: Sketch) -> StructurePicture:
     """The picture of the structure of a study."""
     camera = best_camera(sketch)
     shown = marked(sketch)
-    traces, legend = _traces(study, sketch, camera, shown)
-    motion, deflection = (None, None) if sketch.motion is None else _packed_motion(sketch, sketch.motion)
+    contact = _Contact.of(sketch, len(shown.places))
+    traces, legend = _traces(study, sketch, camera, shown, contact)
+    motion, deflection = (None, None) if sketch.motion is None else _packed_motion(sketch, sketch.motion, contact)
     extent = _extent(shown.places, 0.0 if deflection is None else deflection.magnification * deflection.largest)
     close = contact_extent(sketch, camera)
     words, narrow = (labels(study, sketch, _frame(extent, camera, size)) for size in (WIDE_PX, NARROW_PX))
     data = {
         "figure": plain_figures(_figure(words, extent, [trace.look for trace in traces])),
-        "points": packed(_MM * shown.places, "f4"),
+        "points": packed(_MM * np.vstack([shown.places, contact.places]), "f4"),
         "at": [packed(trace.at, "i4") for trace in traces],
         "labels": [label.at for label in words],
         "motion": motion,
@@ -97,7 +145,7 @@ def structure_picture(study: StudyRecord, sketch: Sketch) -> StructurePicture:
 
 
 def _traces(
-    study: StudyRecord, sketch: Sketch, camera: Camera, shown: Marked
+    study: StudyRecord, sketch: Sketch, camera: Camera, shown: Marked, contact: _Contact
 ) -> tuple[list[_Trace], list[LegendEntry]]:
     traces: list[_Trace] = []
     legend: list[LegendEntry] = []
@@ -106,14 +154,21 @@ def _traces(
         legend.append(LegendEntry(kind, colour, words, tuple(range(len(traces), len(traces) + len(made)))))
         traces.extend(made)
 
-    glass, light = glass_bodies(sketch, camera), _LIGHT @ camera.axes
+    glass = glass_bodies(sketch, camera)
+    light = dict(zip("xyz", (_LIGHT @ camera.axes).round().tolist(), strict=True))
     for body, name in enumerate(sketch.body_names):
         sides = sketch.sides[(sketch.body == body) & (sketch.face < 0)]
-        surface = _surface(name, body_colour(body), sides, light, _GLASS if glass[body] else 1.0)
+        look = {"lightposition": light, "lighting": _MATT, "opacity": _GLASS if glass[body] else 1.0}
+        surface = _surface(name, body_colour(body), sides, look)
         show("body", body_colour(body), name, surface, _lines(outlines(sketch, body), INK, 1.5))
     for face in np.unique(sketch.face[sketch.face >= 0]):
-        name, colour = study.face_names[face], face_colour(int(face))
-        show("face", colour, f"contact, {name}", _surface(name, colour, sketch.sides[sketch.face == face], light))
+        name, colour, sides = (
+            study.face_names[face],
+            face_colour(int(face)),
+            contact.number[sketch.sides[sketch.face == face]],
+        )
+        look = {"lightposition": light, "lighting": _BRIGHT}
+        show("face", colour, f"contact, {name}", _surface(name, colour, sides, look))
     if sketch.held.any():
         show("held", INK, "held node", _marks("held", np.flatnonzero(sketch.held), INK, "square", 1.8))
     for constant, words in ((False, "harmonic force"), (True, "constant force")):
@@ -125,7 +180,7 @@ def _traces(
             heads = _cones([sketch.load_names[load] for load in which], tip, _CONE_SHARE * _MM * along)
             show("constant" if constant else "load", INK, words, shafts, heads)
     if sketch.response_names:
-        marks = _marks("response", shown.responses, BLUE, "circle", 4.5)
+        marks = _marks("response", shown.responses, BLUE, "circle", 3.5)
         marks.look["hovertemplate"] = [_hover(name) for name in sketch.response_names]
         show("response", BLUE, "response", marks)
     return traces, legend
@@ -135,8 +190,8 @@ def _hover(name: str) -> PlotMarkup:
     return PlotMarkup("{}<br>x %{{x:.4g}}, y %{{y:.4g}}, z %{{z:.4g}} mm<extra></extra>").format(name)
 
 
-def _surface(name: str, colour: str, sides: NDArray[np.int64], light: FloatArray, opacity: float = 1.0) -> _Trace:
-    """Sides (m, 4) as triangles."""
+def _surface(name: str, colour: str, sides: NDArray[np.int64], options: dict[str, Any]) -> _Trace:
+    """Sides (m, 4) as triangles; ``options`` of plotly win over the common look."""
     at, corner = np.unique(sides, return_inverse=True)
     corner = corner.reshape(-1, 4)
     second = corner[corner[:, 2] != corner[:, 3]]
@@ -145,13 +200,10 @@ def _surface(name: str, colour: str, sides: NDArray[np.int64], light: FloatArray
         "type": "mesh3d",
         **{axis: _typed(triangles[:, place]) for place, axis in enumerate("ijk")},
         "color": colour,
-        "opacity": opacity,
         "flatshading": True,
-        "lighting": _MATT,
-        "lightposition": dict(zip("xyz", light.round().tolist(), strict=True)),
         "hovertemplate": _hover(name),
     }
-    return _Trace(look, at)
+    return _Trace(look | options, at)
 
 
 def _typed(numbers: NDArray[np.int64]) -> dict[str, str]:
@@ -187,26 +239,39 @@ def _cones(names: list[str], at: NDArray[np.int64], along: FloatArray) -> _Trace
     return _Trace(look, at)
 
 
-def _packed_motion(sketch: Sketch, motion: Motion) -> tuple[dict[str, Any], Deflection]:
+def _packed_motion(sketch: Sketch, motion: Motion, contact: _Contact) -> tuple[dict[str, Any], Deflection]:
     """Coefficients as 16-bit numbers, one row of all points for each coefficient, in units of ``step`` mm."""
-    columns = _columns_to_show(motion)
-    of_points = motion.points[..., :columns].astype(float)
+    parts = [part.astype(float) for part in (motion.points, motion.responses, motion.loads)]
+    mean, swing = _largest_displacement(parts[0][..., :1]), _largest_displacement(_about_mean(parts[0]))
+    left_out = mean if mean > _LARGEST_MEAN * swing else 0.0
+    if left_out:
+        parts = [_about_mean(part) for part in parts]
+    columns = _columns_to_show(parts[0])
+    of_points, responses, loads = (part[..., :columns] for part in parts)
     largest = _largest_displacement(of_points)
     size = float(np.linalg.norm(np.ptp(sketch.points, axis=0)))
     magnification = float(f"{_DEFLECTION_SHARE * size / largest:.2g}") if largest > 0.0 else 1.0
-    loads, responses = motion.loads[..., :columns], motion.responses[..., :columns]
-    moving = np.concatenate([of_points, responses, loads, loads])  # tail and tip of an arrow move with its place
+    moving = np.concatenate(
+        [of_points, responses, loads, loads, of_points[contact.points]]
+    )  # tail and tip of an arrow move with its place
     step = float(np.abs(moving).max()) / FULL_SCALE or 1.0
     numbers = np.rint(moving / step).transpose(2, 0, 1)
     data = {"values": packed(numbers, "i2"), "coefficients": columns, "step": _MM * step * magnification}
-    return data, Deflection(magnification, largest, motion.frequency_hz)
+    return data, Deflection(magnification, largest, left_out, motion.frequency_hz)
 
 
-def _columns_to_show(motion: Motion) -> int:
-    """How many coefficients are large enough to be seen: 2H+1 with at least one harmonic where there is one."""
-    height = np.abs(motion.points).max(axis=(0, 1))
+def _about_mean(coefficients: FloatArray) -> FloatArray:
+    """Coefficients (..., 2H+1) of the motion about its mean over the period."""
+    changed = coefficients.copy()
+    changed[..., 0] = 0.0
+    return changed
+
+
+def _columns_to_show(coefficients: FloatArray) -> int:
+    """How many of the columns are large enough to be seen: 2H+1 with at least one harmonic where there is one."""
+    height = np.abs(coefficients).max(axis=(0, 1))
     seen = int(np.flatnonzero(height >= _LEAST_HARMONIC * height.max()).max())
-    return min(int(motion.points.shape[2]), 2 * max(1, (seen + 1) // 2) + 1)
+    return min(int(coefficients.shape[2]), 2 * max(1, (seen + 1) // 2) + 1)
 
 
 def _largest_displacement(coefficients: FloatArray) -> float:
@@ -259,12 +324,17 @@ def _figure(words: list[Label], extent: Extent, traces: list[dict[str, Any]]) ->
     return figure_of(traces, WIDE_PX[1], scene=scene, margin={"l": 0, "r": 0, "t": 0, "b": 0}, showlegend=False)
 
 
-def _view(shown: Extent, whole: Extent, camera: Camera) -> dict[str, Any]:
-    """A camera of plotly.js that shows a box; its origin is the middle of the box of the axes."""
-    centre = (shown.middle - whole.middle) / _unit(whole)
-    eye = centre + _distance(shown, camera) / _unit(whole) * camera.axes[2]
-    named = {"eye": eye, "center": centre, "up": np.array([0.0, 0.0, 1.0])}
-    return {name: dict(zip("xyz", vector.round(6).tolist(), strict=True)) for name, vector in named.items()}
+def _view(shown: Extent, whole: Extent, camera: Camera) -> dict[str, list[Any]]:
+    """What structure.js makes a camera from for a picture of any shape, so that a box fills it.
+
+    Lengths are in units of the scene, from the middle of the box of the axes: ``centre`` (3,), the unit vector
+    ``towards`` the eye (3,), and ``corners`` (8, 3) of the box to the right, up and towards the eye from its centre.
+    """
+    return {
+        "centre": ((shown.middle - whole.middle) / _unit(whole)).round(6).tolist(),
+        "towards": camera.axes[2].round(6).tolist(),
+        "corners": (_seen_corners(shown, camera) / _unit(whole)).round(6).tolist(),
+    }
 
 
 def _unit(whole: Extent) -> float:
@@ -272,13 +342,14 @@ def _unit(whole: Extent) -> float:
     return float(np.cbrt(whole.size.prod()))
 
 
-def _distance(shown: Extent, camera: Camera) -> float:
-    """m from the eye to the middle of a box that fills a square view, its near corners too."""
-    seen = (shown.corners - shown.middle) @ camera.axes.T
-    return float((_AROUND * np.abs(seen[:, :2]).max(axis=1) / _HALF_ANGLE + seen[:, 2]).max())
+def _seen_corners(shown: Extent, camera: Camera) -> FloatArray:
+    """(8, 3) m to the right, up and towards the eye from the middle of a box, with room around it."""
+    return (shown.corners - shown.middle) @ camera.axes.T * [_AROUND, _AROUND, 1.0]
 
 
 def _frame(shown: Extent, camera: Camera, size: tuple[int, int]) -> Frame:
-    """The view of a box in a picture of ``size`` px."""
-    scale = 0.5 * min(size) / (_HALF_ANGLE * _distance(shown, camera))
-    return Frame(camera, shown.middle, scale, *size)
+    """The view of a box in a picture of ``size`` px, as structure.js shows it."""
+    width, height = size
+    right, up, towards = np.abs(_seen_corners(shown, camera)).T
+    distance = float((np.maximum(right * height / width, up) / _HALF_ANGLE + towards).max())
+    return Frame(camera, shown.middle, 0.5 * height / (_HALF_ANGLE * distance), width, height)

@@ -67,9 +67,15 @@ def _deflection(picture: StructurePicture) -> str:
     shape = picture.deflection
     if shape is None:
         return ""
+    words = "mean and all harmonics"
+    if shape.left_out:
+        words = (
+            f"about their mean. The mean, up to {number(MICRO * shape.left_out)} µm, is left out: it is far larger "
+            "than the motion, as for a body that only friction holds, which has no unique mean position"
+        )
     return (
         f"Deflected shape at the peak, {shown_number(shape.frequency_hz, 'Hz')} Hz: displacements × "
-        f"{number(shape.magnification)}, mean and all harmonics. The largest true displacement in the picture is "
+        f"{number(shape.magnification)}, {words}. The largest true displacement in the picture is "
         f"{number(MICRO * shape.largest)} µm."
     )
 

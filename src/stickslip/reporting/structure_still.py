@@ -31,8 +31,10 @@ _HEADING_INCHES = 0.25
 _DPI = 150
 _POINTS_PER_PX = 0.6  # labels are placed for a view of structure_picture, which is larger than a panel
 _GLASS = 0.22  # opacity of bodies that would hide the contact
-_FILLED = 0.84  # of a panel, by the box that it shows
+_AXES_SHARE = 0.2  # of the width of a panel, for the axes below and the labels above
+_FILLED = 0.8  # of a panel, by the box that it shows
 _DARKEST = 0.65
+_NEARER = 0.01  # of the diagonal of the structure
 _LIGHT = np.array([-0.3, 0.6, 0.9])  # right, up, towards the eye
 _MM = 1e3
 
@@ -53,21 +55,31 @@ def structure_figure(study: StudyRecord, sketch: Sketch) -> Figure:
     whole = Extent.around(shown.places)
     close = contact_extent(sketch, camera)
     views = {"": whole} if close is None else {"Whole structure": whole, "Contact": close}
-    height = _PANEL_INCHES + (_HEADING_INCHES if close is not None else 0.0)
+    panel = _PANEL_INCHES * max(_height_share(extent, camera) for extent in views.values())
+    height = panel + (_HEADING_INCHES if close is not None else 0.0)
     figure = Figure(figsize=(_PANEL_INCHES * len(views), height))
     for place, (heading, extent) in enumerate(views.items()):
-        left, share = place / len(views), _PANEL_INCHES / height
-        axes: Any = figure.add_axes((left, 0.0, 1.0 / len(views), share), projection="3d")
+        # matplotlib draws into a square; what a low panel cuts off above and below is empty.
+        left, below = place / len(views), 0.5 * (panel - _PANEL_INCHES) / height
+        axes: Any = figure.add_axes((left, below, 1.0 / len(views), _PANEL_INCHES / height), projection="3d")
         _set_view(axes, camera, extent, extent is close)
         _bodies(axes, sketch, camera)
         _marks(axes, sketch, shown)
         width = _PANEL_INCHES * 72.0 / _POINTS_PER_PX
         px_per_m = _FILLED * width / float(extent.seen_size(camera)[:2].max())
-        for label in labels(study, sketch, Frame(camera, extent.middle, px_per_m, width, width)):
+        for label in labels(
+            study, sketch, Frame(camera, extent.middle, px_per_m, width, width * panel / _PANEL_INCHES)
+        ):
             if (np.abs(shown.places[label.at] - extent.middle) <= 0.5 * extent.size * (1.0 + 1e-9)).all():
                 _write(axes, label, shown.places[label.at])
         figure.text(left + 0.01, 0.99, heading, fontsize=9, weight="bold", va="top", color=INK)
     return figure
+
+
+def _height_share(extent: Extent, camera: Camera) -> float:
+    """Height of a panel that shows a box, with its axes and labels, of its width."""
+    right, up, _ = extent.seen_size(camera)
+    return float(min(1.0, up / max(right, up) + _AXES_SHARE))
 
 
 def _set_view(axes: Any, camera: Camera, extent: Extent, is_close: bool) -> None:
@@ -94,19 +106,28 @@ def _set_view(axes: Any, camera: Camera, extent: Extent, is_close: bool) -> None
 
 
 def _bodies(axes: Any, sketch: Sketch, camera: Camera) -> None:
-    """The sides that look here, and the outlines of all bodies."""
-    from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+    """The sides that look here, all contact faces, and the outlines of all bodies, painted from far to near."""
+    from matplotlib.colors import to_rgba
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
     vectors = area_vectors(sketch)
-    here = vectors @ camera.axes[2] > 0.0
-    colours = _side_colours(sketch, vectors, camera)
-    sides = Poly3DCollection(_MM * sketch.points[sketch.sides[here]], facecolors=colours[here], linewidths=0.0)
-    sides.set_zorder(1)
-    axes.add_collection3d(sides)
+    contact = sketch.face >= 0
+    here = (vectors @ camera.axes[2] > 0.0) | contact
     edges = np.concatenate([outlines(sketch, body) for body in range(len(sketch.body_names))])
-    lines = Line3DCollection(_MM * sketch.points[edges], colors=INK, linewidths=0.35)
-    lines.set_zorder(2)
-    axes.add_collection3d(lines)
+    # Lines are a little nearer to the eye than the sides that they bound, and contact faces than what they touch; along
+    # the view that changes their depth alone.
+    nearer = _NEARER * float(np.linalg.norm(np.ptp(sketch.points, axis=0))) * camera.axes[2]
+    lines = sketch.points[edges[:, [0, 1, 1, 0]]] + nearer
+    sides = sketch.points[sketch.sides] + 0.5 * nearer * contact[:, None, None]
+    none, n_sides = to_rgba(INK, 0.0), int(here.sum())
+    painted = Poly3DCollection(
+        _MM * np.concatenate([sides[here], lines]),
+        facecolors=np.concatenate([_side_colours(sketch, vectors, camera)[here], np.tile(none, (len(lines), 1))]),
+        edgecolors=[none] * n_sides + [to_rgba(INK)] * len(lines),
+        linewidths=0.4,  # one for all: matplotlib sorts the colours by depth, but not the widths
+    )
+    painted.set_zorder(1)
+    axes.add_collection3d(painted)
 
 
 def _side_colours(sketch: Sketch, vectors: FloatArray, camera: Camera) -> FloatArray:

@@ -3,6 +3,7 @@
   "use strict";
 
   const PERIOD_MS = 2400, TURN = Math.PI / 24, ZOOM = 1.15;
+  const HALF_ANGLE = Math.tan(Math.PI / 8);  // plotly sees 45 degrees from bottom to top
   const element = (id) => document.getElementById(id);
   const section = element("structure"), plot = element("structure-plot");
 
@@ -91,6 +92,17 @@
     for (const end of ["pointerup", "pointercancel"]) window.addEventListener(end, () => { shown.dragged = false; }, true);
   }
 
+  /* The camera of a view: so far away that the corners of its box are inside a picture of this shape. */
+  function cameraOf(view) {
+    const aspect = plot.clientWidth / data.figure.layout.height, triple = (values) => ({ x: values[0], y: values[1], z: values[2] });
+    const distance = Math.max(...view.corners.map(([right, up, towards]) =>
+      Math.max(Math.abs(right) / aspect, Math.abs(up)) / HALF_ANGLE + towards));
+    return {
+      eye: triple(view.centre.map((from, axis) => from + distance * view.towards[axis])), center: triple(view.centre),
+      up: { x: 0, y: 0, z: 1 },
+    };
+  }
+
   const setCamera = (camera) => Plotly.relayout(plot, { "scene.camera": camera });
 
   /* The eye goes round the centre: to the right and up by angles, and nearer by a factor. */
@@ -118,7 +130,7 @@
       setCamera(turned(plot.layout.scene.camera, ...keys[event.key]));
     });
     for (const button of section.querySelectorAll("[data-view]")) {
-      button.addEventListener("click", () => setCamera(data.views[button.dataset.view]));
+      button.addEventListener("click", () => setCamera(cameraOf(data.views[button.dataset.view])));
     }
     for (const box of section.querySelectorAll("[data-traces]")) {
       const traces = box.dataset.traces.split(" ").map(Number);
@@ -133,12 +145,12 @@
   figure.layout.scene.annotations.forEach(function (note, i) {
     ["x", "y", "z"].forEach((name, axis) => { note[name] = points[3 * data.labels[i] + axis]; });
   });
-  figure.layout.scene.camera = data.views.whole;
   if (window.matchMedia("(max-width: 520px)").matches) {
     figure.layout.height = data.narrow.height;
     data.narrow.offsets.forEach((offset, i) => Object.assign(figure.layout.scene.annotations[i], { ax: offset[0], ay: offset[1] }));
   }
   section.classList.add("live");
+  figure.layout.scene.camera = cameraOf(data.views.whole);
   Plotly.newPlot(plot, figure.data, figure.layout, {
     responsive: true, displaylogo: false, showSendToCloud: false, plotlyServerURL: "", modeBarButtonsToRemove: ["tableRotation", "resetCameraLastSave3d", "hoverClosest3d"],
   }).then(function () {
