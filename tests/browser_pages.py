@@ -38,12 +38,17 @@ _FOCUS = """() => {
 
 
 @contextmanager
-def opened_page(browser: Any, path: Path, width: int = 1280, drawn: bool = True) -> Iterator[Any]:
+def opened_page(
+    browser: Any, path: Path, width: int = 1280, drawn: bool = True, before: str = "", **options: Any
+) -> Iterator[Any]:
     """The page of a file; afterwards no error or warning stands on its console and nothing else was asked for.
 
-    ``drawn``: wait until its script has drawn the plots.
+    ``drawn``: wait until its script has drawn the plots; ``before``: a script that runs before those of the page;
+    ``options`` are those of playwright for a new page.
     """
-    page, troubles = browser.new_page(viewport={"width": width, "height": 900}), []
+    page, troubles = browser.new_page(viewport={"width": width, "height": 900}, **options), []
+    if before:
+        page.add_init_script(before)
 
     def hear(said: Any) -> None:
         is_about_speed = said.type == "warning" and any(words in said.text for words in _ABOUT_SPEED)

@@ -1,8 +1,9 @@
-"""The structure in a real browser: it turns, moves and zooms, by mouse and keyboard, and has a still picture beside it."""
+"""The structure in a real browser: it turns, moves and zooms, by mouse and keyboard, beside a still picture."""
 
 from __future__ import annotations
 
 import dataclasses
+import time
 from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
@@ -22,7 +23,9 @@ from stickslip.reporting.style import face_colour
 from synthetic import synthetic_response, synthetic_study
 
 MOVING = shaken(stacked_boxes())
-CAMERA = "(() => { const eye = document.getElementById('structure-plot').layout.scene.camera.eye; return [eye.x, eye.y, eye.z]; })()"
+CAMERA = "Object.values(document.getElementById('structure-plot').layout.scene.camera.eye)"
+_POINTS = """trace => ['x', 'y', 'z'].map(
+  axis => Array.from(document.getElementById('structure-plot')._fullData[trace][axis]))"""
 NO_WEBGL = """const usual = HTMLCanvasElement.prototype.getContext;
 HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
   return kind.startsWith('webgl') ? null : usual.call(this, kind, ...more);
@@ -63,12 +66,19 @@ def settle(page: Any) -> None:
 
 def points(page: Any, trace: int = 0) -> np.ndarray:
     """(n, 3) mm, the points of a trace that plotly draws."""
-    return np.array(
-        page.evaluate(
-            "trace => ['x', 'y', 'z'].map(axis => Array.from(document.getElementById('structure-plot')._fullData[trace][axis]))",
-            trace,
-        )
-    ).T
+    return np.array(page.evaluate(_POINTS, trace)).T
+
+
+def wait_until(page: Any, holds: Any, seconds: float = 10.0) -> None:
+    """Ask until ``holds()``; wait_for_function of playwright needs eval, which the page forbids."""
+    end = time.monotonic() + seconds
+    while not holds():
+        assert time.monotonic() < end, "it did not happen"
+        page.wait_for_timeout(30)
+
+
+def is_moving(page: Any) -> bool:
+    return bool(page.inner_text("#structure-phase-label") != "at rest")
 
 
 def set_phase(page: Any, degrees: int) -> None:
@@ -137,19 +147,22 @@ def test_the_slider_shows_the_shape_at_its_phase(page: Any, degrees: int) -> Non
     assert points(page) == pytest.approx(1e3 * MOVING.points[:8], abs=1e-4)
 
 
-def test_the_keyboard_alone_plays_pauses_and_moves_the_phase(page: Any) -> None:
-    stops = [stop["id"] for stop in tab_stops(page)]
+def test_the_keyboard_reaches_all_of_it(browser: Any, report: Path) -> None:
+    with opened_page(browser, report) as page:
+        stops = tab_stops(page)
     wanted = ["structure-plot", "structure-play", "structure-rest", "structure-phase"]
-    assert [name for name in stops if name in wanted] == wanted
+    assert [stop["id"] for stop in stops if stop["id"] in wanted] == wanted
+    names = [stop["name"] for stop in stops]
+    assert {"box 1", "box 2", "contact, Left face", "Whole structure", "Contact"} <= set(names)
+
+
+def test_the_keyboard_alone_plays_pauses_and_moves_the_phase(page: Any) -> None:
     page.locator("#structure-play").focus()
     page.keyboard.press("Enter")
     assert page.inner_text("#structure-play") == "Pause"
-    page.wait_for_function("document.getElementById('structure-phase-label').textContent !== 'at rest'")
+    wait_until(page, lambda: is_moving(page))
     before = points(page)
-    page.wait_for_function(
-        "before => Array.from(document.getElementById('structure-plot')._fullData[0].x).some((x, i) => Math.abs(x - before[i]) > 0.5)",
-        arg=before[:, 0].tolist(),
-    )
+    wait_until(page, lambda: np.abs(points(page) - before).max() > 0.5)
     page.keyboard.press("Space")
     assert page.inner_text("#structure-play") == "Play"
     settle(page)
@@ -190,7 +203,7 @@ def test_the_mouse_turns_it_also_while_it_plays(page: Any) -> None:
     page.locator("#structure-plot").scroll_into_view_if_needed()
     start = page.evaluate(CAMERA)
     page.click("#structure-play")
-    page.wait_for_function("document.getElementById('structure-phase-label').textContent !== 'at rest'")
+    wait_until(page, lambda: is_moving(page))
     box = page.locator("#structure-plot").bounding_box()
     x, y = box["x"] + 0.2 * box["width"], box["y"] + 0.2 * box["height"]
     page.mouse.move(x, y)
@@ -211,7 +224,7 @@ def test_the_legend_hides_and_shows_a_body_with_its_outlines(page: Any) -> None:
     shown = "[...document.getElementById('structure-plot')._fullData].map(trace => trace.visible)"
     before = page.evaluate(shown)
     assert set(before) == {True}
-    page.get_by_label("box 2").focus()
+    page.get_by_role("checkbox", name="box 2").focus()
     page.keyboard.press("Space")
     settle(page)
     assert page.evaluate(shown) == [True, True, False, False, *before[4:]]
@@ -234,10 +247,7 @@ def test_on_paper_there_is_the_still_picture_alone(page: Any) -> None:
 
 @pytest.mark.parametrize("lost", [False, True])
 def test_without_webgl_a_sentence_and_the_still_picture_appear(browser: Any, report: Path, lost: bool) -> None:
-    context = browser.new_context()
-    if not lost:
-        context.add_init_script(NO_WEBGL)
-    with opened_page(context, report) as page:
+    with opened_page(browser, report, before="" if lost else NO_WEBGL) as page:
         if lost:
             page.evaluate("document.getElementById('structure-plot').emit('plotly_webglcontextlost', {})")
         assert page.locator("#structure .still").is_visible()
@@ -246,16 +256,13 @@ def test_without_webgl_a_sentence_and_the_still_picture_appear(browser: Any, rep
         for which in ("#structure-plot", "#structure-play", "#structure-phase"):
             assert not page.locator(which).is_visible(), which
         assert page.locator("#curve .scatterlayer .trace").count() > 0  # the other plots are there
-    context.close()
 
 
 def test_without_scripts_there_is_the_still_picture(browser: Any, report: Path) -> None:
-    context = browser.new_context(java_script_enabled=False)
-    with opened_page(context, report, drawn=False) as page:
+    with opened_page(browser, report, drawn=False, java_script_enabled=False) as page:
         assert page.locator("#structure .still").is_visible()
         assert not page.locator("#structure-play").is_visible()
         assert not page.locator("#structure-no-webgl").is_visible()
-    context.close()
 
 
 def test_a_record_without_a_motion_shows_the_structure_and_no_controls(browser: Any, tmp_path: Path) -> None:

@@ -44,7 +44,7 @@ def structure_section(study: StudyRecord) -> StructureSection | None:
         "legend": _legend(picture, len(sketch.body_names)),
         "deflection": _deflection(picture),
         "has_close_view": picture.has_close_view,
-        "words": _spoken(study, sketch),
+        "words": _words(study, sketch),
         "still": base64.b64encode(still_picture(study, sketch)).decode("ascii"),
     }
     return StructureSection(rendered("structure.html", values), picture.data)
@@ -91,8 +91,8 @@ def _legend(picture: StructurePicture, n_bodies: int) -> list[LegendEntry]:
     return [*entries[:_NAMED_BODIES], shared, *entries[n_bodies:]]
 
 
-def _spoken(study: StudyRecord, sketch: Sketch) -> str:
-    """The picture in words."""
+def _words(study: StudyRecord, sketch: Sketch) -> str:
+    """The picture in words, with the names whole that its labels shorten."""
     faces = [study.face_names[face] for face in np.unique(sketch.face[sketch.face >= 0])]
     loads = [
         f"{name}, {number(float(np.linalg.norm(load)))} N along {_along(load)}"
