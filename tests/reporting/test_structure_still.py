@@ -10,8 +10,10 @@ import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
-from sketches import ABOVE, box, shaken, sketch_of_boxes, stacked_boxes
+from sketches import ABOVE, BACK, FRONT, box, shaken, sketch_of_boxes, stacked_boxes
+from stickslip.reporting import structure_still
 from stickslip.reporting.structure_still import still_picture, structure_figure
+from stickslip.reporting.structure_view import Camera, area_vectors
 from stickslip.reporting.style import body_colour, face_colour
 from stickslip.results.sketch import Sketch
 from synthetic import synthetic_study
@@ -41,6 +43,17 @@ def test_the_contact_is_seen_through_the_body_before_it() -> None:
     assert reddish[0] > 0.005
     assert reddish[1] == 0.0
     assert share(image, body_colour(0)) > 0.1
+
+
+def test_both_sides_that_touch_have_one_shade() -> None:
+    """They lie in one plane, so that it is a matter of chance which of them is painted last."""
+    face = np.full(12, -1)
+    face[[BACK, 6 + FRONT]] = 0
+    touching = sketch_of_boxes(CUBE, CUBE + np.array([0.0, 0.1, 0.0]), face=face)
+    camera = Camera(-60.0, 30.0)
+    colours = structure_still._side_colours(touching, area_vectors(touching), camera)
+    assert colours[6 + FRONT] == pytest.approx(colours[BACK])
+    assert colours[FRONT] != pytest.approx(colours[BACK])
 
 
 def test_a_face_in_sight_fills_its_side() -> None:

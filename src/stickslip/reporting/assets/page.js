@@ -290,5 +290,6 @@
   Promise.all(Object.keys(figures).map((id) => draw(id, figures[id], id.includes("map") ? stillOptions : options))).then(function () {
     listen();
     document.body.dataset.ready = "yes";
+    document.dispatchEvent(new Event("figures-drawn"));
   });
 })();

@@ -140,21 +140,28 @@
     if (motion) listenToMotion();
   }
 
-  const figure = data.figure, start = coordinates(null).traces;
-  figure.data.forEach((trace, i) => Object.assign(trace, { x: start.x[i], y: start.y[i], z: start.z[i] }));
-  figure.layout.scene.annotations.forEach(function (note, i) {
-    ["x", "y", "z"].forEach((name, axis) => { note[name] = points[3 * data.labels[i] + axis]; });
-  });
-  if (window.matchMedia("(max-width: 520px)").matches) {
-    figure.layout.height = data.narrow.height;
-    data.narrow.offsets.forEach((offset, i) => Object.assign(figure.layout.scene.annotations[i], { ax: offset[0], ay: offset[1] }));
+  function draw() {
+    const figure = data.figure, start = coordinates(null).traces;
+    figure.data.forEach((trace, i) => Object.assign(trace, { x: start.x[i], y: start.y[i], z: start.z[i] }));
+    figure.layout.scene.annotations.forEach(function (note, i) {
+      ["x", "y", "z"].forEach((name, axis) => { note[name] = points[3 * data.labels[i] + axis]; });
+    });
+    if (window.matchMedia("(max-width: 520px)").matches) {
+      figure.layout.height = data.narrow.height;
+      data.narrow.offsets.forEach((offset, i) => Object.assign(figure.layout.scene.annotations[i], { ax: offset[0], ay: offset[1] }));
+    }
+    section.classList.add("live");
+    figure.layout.scene.camera = cameraOf(data.views.whole);
+    Plotly.newPlot(plot, figure.data, figure.layout, {
+      responsive: true, displaylogo: false, showSendToCloud: false, plotlyServerURL: "", modeBarButtonsToRemove: ["tableRotation", "resetCameraLastSave3d", "hoverClosest3d"],
+    }).then(function () {
+      listen();
+      section.dataset.ready = "live";
+    });
   }
-  section.classList.add("live");
-  figure.layout.scene.camera = cameraOf(data.views.whole);
-  Plotly.newPlot(plot, figure.data, figure.layout, {
-    responsive: true, displaylogo: false, showSendToCloud: false, plotlyServerURL: "", modeBarButtonsToRemove: ["tableRotation", "resetCameraLastSave3d", "hoverClosest3d"],
-  }).then(function () {
-    listen();
-    section.dataset.ready = "live";
-  });
+
+  // The other figures come first; until then the still picture is there.
+  const drawSoon = () => setTimeout(draw, 0);
+  if (document.body.dataset.ready) drawSoon();
+  else document.addEventListener("figures-drawn", drawSoon, { once: true });
 })();
