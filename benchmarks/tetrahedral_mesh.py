@@ -19,9 +19,8 @@ import numpy as np
 from both_factors import with_each_factor
 
 from stickslip.case.case import Case
-from stickslip.model.model import set_up
 from stickslip.model.kinds.two_blade_mesh import BladePairElements, blade_pair_mesh
-from stickslip.model.model import ReducedStructure, connect, load_joint, port_rows
+from stickslip.model.model import ReducedStructure, connect, load_joint, port_rows, set_up
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.factor import Backend
 from stickslip.structure.mesh import Mesh

@@ -30,6 +30,7 @@ def main(program: str | None = None) -> None:
         page = browser.new_page(viewport={"width": 900, "height": 900})
         page.goto((Path(folder) / "report.html").as_uri())
         page.wait_for_selector("body[data-ready=yes]")
+        page.wait_for_selector("#structure[data-ready=live]")
         page.add_style_tag(content=".controls { position: static !important; }")
         for heading, name in SECTIONS.items():
             page.locator("section", has=page.locator("h2", has_text=heading)).first.screenshot(path=IMAGES / name)

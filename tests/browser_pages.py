@@ -11,6 +11,9 @@ WIDTHS = (1280, 400)
 SMALLEST_TEXT_PX = 11.0
 LARGEST_PAGE = 15_000_000  # bytes
 
+# What Chromium says of how plotly.js draws letters in space, and of a machine without a graphics card.
+_ABOUT_SPEED = ("willReadFrequently", "GPU stall due to ReadPixels")
+
 # Visible text that is smaller than it may be.
 _SMALL = """(least) => {
   const small = [];
@@ -35,19 +38,32 @@ _FOCUS = """() => {
 
 
 @contextmanager
-def opened_page(browser: Any, path: Path, width: int = 1280, drawn: bool = True) -> Iterator[Any]:
+def opened_page(
+    browser: Any, path: Path, width: int = 1280, drawn: bool = True, before: str = "", **options: Any
+) -> Iterator[Any]:
     """The page of a file; afterwards no error or warning stands on its console and nothing else was asked for.
 
-    ``drawn``: wait until its script has drawn the plots.
+    ``drawn``: wait until its script has drawn the plots; ``before``: a script that runs before those of the page;
+    ``options`` are those of playwright for a new page.
     """
-    page, troubles = browser.new_page(viewport={"width": width, "height": 900}), []
-    page.on("console", lambda said: troubles.append(said.text) if said.type in ("error", "warning") else None)
+    page, troubles = browser.new_page(viewport={"width": width, "height": 900}, **options), []
+    if before:
+        page.add_init_script(before)
+
+    def hear(said: Any) -> None:
+        is_about_speed = said.type == "warning" and any(words in said.text for words in _ABOUT_SPEED)
+        if said.type in ("error", "warning") and not is_about_speed:
+            troubles.append(said.text)
+
+    page.on("console", hear)
     page.on("pageerror", lambda error: troubles.append(str(error)))
     own = ("data:", "blob:", path.as_uri())  # data and blobs are of the page itself
     page.on("request", lambda asked: None if asked.url.startswith(own) else troubles.append(asked.url))
     page.goto(path.as_uri())
     if drawn:
         page.wait_for_selector("body[data-ready=yes]", timeout=60_000)
+        if page.locator("#structure").count():
+            page.wait_for_selector("#structure[data-ready]", timeout=60_000)
     yield page
     page.close()
     assert troubles == [], troubles

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sketches import stacked_boxes
+from sketches import shaken, stacked_boxes
 from stickslip.papers.rough_damper.compute import Failure
 from stickslip.papers.rough_damper.items import Item, Picture
 from stickslip.papers.rough_damper.plan import Setting
@@ -84,7 +84,7 @@ def hostile_study() -> StudyRecord:
         mode_contact=hostile("contact"),
         derived=((hostile("quantity"), hostile("value"), hostile("unit"), hostile("meaning")),),
         warnings=(hostile("study-warning"),),
-        sketch=sketch,
+        sketch=shaken(sketch),
     )
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import numpy as np
 
-from stickslip.results.sketch import Sketch
+from stickslip.results.sketch import Motion, Sketch
 
 _CORNERS = np.array(
     [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], dtype=float
@@ -50,3 +51,19 @@ def stacked_boxes(**changes: Any) -> Sketch:
     face[6 + BELOW] = 0
     lower, upper = box((0.0, 0.0, 0.0), (0.1, 0.1, 0.1)), box((0.04, 0.04, 0.1), (0.06, 0.06, 0.11))
     return sketch_of_boxes(lower, upper, **{"held": held, "face": face} | changes)
+
+
+def shaken(sketch: Sketch, amplitude: float = 2e-4, harmonics: int = 3) -> Sketch:
+    """The sketch with a motion: all of it goes to and fro along x by ``amplitude`` m times its height, 0 at z = 0.
+
+    ``u = amplitude z / z_max (0.5 + sin(w t) + 0.25 cos(2 w t))``
+    """
+    top = sketch.points[:, 2].max()
+
+    def of(places: np.ndarray) -> np.ndarray:
+        coefficients = np.zeros((len(places), 3, 2 * harmonics + 1))
+        coefficients[:, 0, [0, 2, 3]] = np.outer(amplitude * places[:, 2] / top, [0.5, 1.0, 0.25])
+        return coefficients
+
+    motion = Motion(of(sketch.points), of(sketch.load_places), of(sketch.response_places), frequency_hz=410.5)
+    return dataclasses.replace(sketch, motion=motion)

@@ -8,8 +8,8 @@ from types import ModuleType
 
 import pytest
 
-from stickslip.model.model import set_up
 from stickslip.model.kinds.two_blade_mesh import BladePairElements
+from stickslip.model.model import set_up
 from stickslip.structure.model_facts import body_volumes
 
 pytestmark = pytest.mark.slow

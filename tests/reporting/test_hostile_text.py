@@ -39,11 +39,12 @@ from stickslip.reporting.templates import rendered
 from synthetic import synthetic_response, synthetic_study
 
 SOURCE = Path(stickslip.__file__).parent
+ASSETS = SOURCE / "reporting" / "assets"
 # Elements and attributes that the pages have; whatever else stands in a page came out of a text.
 _TAG_NAMES = (
     "html head meta title link style body header div p h1 h2 h3 main section ul li small b button figure "
     "figcaption label output input select option span table caption thead tbody tr th td pre footer "
-    "script svg rect path circle polygon text g clippath sub details summary nav a img"
+    "script svg rect path circle sub details summary nav a img"
 )
 TAGS = frozenset(_TAG_NAMES.split())
 
@@ -122,12 +123,12 @@ def test_no_attack_stands_in_a_page_unescaped(pages: Any, kind: str) -> None:
 def test_data_can_not_end_their_script_nor_begin_another(pages: Any, kind: str) -> None:
     read = Reader(pages[kind][0])
     held = [code for attributes, code in read.scripts if attributes.get("type") == "application/json"]
-    assert len(held) == {"report": 2, "sweep": 1, "paper": 0}[kind]
+    assert len(held) == {"report": 3, "sweep": 1, "paper": 0}[kind]
     for code in held:
         assert not set("<>&") & set(code)
         json.loads(code)
     others = [attributes for attributes, _ in read.scripts if not attributes]
-    assert len(others) == {"report": 2, "sweep": 2, "paper": 0}[kind]  # plotly.js and the page's own
+    assert len(others) == {"report": 4, "sweep": 2, "paper": 0}[kind]  # plotly.js and the page's own
     assert len(read.scripts) == len(held) + len(others)
 
 
@@ -154,14 +155,19 @@ def test_the_policy_allows_the_scripts_of_the_page_and_nothing_else(pages: Any, 
 def test_texts_of_figures_have_no_markup_but_their_own(pages: Any, kind: str) -> None:
     """plotly.js makes links and bold letters of tags, decodes entities, and fills "%{x}" in."""
     read = Reader(pages[kind][0])
-    drawn = next(json.loads(code) for attributes, code in read.scripts if attributes.get("id") == "page-figures")
+    held = {attributes.get("id"): json.loads(code) for attributes, code in read.scripts if attributes.get("id")}
+    drawn = [held["page-figures"], *([held["structure-data"]["figure"]] if kind == "report" else [])]
     texts = list(_texts(drawn))
     own = re.compile(r"<br>|<extra></extra>|%\{(x|y|z|text)(:[^{}]*)?\}")
     for text in texts:
         rest = own.sub("", text)
         assert not set("<>%") & set(rest), text
         assert re.fullmatch(r"(?:[^&]|&(?:amp|lt|gt|#34|#39|#37);)*", rest), text
-    fields = {"report": ("output-2", "output-7"), "sweep": ("first-0", "second-1", "third-1", "key-0", "key-1")}[kind]
+    structure = ("body-0", "body-1", "face-0", "load", "response")
+    fields = {
+        "report": ("output-2", "output-7", *structure),
+        "sweep": ("first-0", "second-1", "third-1", "key-0", "key-1"),
+    }[kind]
     shown = "\n".join(html.unescape(text) for text in texts)
     assert [field for field in fields if hostile(field).replace("_", " ") not in shown] == []
 
@@ -184,7 +190,7 @@ def test_texts_of_a_figure_are_escaped_unless_they_are_markup() -> None:
 
 def test_a_template_that_names_what_it_was_not_given_is_an_error() -> None:
     with pytest.raises(jinja2.UndefinedError, match="'caption' is undefined"):
-        rendered("structure.html", {"legend": [], "figures": []})
+        rendered("structure.html", {"legend": [], "deflection": "", "words": "", "still": ""})
 
 
 @pytest.mark.slow
@@ -242,6 +248,6 @@ def test_own_scripts_write_no_html() -> None:
 
 
 def test_templates_mark_no_text_as_safe_and_handle_no_events_inline() -> None:
-    for template in [*files_of_pages("assets/*.html"), SOURCE / "reporting" / "page_sections.py"]:
+    for template in [*files_of_pages("assets/*.html"), *files_of_pages("*section*.py")]:
         text = template.read_text(encoding="utf-8")
         assert not re.search(r"\|\s*safe\b|autoescape|\son\w+\s*=|javascript:", text), template.name

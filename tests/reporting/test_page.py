@@ -22,7 +22,7 @@ from stickslip.reporting import page_data as page_data_module
 from stickslip.reporting import plots
 from stickslip.reporting.page import page, write_page
 from stickslip.reporting.page_data import page_data
-from stickslip.reporting.page_sections import Section
+from stickslip.reporting.section import Section
 from stickslip.reporting.view import View
 from stickslip.results.storage import load_results, save_results
 from synthetic import synthetic_response, synthetic_study

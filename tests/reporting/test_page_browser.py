@@ -1,6 +1,5 @@
 """The page in a real browser: no error, no request, every plot drawn, and it answers to the reader."""
 
-import dataclasses
 import json
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,8 +9,6 @@ import pytest
 from browser_pages import LARGEST_PAGE, WIDTHS, opened_page, require_readable, tab_stops
 from helpers import opened_browser
 from large_results import large_result
-from sketches import stacked_boxes
-from stickslip.core.plain_figure import VERMILLION
 from stickslip.reporting.page import write_page
 from synthetic import synthetic_response, synthetic_study
 
@@ -221,52 +218,3 @@ def test_what_a_page_of_very_many_pairs_leaves_out_is_said(
             assert page.evaluate("document.getElementById('loop').data[0].x.length") == 0
         counts = page.eval_on_selector_all("#state-legend b", "all => all.map(each => Number(each.textContent))")
         assert sum(counts) == data["nPairs"]
-
-
-# Words of the drawing: what they say, their box on the screen, the height of their letters in px, and their drawing.
-_WORDS = """() => [...document.querySelectorAll('#structure figure')].map(figure => {
-  const drawing = figure.querySelector('svg'), frame = drawing.getBoundingClientRect();
-  const scale = frame.width / drawing.viewBox.baseVal.width;
-  return {
-    frame: [frame.left, frame.top, frame.right, frame.bottom],
-    words: [...drawing.querySelectorAll('text')].map(text => {
-      const box = text.getBoundingClientRect();
-      return {
-        said: text.textContent, box: [box.left, box.top, box.right, box.bottom],
-        size: scale * parseFloat(getComputedStyle(text).fontSize),
-      };
-    }),
-  };
-})"""
-
-
-@pytest.mark.parametrize("width", WIDTHS)
-def test_the_drawing_can_be_read(browser, tmp_path, width):
-    """Its words stay inside, are large enough and apart from each other; contact has its colour; nothing overflows."""
-    path = tmp_path / "report.html"
-    write_page(path, synthetic_response(), dataclasses.replace(synthetic_study(), sketch=stacked_boxes()))
-    with opened_page(browser, path, width) as page:
-        require_readable(page)
-        figures = page.evaluate(_WORDS)
-        assert len(figures) == 2
-        assert {"shaker, 5 N", "tip"} <= {word["said"] for word in figures[0]["words"]}
-        assert "Left face" in {word["said"] for word in figures[1]["words"]}
-        for figure in figures:
-            left, top, right, bottom = figure["frame"]
-            assert 300 < right - left <= width
-            for number, word in enumerate(figure["words"]):
-                box = word["box"]
-                assert word["size"] >= 11.0, word
-                assert left <= box[0] <= box[2] <= right, word
-                assert top <= box[1] <= box[3] <= bottom, word
-                for other in figure["words"][:number]:
-                    # letters do not fill the height of their box
-                    wide = min(box[2], other["box"][2]) - max(box[0], other["box"][0])
-                    high = min(box[3], other["box"][3]) - max(box[1], other["box"][1])
-                    assert wide <= 1.0 or high <= 5.0, (word, other)
-        swatch = page.locator("#structure .legend li", has_text="contact face").locator("rect")
-        assert swatch.get_attribute("fill") == VERMILLION
-        tint = page.evaluate("getComputedStyle(document.querySelector('#structure .tint')).fill")
-        assert tint == "rgb(213, 94, 0)"  # the same
-        filled = page.evaluate("getComputedStyle(document.querySelector('#structure .bodies path')).fill")
-        assert filled not in ("none", "rgb(0, 0, 0)")

@@ -10,10 +10,10 @@ import h5py
 import numpy as np
 import pytest
 
-from sketches import sketch_of_boxes, stacked_boxes
-from stickslip.core.errors import InputError
+from sketches import shaken, sketch_of_boxes, stacked_boxes
+from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.results.record import StudyRecord
-from stickslip.results.sketch import Sketch
+from stickslip.results.sketch import Motion, Sketch
 from stickslip.results.storage import load_results, save_results
 from synthetic import synthetic_response, synthetic_study
 
@@ -52,6 +52,76 @@ def test_a_file_without_a_sketch_is_read_as_one(study: StudyRecord, tmp_path: Pa
         del file["sketch"]
     found = load_results(path).study
     assert found == dataclasses.replace(study, sketch=None)
+
+
+def test_a_motion_comes_back_equal_in_single_precision(study: StudyRecord, tmp_path: Path) -> None:
+    moving = dataclasses.replace(study, sketch=shaken(stacked_boxes()))
+    path = stored(tmp_path, moving)
+    again = load_results(path).study
+    assert again == moving
+    assert again != study
+    assert again.sketch.motion.points.dtype == np.float32
+    assert again != dataclasses.replace(study, sketch=shaken(stacked_boxes(), amplitude=1e-4))
+    with h5py.File(path, "r") as file:
+        assert file["sketch/motion_of_points_cosine"].dtype == np.float32
+        assert file["sketch/motion_of_points_cosine"].shape == (16, 3, 3)
+
+
+def test_a_motion_without_loads_or_responses_comes_back_equal(study: StudyRecord, tmp_path: Path) -> None:
+    none = {"load_names": (), "load_places": np.empty((0, 3)), "loads": np.empty((0, 3)), "constant": np.empty(0, bool)}
+    bare = shaken(stacked_boxes(**none, response_names=(), response_places=np.empty((0, 3))))
+    record = dataclasses.replace(study, sketch=bare)
+    assert load_results(stored(tmp_path, record)).study == record
+
+
+def test_a_file_without_a_motion_is_read_as_one(study: StudyRecord, tmp_path: Path) -> None:
+    """Files of versions before the motion was stored open as they are."""
+    path = stored(tmp_path, dataclasses.replace(study, sketch=shaken(stacked_boxes())))
+    with h5py.File(path, "r+") as file:
+        for name in [name for name in file["sketch"] if name.startswith("motion")]:
+            del file["sketch"][name]
+    assert load_results(path).study == study
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"points": np.zeros((16, 3, 4))}, r"motion of the points must have the shape \(count, 3, 2H\+1\)"),
+        ({"points": np.zeros((16, 2, 5))}, r"motion of the points must .* found \(16, 2, 5\)"),
+        ({"loads": np.zeros((1, 3, 3))}, r"motion of the loads must .* found \(1, 3, 3\)"),
+        ({"responses": np.full((1, 3, 5), np.inf)}, "motion of the responses.* is inf"),
+        ({"responses": np.zeros((2, 3, 5))}, "16 points, 1 loads and 2 responses, but the sketch has 16, 1 and 1"),
+    ],
+)
+def test_a_motion_that_does_not_fit_is_rejected(change: dict, sentence: str) -> None:
+    parts = {"points": np.zeros((16, 3, 5)), "loads": np.zeros((1, 3, 5)), "responses": np.zeros((1, 3, 5))}
+    with pytest.raises(InputError, match=sentence):
+        stacked_boxes(motion=Motion(**parts | change, frequency_hz=400.0))
+
+
+def test_a_motion_of_another_run_is_rejected(study: StudyRecord, tmp_path: Path) -> None:
+    other = dataclasses.replace(study, sketch=shaken(stacked_boxes(), harmonics=2))
+    with pytest.raises(InputError, match="motion of the sketch has 2 harmonics, but the response has 3"):
+        stored(tmp_path, other)
+
+
+@pytest.mark.parametrize(
+    ("damaged", "words"),
+    [
+        ({"motion_frequency": np.zeros(2)}, "frequency of the motion is .* must be one number"),
+        ({"motion_of_loads_sine": np.zeros((1, 3, 4))}, 'parts of "motion_of_loads" do not have shapes that fit'),
+        ({"motion_of_points_mean": None}, '"motion_of_points_mean" is missing'),
+    ],
+)
+def test_a_damaged_motion_is_told(study: StudyRecord, tmp_path: Path, damaged: dict, words: str) -> None:
+    path = stored(tmp_path, dataclasses.replace(study, sketch=shaken(stacked_boxes())))
+    with h5py.File(path, "r+") as file:
+        for name, values in damaged.items():
+            del file["sketch"][name]
+            if values is not None:
+                file["sketch"].create_dataset(name, data=values)
+    with pytest.raises(ResultsFileError, match=words):
+        load_results(path)
 
 
 def test_no_group_where_there_is_no_sketch(study: StudyRecord, tmp_path: Path) -> None:

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
+from scipy.spatial import KDTree
 
 from own_cases import EXAMPLE, mesh_case
 from stickslip.case.case import Case, load_case
-from stickslip.model.model import kind_of, set_up
+from stickslip.core.validation import FloatArray
+from stickslip.model.model import Model, build_model, kind_of, load_joint, set_up
+from stickslip.results.response import ForcedResponse
 from stickslip.results.sketch import Sketch
 from stickslip.structure.elasticity import Structure
+from stickslip.structure.superelement import Superelement
 from stickslip.study import sketching
-from stickslip.study.sketching import make_sketch
+from stickslip.study.sketching import make_sketch, motion_at_peak
 from sweep_cases import COARSE_MESH
 
 TETRAHEDRA = EXAMPLE.parent / "two_blades_gmsh" / "study.toml"
@@ -98,6 +104,60 @@ def test_quadrature_marks_the_same_faces() -> None:
     nodes, points = (sketch_of(mesh_case(interfaces__sole__points=kind)) for kind in ("nodes", "quadrature"))
     of_block = nodes.body == 1
     np.testing.assert_array_equal(nodes.face[of_block], points.face[of_block])
+
+
+@pytest.fixture(scope="module")
+def shaken() -> tuple[Sketch, Case, Model, FloatArray]:
+    """A sketch with the motion of a mesh whose displacements are those of a response at its second point."""
+    case = mesh_case()
+    setup = set_up(case)
+    structure = setup.assemble()
+    model = build_model(case, structure, load_joint(case, setup.layout))
+    rng = np.random.default_rng(3)
+    displacement = rng.normal(size=(3, model.superelement.size, 5)) * np.array([1.0, 3.0, 2.0])[:, None, None]
+    response = SimpleNamespace(
+        displacement=displacement,
+        frequency_hz=np.array([400.0, 410.0, 420.0]),
+        amplitude=lambda row: np.array([1.0, 3.0, 2.0]),
+    )
+    motion = motion_at_peak(model, cast(ForcedResponse, response))
+    sketch = sketching.sketch_of(case, model, motion)
+    assert sketch is not None
+    return sketch, case, model, displacement[1]
+
+
+def test_the_motion_is_that_of_the_mesh_at_the_highest_point(shaken: tuple[Sketch, Case, Model, FloatArray]) -> None:
+    sketch, _, model, displacement = shaken
+    assert sketch.motion is not None
+    assert isinstance(model.structure, Structure)
+    assert sketch.motion.frequency_hz == 410.0
+    full = (model.superelement.recovery @ displacement).reshape(-1, 3, 5)
+    mesh = model.structure.mesh
+    node = KDTree(mesh.points).query(sketch.points)[1]
+    assert mesh.points[node] == pytest.approx(sketch.points)
+    own = [np.isclose(mesh.points, point).all(axis=1).sum() == 1 for point in sketch.points]  # not where bodies meet
+    assert sum(own) > 50
+    np.testing.assert_allclose(sketch.motion.points[own], full[node[own]], rtol=1e-6, atol=1e-6 * abs(full).max())
+    free = [axis for axis in range(3) if not sketch.motion.points[sketch.held][:, axis].any()]
+    assert free == [0, 1, 2]  # held along all axes
+
+
+def test_loads_and_responses_move_as_the_mean_of_their_nodes(shaken: tuple[Sketch, Case, Model, FloatArray]) -> None:
+    sketch, case, model, displacement = shaken
+    assert sketch.motion is not None
+    rows = [model.outputs[name] for name in ("tip", "block")]
+    for place, (reading, row) in enumerate(zip(kind_of(case).outputs(case)[0].values(), rows, strict=True)):
+        along = np.asarray(reading.direction) @ sketch.motion.responses[place]
+        np.testing.assert_allclose(along, row @ displacement, rtol=1e-5, atol=1e-5)
+    port = model.joint.layout.ports[kind_of(case).forces(case)[0].port]
+    full = (model.superelement.recovery @ displacement).reshape(-1, 3, 5)
+    expected = sum(share * full[node] for share, node in zip(port.shares, port.nodes, strict=True))
+    np.testing.assert_allclose(sketch.motion.loads[0], expected, rtol=1e-5, atol=1e-5)
+
+
+def test_matrices_have_no_motion() -> None:
+    model = SimpleNamespace(structure=Superelement(np.eye(3), np.eye(3)))
+    assert motion_at_peak(cast(Model, model), cast(ForcedResponse, None)) is None
 
 
 def test_a_large_mesh_is_drawn_coarser(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,7 @@ from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
 from stickslip.reporting.look import plain_figures
 from stickslip.reporting.page_data import page_data
-from stickslip.reporting.page_sections import CURVE, SECTIONS, STRUCTURE
+from stickslip.reporting.page_sections import CURVE, SECTIONS
 from stickslip.reporting.style import number, shown_number
 from stickslip.reporting.templates import Notice, Tile, when, whole_page
 from stickslip.reporting.view import View
@@ -33,10 +33,10 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
     """The report of one run as HTML. Raises InputError if the study does not belong to the response."""
     view = View.of(response, study)
     harmonics, ended = f"{response.harmonics} harmonics", "converged" if response.converged else "NOT converged"
-    sections = [section for section in SECTIONS if section.applies(view)]
-    html = [section.html(view) for section in sections]
-    drawing = sum(len(text) for section, text in zip(sections, html, strict=True) if section is STRUCTURE)
-    figures = {name: figure for section in (CURVE, *sections) for name, figure in section.figures(view).items()}
+    sections = [CURVE, *(section for section in SECTIONS if section.applies(view))]
+    contents = [section.on_page(view) for section in sections]
+    figures = {name: figure for section in sections for name, figure in section.figures(view).items()}
+    numbers = page_data(view, sum(content.characters for content in contents))
     values = {
         "title": study.title,
         "description": study.description,
@@ -47,16 +47,17 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
         "last_point": response.n_points - 1,
         "pair": view.pair,
         "pair_labels": [view.pair_label(pair) for pair in range(response.pairs.n_pairs)],
-        "curve": CURVE.html(view),
-        "sections": html,
+        "curve": contents[0].html,
+        "sections": [content.html for content in contents[1:]],
     }
     return whole_page(
         "page.html",
         "Forced response with rough frictional contact",
         values,
         response.provenance,
-        script="page.js",
-        data={"page-data": page_data(view, drawing), "page-figures": plain_figures(figures)},
+        scripts=("unpack.js", "page.js", *(script for section in sections for script in section.scripts)),
+        data={"page-data": numbers, "page-figures": plain_figures(figures)}
+        | {name: value for content in contents for name, value in content.data.items()},
     )
 
 

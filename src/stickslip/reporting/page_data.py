@@ -8,13 +8,13 @@ with the peak, and no loops at all where even those of the peak are too many; th
 
 from __future__ import annotations
 
-import base64
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.contact.law.law import ContactState
+from stickslip.reporting.packing import FULL_SCALE, packed
 from stickslip.reporting.plots import group_labels
 from stickslip.reporting.style import MICRO, STATES
 from stickslip.reporting.view import View
@@ -28,23 +28,18 @@ HEIGHT_CHARACTERS = 10  # of one height of a rough face
 LARGEST_MAP_SHARE = 0.5  # of the room for maps and loops
 MAP_BYTES = 5  # of a pair at a point: state and energy
 LOOP_SAMPLES = 128
-_FULL_SCALE = 32767
 
 
-def packed(array: NDArray[Any], kind: str) -> str:
-    """Base64 of an array in little-endian ``kind``: "i1", "i2", "i4" or "f4"."""
-    return base64.b64encode(np.ascontiguousarray(array, dtype=f"<{kind}").tobytes()).decode("ascii")
-
-
-def page_data(view: View, drawing_characters: int = 0) -> dict[str, Any]:
+def page_data(view: View, section_characters: int = 0) -> dict[str, Any]:
     """Everything that page.js needs, ready for JSON. Lengths in µm, energies in ``view.energy_unit``.
 
-    ``drawing_characters`` of the page are taken by the drawing of the structure and leave less room for numbers.
+    ``section_characters`` of the page are taken by its sections, such as the picture of the structure, and leave less
+    room for numbers.
     """
     response, study = view.response, view.study
     n_coefficients = 2 * response.harmonics + 1
     signals = {name: packed(MICRO * response.coefficients(study.outputs[name]), "f4") for name in _signal_names(view)}
-    room = _room(view, drawing_characters + sum(len(text) for text in signals.values()))
+    room = _room(view, section_characters + sum(len(text) for text in signals.values()))
     held = _points_with_maps(view, room)
     room -= held.size * MAP_BYTES * response.pairs.n_pairs
     return {
@@ -127,7 +122,7 @@ def _loops(view: View, held: NDArray[np.int64], room: int) -> dict[str, Any]:
         if not active.size:
             continue
         force = response.pair_cycle(int(point)).force[times][:, active, :2]
-        scale = np.maximum(np.abs(force).max(axis=(0, 2)), 1e-30) / _FULL_SCALE
+        scale = np.maximum(np.abs(force).max(axis=(0, 2)), 1e-30) / FULL_SCALE
         slots[position, active] = sum(held.size for held in scales) + np.arange(active.size)
         scales.append(scale)
         forces.append(np.rint(force / scale[None, :, None]).transpose(1, 2, 0))

@@ -7,80 +7,19 @@ of a user is never part of a template.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from markupsafe import Markup
-
 from stickslip.reporting import plots
 from stickslip.reporting.look import Figure
-from stickslip.reporting.sketch import structure_content
+from stickslip.reporting.section import Section
+from stickslip.reporting.structure_section import STRUCTURE
 from stickslip.reporting.style import MICRO, number, shown_number
-from stickslip.reporting.templates import rendered_text
 from stickslip.reporting.view import View
 from stickslip.results.measures import summary_table
 from stickslip.results.record import StudyRecord
 from stickslip.results.rough_patch import RoughPatch
-
-
-def _nothing(view: View) -> dict[str, Any]:
-    return {}
-
-
-@dataclass(frozen=True)
-class Section:
-    """A section of the page.
-
-    heading:
-        what stands above it; a template.
-    content:
-        what stands below the heading; a template, or what makes it.
-    values:
-        what heading and content name.
-    figures:
-        id of a plot in the content -> its figure.
-    applies:
-        whether the page of this run has the section.
-    beside:
-        what stands beside the heading; a template.
-    identity:
-        id of the element, for style sheets.
-    """
-
-    heading: str
-    content: str | Callable[[View], Markup]
-    values: Callable[[View], Mapping[str, Any]] = _nothing
-    figures: Callable[[View], Mapping[str, Figure]] = _nothing
-    applies: Callable[[View], bool] = lambda view: True
-    beside: str = ""
-    identity: str = ""
-
-    def html(self, view: View) -> Markup:
-        """The section as it stands on the page."""
-        values = self.values(view)
-        content = self.content(view) if callable(self.content) else rendered_text(self.content, values)
-        heading = rendered_text(self.heading, values)
-        frame = {
-            "heading": heading,
-            "beside": rendered_text(self.beside, values),
-            "content": content,
-            "identity": self.identity,
-        }
-        return rendered_text(_FRAME, frame)
-
-
-_FRAME = """\
-<section{{ {"id": identity or none} | xmlattr }}>
-  {% if beside %}
-  <div class="heading"><h2>{{ heading }}</h2>{{ beside }}</div>
-  {% else %}
-  <h2>{{ heading }}</h2>
-  {% endif %}
-{{ content }}
-</section>
-"""
-
 
 _MAPS = """\
   <div class="maps">
@@ -223,13 +162,6 @@ CURVE = Section(
     lambda view: {"output": view.study.response_output},
     lambda view: {"curve": plots.amplitude_frequency(view)},
     beside='\n    <button type="button" id="scale" class="screen-only">Logarithmic axis</button>',
-)
-
-STRUCTURE = Section(
-    "Structure",
-    lambda view: structure_content(view.study),
-    applies=lambda view: view.study.sketch is not None,
-    identity="structure",
 )
 
 SECTIONS = (

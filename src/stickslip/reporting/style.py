@@ -9,8 +9,9 @@ import numpy as np
 from stickslip.core.plain_figure import BLUE, GREEN, VERMILLION
 from stickslip.results.measures import hertz
 
-# Bodies of a sketch: pale, so that contact, marks and words stand out from them.
+# Bodies of a structure: pale, so that contact, marks and words stand out from them.
 BODY_COLOURS = ("#b3d5e8", "#eae6e0", "#8d94a0", "#f2cf80", "#56b4e9", "#b8ad98")
+FACE_COLOURS = (VERMILLION, "#4b2e83", "#007a5e", "#8c1c13")  # of contact faces: dark, apart for every eye
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,16 @@ MICRO = 1e6
 AXIS_NAMES = ("t1", "t2", "n")
 LINE_COLOURS = (BLUE, VERMILLION, GREEN)
 LINE_DASHES = ("solid", "dash", "dot")
+
+
+def body_colour(body: int) -> str:
+    """Colour of a body of a structure; colours repeat."""
+    return BODY_COLOURS[body % len(BODY_COLOURS)]
+
+
+def face_colour(face: int) -> str:
+    """Colour of a contact face; colours repeat."""
+    return FACE_COLOURS[face % len(FACE_COLOURS)]
 
 
 def energy_unit(largest: float) -> tuple[float, str]:

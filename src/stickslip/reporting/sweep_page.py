@@ -72,7 +72,7 @@ def sweep_page(view: SweepView, title: str, inputs: str, provenance: Mapping[str
         values,
         provenance,
         head_title=f"{title}: sweep",
-        script="sweep.js",
+        scripts=("sweep.js",),
         data={"page-figures": plain_figures(figures)},
     )
 

@@ -65,7 +65,7 @@ def whole_page(
     *,
     head_title: str = "",
     styles: Sequence[str] = (),
-    script: str = "",
+    scripts: Sequence[str] = (),
     data: Mapping[str, Any] | None = None,
 ) -> str:
     """A page: a template of the assets that extends the frame which all pages share.
@@ -75,18 +75,18 @@ def whole_page(
         template names.
     kind, head_title:
         the line above the title; the title of the window if it is another one.
-    styles, script, data:
-        further style sheets of the assets; the script of the assets that draws figures with plotly, and what it reads:
-        id of an element -> value that becomes JSON. Without a script the page has none, nor plotly.
+    styles, scripts, data:
+        further style sheets of the assets; scripts of the assets that draw figures with plotly, and what they read:
+        id of an element -> value that becomes JSON. Without scripts the page has none, nor plotly.
     """
-    scripts = _scripts(script) if script else ()
+    code = _scripts(scripts) if scripts else ()
     frame = {
         "kind": kind,
         "head_title": head_title or values["title"],
         "css": Markup("\n").join(_own_text(name) for name in ("page.css", *styles)),
-        "policy": _POLICY.format(scripts=" ".join(map(_source, scripts)) or "'none'"),
+        "policy": _POLICY.format(scripts=" ".join(map(_source, code)) or "'none'"),
         "data": data or {},
-        "scripts": scripts,
+        "scripts": code,
         "version": __version__,
         "provenance": provenance,
     }
@@ -117,11 +117,11 @@ def _own_text(name: str) -> Markup:
     return Markup(asset(name))
 
 
-def _scripts(own: str) -> tuple[Markup, ...]:
-    """plotly.js and a script of the assets."""
+def _scripts(own: Sequence[str]) -> tuple[Markup, ...]:
+    """plotly.js and scripts of the assets."""
     from plotly.offline import get_plotlyjs
 
-    return Markup(get_plotlyjs()), _own_text(own)
+    return Markup(get_plotlyjs()), *map(_own_text, own)
 
 
 def _source(script: str) -> str:

@@ -161,12 +161,18 @@ class StudyRecord(Labelled):
         return next(iter(self.outputs))
 
     def require_fit(self, response: ForcedResponse) -> None:
-        """Raise InputError unless the rows and pairs of this record are those of ``response``."""
+        """Raise InputError unless the rows, pairs and harmonics of this record are those of ``response``."""
         n = self.outputs[self.response_output].size
         if n != response.n_unknowns or self.pair_face.size != response.pairs.n_pairs:
             raise InputError(
                 f"the study record has outputs of {n} unknowns and {self.pair_face.size} pairs, but the response has "
                 f"{response.n_unknowns} unknowns and {response.pairs.n_pairs} pairs; they belong to different runs."
+            )
+        motion = None if self.sketch is None else self.sketch.motion
+        if motion is not None and motion.harmonics != response.harmonics:
+            raise InputError(
+                f"the motion of the sketch has {motion.harmonics} harmonics, but the response has "
+                f"{response.harmonics}; they belong to different runs."
             )
 
 

@@ -1,4 +1,5 @@
-"""What a picture of the structure needs: its outer sides, and where contact, constraints, loads and responses are."""
+"""What a picture of the structure needs: its outer sides, where contact, constraints, loads and responses are, and how
+all of them move at the peak."""
 
 from __future__ import annotations
 
@@ -9,8 +10,70 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, finite_array
-from stickslip.results.variables import Count, Flags, Json, Labelled, Numbers, WholeNumbers, stored
+from stickslip.core.validation import FloatArray, finite_array, real_number
+from stickslip.results.variables import (
+    Among,
+    Coefficients,
+    Count,
+    Flags,
+    Json,
+    Labelled,
+    Numbers,
+    WholeNumbers,
+    stored,
+)
+
+SinglePrecision = NDArray[np.float32]
+
+
+def _displacement(of: str, dimension: str) -> Coefficients:
+    """How the displacement of points, loads or responses is stored."""
+    words = f"displacement of the {of} at the peak of the response"
+    return Coefficients((dimension, "axis"), "m", words, name=f"motion_of_{of}")
+
+
+@dataclass(frozen=True, eq=False)
+class Motion(Labelled):
+    """How what a sketch shows moves over one period, at one point of the response curve.
+
+    Parameters
+    ----------
+    points, loads, responses:
+        (n, 3, 2H+1), (k, 3, 2H+1) and (r, 3, 2H+1) m, single precision: displacements x, y, z of the points of the
+        sketch, of the places of its loads and of those of its responses, as coefficients mean, cos 1, sin 1, ...
+    frequency_hz:
+        of the response at that point.
+
+    Raises
+    ------
+    InputError
+        for arrays of another shape, and for numbers that are not finite.
+    """
+
+    points: SinglePrecision = field(metadata=stored(_displacement("points", "point")))
+    loads: SinglePrecision = field(metadata=stored(_displacement("loads", "load")))
+    responses: SinglePrecision = field(metadata=stored(_displacement("responses", "response")))
+    frequency_hz: float = field(metadata=stored(Numbers((), "Hz", "frequency of the motion", name="motion_frequency")))
+
+    def __post_init__(self) -> None:
+        columns = np.shape(self.points)[-1] if np.ndim(self.points) == 3 else 0
+        for name in ("points", "loads", "responses"):
+            array = finite_array(f"motion of the {name}", getattr(self, name))
+            if array.ndim != 3 or array.shape[1] != 3 or array.shape[2] != columns or columns % 2 == 0:
+                raise InputError(
+                    f"the motion of the {name} must have the shape (count, 3, 2H+1) with the same harmonics H for all; "
+                    f"found {array.shape}."
+                )
+            object.__setattr__(self, name, array.astype(np.float32))
+        object.__setattr__(self, "frequency_hz", real_number("frequency of the motion", self.frequency_hz))
+
+    @property
+    def harmonics(self) -> int:
+        """Number of harmonics, that of the response."""
+        return int(self.points.shape[2] - 1) // 2
+
+    def __repr__(self) -> str:
+        return f"Motion({len(self.points)} points at {self.frequency_hz:g} Hz, {self.harmonics} harmonics)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +102,8 @@ class Sketch(Labelled):
         names, and places (r, 3) m where displacements are read.
     mesh_sides:
         number of outer sides of the mesh; above m where the sketch is coarser than the mesh.
+    motion:
+        how all of this moves at the peak of the response; None for results files of older versions.
 
     Raises
     ------
@@ -67,6 +132,7 @@ class Sketch(Labelled):
     response_names: tuple[str, ...] = field(metadata=stored(Json(list[str], "names of the responses, JSON list")))
     response_places: FloatArray = field(metadata=stored(Numbers(("response", "axis"), "m", "where responses are read")))
     mesh_sides: int = field(metadata=stored(Count("number of outer sides of the mesh")))
+    motion: Motion | None = field(default=None, metadata=stored(Among(Motion, name="motion_frequency", optional=True)))
 
     def __post_init__(self) -> None:
         points = finite_array("sketch points", self.points)
@@ -92,6 +158,13 @@ class Sketch(Labelled):
             raise InputError("loads of the sketch has a load of 0 N, which has no direction; leave it out.")
         if self.mesh_sides < m:
             raise InputError(f"mesh_sides is {self.mesh_sides}, but the sketch has {m} sides; it cannot have more.")
+        if self.motion is not None:
+            shapes = (self.motion.points.shape[0], self.motion.loads.shape[0], self.motion.responses.shape[0])
+            if shapes != (len(points), k, r):
+                raise InputError(
+                    f"motion of the sketch has {shapes[0]} points, {shapes[1]} loads and {shapes[2]} responses, but "
+                    f"the sketch has {len(points)}, {k} and {r}."
+                )
         changed: dict[str, Any] = {
             "points": points,
             "held": np.asarray(self.held, dtype=bool),

@@ -62,6 +62,6 @@ def _saved(root: StoredGroup) -> SavedResults:
     response = ForcedResponse.from_group(root)
     if _STUDY not in root:
         return SavedResults(response, None)
-    study = StudyRecord.from_group(root.subgroup(_STUDY))
+    study = StudyRecord.from_group(root.subgroup(_STUDY), response.harmonics)
     study.require_fit(response)
     return SavedResults(response, study)

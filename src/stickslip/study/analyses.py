@@ -12,8 +12,8 @@ from stickslip.model.model import ReducedModel
 from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
-from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.path.newton import NewtonSettings
+from stickslip.solve.path.stepping import ContinuationSettings
 
 Analyse = Callable[[Case, ReducedModel, Progress, int | None], ForcedResponse]
 

@@ -17,7 +17,6 @@ from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import thread_count
 from stickslip.model.model import Model
 from stickslip.results.measures import summary, summary_table
-from stickslip.results.peaks import peaks
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, results_bytes
@@ -33,6 +32,7 @@ from stickslip.study.places import (
     require_places,
     require_room_for,
 )
+from stickslip.study.sketching import MeshMotion
 from stickslip.study.solution import reported_model, solved
 
 
@@ -76,7 +76,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
         progress.update("Files", 0.3, REPORT_FILE)
         page = _page(out, response, record)
         progress.update("Files", 0.5, "shapes for ParaView")
-        shapes = [*setup.write_places(out), *_shapes(out, case, model, response)]
+        shapes = [*setup.write_places(out), *_shapes(out, case, model, solution.motion)]
         progress.update("Files", 0.7, FIGURE_FOLDER)
         files = [out / RESULTS_FILE, page, *artist.files(), *shapes]
     progress.update("Files", 1.0, f"{len(files)} files")
@@ -101,11 +101,11 @@ def _page(out: Path, response: ForcedResponse, record: StudyRecord) -> Path:
     return out / REPORT_FILE
 
 
-def _shapes(out: Path, case: Case, model: Model, response: ForcedResponse) -> Iterator[Path]:
+def _shapes(out: Path, case: Case, model: Model, motion: MeshMotion | None) -> Iterator[Path]:
     """Mode shapes with the pairs closed at rest stuck, and one period of the mesh at the peak, for ParaView."""
     from stickslip.structure.export import write_deflected_period, write_mode_shapes
 
-    if isinstance(model.structure, Superelement):
+    if isinstance(model.structure, Superelement) or motion is None:
         return  # matrices without a mesh
     mesh, count = model.structure.mesh, case.output.mode_shapes
     if count:
@@ -114,9 +114,7 @@ def _shapes(out: Path, case: Case, model: Model, response: ForcedResponse) -> It
         yield write_mode_shapes(out / MODES_FILE, mesh, modes, frequency_hz)
     frames = case.output.deflected_shape_frames
     if frames:
-        point = peaks(response.frequency_hz, response.amplitude(next(iter(model.outputs.values()))))[0].point
-        motion = model.superelement.recovery @ response.displacement[point]
-        yield write_deflected_period(out / PERIOD_FILE, mesh, motion, frames)
+        yield write_deflected_period(out / PERIOD_FILE, mesh, motion.displacement, frames)
 
 
 def _closing_words(response: ForcedResponse, record: StudyRecord) -> str:

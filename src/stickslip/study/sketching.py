@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +12,9 @@ from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.core.validation import FloatArray
 from stickslip.model.layout import Layout, PortForce, Reading
 from stickslip.model.model import Model, kind_of
-from stickslip.results.sketch import Sketch
+from stickslip.results.peaks import peaks
+from stickslip.results.response import ForcedResponse
+from stickslip.results.sketch import Motion, Sketch
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.finite_element_mesh import AnyMesh
 from stickslip.structure.mesh import IntArray
@@ -20,12 +23,29 @@ from stickslip.structure.outer_surface import coarsened, outer_surface
 if TYPE_CHECKING:
     from stickslip.case.case import Case
 
-# Outer sides that a sketch keeps: with both views of it a page grows by less than 1.5 MB, even if all are seen.
+# Outer sides that a sketch keeps, so that the picture takes less than 3 MB of a page and can be turned without delay.
 MOST_SIDES = 22_000
 
 
-def sketch_of(case: Case, model: Model) -> Sketch | None:
-    """The sketch of a study; None where matrices say nothing of a shape."""
+@dataclass(frozen=True)
+class MeshMotion:
+    """Displacements (3 * n_nodes, 2H+1) m of a mesh over one period, as coefficients mean, cos 1, sin 1, ..."""
+
+    displacement: FloatArray
+    frequency_hz: float
+
+
+def motion_at_peak(model: Model, response: ForcedResponse) -> MeshMotion | None:
+    """How the mesh moves at the highest point of the curve of the first response; None for matrices without a mesh."""
+    if not isinstance(model.structure, Structure):
+        return None
+    point = peaks(response.frequency_hz, response.amplitude(next(iter(model.outputs.values()))))[0].point
+    displacement = model.superelement.recovery @ response.displacement[point]
+    return MeshMotion(displacement, float(response.frequency_hz[point]))
+
+
+def sketch_of(case: Case, model: Model, motion: MeshMotion | None) -> Sketch | None:
+    """The sketch of a study, with its ``motion``; None where matrices say nothing of a shape."""
     if not isinstance(model.structure, Structure):
         return None
     kind, structure = kind_of(case), model.structure
@@ -36,6 +56,7 @@ def sketch_of(case: Case, model: Model) -> Sketch | None:
         kind.forces(case),
         kind.static_forces(case),
         kind.outputs(case)[0],
+        motion,
     )
 
 
@@ -46,6 +67,7 @@ def make_sketch(
     forces: tuple[PortForce, ...],
     static_forces: tuple[PortForce, ...],
     readings: Mapping[str, Reading],
+    motion: MeshMotion | None = None,
 ) -> Sketch:
     """Outer sides of a mesh, at most ``MOST_SIDES``, which of them carry as contact, and the places of a layout on it.
 
@@ -62,6 +84,7 @@ def make_sketch(
     at_port: dict[str, list[str]] = {}
     for name, reading in readings.items():
         at_port.setdefault(reading.port, []).append(name)
+    load_ports = [force.port for force, _ in acting]
     return Sketch(
         points=shown.points,
         held=held,
@@ -70,12 +93,13 @@ def make_sketch(
         face=shown.face,
         body_names=layout.body_names,
         load_names=tuple(_name_of(force.port) for force, _ in acting),
-        load_places=_places(mesh, layout, [force.port for force, _ in acting]),
+        load_places=_places(mesh, layout, load_ports),
         loads=np.array([np.multiply(force.amplitude, force.direction) for force, _ in acting]).reshape(-1, 3),
         constant=np.array([constant for _, constant in acting], dtype=bool),
         response_names=tuple(_joined(names) for names in at_port.values()),
         response_places=_places(mesh, layout, list(at_port)),
         mesh_sides=len(whole.sides),
+        motion=None if motion is None else _motion(motion, shown.node, layout, load_ports, list(at_port)),
     )
 
 
@@ -90,6 +114,22 @@ def _places(mesh: AnyMesh, layout: Layout, ports: list[str]) -> FloatArray:
     """(k, 3) m, the middle of each port."""
     middles = [layout.ports[name].shares @ mesh.points[layout.ports[name].nodes] for name in ports]
     return np.array(middles, dtype=float).reshape(-1, 3)
+
+
+def _motion(motion: MeshMotion, nodes: IntArray, layout: Layout, load_ports: list[str], ports: list[str]) -> Motion:
+    """The motion of nodes (n,), and of the places of loads and responses, which is the mean over their nodes."""
+    of_nodes = motion.displacement.reshape(-1, 3, motion.displacement.shape[1])
+
+    def at(names: list[str]) -> FloatArray:
+        means = [np.tensordot(layout.ports[name].shares, of_nodes[layout.ports[name].nodes], 1) for name in names]
+        return np.array(means, dtype=float).reshape(-1, *of_nodes.shape[1:])
+
+    return Motion(
+        points=of_nodes[nodes].astype(np.float32),
+        loads=at(load_ports).astype(np.float32),
+        responses=at(ports).astype(np.float32),
+        frequency_hz=motion.frequency_hz,
+    )
 
 
 def _name_of(port: str) -> str:

@@ -16,7 +16,7 @@ from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.study.analyses import solve
 from stickslip.study.record import compare_modes, study_record, with_other_tractions
-from stickslip.study.sketching import sketch_of
+from stickslip.study.sketching import MeshMotion, motion_at_peak, sketch_of
 
 
 @dataclass(frozen=True)
@@ -29,12 +29,15 @@ class Solution:
         superelement, pairs, excitation and outputs by name.
     record:
         what the report shows beside the response.
+    motion:
+        of the mesh at the peak of the first output; None for matrices without a mesh.
     """
 
     case: Case
     response: ForcedResponse
     model: Model
     record: StudyRecord
+    motion: MeshMotion | None
 
     @property
     def converged(self) -> bool:
@@ -95,5 +98,6 @@ def solved(case: Case, model: Model, progress: Progress, threads: int) -> Soluti
     response = solve(case, model, progress, threads)
     record = study_record(case, model, table, response)
     other = with_other_tractions(case, model, response, progress, threads)
-    record = replace(record, derived=(*record.derived, *other), sketch=sketch_of(case, model))
-    return Solution(case, response, model, record)
+    motion = motion_at_peak(model, response)
+    record = replace(record, derived=(*record.derived, *other), sketch=sketch_of(case, model, motion))
+    return Solution(case, response, model, record, motion)

@@ -7,13 +7,6 @@
   const data = read("page-data");
   const figures = read("page-figures");
 
-  function unpack(text, kind) {
-    const binary = atob(text);
-    const bytes = new Uint8Array(binary.length);
-    for (let i = 0; i < binary.length; i++) bytes[i] = binary.charCodeAt(i);
-    return new kind(bytes.buffer);
-  }
-
   const states = unpack(data.states, Int8Array);
   const energy = unpack(data.energy, Float32Array);
   const springs = unpack(data.springs, Float32Array);
@@ -287,7 +280,8 @@
       Plotly.relayout("curve", update);
       element("scale").textContent = logarithmic ? "Linear axis" : "Logarithmic axis";
     });
-    const plots = () => Array.from(document.querySelectorAll(".js-plotly-plot"));
+    // on paper the structure is a still picture
+    const plots = () => Array.from(document.querySelectorAll(".js-plotly-plot:not(#structure-plot)"));
     window.addEventListener("beforeprint", () => plots().forEach((plot) => Plotly.relayout(plot, { width: 660, autosize: false })));
     window.addEventListener("afterprint", () => plots().forEach((plot) => Plotly.relayout(plot, { width: null, autosize: true })));
   }
@@ -297,5 +291,6 @@
   Promise.all(Object.keys(figures).map((id) => draw(id, figures[id], id.includes("map") ? stillOptions : options))).then(function () {
     listen();
     document.body.dataset.ready = "yes";
+    document.dispatchEvent(new Event("figures-drawn"));
   });
 })();

@@ -1,0 +1,152 @@
+"""What is marked on a structure: arrows of its loads, outlines of its bodies and contact faces, and labels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.core.validation import FloatArray
+from stickslip.reporting.structure_view import Camera, area_vectors
+from stickslip.reporting.style import number
+from stickslip.results.record import StudyRecord
+from stickslip.results.sketch import Sketch
+
+_ARROW_SHARE = 0.16  # length of an arrow, of the diagonal of the box around the structure
+_SHARP_DEG = 30.0  # between the normals of two sides whose common edge is drawn
+_LONGEST_LABEL = 34  # letters
+_LETTER_PX, _LINE_PX = 6.8, 18.0  # width of a letter, height of a label with its margin
+_REACHES_PX = (34.0, 56.0, 80.0, 108.0, 140.0)  # of a label from its place
+_DIRECTIONS = 16
+
+
+@dataclass(frozen=True)
+class Marked:
+    """All places that a picture of a sketch shows: ``places`` (n, 3) m, and which of them are what.
+
+    The first are the points of the sketch; ``responses`` (r,), ``tails`` and ``tips`` (k,) are positions of the places
+    of responses and of the ends of the arrows of loads. ``pulls`` (k,) says which arrows start at the place of their
+    load; the others end there.
+    """
+
+    places: FloatArray
+    responses: NDArray[np.int64]
+    tails: NDArray[np.int64]
+    tips: NDArray[np.int64]
+    pulls: NDArray[np.bool_]
+
+    @property
+    def free_ends(self) -> NDArray[np.int64]:
+        """(k,) the ends of the arrows that are not at the places of their loads."""
+        return np.where(self.pulls, self.tips, self.tails)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A view as labels are placed in it: camera, place (3,) m in its middle, scale there, width and height in px."""
+
+    camera: Camera
+    middle: FloatArray
+    px_per_m: float
+    width: float
+    height: float
+
+
+@dataclass(frozen=True)
+class Label:
+    """Words at the place number ``at``; ``offset`` px to the right and down from there to the middle of the words."""
+
+    words: str
+    at: int
+    offset: tuple[float, float]
+
+
+def marked(sketch: Sketch) -> Marked:
+    """The places of a sketch, with an arrow for each load: all of one length, each on the side of its place that is
+    farther from the middle of the bodies."""
+    low, high = sketch.points.min(axis=0), sketch.points.max(axis=0)
+    length = _ARROW_SHARE * float(np.linalg.norm(high - low))
+    along = length * sketch.loads / np.linalg.norm(sketch.loads, axis=1, keepdims=True)
+    away = sketch.load_places - 0.5 * (low + high)
+    pulls = (along * away).sum(axis=1) > 0.0
+    tails = np.where(pulls[:, None], sketch.load_places, sketch.load_places - along)
+    groups = (sketch.points, sketch.response_places, tails, tails + along)
+    ends = np.cumsum([len(group) for group in groups])
+    responses, tail, tip = (np.arange(start, stop) for start, stop in pairwise(ends))
+    return Marked(np.vstack(groups), responses, tail, tip, pulls)
+
+
+def outlines(sketch: Sketch, body: int) -> NDArray[np.int64]:
+    """(e, 2) edges of a body to draw: those where it is sharp or ends, and those around its contact faces."""
+    here = sketch.body == body
+    sides, face, vectors = sketch.sides[here], sketch.face[here], area_vectors(sketch)[here]
+    area = np.linalg.norm(vectors, axis=1, keepdims=True)
+    normal = vectors / np.where(area > 0.0, area, 1.0)
+    ends = np.sort(np.stack([sides, np.roll(sides, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    owner = np.repeat(np.arange(len(sides)), 4)
+    real = ends[:, 0] != ends[:, 1]
+    ends, owner = ends[real], owner[real]
+    edges, position, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
+    order = np.argsort(position.ravel(), kind="stable")
+    first = owner[order[np.cumsum(count) - count]]
+    last = owner[order[np.cumsum(count) - 1]]
+    turned = (normal[first] * normal[last]).sum(axis=1) < np.cos(np.radians(_SHARP_DEG))
+    return np.asarray(edges[(count != 2) | turned | (face[first] != face[last])])
+
+
+def labels(study: StudyRecord, sketch: Sketch, frame: Frame) -> list[Label]:
+    """Names of contact faces, loads with their size, and responses, placed so that they do not overlap in a view."""
+    shown, sizes = marked(sketch), np.linalg.norm(sketch.loads, axis=1)
+    faces = np.unique(sketch.face[sketch.face >= 0])
+    named = [
+        *((shortened(study.face_names[face]), _middle_of_face(sketch, int(face))) for face in faces),
+        *(
+            (f"{shortened(name)}, {number(float(size))} N", int(end))
+            for name, size, end in zip(sketch.load_names, sizes, shown.free_ends, strict=True)
+        ),
+        *((shortened(name), int(at)) for name, at in zip(sketch.response_names, shown.responses, strict=True)),
+    ]
+    words, at = [text for text, _ in named], [place for _, place in named]
+    seen = frame.px_per_m * (shown.places[at] - frame.middle) @ frame.camera.axes[:2].T * np.array([1.0, -1.0])
+    offsets = _spread(seen, words, 0.5 * np.array([frame.width, frame.height]))
+    return [Label(*each) for each in zip(words, at, offsets, strict=True)]
+
+
+def shortened(name: str) -> str:
+    """A name that is short enough for a label."""
+    return name if len(name) <= _LONGEST_LABEL else f"{name[: _LONGEST_LABEL - 1]}…"
+
+
+def _middle_of_face(sketch: Sketch, face: int) -> int:
+    """The point of a contact face that is nearest to its middle."""
+    corners = np.unique(sketch.sides[sketch.face == face])
+    places = sketch.points[corners]
+    return int(corners[np.argmin(np.linalg.norm(places - places.mean(axis=0), axis=1))])
+
+
+def _spread(places: FloatArray, words: list[str], limits: FloatArray) -> list[tuple[float, float]]:
+    """Offsets (right, down) px of labels at ``places`` (m, 2) px: outwards, as near as can be, off each other.
+
+    ``limits`` (2,) px are half of the width and the height of the view.
+    """
+    angles = 2.0 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+    turns = np.column_stack([np.cos(angles), np.sin(angles)])
+    taken: list[tuple[FloatArray, FloatArray]] = []
+    answer = []
+    for place, text in zip(places, words, strict=True):
+        room = np.array([_LETTER_PX * len(text) + 8.0, _LINE_PX])
+        outwards = turns[np.argsort(-(turns @ place), kind="stable")]
+        # Half of the width is added sideways, so that a label stands beside its place and not over it.
+        choices = [reach * turn + 0.5 * room * [turn[0], 0.0] for reach in _REACHES_PX for turn in outwards]
+        free = (
+            choice
+            for choice in choices
+            if (np.abs(place + choice) + 0.5 * room <= limits).all()
+            and all((np.abs(place + choice - other) >= 0.5 * (room + size)).any() for other, size in taken)
+        )
+        best = next(free, choices[0])
+        taken.append((place + best, room))
+        answer.append((float(best[0]), float(best[1])))
+    return answer

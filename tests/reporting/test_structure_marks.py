@@ -1,0 +1,105 @@
+"""Arrows, outlines and labels of the structure."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sketches import ABOVE, box, sketch_of_boxes, stacked_boxes
+from stickslip.reporting.structure_marks import Frame, labels, marked, outlines, shortened
+from stickslip.reporting.structure_view import Camera, best_camera
+from synthetic import synthetic_study
+
+CUBE = box((0.0, 0.0, 0.0), (0.1, 0.1, 0.1))
+USUAL = Camera(-60.0, 30.0)
+
+
+def test_an_arrow_starts_at_its_place_where_it_pulls_and_ends_there_where_it_pushes() -> None:
+    sketch = sketch_of_boxes(CUBE)  # a load along x at the right side
+    shown = marked(sketch)
+    assert shown.places[shown.tails[0]] == pytest.approx(sketch.load_places[0])
+    along = shown.places[shown.tips[0]] - shown.places[shown.tails[0]]
+    assert along == pytest.approx([0.16 * np.sqrt(0.03), 0.0, 0.0])
+    assert shown.free_ends.tolist() == shown.tips.tolist()
+    pushed = marked(dataclasses.replace(sketch, loads=-sketch.loads))
+    assert pushed.places[pushed.tips[0]] == pytest.approx(sketch.load_places[0])
+    assert pushed.free_ends.tolist() == pushed.tails.tolist()
+
+
+def test_places_are_those_of_the_sketch() -> None:
+    sketch = sketch_of_boxes(CUBE, load_names=(), load_places=np.empty((0, 3)), loads=np.empty((0, 3)),
+                             constant=np.empty(0, dtype=bool))  # fmt: skip
+    shown = marked(sketch)
+    assert shown.places[:8] == pytest.approx(sketch.points)
+    assert shown.places[shown.responses] == pytest.approx(sketch.response_places)
+    assert len(shown.places) == 9
+    assert shown.tails.size == shown.tips.size == 0
+
+
+def test_a_box_is_outlined_by_its_twelve_edges() -> None:
+    edges = outlines(stacked_boxes(), 1)
+    assert len(edges) == 12
+    assert edges.min() == 8
+    assert len(np.unique(edges, axis=0)) == 12
+
+
+def test_flat_neighbours_have_no_outline_between_them_unless_one_is_contact() -> None:
+    # two squares side by side, the second one a triangle pair
+    points = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]], dtype=float)
+    sides = np.array([[0, 1, 4, 3], [1, 2, 5, 5], [1, 5, 4, 4]])
+
+    def edges(face: list[int]) -> set[tuple[int, ...]]:
+        sheet = sketch_of_boxes(
+            CUBE, points=points, held=np.zeros(6, bool), sides=sides, body=np.zeros(3, int), face=np.array(face),
+            mesh_sides=3,
+        )  # fmt: skip
+        return {tuple(edge) for edge in outlines(sheet, 0).tolist()}
+
+    around = {(0, 1), (1, 2), (2, 5), (4, 5), (3, 4), (0, 3)}
+    assert edges([-1, -1, -1]) == around
+    assert edges([0, -1, -1]) == around | {(1, 4)}
+
+
+def labels_of(frame: Frame, **changes: Any) -> list[Any]:
+    sketch = stacked_boxes(**changes)
+    return labels(synthetic_study(), sketch, frame)
+
+
+@pytest.mark.parametrize("size", [(820, 560), (350, 400)])
+def test_labels_are_apart_and_inside_even_where_their_places_are_one(size: tuple[int, int]) -> None:
+    width, height = size
+    place = np.array([[0.05, 0.05, 0.1]])
+    names = tuple(f"response {number}" for number in range(5))
+    changes = {"response_names": names, "response_places": np.repeat(place, 5, axis=0)}
+    camera = best_camera(stacked_boxes())
+    frame = Frame(camera, np.full(3, 0.05), 2000.0, width, height)
+    found = labels_of(frame, **changes)
+    assert [label.words for label in found] == ["Left face", "shaker, 5 N", *names]
+    places = marked(stacked_boxes(**changes)).places
+    at = 2000.0 * (places[[label.at for label in found]] - 0.05) @ camera.axes[:2].T * [1.0, -1.0]
+    middles = at + np.array([label.offset for label in found])
+    rooms = np.array([[6.8 * len(label.words), 16.0] for label in found])
+    assert (np.abs(middles) + 0.5 * rooms <= 0.5 * np.array(size)).all()
+    for number in range(len(found)):
+        for other in range(number):
+            apart = np.abs(middles[number] - middles[other]) >= 0.5 * (rooms[number] + rooms[other])
+            assert apart.any(), (found[number], found[other])
+
+
+def test_a_face_is_named_at_a_point_of_it() -> None:
+    face = np.full(6, -1)
+    face[ABOVE] = 0
+    sketch = sketch_of_boxes(CUBE, face=face)
+    label = labels(synthetic_study(), sketch, Frame(USUAL, np.full(3, 0.05), 2000.0, 800.0, 500.0))[0]
+    assert label.words == "Left face"
+    assert sketch.points[label.at][2] == 0.1
+
+
+def test_a_long_name_is_shortened_and_the_size_of_a_load_is_not() -> None:
+    name = "the response of a place that has a very long name"
+    assert shortened(name) == f"{name[:33]}…"
+    frame = Frame(USUAL, np.full(3, 0.05), 2000.0, 800.0, 500.0)
+    assert f"{name[:33]}…, 5 N" in [label.words for label in labels_of(frame, load_names=(name,))]
