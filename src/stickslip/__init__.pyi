@@ -4,6 +4,7 @@ from .case.case import MatrixCase as MatrixCase
 from .case.case import MeshCase as MeshCase
 from .case.case import TwoBladeCase as TwoBladeCase
 from .case.case import load_case as load_case
+from .contact.law.component_law import ElasticLaw as ElasticLaw
 from .contact.law.contact_pairs import ContactPairs as ContactPairs
 from .contact.law.coulomb import CoulombLaw as CoulombLaw
 from .contact.law.coulomb_harmonics import contact_cycle as contact_cycle
@@ -20,8 +21,12 @@ from .contact.pairing.pairing import pair_surfaces as pair_surfaces
 from .contact.pairing.pairing import pair_with_ground as pair_with_ground
 from .contact.stiffness.fractal import Roughness as Roughness
 from .contact.stiffness.fractal import contact_stiffness as contact_stiffness
+from .contact.stiffness.measured_law import MeasuredStiffness as MeasuredStiffness
+from .contact.stiffness.registry import register_stiffness_law as register_stiffness_law
 from .contact.stiffness.roughness_fit import RoughnessFit as RoughnessFit
 from .contact.stiffness.roughness_fit import fit_roughness as fit_roughness
+from .contact.stiffness.stiffness_law import StiffnessLaw as StiffnessLaw
+from .contact.stiffness.stiffness_law import springs_of_pairs as springs_of_pairs
 from .contact.stiffness.surface import fractal_surface as fractal_surface
 from .core.errors import ConvergenceError as ConvergenceError
 from .core.errors import InputError as InputError
@@ -34,6 +39,11 @@ from .formats.matrices.exchange import write_superelement as write_superelement
 from .formats.matrices.model import MatrixModel as MatrixModel
 from .formats.matrices.read import read_matrices as read_matrices
 from .formats.matrices.reduce import reduce_matrices as reduce_matrices
+from .formats.meshes.raw_model import RawBlock as RawBlock
+from .formats.meshes.raw_model import RawModel as RawModel
+from .formats.meshes.raw_model import RawSides as RawSides
+from .formats.meshes.read import read_model as read_model
+from .formats.meshes.read import register_model_format as register_model_format
 from .model.model import build_model as build_model
 from .results.response import ForcedResponse as ForcedResponse
 from .solve.controlled import controlled_response as controlled_response

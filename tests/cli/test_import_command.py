@@ -94,7 +94,7 @@ def test_a_bad_file_ends_with_2(tmp_path):
         ("job.odb", "Export the model as .inp, .bdf or .vtu"),
         ("k.mtx", 'structure.kind = "matrices"'),
         ("study.toml", "It is a study file"),
-        ("notes.txt", "'.txt' is no model format that can be read; there are: .inp, .bdf"),
+        ("notes.txt", "'.txt' is no model format that can be read; there are: .bdf, .dat"),
         ("folder.inp", "this is a folder"),
         ("binary.inp", "this is a binary file"),
         ("text.msh", "are not those of a Gmsh file of version 2.2, 4.0 or 4.1"),

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
 
+from stickslip.core.registry import Registry
 from stickslip.formats.meshes.abaqus import read_abaqus
 from stickslip.formats.meshes.build import build_model
 from stickslip.formats.meshes.imported_model import ImportedModel
@@ -14,15 +15,27 @@ from stickslip.formats.meshes.nastran import read_nastran
 from stickslip.formats.meshes.raw_model import RawModel, fail
 from stickslip.formats.meshes.unit_systems import find_unit_system
 
-# Decks may include other files; they are asked whether also from outside of their folder.
-_DECK_READERS: dict[str, Callable[[Path, bool], RawModel]] = {
-    ".inp": read_abaqus,
-    ".bdf": read_nastran,
-    ".nas": read_nastran,
-    ".dat": read_nastran,
-    ".fem": read_nastran,
-}
-_READERS: dict[str, Callable[[Path], RawModel]] = {".msh": read_gmsh, ".vtu": read_vtu, ".med": read_med}
+Reader = Callable[[Path, bool], RawModel]
+
+
+def _alone(reader: Callable[[Path], RawModel]) -> Reader:
+    """The reader of a format whose files include no others."""
+    return lambda path, includes_outside: reader(path)
+
+
+# Readers by file ending. Decks may include other files; they are asked whether also from outside of their folder.
+_FORMATS: Registry[RawModel] = Registry(
+    "model format",
+    "stickslip.model_formats",
+    {
+        "inp": read_abaqus,
+        **dict.fromkeys(("bdf", "nas", "dat", "fem"), read_nastran),
+        "msh": _alone(read_gmsh),
+        "vtu": _alone(read_vtu),
+        "med": _alone(read_med),
+    },
+)
+register_model_format = _FORMATS.register
 # What to do with a file of another kind.
 _ADVICE = {
     **dict.fromkeys(
@@ -47,6 +60,8 @@ def read_model(
     path: str | PathLike[str], length_unit: str, unit_system: str | None = None, includes_outside: bool = False
 ) -> ImportedModel:
     """Read a model into SI units: .inp (Abaqus, CalculiX), .bdf/.nas/.dat/.fem (Nastran), .msh (Gmsh), .vtu, .med.
+
+    Other packages add formats through entry points of the group ``stickslip.model_formats`` (docs/extending.md).
 
     Parameters
     ----------
@@ -75,13 +90,14 @@ def read_raw(path: str | PathLike[str], includes_outside: bool = False) -> RawMo
     if source.is_dir():
         fail(source, "this is a folder. Give the path of a model file.")
     ending = source.suffix.lower()
-    if ending not in _READERS and ending not in _DECK_READERS:
+    formats = _FORMATS.names()
+    if ending.removeprefix(".") not in formats:
         advice = _ADVICE.get(ending, "Export the model in one of these, or give the file its usual ending")
         fail(
             source,
             f"'{source.suffix}' is no model format that can be read; there are: "
-            f"{', '.join((*_DECK_READERS, *_READERS))}. {advice}.",
+            f"{', '.join(f'.{name}' for name in formats)}. {advice}.",
         )
     if not source.exists():
         fail(source, "there is no such file.")
-    return _DECK_READERS[ending](source, includes_outside) if ending in _DECK_READERS else _READERS[ending](source)
+    return _FORMATS.find(ending.removeprefix("."))(source, includes_outside)
