@@ -33,8 +33,8 @@ LOOP_SAMPLES = 128
 def page_data(view: View, picture_characters: int = 0) -> dict[str, Any]:
     """Everything that page.js needs, ready for JSON. Lengths in µm, energies in ``view.energy_unit``.
 
-    ``picture_characters`` of the page are taken by sections with data of their own, such as the picture of the structure,
-    and leave less room for numbers.
+    ``picture_characters`` of the page are taken by sections with data of their own, such as the picture of the
+    structure, and leave less room for numbers.
     """
     response, study = view.response, view.study
     n_coefficients = 2 * response.harmonics + 1
