@@ -133,7 +133,8 @@ def moved(picture: StructurePicture, phase: float) -> np.ndarray:
     weights = np.where(np.arange(motion["coefficients"]) % 2, np.cos(order * phase), np.sin(order * phase))
     weights[0] = 1.0
     points = unpacked(picture.data["points"], "f4").reshape(-1, 3)
-    return np.asarray(points + float(motion["step"]) * np.einsum("c,cij->ij", weights, values.astype(float)))
+    step: float = motion["step"]
+    return np.asarray(points + step * np.einsum("c,cij->ij", weights, values.astype(float)))
 
 
 @pytest.mark.parametrize("phase", [0.0, 1.0, 4.0])

@@ -121,5 +121,5 @@ def test_the_page_has_the_structure_before_the_contact_states() -> None:
 @pytest.mark.slow
 def test_the_page_with_the_largest_picture_stays_below_its_limit() -> None:
     response, study = large_result(5000, 600)
-    text = page(response, dataclasses.replace(study, sketch=rough_sheet(COUNT)))
+    text = page(response, dataclasses.replace(study, sketch=rough_sheet(COUNT, response.harmonics)))
     assert len(text.encode()) < LARGEST_PAGE

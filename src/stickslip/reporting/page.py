@@ -36,7 +36,8 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
     sections = [CURVE, *(section for section in SECTIONS if section.applies(view))]
     contents = [section.on_page(view) for section in sections]
     figures = {name: figure for section in sections for name, figure in section.figures(view).items()}
-    numbers = page_data(view, sum(content.characters for content in contents))
+    pictures = sum(content.characters for content in contents if content.data)  # words have a room of their own
+    numbers = page_data(view, pictures)
     values = {
         "title": study.title,
         "description": study.description,

@@ -30,16 +30,16 @@ MAP_BYTES = 5  # of a pair at a point: state and energy
 LOOP_SAMPLES = 128
 
 
-def page_data(view: View, section_characters: int = 0) -> dict[str, Any]:
+def page_data(view: View, picture_characters: int = 0) -> dict[str, Any]:
     """Everything that page.js needs, ready for JSON. Lengths in µm, energies in ``view.energy_unit``.
 
-    ``section_characters`` of the page are taken by its sections, such as the picture of the structure, and leave less
-    room for numbers.
+    ``picture_characters`` of the page are taken by sections with data of their own, such as the picture of the
+    structure, and leave less room for numbers.
     """
     response, study = view.response, view.study
     n_coefficients = 2 * response.harmonics + 1
     signals = {name: packed(MICRO * response.coefficients(study.outputs[name]), "f4") for name in _signal_names(view)}
-    room = _room(view, section_characters + sum(len(text) for text in signals.values()))
+    room = _room(view, picture_characters + sum(len(text) for text in signals.values()))
     held = _points_with_maps(view, room)
     room -= held.size * MAP_BYTES * response.pairs.n_pairs
     return {
