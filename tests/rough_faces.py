@@ -36,7 +36,8 @@ def pair_stiffness(
     normal, tangential = np.empty(areas.shape), np.empty(areas.shape)
     for each in np.unique(faces):
         members = faces == each
-        law = FractalStiffness(roughness, reference_area or float(areas[members].sum()), mode)
+        own_area = float(areas[members].sum()) if reference_area is None else reference_area
+        law = FractalStiffness(roughness, own_area, mode)
         own = loads[members] if loads.shape == areas.shape else loads
         normal[members], tangential[members] = springs_of_pairs(law, areas[members], own, allocation)
     return normal, tangential

@@ -180,7 +180,7 @@ def test_the_report_shows_the_rest_and_the_other_tractions(tmp_path: Path) -> No
     assert outcome.converged, outcome.message
     assert (tmp_path / "figures" / "rest_pressure.png").stat().st_size > 0
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert re.search(r"<h2>Pressure at rest</h2>.*pairs open", page)
+    assert re.search(r"<h2>Pressure at rest</h2>.*pairs open", page, flags=re.DOTALL)
     assert 'id="rest-map-1"' in page
     saved = load_results(tmp_path / "results.nc")
     assert saved.study is not None

@@ -113,7 +113,7 @@ def test_file_is_labelled_for_other_readers(response, saved):
 
 
 def test_missing_file(tmp_path):
-    with pytest.raises(ResultsFileError, match=r"could not be opened: No such file.*stickslip run"):
+    with pytest.raises(ResultsFileError, match=r"could not be opened: there is no such file.*stickslip run"):
         load_results(tmp_path / "none.nc")
 
 

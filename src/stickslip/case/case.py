@@ -26,7 +26,6 @@ from stickslip.case.consistency import (
     EntryError,
     excitation_errors,
     joint_errors,
-    name_errors,
     place_errors,
     preload_errors,
 )
@@ -128,9 +127,6 @@ class Case(BaseModel):
     @model_validator(mode="after")
     def _sections_fit_each_other(self) -> Self:
         """Raise EntryError for the first entry that does not fit another one."""
-        for section in self.named_sections():
-            for error in name_errors(section, tuple(getattr(self, section))):
-                raise error
         for error in self._misfits():
             raise error
         return self

@@ -10,8 +10,6 @@ from stickslip.case.sections import PreloadSection
 from stickslip.case.two_blade_sections import WedgePreloadSection
 from stickslip.core.errors import InputError
 
-LONGEST_NAME = 200  # of an entry: it heads columns, and names files of a sweep
-
 
 class EntryError(InputError):
     """One entry of a study file does not fit the others; ``path`` says which."""
@@ -19,16 +17,6 @@ class EntryError(InputError):
     def __init__(self, path: tuple[str, ...], sentence: str) -> None:
         super().__init__(sentence)
         self.path = path
-
-
-def name_errors(section: str, names: Sequence[str]) -> Iterator[EntryError]:
-    """Names of entries that no page or file can hold."""
-    for name in names:
-        if not name.isprintable():
-            yield EntryError((section, name), "has a control character in its name. Take it out.")
-        if len(name) > LONGEST_NAME:
-            words = f"has a name of {len(name)} characters. Take one of at most {LONGEST_NAME}."
-            yield EntryError((section, name), words)
 
 
 def preload_errors(preload: PreloadSection, loads: Sequence[str], rough: bool) -> Iterator[EntryError]:

@@ -20,7 +20,7 @@ def python_command(code: str) -> list[str]:
     ``python -c`` looks for modules in the current folder first: a "random.py" of the user would run in place of
     Python's own. Option -P leaves the folder out, and the places of modules are those of this process without it.
     """
-    here = str(Path(__file__).parents[1])
+    here = str(Path(__file__).parents[2])
     places = [place for place in sys.path if place and Path(place).is_absolute()]
     places += [] if here in places else [here]
     return [sys.executable, "-P", "-c", f"import sys; sys.path[:] = {places!r}\n{code}"]

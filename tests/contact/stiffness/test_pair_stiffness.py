@@ -7,6 +7,8 @@ import pytest
 
 from rough_faces import MINDLIN, NOMINAL_AREA, pair_stiffness, rough
 from stickslip.contact.stiffness.fractal import contact_stiffness
+from stickslip.contact.stiffness.fractal_law import FractalStiffness
+from stickslip.contact.stiffness.stiffness_law import springs_of_pairs
 from stickslip.core.errors import RoughnessError
 
 
@@ -89,4 +91,4 @@ def test_a_pair_under_too_little_pressure_is_refused() -> None:
 
 def test_a_face_without_preload_is_refused() -> None:
     with pytest.raises(RoughnessError, match=r"2 of 4 .*preload of their face is 0 N"):
-        pair_stiffness(rough(), np.ones(4), [1e3, 1e3, 0.0, -5.0], face=[0, 0, 1, 1])
+        springs_of_pairs(FractalStiffness(rough(), 2.0), np.ones(4), [1e3, 1e3, 0.0, -5.0], face=[0, 0, 1, 1])

@@ -22,6 +22,8 @@ from stickslip.contact.stiffness.asperities import (
     spots_under_load,
 )
 from stickslip.contact.stiffness.fractal import ContactStatus, Roughness, contact_stiffness, reduced_modulus
+from stickslip.contact.stiffness.fractal_law import FractalStiffness
+from stickslip.contact.stiffness.stiffness_law import springs_of_pairs
 from stickslip.core.errors import InputError
 
 TABLE = Path(__file__).parents[2] / "data" / "fractal_stiffness.csv"
@@ -390,4 +392,4 @@ def test_arguments_out_of_range() -> None:
     with pytest.raises(InputError, match="preload must be one number or an array of shape"):
         pair_stiffness(rough(), [1.0, 1.0], [1.0, 1.0, 1.0])
     with pytest.raises(InputError, match=r"face\[0\] is 0\.5"):
-        pair_stiffness(rough(), [1.0, 1.0], 1.0, face=[0.5, 1.0])
+        springs_of_pairs(FractalStiffness(rough(), 1.0), [1.0, 1.0], 1.0, face=[0.5, 1.0])

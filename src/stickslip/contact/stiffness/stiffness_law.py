@@ -61,9 +61,12 @@ def springs_of_pairs(
     dead = np.flatnonzero(~(normal > 0.0))
     if dead.size:
         reasons = law.valid(np.unique(pressure[dead])[:1]) or (f"the law gives none: {law.describe()}.",)
+        advice = (
+            ' With allocation "area" each pair takes the mean pressure of its face.' if allocation != "area" else ""
+        )
         raise RoughnessError(
             f"{dead.size} of {areas.size} contact pairs (first: pair {dead[0]}) would have no contact stiffness: "
-            f"{reasons[0]}"
+            f"{reasons[0]}{advice}"
         )
     return normal, tangential
 
