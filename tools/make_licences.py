@@ -12,7 +12,7 @@ from packages import ROOT, installed, licence, requirements
 TARGET = ROOT / "docs" / "licences.md"
 _HEAD = """# Licences of the packages that are installed with stickslip
 
-stickslip itself is under the BSD licence with three clauses ([LICENSE](../LICENSE)). The table holds every package of
+stickslip itself is under the BSD licence with three clauses (file `LICENSE`). The table holds every package of
 the default installation, without extras and tools of development, as the metadata of the versions in
 `constraints.txt` state it. `tools/make_licences.py` writes this page, and a test compares it with what is installed.
 
