@@ -15,8 +15,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stickslip as ss
-from stickslip.contact.stiffness.surface import draw_phases, frequency_count
-from stickslip.formats.profile_file import read_profile
 
 DATA = Path(__file__).parent / "data" / "profile.csv"
 DIMENSION, ROUGHNESS = 2.4, 1e-9
@@ -26,7 +24,7 @@ POINTS, SPACING = 1500, 2e-6
 def make_profile() -> str:
     """The text of data/profile.csv: position in mm, height in um."""
     longest, shortest, ridges = 20 * POINTS * SPACING, SPACING / 3, 10
-    phases = draw_phases(4, ridges, frequency_count(longest, shortest))
+    phases = ss.draw_phases(4, ridges, ss.frequency_count(longest, shortest))
     along = SPACING * np.arange(POINTS)
     heights = ss.fractal_surface(
         along * np.cos(0.4), along * np.sin(0.4), DIMENSION, ROUGHNESS, longest, ridges, phases
@@ -39,7 +37,7 @@ def make_profile() -> str:
 
 def main() -> ss.RoughnessFit:
     """Print D and G with their intervals; returns the fit."""
-    profile = read_profile(DATA)
+    profile = ss.read_profile(DATA)
     fit = ss.fit_roughness(profile.heights, profile.spacing)
     low, high = fit.fractal_dimension_interval
     print(f"D = {fit.fractal_dimension:.3f} (95 %: {low:.3f} to {high:.3f}), true value {DIMENSION}")

@@ -14,7 +14,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import stickslip as ss
-from stickslip.solve.transient.integrate import integrate_to_steady_state, start_from_response
 
 DATA = Path(__file__).parent / "data" / "blade_10_contacts.npz"
 
@@ -47,8 +46,8 @@ def main() -> dict[str, float]:
     print(f"friction takes {energy * 1e6:.1f} uJ in each cycle")
     draw(response, tip)
 
-    transient = integrate_to_steady_state(
-        superelement, pairs, force_cos, force_sin, frequency_hz, **start_from_response(response, peak)
+    transient = ss.integrate_to_steady_state(
+        superelement, pairs, force_cos, force_sin, frequency_hz, **ss.start_from_response(response, peak)
     )
     print(transient.message)
     difference = transient.amplitude(tip) / float(amplitude[peak]) - 1.0

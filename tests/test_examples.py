@@ -19,6 +19,12 @@ from stickslip.papers.rough_damper.plan import Scope, computations
 from sweep_cases import quick_file
 
 ROOT = Path(__file__).parents[1]
+READ_BY_USERS = [*sorted(ROOT.glob("examples/*.py")), *sorted(ROOT.glob("docs/*.md")), ROOT / "README.md"]
+
+
+@pytest.mark.parametrize("path", READ_BY_USERS, ids=lambda path: path.name)
+def test_users_import_the_public_package_and_nothing_deeper(path: Path) -> None:
+    assert not re.findall(r"^ *(?:from|import) stickslip\..*", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
 
 
 @pytest.mark.slow

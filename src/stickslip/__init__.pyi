@@ -19,6 +19,7 @@ from .contact.law.registry import register_contact_law as register_contact_law
 from .contact.pairing.pairing import pair_faces as pair_faces
 from .contact.pairing.pairing import pair_surfaces as pair_surfaces
 from .contact.pairing.pairing import pair_with_ground as pair_with_ground
+from .contact.pairing.pairing import write_pairs as write_pairs
 from .contact.stiffness.fractal import Roughness as Roughness
 from .contact.stiffness.fractal import contact_stiffness as contact_stiffness
 from .contact.stiffness.measured_law import MeasuredStiffness as MeasuredStiffness
@@ -27,7 +28,9 @@ from .contact.stiffness.roughness_fit import RoughnessFit as RoughnessFit
 from .contact.stiffness.roughness_fit import fit_roughness as fit_roughness
 from .contact.stiffness.stiffness_law import StiffnessLaw as StiffnessLaw
 from .contact.stiffness.stiffness_law import springs_of_pairs as springs_of_pairs
+from .contact.stiffness.surface import draw_phases as draw_phases
 from .contact.stiffness.surface import fractal_surface as fractal_surface
+from .contact.stiffness.surface import frequency_count as frequency_count
 from .core.errors import ConvergenceError as ConvergenceError
 from .core.errors import InputError as InputError
 from .core.errors import ResultsFileError as ResultsFileError
@@ -44,6 +47,7 @@ from .formats.meshes.raw_model import RawModel as RawModel
 from .formats.meshes.raw_model import RawSides as RawSides
 from .formats.meshes.read import read_model as read_model
 from .formats.meshes.read import register_model_format as register_model_format
+from .formats.profile_file import read_profile as read_profile
 from .model.model import build_model as build_model
 from .results.response import ForcedResponse as ForcedResponse
 from .solve.controlled import controlled_response as controlled_response
@@ -58,6 +62,8 @@ from .solve.path.problem import Step as Step
 from .solve.path.stepping import ContinuationSettings as ContinuationSettings
 from .solve.static.ramp_to_rest import static_preload as static_preload
 from .solve.static.state import StaticState as StaticState
+from .solve.transient.integrate import integrate_to_steady_state as integrate_to_steady_state
+from .solve.transient.integrate import start_from_response as start_from_response
 from .structure.craig_bampton import craig_bampton as craig_bampton
 from .structure.elasticity import Material as Material
 from .structure.elasticity import Structure as Structure

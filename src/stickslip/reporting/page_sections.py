@@ -278,7 +278,7 @@ SECTIONS = (
 <th class="word">Quantity</th><th>Value</th>
 <th class="word">Unit</th><th class="word">Meaning</th></tr></thead><tbody>
 {%- for name, value, unit, explanation in derived %}<tr><th scope="row">{{ name }}</th><td>{{ value }}</td>
-<td class="word unit">{{ unit }}</td><td class="word">{{ explanation }}</td></tr>{% endfor -%}
+<td class="word unit">{{ unit }}</td><td class="word long">{{ explanation }}</td></tr>{% endfor -%}
 </tbody></table>{% endcall %}""",
         _derived,
         applies=lambda view: bool(view.study.derived),
