@@ -101,3 +101,18 @@ def test_the_architecture_names_every_room_and_no_file_that_is_gone() -> None:
         assert [*source.rglob(path), *ROOT.glob(path)], path
     for path in re.findall(r"\]\(([^)#]+)\)", page):
         assert (ROOT / path).is_file(), path
+
+
+def test_documents_name_files_that_there_are() -> None:
+    there = [
+        f"/{path.relative_to(ROOT).as_posix()}"
+        for folder in ("src", "tests", "benchmarks", "examples", "docs", "tools")
+        for path in (ROOT / folder).rglob("*.py")
+    ]
+    for document in (
+        *sorted(ROOT.glob("docs/*.md")),
+        *(ROOT / name for name in ("ARCHITECTURE.md", "CONTRIBUTING.md")),
+    ):
+        named = re.findall(r"`([\w/]*\w\.py)`", document.read_text(encoding="utf-8"))
+        missing = [name for name in named if not any(path.endswith(f"/{name}") for path in there)]
+        assert not missing, f"{document.name}: {missing}"

@@ -10,6 +10,7 @@ from .contact.law.coulomb import CoulombLaw as CoulombLaw
 from .contact.law.coulomb_harmonics import contact_cycle as contact_cycle
 from .contact.law.cubic_spring import CubicSpring as CubicSpring
 from .contact.law.elastic_stop import ElasticStop as ElasticStop
+from .contact.law.hysteretic_law import HystereticLaw as HystereticLaw
 from .contact.law.iwan import IwanJoint as IwanJoint
 from .contact.law.jenkins import JenkinsElement as JenkinsElement
 from .contact.law.law import ContactLaw as ContactLaw

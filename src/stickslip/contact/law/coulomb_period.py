@@ -1,7 +1,7 @@
 """March of the friction law over periods to the periodic state, and the exact derivative of that state.
 
 Paths are in force units (K s without its mean, or T0 + K s from the state at rest), limits are
-``mu * (N0 + kn * n)`` with their sign; see friction_kernel.
+``mu * (N0 + kn * n)`` with their sign; see coulomb_kernel.
 A period map sends the force at the first sample to the force one period later; it never expands distances, so its
 fixed points form one connected set: a single point where the pair slips, all feasible slider positions where it sticks.
 """
