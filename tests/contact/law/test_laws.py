@@ -128,6 +128,20 @@ def test_a_joint_of_several_laws_is_each_law_on_its_pairs() -> None:
         assert np.array_equal(cycle.force[:, group], law.cycle(displacement[:, group]).force)
 
 
+@pytest.mark.parametrize("name", LAWS)
+def test_each_pair_has_one_largest_slip_force_so_laws_mix(name: str) -> None:
+    """The warning of a drifting body adds it over all pairs; Iwan joints have a force of their own along t1 and t2."""
+    law = LAWS[name]
+    assert law.largest_slip_force.shape == (2,)
+    pairs = ss.ContactPairs.with_laws(np.eye(12), [law, LAWS["coulomb"]])
+    coulomb = np.array([0.3 * 20.0, 0.0])
+    assert pairs.largest_slip_force == pytest.approx(np.append(law.largest_slip_force, coulomb))
+
+
+def test_the_largest_slip_force_of_an_iwan_joint_is_that_of_its_stronger_direction() -> None:
+    assert LAWS["iwan"].largest_slip_force == pytest.approx([20.0, 1e3])
+
+
 def test_each_pair_has_exactly_one_law() -> None:
     law = LAWS["cubic"]
     with pytest.raises(ss.InputError, match="for 2 pairs, but the operator has 3"):

@@ -68,7 +68,7 @@ class ElasticLaw(ABC):
         return np.zeros(self.n_pairs)
 
     @property
-    def slip_force(self) -> FloatArray:
+    def largest_slip_force(self) -> FloatArray:
         """(p,) N: nothing slips."""
         return np.zeros(self.n_pairs)
 

@@ -214,9 +214,9 @@ class ContactPairs:
         return self.offset_force
 
     @property
-    def slip_force(self) -> FloatArray:
+    def largest_slip_force(self) -> FloatArray:
         """(n_pairs,) N, the largest tangential force at rest that slip can set free."""
-        return self.gathered(lambda law: law.slip_force)
+        return self.gathered(lambda law: law.largest_slip_force)
 
     @property
     def residual_traction(self) -> FloatArray | None:

@@ -122,7 +122,7 @@ class CoulombLaw:
                 f"residual_traction must have shape ({self.n_pairs}, 2), N along t1 and t2 of each pair; found "
                 f"{kept.shape}."
             )
-        size, limit = np.hypot(kept[:, 0], kept[:, 1]), self.slip_force
+        size, limit = np.hypot(kept[:, 0], kept[:, 1]), self.largest_slip_force
         beyond = np.flatnonzero(size > limit * (1.0 + 1e-6))
         if beyond.size:
             pair = beyond[0]
@@ -139,7 +139,7 @@ class CoulombLaw:
         return int(self.normal_stiffness.shape[0])
 
     @property
-    def slip_force(self) -> FloatArray:
+    def largest_slip_force(self) -> FloatArray:
         """(p,) N, ``mu`` times the normal load at rest."""
         return self.friction_coefficient * self.normal_load
 

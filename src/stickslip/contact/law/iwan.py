@@ -95,6 +95,11 @@ class IwanJoint(HystereticLaw):
         """(p,) N/m."""
         return self.normal_stiffness
 
+    @property
+    def largest_slip_force(self) -> FloatArray:
+        """(p,) N, the larger of the two directions."""
+        return np.asarray(self.slip_force.max(axis=1))
+
     @cached_property
     def macroslip_displacement(self) -> FloatArray:
         """phi_max, (p, 2) m, from which on the whole patch slides."""

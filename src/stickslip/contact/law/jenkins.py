@@ -73,7 +73,7 @@ class JenkinsElement(HystereticLaw):
         return self.normal_stiffness
 
     @property
-    def slip_force(self) -> FloatArray:
+    def largest_slip_force(self) -> FloatArray:
         """(p,) N, the larger of the two limits."""
         return np.asarray(self.friction_limit.max(axis=1))
 

@@ -109,7 +109,7 @@ class ContactLaw(Protocol):
         """(p,) N, the normal force at rest; zero for a law that needs none."""
 
     @property
-    def slip_force(self) -> FloatArray:
+    def largest_slip_force(self) -> FloatArray:
         """(p,) N, the largest tangential force at rest that slip can set free; zero for an elastic law."""
 
     def resting_springs(self) -> FloatArray:

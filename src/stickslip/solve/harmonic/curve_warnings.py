@@ -128,7 +128,7 @@ def _residual(balance: Balance, trials: list[Trial], residuals: FloatArray) -> t
 def _drift(balance: Balance, trials: list[Trial]) -> tuple[str, ...]:
     """A warning where the restraint of the mean position carries a force that the model does not have."""
     traction = max(float(np.abs(balance.compliance.restraint_force(t.relative[0])).sum()) for t in trials)
-    limit = float(balance.pairs.slip_force.sum())
+    limit = float(balance.pairs.largest_slip_force.sum())
     if traction <= LARGEST_RESTRAINT * limit:
         return ()
     return (
