@@ -12,6 +12,7 @@ import pytest
 import stickslip as ss
 from stickslip.contact.law.law import ContactLaw
 from stickslip.contact.law.registry import contact_law, contact_law_names, law_constants
+from stickslip.results.storage import load_results, save_results
 
 RNG = np.random.default_rng(11)
 LAWS: dict[str, ContactLaw] = {
@@ -190,3 +191,23 @@ def test_a_law_of_another_package_is_found(tmp_path: Path) -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.stdout == "glue\n", done.stderr
+
+
+def test_a_curve_with_all_laws_balances_its_energy_and_comes_back_from_its_file(tmp_path: Path) -> None:
+    pairs = ss.ContactPairs.with_laws(np.eye(30), list(LAWS.values()))
+    chain = np.diag(np.full(30, 4e6)) - 6e5 * (np.eye(30, k=1) + np.eye(30, k=-1))
+    force = np.zeros(30)
+    force[[0, 12, 26]] = 8.0, 6.0, 8.0
+    response = ss.forced_response(
+        ss.Superelement(0.5 * np.eye(30), chain), pairs, force, frequency_hz=(430.0, 470.0), modal_damping_ratio=0.01
+    )
+    assert response.converged, response.message
+    given = response.input_energy
+    lost = response.friction_energy.sum(axis=1) + response.viscous_energy
+    assert lost == pytest.approx(given, rel=1e-4)
+    assert response.friction_energy[:, 6:].max() > 0.0  # Jenkins and Iwan
+    assert not response.friction_energy[:, 2:6].any()  # elastic ones lose nothing
+    save_results(tmp_path / "results.nc", response)
+    again = load_results(tmp_path / "results.nc").response
+    assert np.array_equal(again.displacement, response.displacement)
+    assert repr(again.pairs) == repr(pairs)
