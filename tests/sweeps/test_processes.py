@@ -108,6 +108,10 @@ def test_a_script_without_main_guard_is_told(tmp_path: Path) -> None:
     assert 1 <= usable_cores() <= (os.cpu_count() or 1)
 
 
+# A shell that starts the tests in the background without job control has them ignore Ctrl-C, and so their children.
+HEARS_CTRL_C = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+
+
 def start_sweep(study: Path, out: Path) -> subprocess.Popen[str]:
     """``stickslip sweep`` with two workers, in a process group of its own."""
     arguments = [
@@ -121,7 +125,7 @@ def start_sweep(study: Path, out: Path) -> subprocess.Popen[str]:
         "2",
     ]
     return subprocess.Popen(
-        [sys.executable, "-c", "from stickslip.cli.main import main; main()", *arguments],
+        [sys.executable, "-c", f"{HEARS_CTRL_C}from stickslip.cli.main import main; main()", *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -177,7 +181,9 @@ def test_an_interrupted_and_a_killed_sweep_go_on_without_solving_again(tmp_path:
     assert result.found == len(finished)
     assert {file: file.stat().st_mtime_ns for file in finished} == finished
     assert [row.converged for row in result.table.rows] == [True] * 6
-    assert result.notices == ()
+    # The kill may hit between the row of a case and its results, which are written after it.
+    assert len(result.notices) <= 1
+    assert all(notice.endswith('results.nc" is missing. This case is solved again.') for notice in result.notices)
 
 
 def test_a_task_checks_the_code_before_it_reads_its_arguments() -> None:
