@@ -136,7 +136,7 @@ def _first_point(
         curve = ControlledCurve(balance, output, held, goal)
         guess = curve.evaluate(unknowns, np.array([omega, load]))
         correction = Newton(curve, newton, report.iteration).correct(guess, Plane.fixed(unknowns, omega))
-        return correction.point if correction.converged else None
+        return correction.point if correction.converged and not curve.is_opposite(correction.point) else None
 
     if held == "phase":
         point = solved(target, linear, 1.0)

@@ -21,23 +21,17 @@ def _bases(harmonics: int, samples: int) -> tuple[FloatArray, FloatArray]:
 class HystereticLaw(ABC):
     """A law whose force along a tangent depends on the path along this tangent alone, not on where the path lies.
 
-    The force at rest is released: it does not depend on the mean displacement.
+    The force at rest is released: it does not depend on the mean displacement. A subclass has the constants
+    ``tangential_stiffness`` (p, 2) N/m of small motions and ``normal_stiffness`` (p,) N/m.
     """
 
+    tangential_stiffness: FloatArray
+    normal_stiffness: FloatArray
+
     @property
-    @abstractmethod
     def n_pairs(self) -> int:
         """Number p of pairs."""
-
-    @property
-    @abstractmethod
-    def tangential_springs(self) -> FloatArray:
-        """(p, 2) N/m of small motions."""
-
-    @property
-    @abstractmethod
-    def normal_spring(self) -> FloatArray:
-        """(p,) N/m along n."""
+        return len(self.normal_stiffness)
 
     @abstractmethod
     def periods(self, paths: FloatArray) -> tuple[FloatArray, BoolArray, BoolArray, FloatArray]:
@@ -58,7 +52,7 @@ class HystereticLaw(ABC):
 
     def resting_springs(self) -> FloatArray:
         """(p, 3) N/m along t1, t2, n."""
-        return np.column_stack([self.tangential_springs, self.normal_spring])
+        return np.column_stack([self.tangential_stiffness, self.normal_stiffness])
 
     def frictional(self) -> BoolArray:
         """(p, 3) True along t1 and t2."""
@@ -87,7 +81,7 @@ class HystereticLaw(ABC):
         tangent = np.zeros((len(select), 3, width, 3, width))
         for axis in range(2):
             tangent[:, axis, :, axis] = blocks[:, axis]
-        tangent[:, 2, range(width), 2, range(width)] = self.normal_spring[select, None]
+        tangent[:, 2, range(width), 2, range(width)] = self.normal_stiffness[select, None]
         return tangent
 
     def hidden_springs(self, period: LawPeriod) -> FloatArray:
@@ -100,8 +94,8 @@ class HystereticLaw(ABC):
         tangential, _, slips, energy = self.periods(paths)
         force = np.empty_like(displacement)
         force[:, :, :2] = np.moveaxis(tangential, 2, 0)
-        force[:, :, 2] = self.normal_spring * displacement[:, :, 2]
-        springs = np.where(self.tangential_springs > 0.0, self.tangential_springs, 1.0)
+        force[:, :, 2] = self.normal_stiffness * displacement[:, :, 2]
+        springs = np.where(self.tangential_stiffness > 0.0, self.tangential_stiffness, 1.0)
         slider = displacement[:, :, :2] - force[:, :, :2] / springs
         return ContactCycle(force, slider, _states(slips), energy, np.zeros(self.n_pairs))
 

@@ -81,21 +81,6 @@ class IwanJoint(HystereticLaw):
         require_at_least_zero("normal_stiffness", self.normal_stiffness)
 
     @property
-    def n_pairs(self) -> int:
-        """Number p of pairs."""
-        return len(self.exponent)
-
-    @property
-    def tangential_springs(self) -> FloatArray:
-        """(p, 2) N/m."""
-        return self.tangential_stiffness
-
-    @property
-    def normal_spring(self) -> FloatArray:
-        """(p,) N/m."""
-        return self.normal_stiffness
-
-    @property
     def largest_slip_force(self) -> FloatArray:
         """(p,) N, the larger of the two directions."""
         return np.asarray(self.slip_force.max(axis=1))

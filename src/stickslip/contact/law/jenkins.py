@@ -58,21 +58,6 @@ class JenkinsElement(HystereticLaw):
         require_positive("friction_limit", self.friction_limit, "Without friction there is no element.")
 
     @property
-    def n_pairs(self) -> int:
-        """Number p of pairs."""
-        return len(self.friction_limit)
-
-    @property
-    def tangential_springs(self) -> FloatArray:
-        """(p, 2) N/m."""
-        return self.tangential_stiffness
-
-    @property
-    def normal_spring(self) -> FloatArray:
-        """(p,) N/m."""
-        return self.normal_stiffness
-
-    @property
     def largest_slip_force(self) -> FloatArray:
         """(p,) N, the larger of the two limits."""
         return np.asarray(self.friction_limit.max(axis=1))

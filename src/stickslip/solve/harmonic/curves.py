@@ -174,6 +174,12 @@ class ControlledCurve(_BalanceCurve):
         weights[1] = (along - value * sine / size) / size * self._modes
         return value, weights
 
+    def is_opposite(self, point: BalancePoint) -> bool:
+        """Whether the output has the held phase plus 180 degrees, which meets the condition of the phase too."""
+        cosine, sine = (float(row @ self._modes) for row in point.trial.amplitude[:2])
+        along = math.cos(self._target) * cosine - math.sin(self._target) * sine  # Re((c - i s) exp(-i t))
+        return self._held == "phase" and point.trial.load * along < 0.0
+
     def linearised(self, point: BalancePoint, plane: Plane | None) -> _Linearised:
         balance, trial = self.balance, point.trial
         _, weights = self._condition(trial)

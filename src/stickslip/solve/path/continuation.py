@@ -243,7 +243,7 @@ class Branch(Generic[PointT]):
     def _plane(self, point: PointT, tangent: Tangent, step: float) -> Plane:
         """The plane across the tangent at its end; the unknowns are scaled so that both parts of the normal count."""
         normal = self._problem.determined(tangent.unknowns)
-        size = max(float(np.linalg.norm(normal)), 1e-300)
+        size = max(float(np.linalg.norm(normal)), 1e-150)  # whose square is above zero: unknowns may stand still
         return Plane(
             normal / size**2,
             tangent.parameter / self._width**2,

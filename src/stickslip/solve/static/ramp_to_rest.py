@@ -145,7 +145,7 @@ def _checked_load(load: ArrayLike, superelement: Superelement, pairs: ContactPai
         raise InputError(
             f"operator has {pairs.operator.shape[1]} columns, but the superelement has {superelement.size} unknowns."
         )
-    springs = pairs.tangential_springs
+    springs = pairs.coulomb.tangential_springs
     unequal = np.flatnonzero(springs[:, 0] != springs[:, 1])
     if unequal.size:
         raise InputError(

@@ -185,7 +185,7 @@ def _check_settings(
             f"the operator of the contact pairs has {pairs.operator.shape[1]} columns, but the superelement has "
             f"{superelement.size} unknowns; both must be equal."
         )
-    springs = pairs.tangential_springs
+    springs = pairs.coulomb.tangential_springs
     if (springs[:, 0] != springs[:, 1]).any():
         pair = int(np.flatnonzero(springs[:, 0] != springs[:, 1])[0])
         raise InputError(
