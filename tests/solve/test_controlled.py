@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.optimize
 
 import stickslip as ss
 from helpers import Blade
@@ -126,3 +127,51 @@ def test_what_cannot_be_held_is_refused(blade: Blade) -> None:
         call(amplitude=-1e-5)
     with pytest.raises(ss.InputError, match="output must have shape"):
         call(output=np.zeros(3), amplitude=1e-5)
+
+
+def two_masses_beside_a_contact() -> tuple[ss.Superelement, ss.ContactPairs, ss.Excitation, float]:
+    """Two coupled masses, a contact that does not move, and the circular frequency of the opposed mode."""
+    stiffness = np.diag([2e6, 2e6, 1e9, 1e9, 1e9])
+    stiffness[0, 1] = stiffness[1, 0] = -1e6
+    damping = np.zeros((5, 5))
+    damping[:2, :2] = 1e-5 * stiffness[:2, :2]
+    pairs = ss.ContactPairs(np.eye(3, 5, k=2), 1e6, 1e6, 0.3, 1e3)
+    excitation = ss.Excitation.force([1.0, 0.0, 0.0, 0.0, 0.0])
+    return ss.Superelement(np.eye(5), stiffness, damping), pairs, excitation, float(np.sqrt(3e6))
+
+
+@pytest.mark.parametrize("phase_deg", [90.0, -90.0])
+def test_the_opposite_of_a_held_phase_is_not_taken_for_it(phase_deg: float) -> None:
+    """At the opposed mode the far mass lags by -90 degrees: tan of the phase alone cannot tell it from 90."""
+    superelement, pairs, excitation, natural = two_masses_beside_a_contact()
+    stiffness, damping = superelement.stiffness[:2, :2], superelement.damping[:2, :2]  # type: ignore[index]
+
+    def across(omega: float) -> float:
+        matrix = stiffness - omega**2 * np.eye(2) + 1j * omega * damping
+        return float(np.linalg.solve(matrix, [1.0, 0.0])[1].real)
+
+    omega = float(scipy.optimize.brentq(across, 0.99 * natural, 1.01 * natural, xtol=1e-12, rtol=1e-15))
+    window = (omega / (2 * np.pi), 1.0001 * omega / (2 * np.pi))
+
+    def start() -> ss.ForcedResponse:
+        return ss.controlled_response(
+            superelement, pairs, excitation, [0.0, 1.0, 0.0, 0.0, 0.0], frequency_hz=window, phase_deg=phase_deg
+        )
+
+    if phase_deg > 0:
+        with pytest.raises(ss.ConvergenceError, match="no response with this phase"):
+            start()
+    else:
+        coefficients = start().coefficients([0.0, 1.0, 0.0, 0.0, 0.0])[0]
+        assert np.degrees(np.arctan2(coefficients[2], coefficients[1])) == pytest.approx(-90.0, abs=1e-6)
+
+
+def test_a_contact_that_does_not_move_lets_the_path_go_on() -> None:
+    """The plane of the path has no part of unknowns that stand still; its normal was divided by zero."""
+    superelement, pairs, excitation, natural = two_masses_beside_a_contact()
+    window = (0.9 * natural / (2 * np.pi), 1.1 * natural / (2 * np.pi))
+    response = ss.controlled_response(
+        superelement, pairs, excitation, [0.0, 1.0, 0.0, 0.0, 0.0], frequency_hz=window, amplitude=1e-5
+    )
+    assert response.converged, response.message
+    assert response.harmonic_amplitude([0.0, 1.0, 0.0, 0.0, 0.0], 1) == pytest.approx(1e-5, rel=1e-9)

@@ -211,3 +211,14 @@ def test_a_curve_with_all_laws_balances_its_energy_and_comes_back_from_its_file(
     again = load_results(tmp_path / "results.nc").response
     assert np.array_equal(again.displacement, response.displacement)
     assert repr(again.pairs) == repr(pairs)
+
+
+@pytest.mark.parametrize("name", sorted(set(LAWS) - {"coulomb"}))
+def test_what_knows_coulomb_friction_alone_rejects_other_laws(name: str) -> None:
+    """Time integration of Jenkins elements ended after one period with an amplitude of NaN."""
+    structure = ss.Superelement(0.5 * np.eye(6), 4e6 * np.eye(6), 200.0 * np.eye(6))
+    pairs = ss.ContactPairs.with_laws(np.eye(6), [LAWS[name]])
+    with pytest.raises(ss.InputError, match=f"follow the law.* {name}"):
+        ss.integrate_to_steady_state(structure, pairs, np.ones(6), np.zeros(6), 400.0)
+    with pytest.raises(ss.InputError, match=f"follow the law.* {name}"):
+        ss.static_preload(structure, pairs, np.ones(6))
