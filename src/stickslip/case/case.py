@@ -22,13 +22,7 @@ from pydantic.fields import FieldInfo
 
 from stickslip.case import toml_text as case_file
 from stickslip.case.analysis import Analysis, ForcedAnalysis
-from stickslip.case.consistency import (
-    EntryError,
-    excitation_errors,
-    joint_errors,
-    place_errors,
-    preload_errors,
-)
+from stickslip.case.consistency import EntryError, excitation_errors, joint_errors, place_errors, preload_errors
 from stickslip.case.explained import explained
 from stickslip.case.own_sections import (
     BaseMotion,
@@ -49,7 +43,7 @@ from stickslip.case.own_sections import (
     StaticLoadSection,
     UnbalanceSection,
 )
-from stickslip.case.plain import plain_section, with_absolute_files
+from stickslip.case.plain import keys_left_out, plain_section, with_absolute_files
 from stickslip.case.sections import (
     ContactStiffnessSection,
     DampingSection,
@@ -138,7 +132,7 @@ class Case(BaseModel):
 
     def _misfits(self) -> Iterator[EntryError]:
         """What does not fit in the sections of this kind."""
-        raise NotImplementedError
+        return iter(())
 
     @classmethod
     def from_mapping(cls, data: Mapping[str, Any]) -> Self:
@@ -240,25 +234,17 @@ class Case(BaseModel):
 
     def defaulted_keys(self) -> tuple[str, ...]:
         """Keys that the study file left out, as ``section.key``, or ``[section]`` where it left out all of them."""
-        result: list[str] = []
-        for name, section in self.sections.items():
-            if section is None or name == "structure":
-                continue
-            if isinstance(section, dict):
-                result += [
-                    f"{name}.{entry}.{key}"
-                    for entry, values in section.items()
-                    for key, value in values
-                    if key not in values.model_fields_set and value is not None
-                ]
-                continue
-            given = section.model_fields_set if name in self.model_fields_set else set()
-            missing = [key for key, value in section if key not in given and value is not None]
-            if not given and missing:
-                result.append(f"[{name}]")
-            else:
-                result += [f"{name}.{key}" for key in missing]
-        return tuple(result)
+        shown = {name: section for name, section in self.sections.items() if name != "structure"}
+        return tuple(path for name, section in shown.items() for path in self._left_out(name, section))
+
+    def _left_out(self, name: str, section: Any) -> list[str]:
+        if section is None:
+            return []
+        if isinstance(section, dict):
+            return [f"{name}.{entry}.{key}" for entry, values in section.items() for key in keys_left_out(values)]
+        missing = keys_left_out(section, everything=name not in self.model_fields_set)
+        given = name in self.model_fields_set and section.model_fields_set
+        return [f"{name}.{key}" for key in missing] if given else [f"[{name}]"] * bool(missing)
 
     def _as_mapping(self, only_given: bool) -> dict[str, dict[str, Any]]:
         """Section -> key -> value as in a study file, without empty keys, or only with what the file gave."""

@@ -24,6 +24,12 @@ def plain_section(section: BaseModel, only_given: bool) -> dict[str, Any]:
     return values
 
 
+def keys_left_out(section: BaseModel, everything: bool = False) -> list[str]:
+    """Keys of a section that have a value which the file did not give; ``everything``: the file has no such section."""
+    given = set() if everything else section.model_fields_set
+    return [key for key, value in section if key not in given and value is not None]
+
+
 def with_absolute_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
     """The sections of a study file in ``folder``, whose names of files are relative to it."""
     structure = data.get("structure")
