@@ -61,7 +61,8 @@ def scheduler_arguments(folder: Path) -> tuple[str, ...]:
 def address_of(folder: Path) -> str:
     """Address of the scheduler of ``folder``, once it listens."""
     file = folder / "scheduler.json"
-    wait_until(file.exists, "the scheduler does not start")
+    # Dask opens the file before it writes it: for a moment it is there and empty. Each file ends with its last brace.
+    wait_until(lambda: file.exists() and file.read_text(encoding="utf-8").rstrip().endswith("}"), "no scheduler starts")
     return json.loads(file.read_text(encoding="utf-8"))["address"]
 
 
