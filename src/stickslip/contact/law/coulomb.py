@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -143,12 +144,12 @@ class CoulombLaw:
         """(p,) N, ``mu`` times the normal load at rest."""
         return self.friction_coefficient * self.normal_load
 
-    @property
+    @cached_property
     def offset_force(self) -> FloatArray:
         """(p,) N, the normal force at ``n = 0`` with its sign: the load, or minus what closes the gap."""
         return np.where(self.gap > 0.0, -self.normal_stiffness * self.gap, self.normal_load)
 
-    @property
+    @cached_property
     def tangential_springs(self) -> FloatArray:
         """(p, 2) N/m along t1 and t2, also where one number was given for both."""
         if self.tangential_stiffness.ndim == 2:
@@ -165,7 +166,7 @@ class CoulombLaw:
         """(p, 2) N along t1, t2 at rest: the residual traction; zero if released."""
         return np.zeros((self.n_pairs, 2)) if self.residual_traction is None else self.residual_traction
 
-    @property
+    @cached_property
     def closed_at_rest(self) -> BoolArray:
         """(p,) True where a normal load presses the pair together."""
         return np.asarray(self.normal_load > 0.0)
@@ -204,7 +205,7 @@ class CoulombLaw:
     def hidden_springs(self, period: LawPeriod) -> FloatArray:
         """(p, 3) N/m of pairs with a gap that close."""
         closing = period.moves.any(axis=1) & ~self.closed_at_rest
-        return self.stuck_springs() * closing[:, None]
+        return self.stuck_springs() * closing[:, None] if closing.any() else np.zeros((self.n_pairs, 3))
 
     def cycle(self, displacement: FloatArray) -> ContactCycle:
         """See :class:`stickslip.contact.law.law.ContactLaw`."""

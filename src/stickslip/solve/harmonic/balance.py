@@ -94,9 +94,10 @@ class Balance:
         # Springs of the pairs at rest, (2H+1, m). They carry no mean that no force depends on: a released pair that
         # sticks has its slider at the mean.
         springs = pairs.resting_stiffness().reshape(-1, 3)
-        self._undetermined = pairs.undetermined()
+        undetermined = pairs.undetermined()
+        self._free = np.flatnonzero(undetermined)  # rows whose mean no force depends on
         self._springs = np.repeat(springs.reshape(1, -1), 2 * self.harmonics + 1, axis=0)
-        self._springs[0] = (springs * ~self._undetermined).ravel()
+        self._springs[0] = (springs * ~undetermined).ravel()
         self._terms = [(power, compliance.external(array)) for power, array in force.terms]
 
     @property
@@ -134,10 +135,9 @@ class Balance:
         amplitude = self.compliance.amplitude(omega, external, deviation)
         answer = self.compliance.relative(amplitude, deviation)
         residual = self.determined(relative - answer)
-        free = self._undetermined.ravel()
-        if free.any():
+        if self._free.size:
             relative = relative.copy()
-            relative[0, free] = answer[0, free]
+            relative[0, self._free] = answer[0, self._free]
         error = max(_share(residual, self.determined(relative)), self._closing_error(residual, contact))
         return Trial(omega, load, relative, deviation, contact, amplitude, residual, error)
 
@@ -162,7 +162,7 @@ class Balance:
         contain it.
         """
         part = relative.copy()
-        part[0, self._undetermined.ravel()] = 0.0
+        part[0, self._free] = 0.0
         return part
 
     def displacement(self, trials: Sequence[Trial]) -> FloatArray:

@@ -48,11 +48,7 @@ class NewtonSystem:
         self.rows = balance.rows
         self.tangent = balance.deviation_tangent(self.active, trial)
         self.compliance = balance.compliance.newton(trial.omega, self.active.outputs)
-
-    @property
-    def size(self) -> int:
-        """Number of unknowns."""
-        return self.columns * self.active.outputs.size
+        self.size = self.columns * self.active.outputs.size  # number of unknowns
 
     def deviation_change(self, relative: FloatArray) -> FloatArray:
         """D @ relative: (size,) from (2H+1, m)."""
@@ -132,7 +128,7 @@ class BorderedSystem:
         ]
         self._row_scale = np.array([_inverse(float(length)) for length in lengths])
         self._columns = [scale * column for scale, column in zip(self._column_scale, columns, strict=True)]
-        self._lines = [scale * line for scale, line in zip(self._row_scale, lines, strict=True)]
+        self._lines = self._row_scale[:, None] * np.array(lines).reshape(len(rows), -1)
         self._corner = np.outer(self._row_scale, self._column_scale) * corner
         self._factor: Any = None
 
@@ -161,12 +157,13 @@ class BorderedSystem:
 
     def _apply(self, unknowns: FloatArray) -> FloatArray:
         """The bordered matrix @ unknowns (size + k,)."""
-        inner, border = unknowns[: self.system.size], unknowns[self.system.size :]
+        size = self.system.size
+        inner, border = unknowns[:size], unknowns[size:]
         answer = np.empty_like(unknowns)
-        answer[: self.system.size] = self.system.apply(inner)
+        answer[:size] = self.system.apply(inner)
         for value, column in zip(border, self._columns, strict=True):
-            answer[: self.system.size] += float(value) * column
-        answer[self.system.size :] = [float(line @ inner) for line in self._lines] + self._corner @ border
+            answer[:size] += value * column
+        answer[size:] = self._lines @ inner + self._corner @ border
         return answer
 
     def _iterated(self, right: FloatArray, tolerance: float) -> FloatArray | None:
