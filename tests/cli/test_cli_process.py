@@ -22,9 +22,14 @@ posix = pytest.mark.skipif(os.name != "posix", reason="signals and limits of POS
 SIGNALS = ("SIGTERM", "SIGHUP")
 
 
+# A command that was started with SIGHUP ignored, as nohup does, goes on; so would these if nohup started the tests.
+HEARS_SIGNALS = "import signal; signal.signal(signal.SIGHUP, signal.SIG_DFL); " if os.name == "posix" else ""
+
+
 def start(*arguments: object, **options: object) -> subprocess.Popen[str]:
     """The command in a process of its own."""
-    command = [sys.executable, "-c", "from stickslip.cli.main import main; main()", *map(str, arguments)]
+    command = [sys.executable, "-c", f"{HEARS_SIGNALS}from stickslip.cli.main import main; main()"]
+    command += map(str, arguments)
     return subprocess.Popen(command, stdout=-1, stderr=-1, text=True, **options)  # type: ignore[call-overload]
 
 
