@@ -12,12 +12,13 @@ from packages import ROOT, installed, licence, requirements
 TARGET = ROOT / "docs" / "licences.md"
 _HEAD = """# Licences of the packages that are installed with stickslip
 
-stickslip itself has the BSD licence with three clauses (file `LICENSE`). This page lists the licence of each package of the default
-installation, without extras and development tools. The licences come from the metadata of the versions in `constraints.txt`.
-`tools/make_licences.py` writes this page, and a test compares it with the installed packages.
+stickslip itself has the BSD licence with three clauses (file `LICENSE`). This page lists the licence of each package
+of the default installation, without extras and development tools. The licences come from the metadata of the versions
+in `constraints.txt`. `tools/make_licences.py` writes this page, and a test compares it with the installed packages.
 
-None of these packages has the GPL or AGPL licence, and none has the LGPL licence itself. Some wheels contain compiled libraries with
-such a licence, according to their licence files. Anyone who passes an installation on also passes these libraries on:
+None of these packages has the GPL or AGPL licence, and none has the LGPL licence itself. Some wheels contain compiled
+libraries with such a licence, according to their licence files. Anyone who passes an installation on also passes these
+libraries on:
 
 | package | library in its wheel | licence |
 |---|---|---|
