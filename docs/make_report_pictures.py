@@ -1,6 +1,6 @@
-"""Solves the default study and takes the pictures of its report that docs/reading_the_report.md shows.
+"""Solve the default study and create the pictures of its report for docs/reading_the_report.md.
 
-python docs/make_report_pictures.py       (needs playwright with a Chromium; half a minute)
+python docs/make_report_pictures.py       (requires playwright with Chromium; takes half a minute)
 """
 
 import sys
@@ -23,7 +23,7 @@ SECTIONS = {
 
 
 def main(program: str | None = None) -> None:
-    """Write the pictures; ``program`` is a browser, by default the one that playwright brings."""
+    """Write the pictures. ``program`` is a browser; the default is the browser of playwright."""
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         study.run(ss.Case(), folder)
         browser = playwright.chromium.launch(executable_path=program, args=["--no-sandbox", "--disable-gpu"])

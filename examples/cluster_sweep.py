@@ -1,7 +1,7 @@
-"""A sweep on a cluster with SLURM: dask-jobqueue starts the workers, this script hands out cases and writes the files.
+"""A sweep on a cluster with SLURM: dask-jobqueue starts the workers, this script distributes cases and writes files.
 
 Run it on the login node: python examples/cluster_sweep.py study.toml
-With --show-job it prints the job script that each worker would be submitted with, and submits nothing.
+With --show-job, it only prints the job script of a worker and submits no job.
 """
 
 import argparse
@@ -15,7 +15,7 @@ JOBS = 10
 
 
 def slurm_cluster() -> SLURMCluster:
-    """One worker of one thread for each job: limits on threads hold for a whole process."""
+    """One worker with one thread for each job, because thread limits apply to a whole process."""
     return SLURMCluster(
         cores=1,
         processes=1,
@@ -27,10 +27,10 @@ def slurm_cluster() -> SLURMCluster:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Start the workers, sweep the load, write the folder loads."""
+    """Start the workers, sweep the load, write the folder ``loads``."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("study", nargs="?", default="study.toml")
-    parser.add_argument("--show-job", action="store_true", help="print the job script and end")
+    parser.add_argument("--show-job", action="store_true", help="print the job script and stop")
     chosen = parser.parse_args(arguments)
     with slurm_cluster() as cluster:
         if chosen.show_job:

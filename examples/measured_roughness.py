@@ -1,10 +1,11 @@
 """D and G of a measured profile, for the section [roughness] of a study file.
 
-Goal: choose the fractal dimension and the fractal roughness from a measurement instead of by guess. The profile in
-``data/profile.csv`` stands for a measured one, but ``make_profile`` generated it, so that the answer is known: D = 2.4,
-G = 1 nm, waves far longer than the profile and shorter than its spacing, a tilt, and 2 nm rms of instrument noise.
+Goal: determine the fractal dimension D and the fractal roughness G from a measurement. The profile in
+``data/profile.csv`` takes the place of a measured one. ``make_profile`` generated it, so the correct answer is known:
+D = 2.4, G = 1 nm. It contains waves much longer than the profile and shorter than its spacing, a tilt, and instrument
+noise of 2 nm rms.
 
-Run ``python examples/measured_roughness.py``; ``stickslip roughness examples/data/profile.csv`` does the same.
+Run ``python examples/measured_roughness.py``. ``stickslip roughness examples/data/profile.csv`` does the same.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ POINTS, SPACING = 1500, 2e-6
 
 
 def make_profile() -> str:
-    """The text of data/profile.csv: position in mm, height in um."""
+    """Return the text of data/profile.csv: position in mm, height in um."""
     longest, shortest, ridges = 20 * POINTS * SPACING, SPACING / 3, 10
     phases = ss.draw_phases(4, ridges, ss.frequency_count(longest, shortest))
     along = SPACING * np.arange(POINTS)
@@ -36,7 +37,7 @@ def make_profile() -> str:
 
 
 def main() -> ss.RoughnessFit:
-    """Print D and G with their intervals; returns the fit."""
+    """Print D and G with their intervals, and return the fit."""
     profile = ss.read_profile(DATA)
     fit = ss.fit_roughness(profile.heights, profile.spacing)
     low, high = fit.fractal_dimension_interval

@@ -1,9 +1,10 @@
-"""A user's own matrices: resonance curve of a friction-damped blade, checked against time integration.
+"""Matrices of your own: resonance curve of a friction-damped blade, with time integration as a check.
 
-The file holds a pre-twisted blade, reduced to 10 contacts with the ground (t1, t2, n each, n > 0 closes) and 8 modes,
-in SI units: M, C, K (38, 38), a first-harmonic force F1c, F1s, and resp, the row that reads the motion of the tip.
+The file contains a pre-twisted blade in SI units. It is reduced to 10 contacts with the ground (t1, t2, n each; n > 0
+closes the contact) and 8 modes. M, C, K have the shape (38, 38). F1c and F1s are the force in the first harmonic.
+The product of the row resp and the displacements is the motion of the tip.
 
-Run ``python examples/own_matrices.py``; it takes some seconds.
+Run ``python examples/own_matrices.py``. It takes some seconds.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ DATA = Path(__file__).parent / "data" / "blade_10_contacts.npz"
 
 
 def main() -> dict[str, float]:
-    """Print the peak and what the contacts do there; returns the numbers."""
+    """Print the peak and the contact states at the peak, and return the numbers."""
     with np.load(DATA) as data:
         superelement = ss.Superelement(data["M"], data["K"], data["C"])
         n_contacts = int(data["Nc"])
@@ -43,7 +44,7 @@ def main() -> dict[str, float]:
     energy = float(response.friction_energy[peak].sum())
     print(f"peak {amplitude[peak] * 1e6:.2f} um (0-peak, mean included) at {frequency_hz:.2f} Hz")
     print(f"{slipping} contacts slip, {separating} separate, {n_contacts - slipping - separating} stick")
-    print(f"friction takes {energy * 1e6:.1f} uJ in each cycle")
+    print(f"friction dissipates {energy * 1e6:.1f} uJ in each cycle")
     draw(response, tip)
 
     transient = ss.integrate_to_steady_state(
@@ -63,7 +64,7 @@ def main() -> dict[str, float]:
 
 
 def draw(response: ss.ForcedResponse, tip: np.ndarray) -> None:
-    """A figure: the response between its linear limits, and what the contacts do."""
+    """Plot the response with its linear limits, and the number of contacts in each state."""
     _, (top, bottom) = plt.subplots(2, 1, sharex=True, figsize=(7, 6), layout="constrained")
     top.semilogy(response.frequency_hz, 1e6 * response.amplitude(tip), label="with friction", linewidth=2)
     for limit in ("free", "stuck"):

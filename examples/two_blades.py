@@ -1,7 +1,7 @@
-"""Two blades with an under-platform damper, in Python: change what the study file says and look at the curve.
+"""Two blades with an under-platform damper, in Python: change keys of the study and compare the curves.
 
-Goal: how does the peak at the blade tip change when the excitation acts on one blade, on both in the same direction,
-or on both in opposite directions? The reduced structure is kept from the first to the others; only the force differs.
+Goal: compare the peak at the blade tip for an excitation on one blade, on both blades in the same direction, and on
+both in opposite directions. All three cases use the same reduced structure; only the force differs.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import stickslip as ss
 
 
 def main(harmonics: int = 3, samples: int = 128) -> dict[str, float]:
-    """Solve the three excitation modes and return the peak at A in micrometres for each."""
+    """Solve the three excitation modes and return the peak at A in micrometres for each mode."""
     case = ss.Case().replace({"solver.harmonics": harmonics, "solver.samples": samples})
     peaks = {}
     _, axes = plt.subplots(figsize=(7, 4.5), layout="constrained")

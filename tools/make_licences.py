@@ -1,4 +1,4 @@
-"""Writes docs/licences.md: the packages that the project is installed with, and the licence that each of them states.
+"""Writes docs/licences.md: the installed packages of the project with their licences.
 
 python tools/make_licences.py       (in an environment with the versions of constraints.txt)
 """
@@ -12,12 +12,13 @@ from packages import ROOT, installed, licence, requirements
 TARGET = ROOT / "docs" / "licences.md"
 _HEAD = """# Licences of the packages that are installed with stickslip
 
-stickslip itself is under the BSD licence with three clauses (file `LICENSE`). The table holds every package of
-the default installation, without extras and tools of development, as the metadata of the versions in
-`constraints.txt` state it. `tools/make_licences.py` writes this page, and a test compares it with what is installed.
+stickslip itself has the BSD licence with three clauses (file `LICENSE`). This page lists the licence of each package
+of the default installation, without extras and development tools. The licences come from the metadata of the versions
+in `constraints.txt`. `tools/make_licences.py` writes this page, and a test compares it with the installed packages.
 
-None of these packages is under the GPL or AGPL, and none itself under the LGPL. The wheels of some bring compiled
-libraries whose licence files state these; who passes an installation on passes them on, too:
+None of these packages has the GPL or AGPL licence, and none has the LGPL licence itself. Some wheels contain compiled
+libraries with such a licence, according to their licence files. Anyone who passes an installation on also passes these
+libraries on:
 
 | package | library in its wheel | licence |
 |---|---|---|

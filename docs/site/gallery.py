@@ -1,8 +1,8 @@
-"""Hook of mkdocs: runs the example that a page of the gallery names, and shows its pictures, output and source.
+"""Hook of mkdocs: run the example that a page of the gallery names, and show its pictures, output and source.
 
-A page says ``<!-- example: examples/own_matrices.py -->`` where they belong. A script is run as a reader would run it,
-and shows the matplotlib figures that it leaves open; a study file is run by ``stickslip.run`` and shows its figures and
-its report.
+A page contains ``<!-- example: examples/own_matrices.py -->`` at their position. A script runs as a reader would run
+it; the page shows its open matplotlib figures. ``stickslip.run`` runs a study file; the page shows its figures and its
+report.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ MARK = re.compile(r"<!-- example: (\S+) -->")
 
 @dataclass(frozen=True)
 class Shown:
-    """What an example gave: files by name, and the lines it printed."""
+    """Result of an example: files by name, and the printed lines."""
 
     files: dict[str, bytes]
     printed: str
@@ -37,7 +37,7 @@ _SHOWN: dict[str, Shown] = {}
 
 
 def run_script(path: Path) -> Shown:
-    """Run a script; its open matplotlib figures are the pictures."""
+    """Run a script. Its open matplotlib figures are the pictures."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -61,7 +61,7 @@ def run_script(path: Path) -> Shown:
 
 
 def run_study(path: Path) -> Shown:
-    """Run a study file; its figures are the pictures, its report is a page of its own."""
+    """Run a study file. Its figures are the pictures; its report is a separate page."""
     import stickslip as ss
 
     name = path.parent.name
@@ -76,7 +76,7 @@ def run_study(path: Path) -> Shown:
 
 
 def shown(example: str) -> Shown:
-    """What an example gives. Raises RuntimeError where a script leaves no picture."""
+    """Run an example. Raises RuntimeError if a script has no open figure at its end."""
     path = ROOT / example
     result = run_script(path) if path.suffix == ".py" else run_study(path)
     if not any(name.endswith(".png") for name in result.files):
@@ -96,7 +96,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def block(example: str) -> str:
-    """Pictures, output and source of an example as Markdown."""
+    """Return pictures, output and source of an example as Markdown."""
     result = _SHOWN[example]
     lines = []
     for name in result.files:
@@ -104,9 +104,9 @@ def block(example: str) -> str:
             words = Path(name).stem.replace("_", " ")
             lines.append(f"![{words}]({name})\n")
         else:
-            lines.append(f"[The report of this study]({name}), one page with every figure and table.\n")
+            lines.append(f"[The report of this study]({name}) contains all figures and tables on one page.\n")
     if result.printed.strip():
-        lines.append(f"It prints:\n\n```text\n{result.printed.rstrip()}\n```\n")
+        lines.append(f"Output:\n\n```text\n{result.printed.rstrip()}\n```\n")
     source = (ROOT / example).read_text(encoding="utf-8")
     language = "python" if example.endswith(".py") else "toml"
     lines.append(f"## {example}\n\n```{language}\n{source.rstrip()}\n```\n")
@@ -114,5 +114,5 @@ def block(example: str) -> str:
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Put what the examples gave where a page names them."""
+    """Replace each mark of a page by the result of its example."""
     return MARK.sub(lambda match: block(match.group(1)), markdown)

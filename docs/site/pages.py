@@ -1,7 +1,7 @@
-"""Hook of mkdocs: pages that are made from other files.
+"""Hook of mkdocs: create pages from other files.
 
 The reference follows ``__init__.pyi``, the list of public names. README, ARCHITECTURE, CONTRIBUTING and CHANGELOG
-become pages, with their links turned towards the site.
+become pages, with links changed to those of the site.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ PROJECT_PAGES = {
     "contributing.md": "CONTRIBUTING.md",
     "changelog.md": "CHANGELOG.md",
 }
-# Headings of the reference by room, in the order in which a reader meets them; another room takes its own name.
+# Headings of the reference by room, in the order of use; a room that is not listed uses its own name.
 ROOMS = {
     "case": "Study files",
     "study": "Runs and reports",
@@ -67,14 +67,14 @@ def reference_pages() -> dict[str, str]:
         links = ", ".join(f"[`{name}`][{path}]" for name, path in names)
         rows.append(f"| [{title(room)}]({room}.md) | {links} |")
     head = (
-        "# Reference\n\nAll public names, as `import stickslip as ss` gives them. Quantities are in SI units.\n\n"
+        "# Reference\n\nAll public names of `import stickslip as ss`. Quantities are in SI units.\n\n"
         "| page | names |\n|---|---|\n"
     )
     return {"reference/index.md": head + "\n".join(rows) + "\n", **pages}
 
 
 def for_the_site(text: str) -> str:
-    """Links of a file at the top level as links of a page; what is no page loses its link."""
+    """Change links of a top-level file to links of the site; a target without a page loses its link."""
     pages = {source: page for page, source in PROJECT_PAGES.items()}
 
     def link(match: re.Match[str]) -> str:
@@ -108,7 +108,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Turn links from docs/ to files at the top level towards their pages."""
+    """Change links from docs/ to top-level files into links to their pages."""
     for target, source in PROJECT_PAGES.items():
         markdown = markdown.replace(f"](../{source})", f"]({target})")
     return markdown

@@ -11,9 +11,9 @@ ROLE = re.compile(r":(?:attr|class|data|func|meth|mod):`~?([^`]+)`")
 
 
 class Roles(griffe.Extension):
-    """Replaces roles when a docstring was read."""
+    """Replace roles after a docstring was read."""
 
     def on_instance(self, *, obj: griffe.Object, **_: Any) -> None:
-        """Each object after it was loaded."""
+        """Replace the roles of one object after it was loaded."""
         if obj.docstring:
             obj.docstring.value = ROLE.sub(r"`\1`", obj.docstring.value)
