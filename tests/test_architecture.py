@@ -153,6 +153,7 @@ def test_imports_run_one_way(module: str) -> None:
     assert misplaced(module, imports(module)) == []
 
 
+@pytest.mark.slow
 def test_no_circle_of_imports_not_even_inside_functions() -> None:
     assert circle({module: imports(module) for module in modules()}) == []
 
@@ -175,6 +176,7 @@ def test_solve_never_sees_a_mesh() -> None:
             assert "structure.mesh" not in reached(module), module
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("package", ["results", "reporting"])
 def test_results_and_report_never_solve(package: str) -> None:
     for module in modules():
@@ -193,6 +195,7 @@ def test_the_rules_can_fail() -> None:
     assert set(circle({"a": ["b"], "b": ["c"], "c": ["a"], "d": ["a"]})) == {"a", "b", "c"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("code", "allowed"),
     [

@@ -102,6 +102,7 @@ WRONG = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("text", "parts"), WRONG.values(), ids=WRONG.keys())
 def test_wrong_study_file(text: str, parts: list[str], tmp_path: Path) -> None:
     path = tmp_path / "study.toml"

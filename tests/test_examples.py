@@ -77,6 +77,7 @@ def test_two_blades(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out.count("0-to-peak") == 3
 
 
+@pytest.mark.slow
 def test_readme_python_block(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     blocks = re.findall(r"```python\n(.*?)```", readme, flags=re.DOTALL)

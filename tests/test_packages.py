@@ -61,6 +61,7 @@ def test_the_file_with_hashes_holds_the_same_versions(tools: ModuleType) -> None
     assert hashed.keys() == tools.installed(tools.requirements(dev=True)).keys()
 
 
+@pytest.mark.slow
 @HELD_HERE
 def test_the_licences_are_those_of_the_packages(tools: ModuleType) -> None:
     page = importlib.import_module("make_licences").table()

@@ -19,6 +19,7 @@ from stickslip.sweeps.plan import case_hashes
 MESH = (EXAMPLE / "study.toml").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", EXAMPLES)
 def test_new_writes_a_file_of_each_kind_that_reads_back(kind: str, tmp_path: Path) -> None:
     path = tmp_path / "study.toml"

@@ -117,6 +117,7 @@ def require_finite(case: Case) -> None:
         assert not isinstance(value, float) or np.isfinite(value), name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(("section", "key", "limits"), NUMERIC, ids=[f"{name}.{key}" for name, key, _ in NUMERIC])
 def test_values_that_no_computer_can_use_are_refused_by_their_key(
@@ -159,6 +160,7 @@ def test_directions(section: str, key: str, value: list[float], bases: dict[str,
         Case.from_mapping(with_value(bases[kind], section, key, value))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_limits_themselves_end_in_finite_numbers_or_a_sentence(kind: str, bases: dict[str, dict[str, Any]]) -> None:
     """What a key allows is computed with: warnings of Python are errors in the tests."""
@@ -180,6 +182,7 @@ def test_the_limits_themselves_end_in_finite_numbers_or_a_sentence(kind: str, ba
     assert built > 10
 
 
+@pytest.mark.slow
 def test_the_check_of_a_study_ends_at_its_limits() -> None:
     """The soft end of Young's modulus beside stiff contact: the eigenvalues end after a bounded number of restarts."""
     case = Case.from_mapping({"mesh": {"chordwise": 2, "airfoil_rows": 4}, "material": {"young_modulus": "1 kPa"}})
@@ -229,6 +232,7 @@ ODD = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("data", "words"), ODD.values(), ids=ODD)
 def test_odd_values_of_the_two_blades_are_told_first(data: dict[str, Any], words: str) -> None:
     """As a warning of ``check``, or before the sentence that follows from them."""

@@ -45,6 +45,7 @@ def mutated(text: str, rng: random.Random) -> str:
     return "\n".join(lines) + "\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(8))
 def test_mutations(seed: int, tmp_path: Path) -> None:
     rng = random.Random(seed)

@@ -263,6 +263,7 @@ def test_threads_reach_the_study(study: Study, study_file: Path, tmp_path: Path)
     assert invoke("run", study_file, "--out", tmp_path / "out", "--threads", "0").exit_code == 2  # type: ignore[unreachable]
 
 
+@pytest.mark.slow
 def test_real_process_refuses_bad_input_without_traceback(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     path.write_text("[material]\ndensity = -1\n", encoding="utf-8")
@@ -275,6 +276,7 @@ def test_real_process_refuses_bad_input_without_traceback(tmp_path: Path) -> Non
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_help_and_version() -> None:
     text = _stickslip("--help").stdout
     for command in ("new", "check", "run", "report"):

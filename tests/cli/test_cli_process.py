@@ -53,6 +53,7 @@ def require_end(numbers: list[int]) -> None:
         time.sleep(0.05)
 
 
+@pytest.mark.slow
 @posix
 @pytest.mark.parametrize("name", SIGNALS)
 def test_a_stopped_sweep_says_so_and_goes_on(tmp_path: Path, name: str) -> None:
@@ -73,6 +74,7 @@ def test_a_stopped_sweep_says_so_and_goes_on(tmp_path: Path, name: str) -> None:
     assert list(out.rglob(".*.part")) == []
 
 
+@pytest.mark.slow
 @posix
 @pytest.mark.parametrize("name", SIGNALS)
 def test_a_stopped_run_says_so_and_leaves_nothing(tmp_path: Path, name: str) -> None:
@@ -120,6 +122,7 @@ def test_the_second_signal_does_not_disturb_the_end() -> None:
     assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments", [["check"], ["new"], ["--help"]])
 def test_a_reader_that_goes_away_is_no_error(tmp_path: Path, arguments: list[str]) -> None:
     """``stickslip check study.toml | head -1``"""
@@ -132,6 +135,7 @@ def test_a_reader_that_goes_away_is_no_error(tmp_path: Path, arguments: list[str
     assert (process.returncode, said) == (0, "")
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_when_nobody_reads_what_it_tells(tmp_path: Path) -> None:
     out = tmp_path / "out"
     with start("run", quick_file(tmp_path), "--out", out) as process:
@@ -144,6 +148,7 @@ def test_a_run_goes_on_when_nobody_reads_what_it_tells(tmp_path: Path) -> None:
     assert (out / "report.html").exists()
 
 
+@pytest.mark.slow
 @posix
 def test_a_limit_of_file_sizes_is_found_before_solving(tmp_path: Path) -> None:
     """``(ulimit -f 1000; stickslip run study.toml --out fs)``"""

@@ -15,6 +15,7 @@ from stickslip.sweeps.pool import LocalProcesses
 from strangers import strangers
 
 
+@pytest.mark.slow
 def test_another_python_finds_the_package_and_nothing_of_the_current_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

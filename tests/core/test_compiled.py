@@ -27,6 +27,7 @@ def run(temporary: Path, code: str = CODE, **more: str) -> subprocess.CompletedP
     return subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="folders of Windows have no owner's number")
 def test_code_is_kept_among_the_temporary_files_and_that_is_said_once(tmp_path: Path) -> None:
     done = run(tmp_path)
@@ -38,6 +39,7 @@ def test_code_is_kept_among_the_temporary_files_and_that_is_said_once(tmp_path: 
     assert run(tmp_path).stdout == done.stdout  # the next run finds the code of the first
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="folders of Windows have no owner's number")
 def test_a_folder_that_others_can_write_is_not_trusted(tmp_path: Path) -> None:
     folder = tmp_path / f"stickslip-numba-{os.getuid()}"
@@ -49,6 +51,7 @@ def test_a_folder_that_others_can_write_is_not_trusted(tmp_path: Path) -> None:
     assert kept.stat().st_mode & 0o077 == 0
 
 
+@pytest.mark.slow
 def test_without_any_folder_the_code_is_compiled_each_time(tmp_path: Path) -> None:
     code = "import tempfile; tempfile._candidate_tempdir_list = lambda: []\n" + CODE
     done = run(tmp_path, code)
@@ -56,6 +59,7 @@ def test_without_any_folder_the_code_is_compiled_each_time(tmp_path: Path) -> No
     assert done.stderr.count("every run compiles again") == 1
 
 
+@pytest.mark.slow
 def test_a_number_of_threads_that_makes_no_sense_is_told_before_numba_meets_it(tmp_path: Path) -> None:
     done = run(tmp_path, NUMBA_NUM_THREADS="0")
     assert "InputError: the environment variable NUMBA_NUM_THREADS is '0'" in done.stderr

@@ -141,6 +141,7 @@ BOMBS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BOMBS)
 def test_a_packed_bomb_is_refused(tmp_path, monkeypatch, name):
     monkeypatch.setattr(

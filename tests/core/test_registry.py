@@ -35,6 +35,7 @@ def test_an_unknown_name_lists_those_that_there_are() -> None:
         shelf().find("box")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("group", "name", "code"),
     [

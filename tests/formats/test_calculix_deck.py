@@ -49,6 +49,7 @@ def test_stored_matrices_give_the_frequencies_that_calculix_prints(compared):
     np.testing.assert_allclose(found, compared.printed, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_stored_matrices_entry_by_entry(compared):
     model = compared.model
     order = np.argsort(3 * (model.node - 1) + model.direction)

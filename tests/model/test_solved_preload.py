@@ -42,6 +42,7 @@ def force_on_damper(found: Model) -> np.ndarray:
     ).sum(axis=0)
 
 
+@pytest.mark.slow
 def test_contact_carries_the_centrifugal_force_with_and_without_friction() -> None:
     for traction in ("released", "kept"):
         found = model(preload__residual_traction=traction)
@@ -120,6 +121,7 @@ def test_solved_pressure_and_springs_share_the_reference_area(normal_law: str, r
     assert abs(of_the_face.normal / 182e-6 / per_area[0].max() - 1.0) > 0.05
 
 
+@pytest.mark.slow
 def test_rotation_loads_the_damper_with_its_mass() -> None:
     found = model(rotation__speed="3000 rpm", rotation__axis=(0, 1, 0), rotation__point=("0 m", "0 m", "-300 mm"))  # type: ignore[arg-type]
     assert found.preload is not None

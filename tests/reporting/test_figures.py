@@ -85,6 +85,7 @@ def test_all_figures_are_written(case, tmp_path):
     assert all(path.read_text().startswith("<?xml") for path in written)
 
 
+@pytest.mark.slow
 def test_png_pdf_and_refused_endings(case, tmp_path):
     figure = figures.energy_curve(*case)
     assert figures.save(figure, tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")

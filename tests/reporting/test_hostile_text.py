@@ -98,6 +98,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[str, tupl
 KINDS = pytest.mark.parametrize("kind", ["report", "sweep", "paper"])
 
 
+@pytest.mark.slow
 @KINDS
 def test_every_text_is_read_as_it_is_and_makes_no_element(pages: Any, kind: str) -> None:
     text, fields = pages[kind]

@@ -48,6 +48,7 @@ def without_plotly(text: str) -> str:
     return text.replace(library, "")
 
 
+@pytest.mark.slow
 def test_page_is_one_file_without_outside_references(text):
     own = without_plotly(text)
     assert len(text.encode()) < 15e6
@@ -179,6 +180,7 @@ def test_no_page_grows_beyond_its_limit(n_pairs: int, n_points: int) -> None:
     assert 1 < len(data["mapPoints"]) <= n_points
 
 
+@pytest.mark.slow
 def test_no_page_grows_beyond_its_limit_where_all_pairs_need_their_forces() -> None:
     """Tractions that are kept at rest: the page needs the friction force of stuck pairs too."""
     response, study = large_result(3000, 200)
@@ -227,6 +229,7 @@ def test_digits_of_tables(case):
     assert f"at {measured} Hz" in text
 
 
+@pytest.mark.slow
 def test_page_from_a_saved_file_is_the_same(case, text, tmp_path):
     save_results(tmp_path / "results.nc", *case)
     again = load_results(tmp_path / "results.nc")

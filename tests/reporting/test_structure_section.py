@@ -79,12 +79,14 @@ def test_a_mean_that_is_left_out_is_told() -> None:
     assert "mean and all harmonics" not in text
 
 
+@pytest.mark.slow
 def test_without_a_motion_the_page_says_why_nothing_moves() -> None:
     text = section(stacked_boxes())
     assert "The results file has no motion of the structure" in text
     assert "structure-play" not in text
 
 
+@pytest.mark.slow
 def test_a_coarser_picture_says_so() -> None:
     assert "1000000 outer sides, too many for a page" in section(stacked_boxes(mesh_sides=10**6))
     assert "too many" not in section(stacked_boxes())
@@ -109,6 +111,7 @@ def test_names_of_a_user_cannot_break_the_page() -> None:
     assert "a&lt;b &amp; &#34;c&#34;" in text
 
 
+@pytest.mark.slow
 def test_the_page_has_the_structure_before_the_contact_states() -> None:
     study = synthetic_study()
     text = page(synthetic_response(), dataclasses.replace(study, sketch=stacked_boxes()))

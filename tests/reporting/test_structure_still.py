@@ -36,6 +36,7 @@ def words(figure: Any) -> list[str]:
     return [text.get_text() for axes in figure.axes for text in axes.texts if text.get_text()]
 
 
+@pytest.mark.slow
 def test_the_contact_is_seen_through_the_body_before_it() -> None:
     """It is vermilion, in the pale tint of that body; nothing else in the picture is that red."""
     image, bare = pixels(stacked_boxes()), pixels(sketch_of_boxes(CUBE))
@@ -81,6 +82,7 @@ def test_all_axes_have_one_scale(panel: int) -> None:
     assert axes.get_xlabel() == "x, mm"
 
 
+@pytest.mark.slow
 def test_the_still_picture_is_at_rest_and_the_same_every_time() -> None:
     assert still_picture(synthetic_study(), stacked_boxes()) == still_picture(
         synthetic_study(), shaken(stacked_boxes())

@@ -160,6 +160,7 @@ def sweep_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_page_draws_itself_without_network(browser, sweep_file: Path, width: int) -> None:
     with opened_page(browser, sweep_file, width) as page:

@@ -42,6 +42,7 @@ def saved(response, tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_response_and_study_come_back_equal(response, saved):
     again = load_results(saved)
     assert again.response == response
@@ -179,6 +180,7 @@ def test_failed_save_leaves_the_old_file_and_no_other(response, saved, monkeypat
     assert os.listdir(saved.parent) == ["results.nc"]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="limits of files are of POSIX systems")
 def test_a_full_disk_is_a_sentence_and_no_fault_of_hdf5(tmp_path):
     """HDF5 ended the process with a segmentation fault where a file could not grow."""
@@ -256,6 +258,7 @@ ABSURD = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("value", ABSURD.values(), ids=ABSURD)
 @pytest.mark.parametrize("name", ["samples", "converged", "stickslip_format"])
 def test_absurd_attributes_get_a_sentence(saved, name, value):
@@ -284,6 +287,7 @@ BAD_TEXTS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", BAD_TEXTS, ids=range(len(BAD_TEXTS)))
 def test_texts_that_no_run_writes_get_a_sentence(saved, text):
     for place in ("warnings", "settings", "provenance", "study/output_names", "study/signal_groups", "study/face_names",
@@ -298,6 +302,7 @@ def test_texts_that_no_run_writes_get_a_sentence(saved, text):
     load_results(saved)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e300, -1e308])
 def test_values_that_no_run_writes_get_a_sentence(saved, value):
     for place in ("frequency", "displacement_cosine", "pairs/preload", "linear/stuck_mean", "study/pair_area"):
@@ -317,6 +322,7 @@ def replaced(path, name, make):
         make(file)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("make", "words"),
     [
@@ -359,6 +365,7 @@ def test_a_record_of_another_run_is_noticed_when_read(saved):
         load_results(saved)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.3, 0.9])
 def test_the_command_says_one_sentence_and_no_traceback(saved, share):
     """Libraries that fail while they open a file told of it once more when their objects were thrown away."""
@@ -373,6 +380,7 @@ def test_the_command_says_one_sentence_and_no_traceback(saved, share):
     assert line.startswith("Error: the results file")
 
 
+@pytest.mark.slow
 def test_flipped_bits_anywhere_end_in_a_sentence_or_a_sound_file(saved):
     """Seeded damage: a file is read whole, or a sentence without words of Python says that it is not."""
     whole, rng = saved.read_bytes(), random.Random(18)

@@ -29,6 +29,7 @@ def stored(folder: Path, study: StudyRecord) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_sketch_comes_back_equal(study: StudyRecord, tmp_path: Path) -> None:
     again = load_results(stored(tmp_path, study)).study
     assert again == study
@@ -105,6 +106,7 @@ def test_a_motion_of_another_run_is_rejected(study: StudyRecord, tmp_path: Path)
         stored(tmp_path, other)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("damaged", "words"),
     [

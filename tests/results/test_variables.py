@@ -63,6 +63,7 @@ def listing(path: Path) -> dict[str, Any]:
     return found
 
 
+@pytest.mark.slow
 def test_a_file_has_the_variables_of_its_format(response: ForcedResponse, tmp_path: Path) -> None:
     study = dataclasses.replace(synthetic_study(4, 3), sketch=shaken(stacked_boxes()))
     save_results(tmp_path / "new.nc", response, study)
@@ -204,6 +205,7 @@ def test_a_new_number_is_one_line() -> None:
     assert made == Made(3, np.array([1.0, 2.0])) != Made(3, np.array([1.0, 2.5]))
 
 
+@pytest.mark.slow
 def test_a_count_that_is_a_list_is_damage(tmp_path: Path, response: ForcedResponse) -> None:
     study = dataclasses.replace(synthetic_study(4, 3), sketch=stacked_boxes())
     save_results(tmp_path / "a.nc", response, study)

@@ -60,6 +60,7 @@ def test_the_phase_resonance_of_a_linear_structure_is_its_natural_frequency() ->
     assert response.frequency_hz == pytest.approx(natural_hz, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_held_amplitude_reaches_the_middle_of_a_fold(blade: Blade) -> None:
     """The ten-contact blade folds between 683.7 and 686.1 Hz; a held amplitude has one force at every frequency."""
     settings = {"harmonics": 3, "samples": 128}
@@ -140,6 +141,7 @@ def two_masses_beside_a_contact() -> tuple[ss.Superelement, ss.ContactPairs, ss.
     return ss.Superelement(np.eye(5), stiffness, damping), pairs, excitation, float(np.sqrt(3e6))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("phase_deg", [90.0, -90.0])
 def test_the_opposite_of_a_held_phase_is_not_taken_for_it(phase_deg: float) -> None:
     """At the opposed mode the far mass lags by -90 degrees: tan of the phase alone cannot tell it from 90."""

@@ -28,6 +28,7 @@ def bench(blade: Blade) -> ForcedResponse:
     )
 
 
+@pytest.mark.slow
 def test_one_harmonic_oscillator_with_a_jenkins_element() -> None:
     """(k - m w^2) X + a1(X), -c w X + b1(X) has the length F: one scalar equation for X, solved apart."""
     mass, stiffness, damping, spring, limit, force = 1.0, 1e4, 0.4, 5e3, 6.0, 5.0
@@ -52,6 +53,7 @@ def test_one_harmonic_oscillator_with_a_jenkins_element() -> None:
         assert found == pytest.approx(expected, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_bench_peak(bench: ForcedResponse, blade: Blade) -> None:
     amplitude = bench.harmonic_amplitude(blade.tip, 1)
     top = int(amplitude.argmax())
@@ -113,6 +115,7 @@ def test_linear_limits(bench: ForcedResponse, blade: Blade) -> None:
     assert bench.amplitude(blade.tip)[-1] == pytest.approx(stuck[-1], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_downward_sweep_finds_the_same_peak(bench: ForcedResponse, blade: Blade) -> None:
     start, stop = blade.window_hz
     down = blade.response(

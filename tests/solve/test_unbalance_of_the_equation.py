@@ -28,6 +28,7 @@ def two_masses(
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mass", [1.0, 1e-14])
 def test_an_undamped_resonance_ends_the_curve(mass: float) -> None:
     """Amplitudes grew to 1e64 m, with a residual of 1e53."""
@@ -47,6 +48,7 @@ def test_contact_beyond_the_arithmetic_is_refused(stiffness: float) -> None:
         two_masses(stiffness, 0.01)
 
 
+@pytest.mark.slow
 def test_stiff_contact_within_the_arithmetic_is_solved() -> None:
     response = two_masses(1e9, 0.01)
     assert response.converged

@@ -133,6 +133,7 @@ def test_tetrahedra_and_wedges_are_reduced_and_kept(make_block, kind, tmp_path, 
     assert len(calls) == 2, "another mesh is reduced anew"
 
 
+@pytest.mark.slow
 def test_the_reduction_is_the_same_with_any_number_of_threads(blade_structure, blade_superelement):
     """Bit for bit, whatever the threads of the linear algebra around it."""
     nodes = blade_superelement.boundary_nodes

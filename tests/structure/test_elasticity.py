@@ -119,6 +119,7 @@ def test_dense_and_sparse_frequencies_agree(make_block):
     np.testing.assert_allclose(modes, dense_modes, atol=1e-6 * np.abs(dense_modes).max())
 
 
+@pytest.mark.slow
 def test_fixed_nodes_come_from_the_set_or_from_the_caller(blade_mesh, blade_structure, make_block):
     np.testing.assert_array_equal(blade_structure.fixed_nodes, np.sort(blade_mesh.node_set("fixed")))
     assert blade_structure.stiffness.shape == (14751, 14751)

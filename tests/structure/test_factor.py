@@ -65,6 +65,7 @@ def test_missing_pardiso_names_the_extra(stiffness, monkeypatch):
         factorize(stiffness, backend="pardiso")
 
 
+@pytest.mark.slow
 def test_pardiso_where_it_is_installed(stiffness):
     if find_spec("pypardiso") is None:
         absent_tool("pypardiso", 'pip install "stickslip[pardiso]".')

@@ -103,6 +103,7 @@ def test_few_sides_stay_as_they_are() -> None:
     assert coarsened(surface, 1000) is surface
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("most", [1500, 3000])
 def test_a_coarser_surface_keeps_its_shape_and_its_contact(most: int) -> None:
     fine = plate(150)

@@ -73,6 +73,7 @@ def test_what_the_drawing_refuses_is_raised_here(tmp_path: Path) -> None:
             artist.files()
 
 
+@pytest.mark.slow
 def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("not a folder", encoding="utf-8")
     with SecondProcess(Drawing(tmp_path / "file", CASE)) as artist:
@@ -81,6 +82,7 @@ def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
             artist.files()
 
 
+@pytest.mark.slow
 def test_a_fault_of_the_drawing_comes_with_its_traceback(tmp_path: Path) -> None:
     with SecondProcess(Drawing(tmp_path, CASE)) as artist:
         artist.start("no response", synthetic_study())  # type: ignore[arg-type]
@@ -103,6 +105,7 @@ def test_a_study_without_a_response_ends_the_process(tmp_path: Path) -> None:
     assert process.poll() is not None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", ["nonsense", "module://matplotlib_inline.backend_inline"])
 def test_figures_need_no_backend(tmp_path: Path, backend: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Jupyter sets a backend for all commands that are started in it; drawing needs none."""
@@ -112,6 +115,7 @@ def test_figures_need_no_backend(tmp_path: Path, backend: str, monkeypatch: pyte
         assert artist.files()
 
 
+@pytest.mark.slow
 def test_files_of_the_current_folder_are_not_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     strangers(tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -140,6 +144,7 @@ with SecondProcess(drawing) as artist, whole_file(out / "results.nc", "results",
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="Windows has no SIGKILL")
 @pytest.mark.parametrize("when", ["solving", "drawing"])
 def test_after_the_parent_was_killed_no_process_and_no_half_file_stays(tmp_path: Path, when: str) -> None:
@@ -166,6 +171,7 @@ def test_after_the_parent_was_killed_no_process_and_no_half_file_stays(tmp_path:
     assert list(tmp_path.rglob(".*.part")) == []
 
 
+@pytest.mark.slow
 def test_an_interrupt_while_it_draws_leaves_no_half_file(tmp_path: Path) -> None:
     case = Case.from_mapping({"output": {"figure_formats": ["svg", "png", "pdf"]}})
     with SecondProcess(Drawing(tmp_path / "figures", case)) as artist:

@@ -43,6 +43,7 @@ def two_blades(element: str) -> Callable[[], Case]:
     return lambda: Case().replace(COARSE_MESH | {"geometry.excitation_height": "9 mm", "mesh.element": element})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", [two_blades("incompatible"), two_blades("serendipity"), lambda: load_case(TETRAHEDRA)])
 def test_the_contact_faces_of_the_blades_are_where_the_drawing_says(case: Callable[[], Case]) -> None:
     """Bricks, bricks with midside nodes and quadratic tetrahedra whose faces do not match."""

@@ -60,6 +60,7 @@ def test_an_address_where_nobody_answers_is_told(monkeypatch: pytest.MonkeyPatch
         pass
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("address", ["", "127.0.0.1", "tcp://127.0.0.1:port", "tls://127.0.0.1:9"])
 def test_a_wrong_address_is_exit_2_at_once(tmp_path: Path, address: str) -> None:
     require_distributed()
@@ -70,6 +71,7 @@ def test_a_wrong_address_is_exit_2_at_once(tmp_path: Path, address: str) -> None
     assert "Traceback" not in complained
 
 
+@pytest.mark.slow
 def test_a_scheduler_without_workers_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     require_distributed()
     monkeypatch.setattr(cluster, "CONNECT_SECONDS", 2)

@@ -75,6 +75,7 @@ def group() -> StructureGroup:
     return StructureGroup(None, [(SimpleNamespace(name="only", case=None), task)])
 
 
+@pytest.mark.slow
 def test_one_worker_with_other_code_among_others_is_named_before_anything_is_solved(
     tmp_path: Path, other_code: dict[str, str]
 ) -> None:
@@ -95,6 +96,7 @@ def test_one_worker_with_other_code_among_others_is_named_before_anything_is_sol
     assert not list(out.glob("cases/*"))
 
 
+@pytest.mark.slow
 def test_a_worker_with_other_code_that_comes_later_solves_nothing(
     tmp_path: Path, other_code: dict[str, str], own_cluster: tuple
 ) -> None:
@@ -116,6 +118,7 @@ def without_stickslip(arguments: tuple[str, ...]) -> tuple[str, ...]:
     return ("-c", code, *options)
 
 
+@pytest.mark.slow
 def test_a_worker_without_stickslip_is_named(tmp_path: Path) -> None:
     with (
         started_scheduler(tmp_path) as (_, address),
@@ -128,6 +131,7 @@ def test_a_worker_without_stickslip_is_named(tmp_path: Path) -> None:
         pass
 
 
+@pytest.mark.slow
 def test_a_scheduler_without_stickslip_is_told(tmp_path: Path) -> None:
     with (
         started(*without_stickslip(scheduler_arguments(tmp_path))),
@@ -138,6 +142,7 @@ def test_a_scheduler_without_stickslip_is_told(tmp_path: Path) -> None:
         pass
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_dies_ends_the_sweep_and_keeps_what_is_finished(tmp_path: Path) -> None:
     study, out = quick_file(tmp_path), tmp_path / "out"
     with (
@@ -156,6 +161,7 @@ def test_a_scheduler_that_dies_ends_the_sweep_and_keeps_what_is_finished(tmp_pat
     assert "Traceback" not in complained
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_hangs_is_told(own_cluster: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
     head, _, executor = own_cluster
     monkeypatch.setattr(cluster, "ANSWER_SECONDS", 1)
@@ -167,6 +173,7 @@ def test_a_scheduler_that_hangs_is_told(own_cluster: tuple, monkeypatch: pytest.
         head.send_signal(signal.SIGCONT)
 
 
+@pytest.mark.slow
 def test_without_workers_the_wait_is_told_and_ends(own_cluster: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
     _, worker, executor = own_cluster
     monkeypatch.setattr(schedule, "reduce_task", sweep_deaths.reduce)
@@ -183,6 +190,7 @@ def test_without_workers_the_wait_is_told_and_ends(own_cluster: tuple, monkeypat
     assert any(words.startswith("no worker is left, waiting for one since ") for words in told)
 
 
+@pytest.mark.slow
 def test_a_task_whose_workers_die_is_given_up(own_cluster: tuple) -> None:
     _, _, executor = own_cluster
     error = executor.submit(os._exit, 1).exception(PATIENCE_SECONDS)
@@ -190,6 +198,7 @@ def test_a_task_whose_workers_die_is_given_up(own_cluster: tuple) -> None:
     assert "workers died while running it" in str(executor.meaning(error))
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_killed_at_its_start_is_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "CONNECT_SECONDS", 3)
     with started_scheduler(tmp_path) as (_, address):

@@ -100,6 +100,7 @@ def test_cases_that_are_not_valid_together_are_all_named_before_anything_runs() 
         planned({"solver.frequency_start": "530:549:20", "solver.largest_step": [0.001]})
 
 
+@pytest.mark.slow
 def test_a_sweep_without_end_is_refused() -> None:
     with pytest.raises(InputError, match="10000 x 11 = 110000 cases; at most 20000"):
         planned({"friction.coefficient": "0.1:0.5:10000", "preload.centrifugal_force": "1:11:11"})

@@ -47,6 +47,7 @@ def light_tasks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(schedule, "solve_task", sweep_deaths.solve)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("light_tasks")
 def test_a_worker_that_dies_fails_its_own_case_only(tmp_path: Path) -> None:
     finished: dict[str, str] = {}
@@ -196,6 +197,7 @@ def test_a_task_checks_the_code_before_it_reads_its_arguments() -> None:
         assert str(caught.value).startswith(f"the worker on {here}, but the sweep runs {version}.")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("light_tasks")
 @pytest.mark.parametrize("executor", [LocalProcesses, ThreadPoolExecutor])
 def test_workers_of_other_code_end_the_sweep_without_a_row(
@@ -230,6 +232,7 @@ def test_a_process_that_cannot_be_started_is_a_worker_that_died(monkeypatch: pyt
         pool.shutdown(wait=False)
 
 
+@pytest.mark.slow
 def test_what_a_worker_imports_lies_in_the_code_that_its_digest_covers(tmp_path: Path) -> None:
     quick_file(tmp_path)
     script = f"""

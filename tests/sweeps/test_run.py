@@ -105,6 +105,7 @@ def test_shared_work_is_done_once(swept: tuple) -> None:
     assert swept[3] == {"set_up": 1, "reduce_structure": 1, "solve": 4}
 
 
+@pytest.mark.slow
 def test_progress_counts_the_cases(swept: tuple) -> None:
     news = swept[2].news
     assert [stage for stage, fraction, _ in news if fraction == 1.0] == ["Finished cases", "Checks", "Cases"]
@@ -163,6 +164,7 @@ def test_an_executor_without_answer_is_told_and_its_version_asked(monkeypatch: p
     assert heard.news[-1][2].endswith("has it workers?")
 
 
+@pytest.mark.slow
 def test_a_sweep_goes_on_where_it_ended(swept: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
     folder, result, _, _ = swept
     monkeypatch.setattr(schedule, "solve_task", None)  # solving would be a fault
@@ -176,6 +178,7 @@ def test_a_sweep_goes_on_where_it_ended(swept: tuple, monkeypatch: pytest.Monkey
     assert part.table.rows == result.table.rows[1::2]
 
 
+@pytest.mark.slow
 def test_damaged_and_foreign_files_are_told_and_solved_again(swept: tuple, tmp_path: Path) -> None:
     folder, result, _, _ = swept
     shutil.copytree(folder, tmp_path / "copy")

@@ -81,6 +81,7 @@ def test_stop_says_when_it_is_hit() -> None:
     assert law.period(coefficients, 64).state.tolist() == [ss.ContactState.SEPARATING, ss.ContactState.STUCK]
 
 
+@pytest.mark.slow
 def test_the_curve_of_an_oscillator_with_a_stop_against_time_integration() -> None:
     """Five harmonics against scipy's Runge-Kutta on the equation of motion, which knows nothing of this code."""
     stiffness, gap, force, hertz = 4e5, 1e-5, 4.0, 112.0
@@ -120,6 +121,7 @@ def test_jenkins_equals_the_closed_form() -> None:
         assert np.abs(cycle.force[:, 0, 1]).max() == limit
 
 
+@pytest.mark.slow
 def test_jenkins_equals_coulomb_friction_under_a_constant_load() -> None:
     """Two implementations: the element by itself, and the cone of Coulomb pairs that move along t1 alone."""
     jenkins = curve(ss.JenkinsElement(2e5, 3.0, 1e6), 0, 8.0, (95.0, 130.0), harmonics=5)
@@ -153,6 +155,7 @@ def test_iwan_backbone_and_energy_equal_the_integrals_of_its_distribution() -> N
     assert law.backbone(3 * largest)[0, 0] == pytest.approx(4000.0)
 
 
+@pytest.mark.slow
 def test_iwan_equals_a_thousand_jenkins_elements_on_any_path() -> None:
     """The walk along turning points against the sum of the elements of its distribution."""
     law = ss.IwanJoint(**IWAN)

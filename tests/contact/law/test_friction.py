@@ -156,6 +156,7 @@ def test_touchdown_energy_is_exact(name: str) -> None:
         )
 
 
+@pytest.mark.slow
 def test_random_tractrix_steps_against_small_radial_steps() -> None:
     rng = np.random.default_rng(4)
     for _ in range(40):

@@ -49,6 +49,7 @@ def test_force_stays_within_the_limit_and_vanishes_when_open(seed: int, update: 
     np.testing.assert_array_equal(cycle.state == 2, is_open.any(axis=0))
 
 
+@pytest.mark.slow
 @quick
 @given(seed=seeds, update=updates)
 def test_dissipation_is_never_negative_and_near_the_work(seed: int, update: Update) -> None:

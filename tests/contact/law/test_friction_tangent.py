@@ -93,6 +93,7 @@ def test_tangent_of_each_regime(name: str, update: Update) -> None:
     assert relative(tangent, expected, scale)[0] < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("update", UPDATES)
 @pytest.mark.parametrize("seed", [1, 2])
 def test_tangent_of_random_pairs(seed: int, update: Update) -> None:

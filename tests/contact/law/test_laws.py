@@ -174,6 +174,7 @@ class Glue(ss.CubicSpring):
 """
 
 
+@pytest.mark.slow
 def test_a_law_of_another_package_is_found(tmp_path: Path) -> None:
     """A package that is only on the path: its entry point names the law."""
     (tmp_path / "gluepackage.py").write_text(PACKAGE, encoding="utf-8")
@@ -193,6 +194,7 @@ def test_a_law_of_another_package_is_found(tmp_path: Path) -> None:
     assert done.stdout == "glue\n", done.stderr
 
 
+@pytest.mark.slow
 def test_a_curve_with_all_laws_balances_its_energy_and_comes_back_from_its_file(tmp_path: Path) -> None:
     pairs = ss.ContactPairs.with_laws(np.eye(30), list(LAWS.values()))
     chain = np.diag(np.full(30, 4e6)) - 6e5 * (np.eye(30, k=1) + np.eye(30, k=-1))

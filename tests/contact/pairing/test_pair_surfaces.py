@@ -23,6 +23,7 @@ KINDS = {
 }
 
 
+@pytest.mark.slow
 @BOTH
 @pytest.mark.parametrize("upper", KINDS)
 @pytest.mark.parametrize("lower", KINDS)
@@ -192,6 +193,7 @@ def test_gaps_of_a_pin_in_a_bore_with_flat_sides(pin, bore):
     np.testing.assert_allclose(np.abs(np.einsum("px,px->p", pairs.tangent2, radial)), 0.0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_gap_of_an_eccentric_pin():
     mesh = pin_in_bore((96, 1), (120, 1), centre=(0.01, 0.0))
     pairing = pair_surfaces(mesh, "top", "bottom", points="quadrature", search_distance=0.05)

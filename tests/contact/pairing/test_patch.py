@@ -29,6 +29,7 @@ def pressed(points, normal_per_area, lower=(3, 2, 1), upper=(4, 3, 1), lower_opt
     return pressure, error
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("upper", KINDS)
 @pytest.mark.parametrize("lower", KINDS)
 def test_quadrature_passes_to_round_off(lower, upper):
@@ -62,12 +63,14 @@ def test_nodes_pass_only_where_meshes_match():
     assert 0.01 < error < 0.15
 
 
+@pytest.mark.slow
 def test_displacements_of_nodes_converge_with_order_one():
     errors = [pressed("nodes", RIGID, (3 * n, 2 * n, n), (4 * n, 3 * n, n))[1] for n in (1, 2, 4)]
     slopes = np.log2(np.array(errors[:-1]) / errors[1:])
     assert (slopes > 0.9).all()
 
 
+@pytest.mark.slow
 def test_pressure_of_nodes_evens_out_where_the_springs_are_soft_beside_an_element():
     spread = [np.abs(pressed("nodes", SOFT, (3 * n, 2 * n, n), (4 * n, 3 * n, n))[0] - 1.0).max() for n in (1, 2, 4)]
     assert spread[0] < 0.06

@@ -107,6 +107,7 @@ def test_a_sine_is_not_fractal() -> None:
     assert worded(ss.fit_roughness(heights, SPACING), "Not fractal")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("few_simulations")
 def test_a_smooth_curve_is_out_of_range() -> None:
     steps = np.random.default_rng(1).normal(size=1000)

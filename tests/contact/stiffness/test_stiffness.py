@@ -268,6 +268,7 @@ faces = st.builds(
 )
 
 
+@pytest.mark.slow
 @quick
 @given(faces, st.floats(-20, 3), st.floats(0.01, 3), st.one_of(st.just(-inf), st.floats(-35, -20)))
 def test_load_rises_with_the_largest_spot(

@@ -44,6 +44,7 @@ def test_the_origin_has_height_zero(dimension: float) -> None:
     assert np.all(heights(np.zeros(7), -np.zeros(7), dimension) == 0.0)
 
 
+@pytest.mark.slow
 @quick
 @given(
     st.floats(2.05, 2.95),
@@ -116,6 +117,7 @@ def test_structure_function_of_an_ensemble(ensemble: tuple[float, np.ndarray, np
     assert np.polyfit(np.log(DISTANCES), np.log(measured / exact), 1)[0] == pytest.approx(0.0, abs=0.01)
 
 
+@pytest.mark.slow
 def test_root_mean_square_height_of_an_ensemble(ensemble: tuple[float, np.ndarray, np.ndarray]) -> None:
     """z is a sum of cos phi less a random wave of the same phases; the wave alone has the mean square Sq^2."""
     dimension, start, _ = ensemble

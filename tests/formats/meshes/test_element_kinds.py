@@ -44,6 +44,7 @@ def frequencies(mesh, count, fixed):
     return natural_frequencies(structure.stiffness, structure.mass, count)[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("form", WRITERS)
 def test_tetrahedra_and_wedges_come_back(tmp_path, make_block, kind, form):
@@ -64,6 +65,7 @@ def test_tetrahedra_and_wedges_come_back(tmp_path, make_block, kind, form):
     np.testing.assert_allclose(frequencies(model.mesh, 6, base), frequencies(mesh, 6, base), rtol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", WRITERS)
 def test_the_two_blades_come_back(tmp_path, form):
     mesh = blade_pair_mesh(elements=COARSE)

@@ -162,6 +162,7 @@ def test_damaged_decks_in_files(folder, stem, seed):
     require_sentence_or_model(folder / "deck.bdf", files.pop("deck"), **files)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stem", [name for name in deck_in_files() if name != "deck"])
 def test_included_rubbish_is_told_or_harmless(folder, stem):
     sound = deck_in_files()

@@ -98,6 +98,7 @@ def test_a_fan_of_files_ends_early(deck, monkeypatch, ending):
     assert len(read) == 24
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", FORMATS)
 def test_the_number_and_the_size_of_all_files_have_limits(deck, monkeypatch, ending):
     path = deck(ending, "part")

@@ -50,6 +50,7 @@ def in_order_of_bodies(mesh):
     return replace(mesh, points=mesh.points[order], cells=number[mesh.cells], node_sets=sets)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quadratic", [False, True], ids=["linear", "quadratic"])
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_model_comes_back(tmp_path, make_block, name, quadratic):

@@ -39,6 +39,7 @@ def bricks() -> tuple[Structure, Joint]:
     return assembled(Case())
 
 
+@pytest.mark.slow
 def test_the_faces_do_not_match_and_every_node_finds_a_partner(tetrahedra: tuple[Structure, Joint]) -> None:
     setup, pairs = set_up(load_case(STUDY)), tetrahedra[1].face_pairs
     assert not pairs.is_matching

@@ -55,6 +55,7 @@ def test_run_writes_report_results_and_shapes(solved: tuple[Path, str]) -> None:
     assert "paper" not in saved.study.description
 
 
+@pytest.mark.slow
 def test_wrong_units_are_warned_of_wherever_one_looks(solved: tuple[Path, str]) -> None:
     folder, output = solved
     assert HEAVY in " ".join(output.split())

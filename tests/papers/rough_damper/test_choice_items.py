@@ -65,6 +65,7 @@ def test_every_column_is_judged_on_the_same_situations(solutions: list[Solved]) 
         }
 
 
+@pytest.mark.slow
 def test_every_claim_has_a_verdict_under_every_change(changed: dict[str, ChangedVerdict]) -> None:
     assert list(changed) == [claim.statement for claim in (*CLAIMS, *MODEL_CLAIMS)]
     for claim in CLAIMS:

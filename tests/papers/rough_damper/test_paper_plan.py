@@ -42,6 +42,7 @@ def test_every_joint_of_the_study_has_a_stiffness(plan) -> None:
         assert joint.normal_stiffness.min() > 0.0
 
 
+@pytest.mark.slow
 def test_labels_are_the_inputs(plan) -> None:
     for each in plan:
         s, case = each.setting, each.planned.case

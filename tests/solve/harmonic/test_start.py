@@ -50,6 +50,7 @@ def test_falls_back_to_the_ramp(blade: Blade) -> None:
     assert point.trial.load == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_walks_in_from_outside_when_the_ramp_folds(blade: Blade) -> None:
     """With five iterations the ramp ends at its fold, near 78 % of the force."""
     curve = FrequencyCurve(balance_with(blade, 3))

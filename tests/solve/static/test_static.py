@@ -194,6 +194,7 @@ def test_a_bent_path_takes_more_steps_and_says_so(blade: Blade) -> None:
         static_preload(superelement, pairs, load, steps=2.5)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kept", [False, True])
 def test_vibration_about_the_state_equals_a_balance_with_the_static_load_in_its_mean(blade: Blade, kept: bool) -> None:
     """Mode B: an independent dense balance carries the static load in the mean and counts from the unloaded state."""

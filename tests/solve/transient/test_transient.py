@@ -56,6 +56,7 @@ def test_step_law_is_the_limit_of_radial_return_in_many_substeps() -> None:
         np.testing.assert_allclose(force[:2], 2.0 * fine - coarse, atol=3e-5)
 
 
+@pytest.mark.slow
 def test_step_law_tangent_equals_central_differences() -> None:
     rng = np.random.default_rng(2)
     seen = set()
@@ -316,6 +317,7 @@ def test_bad_input_gets_a_sentence(change: dict[str, object], message: str) -> N
         integrate_to_steady_state(**(arguments | change))  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_a_point_beyond_the_curve_gets_a_sentence(balance: ForcedResponse) -> None:
     with pytest.raises(InputError, match="point must lie between 0 and"):
         start_from_response(balance, balance.frequency_hz.size)
