@@ -18,6 +18,7 @@ from stickslip.contact.law.law import CodeArray, ContactState
 from stickslip.contact.law.normal_law import NormalLaw
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.compliance import StaticFactor
 from stickslip.solve.joint_step import StepPoint
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.static.state import StaticState
@@ -140,6 +141,7 @@ class LoadRamp:
                 f"{LARGEST_RESIDUAL:.0e}): contact many orders stiffer than the structure loses digits. Lower the "
                 "contact stiffness; a joint a thousand times stiffer than what it joins is rigid."
             )
+        self._require_stable(point)
         force = point.force if joint.friction else np.where(joint.frictional, 0.0, point.force)
         normal, slope = self._normal(point, force)
         whole = self._at_rest_before() + force
@@ -161,6 +163,18 @@ class LoadRamp:
             ),
             memory=point.memory if joint.friction else None,
         )
+
+    def _require_stable(self, point: StepPoint) -> None:
+        """Raise ConvergenceError where springs that soften leave the joint without a stable state."""
+        joint, slope = self._joint, np.einsum("paa->pa", point.forces.derivative)
+        softened = (slope < 0.0) & ~joint.frictional
+        springs = np.where(softened, slope, joint.springs)
+        if softened.any() and StaticFactor.attempt(joint.superelement, joint.pairs, springs) is None:
+            raise ConvergenceError(
+                f"the static state is unstable: the springs of {int(softened.any(axis=1).sum())} pairs soften by more "
+                "than the structure holds, so on the way to the static load the joint jumps. Lower the load, or check "
+                "the softening constants."
+            )
 
     def _at_rest_before(self) -> FloatArray:
         """(n_pairs, 3) N that pairs of other laws carried before the load; the forces of Coulomb pairs are whole."""
