@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import stickslip as ss
+from law_makers import coulomb, cubic, iwan, jenkins, stop
 
-IWAN = ss.IwanJoint(1.5e7, 4000.0, -0.6, 0.02)
+IWAN = iwan(1.5e7, 4000.0, -0.6, 0.02)
 SLIDES = float(IWAN.macroslip_displacement[0, 0])
 
 
-def forces(law: ss.ContactLaw, axis: int, path: Sequence[float]) -> np.ndarray:
+def forces(law: ss.ContactLaw, axis: int, path: Iterable[float]) -> np.ndarray:
     """(n,) N of pair 0 along one axis after each step of a path from rest, the other axes still."""
     memory, found = law.memory_at_rest(), []
     for x in path:
@@ -28,15 +30,15 @@ def forces(law: ss.ContactLaw, axis: int, path: Sequence[float]) -> np.ndarray:
 def test_jenkins_loads_unloads_and_reloads() -> None:
     """k = 1e6 N/m, limit 4 N: it slips beyond 4 um of stretch, and springs back from where it turns."""
     path = [2e-6, 6e-6, 5e-6, -3e-6, 0.0, 4e-6, 9e-6]
-    assert forces(ss.JenkinsElement(1e6, 4.0), 0, path) == pytest.approx([2.0, 4.0, 3.0, -4.0, -1.0, 3.0, 4.0])
+    assert forces(jenkins(1e6, 4.0), 0, path) == pytest.approx([2.0, 4.0, 3.0, -4.0, -1.0, 3.0, 4.0])
 
 
 def test_a_jenkins_element_that_keeps_a_traction_has_that_much_less_to_go() -> None:
-    law = ss.JenkinsElement(1e6, 4.0, residual_traction=np.array([[3.0, -1.0]]))  # type: ignore[arg-type]
+    law = jenkins(1e6, 4.0, kept=[[3.0, -1.0]])
     assert forces(law, 0, [0.5e-6, 2e-6, 1e-6, -9e-6]) == pytest.approx([0.5, 1.0, 0.0, -7.0])
     assert not law.undetermined().any()
     with pytest.raises(ss.InputError, match="within the friction limit"):
-        ss.JenkinsElement(1e6, 4.0, residual_traction=np.array([[5.0, 0.0]]))  # type: ignore[arg-type]
+        jenkins(1e6, 4.0, kept=[[5.0, 0.0]])
 
 
 def test_iwan_loads_along_its_backbone_and_turns_by_masings_rules() -> None:
@@ -72,7 +74,7 @@ def test_iwan_equals_the_steps_of_thousands_of_jenkins_elements(size: float) -> 
     limits = density * np.diff(edges ** (chi + 2)) / (chi + 2)
     stiffness = np.append(stiffness, 1.5e7 - stiffness.sum())
     limits = np.append(limits, stiffness[-1] * SLIDES)
-    elements = ss.JenkinsElement(stiffness, limits)
+    elements = jenkins(stiffness, limits)
     memory, own = elements.memory_at_rest(), IWAN.memory_at_rest()
     for x in size * SLIDES * np.random.default_rng(5).normal(size=40):
         many = elements.step(np.tile([x, 0.0, 0.0], (stiffness.size, 1)), memory)
@@ -88,7 +90,7 @@ def test_a_kept_iwan_joint_ends_in_the_state_of_its_jenkins_elements() -> None:
     stiffness = density * np.diff(edges ** (chi + 1)) / (chi + 1)
     limits = density * np.diff(edges ** (chi + 2)) / (chi + 2)
     stiffness = np.append(stiffness, 1.5e7 - stiffness.sum())
-    elements = ss.JenkinsElement(stiffness, np.append(limits, stiffness[-1] * SLIDES))
+    elements = jenkins(stiffness, np.append(limits, stiffness[-1] * SLIDES))
     rest = np.array([[0.5 * SLIDES, 0.0, 0.0]])
     kept = IWAN.about(rest, IWAN.step(rest, IWAN.memory_at_rest()).memory)
     every = np.tile(rest, (stiffness.size, 1))
@@ -104,15 +106,15 @@ def test_a_kept_iwan_joint_ends_in_the_state_of_its_jenkins_elements() -> None:
 
 def test_a_path_to_rest_of_another_shape_gets_a_sentence() -> None:
     with pytest.raises(ss.InputError, match=r"path_to_rest must have shape \(1, 2, m\)"):
-        ss.IwanJoint(1.5e7, 4000.0, -0.6, 0.02, path_to_rest=np.zeros((1, 2)))
+        replace(IWAN, path_to_rest=np.zeros((1, 2)))
 
 
 def test_elastic_laws_follow_their_curve_and_remember_nothing() -> None:
     x = np.array([3e-6, -5e-6, 1e-6, 8e-6])
-    assert forces(ss.CubicSpring(1e5, 1e15), 1, x) == pytest.approx(1e5 * x + 1e15 * x**3, rel=1e-14)
-    stop = ss.ElasticStop(4e6, 2e-6, 1e5)
-    assert forces(stop, 2, x) == pytest.approx(1e5 * x + 4e6 * np.maximum(x - 2e-6, 0.0), rel=1e-14)
-    both = ss.ElasticStop(4e6, 2e-6, 1e5, two_sided=True)
+    assert forces(cubic(1e5, 1e15), 1, x) == pytest.approx(1e5 * x + 1e15 * x**3, rel=1e-14)
+    one = stop(4e6, 2e-6, 1e5)
+    assert forces(one, 2, x) == pytest.approx(1e5 * x + 4e6 * np.maximum(x - 2e-6, 0.0), rel=1e-14)
+    both = stop(4e6, 2e-6, 1e5, two_sided=True)
     beyond = np.maximum(x - 2e-6, 0.0) + np.minimum(x + 2e-6, 0.0)
     assert forces(both, 2, x) == pytest.approx(1e5 * x + 4e6 * beyond, rel=1e-14)
 
@@ -120,20 +122,20 @@ def test_elastic_laws_follow_their_curve_and_remember_nothing() -> None:
 def test_elastic_laws_about_a_load_feel_the_slope_there() -> None:
     """Cubic: k + 3 k3 x0^2, and f(x0 + x) - f(x0); a stop that the load has closed: spring and stop."""
     x0, x = 4e-6, 2e-6
-    about = ss.CubicSpring(1e5, 1e16).about(np.full((1, 3), x0), None)
+    about = cubic(1e5, 1e16).about(np.full((1, 3), x0), None)
     assert about.resting_springs() == pytest.approx(np.full((1, 3), 1e5 + 3e16 * x0**2), rel=1e-14)
     assert forces(about, 0, [x])[0] == pytest.approx(1e5 * x + 1e16 * ((x0 + x) ** 3 - x0**3), rel=1e-12)
     assert about.normal_load == pytest.approx([1e5 * x0 + 1e16 * x0**3], rel=1e-14)
-    closed = ss.ElasticStop(4e6, 3e-6, 1e5).about(np.full((1, 3), x0), None)
+    closed = stop(4e6, 3e-6, 1e5).about(np.full((1, 3), x0), None)
     assert closed.resting_springs()[0].tolist() == [0.0, 0.0, 4.1e6]
     assert forces(closed, 2, [1e-6, -3e-6]) == pytest.approx([4.1, -4e6 * 1e-6 - 1e5 * 3e-6], rel=1e-12)
     with pytest.raises(ss.InputError, match="rest_displacement must be a number, or have shape"):
-        ss.CubicSpring([1e5, 1e5], 1e16, rest_displacement=np.zeros(3))
+        cubic([1e5, 1e5], 1e16, rest=np.zeros(3))
 
 
 def test_coulomb_touches_down_slips_and_opens() -> None:
     """A gap of 2 um, k_n = 2e6, k_t = 1e6, mu = 0.3: friction grows from touchdown, at most mu N."""
-    law = ss.CoulombLaw([2e6], [1e6], [0.3], [0.0], [2e-6])
+    law = coulomb([2e6], [1e6], [0.3], [0.0], [2e-6])
     # Halfway down the step it touches: half of 1 um shears it, 0.5 N, within 0.3 times 4 N.
     half = law.step(np.array([[1e-6, 0.0, 4e-6]]), law.memory_at_rest())
     assert half.force[0] == pytest.approx([0.5, 0.0, 4.0])
@@ -149,7 +151,7 @@ def test_coulomb_touches_down_slips_and_opens() -> None:
 
 
 def test_coulomb_about_a_state_has_its_load_gap_and_traction() -> None:
-    law = ss.CoulombLaw([2e6, 2e6], [1e6, 1e6], [0.3, 0.3], [10.0, 1.0], [0.0, 0.0])
+    law = coulomb([2e6, 2e6], [1e6, 1e6], [0.3, 0.3], [10.0, 1.0], [0.0, 0.0])
     rest = np.array([[2e-6, 0.0, 1e-6], [1e-6, 0.0, -2e-6]])
     about = law.about(rest, law.step(rest, law.memory_at_rest()).memory)
     assert about.normal_load == pytest.approx([12.0, 0.0])

@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from law_makers import coulomb, cubic, iwan, jenkins, stop
 from stickslip.solve.transient.integrate import TransientResponse
 
 STRUCTURE = ss.Superelement(np.eye(3), 4e5 * np.eye(3), 60.0 * np.eye(3))
 # Law, axis along which it is excited, force in N: all of them far from linear at 112 Hz.
 LAWS: dict[str, tuple[ss.ContactLaw, int, float]] = {
-    "cubic": (ss.CubicSpring(1e5, 1e15), 0, 8.0),
-    "elastic-stop": (ss.ElasticStop(4e5, 1e-5, 5e4), 2, 8.0),
-    "jenkins": (ss.JenkinsElement(2e5, 3.0, 1e6), 0, 8.0),
-    "iwan": (ss.IwanJoint(2e5, 5.0, -0.5, 0.1, 5e5), 0, 6.0),
+    "cubic": (cubic(1e5, 1e15), 0, 8.0),
+    "elastic-stop": (stop(4e5, 1e-5, 5e4), 2, 8.0),
+    "jenkins": (jenkins(2e5, 3.0, 1e6), 0, 8.0),
+    "iwan": (iwan(2e5, 5.0, -0.5, 0.1, 5e5), 0, 6.0),
 }
 LAST = 5
 
@@ -31,6 +32,7 @@ def both(
 ) -> tuple[ss.ForcedResponse, TransientResponse]:
     """The first point of a curve, and the steady state in time that begins there."""
     curve = ss.forced_response(STRUCTURE, pairs, force, frequency_hz=(112.0, 112.5), harmonics=harmonics, samples=2048)
+    start = ss.start_from_response(curve, 0)
     march = ss.integrate_to_steady_state(
         STRUCTURE,
         pairs,
@@ -40,7 +42,9 @@ def both(
         steps,
         100,
         tolerance,
-        **ss.start_from_response(curve, 0),
+        start["initial_displacement"],
+        start["initial_velocity"],
+        initial_cycle=start["initial_cycle"],
     )
     assert march.converged, march.message
     return curve, march
@@ -96,11 +100,11 @@ def test_the_error_falls_with_the_square_of_the_step() -> None:
 
 def test_the_steps_of_the_law_equal_the_compiled_march_of_coulomb_pairs() -> None:
     """Two programs of Coulomb's law: a joint beside a spring without stiffness is not compiled."""
-    coulomb = ss.CoulombLaw([1e6, 8e5], [2e5, 3e5], [0.3, 0.4], [6.0, 4.0], [0.0, 0.0])
+    friction = coulomb([1e6, 8e5], [2e5, 3e5], [0.3, 0.4], [6.0, 4.0], [0.0, 0.0])
     operator = np.vstack([np.eye(3), np.eye(3)[:, [1, 2, 0]], np.eye(3)])
-    nothing = ss.CubicSpring(0.0, 0.0)
-    alone = ss.ContactPairs.with_laws(operator[:6], [coulomb])
-    beside = ss.ContactPairs.with_laws(operator, [coulomb, nothing])
+    nothing = cubic(0.0, 0.0)
+    alone = ss.ContactPairs.with_laws(operator[:6], [friction])
+    beside = ss.ContactPairs.with_laws(operator, [friction, nothing])
     force, sine = np.array([8.0, 3.0, 5.0]), np.array([0.0, 4.0, -6.0])
     compiled, stepped = (
         ss.integrate_to_steady_state(STRUCTURE, pairs, force, sine, 112.0, 100, 3) for pairs in (alone, beside)
@@ -116,7 +120,7 @@ def test_the_steps_of_the_law_equal_the_compiled_march_of_coulomb_pairs() -> Non
 @pytest.mark.slow
 def test_a_mixed_joint_balances_its_energy_and_agrees_with_the_balance() -> None:
     laws = [
-        ss.CoulombLaw([3e5], [1e5], [0.3], [8.0], [0.0]),
+        coulomb([3e5], [1e5], [0.3], [8.0], [0.0]),
         *(LAWS[name][0] for name in ("cubic", "jenkins", "iwan")),
     ]
     pairs = ss.ContactPairs.with_laws(np.vstack([np.eye(3)] * 4), laws)
@@ -146,14 +150,15 @@ def test_a_kept_traction_is_the_same_in_both(name: str) -> None:
 
 
 def test_a_start_that_the_laws_do_not_take_gets_a_sentence() -> None:
-    jenkins = ss.ContactPairs.with_laws(np.eye(3), [LAWS["jenkins"][0]])
-    coulomb = ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3, 5.0)
+    elements = ss.ContactPairs.with_laws(np.eye(3), [LAWS["jenkins"][0]])
+    pressed = ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3, 5.0)
     arguments = (np.ones(3), np.zeros(3), 100.0, 50, 2)
     with pytest.raises(
         ss.InputError, match="initial_slider is for joints of Coulomb pairs alone, and these follow jenk"
     ):
-        ss.integrate_to_steady_state(STRUCTURE, jenkins, *arguments, initial_slider=np.zeros((1, 2)))
-    with pytest.raises(ss.InputError, match=r"initial_cycle must have shape \(8, 1, 3\)"):
-        ss.integrate_to_steady_state(STRUCTURE, jenkins, *arguments, initial_cycle=np.zeros((8, 2, 3)))
+        ss.integrate_to_steady_state(STRUCTURE, elements, *arguments, initial_slider=np.zeros((1, 2)))
+    for wrong in (np.zeros((8, 2, 3)), np.zeros((0, 1, 3)), np.zeros(())):
+        with pytest.raises(ss.InputError, match=r"initial_cycle must have shape \(n_samples, 1, 3\)"):
+            ss.integrate_to_steady_state(STRUCTURE, elements, *arguments, initial_cycle=wrong)
     with pytest.raises(ss.InputError, match="initial_cycle is for joints with other laws"):
-        ss.integrate_to_steady_state(STRUCTURE, coulomb, *arguments, initial_cycle=np.zeros((8, 1, 3)))
+        ss.integrate_to_steady_state(STRUCTURE, pressed, *arguments, initial_cycle=np.zeros((8, 1, 3)))

@@ -74,7 +74,8 @@ def static_preload(
     Raises
     ------
     InputError
-        for a wrong shape, a load of zero, unequal tangential springs, or a stiffness law on pairs of other laws.
+        for a wrong shape, a load of zero, unequal tangential springs, a traction that pairs keep already, or a
+        stiffness law on pairs of other laws.
     ConvergenceError
         where no equilibrium was found; the message says how much of the load the joint carried.
     """
@@ -167,6 +168,11 @@ def _checked_load(load: ArrayLike, superelement: Superelement, pairs: ContactPai
     if pairs.operator.shape[1] != superelement.size:
         raise InputError(
             f"operator has {pairs.operator.shape[1]} columns, but the superelement has {superelement.size} unknowns."
+        )
+    if not pairs.released:
+        raise InputError(
+            "some pairs keep a traction at rest already (residual_traction or path_to_rest), but a static load grows "
+            "from a joint without traction. Give static_preload the pairs before any load."
         )
     springs = pairs.tangential_springs
     unequal = np.flatnonzero((springs[:, 0] != springs[:, 1]) & ~np.isnan(springs[:, 0]))

@@ -177,7 +177,12 @@ def _march(
     if initial_cycle is None:
         return LawMarch(scheme, pairs, relative, None)
     cycle = finite_array("initial_cycle", initial_cycle)
-    return LawMarch(scheme, pairs, relative, _start_vector("initial_cycle", cycle, (len(cycle), pairs.n_pairs, 3)))
+    if cycle.ndim != 3 or cycle.shape[1:] != (pairs.n_pairs, 3) or not len(cycle):
+        raise InputError(
+            f"initial_cycle must have shape (n_samples, {pairs.n_pairs}, 3), t1, t2, n of each pair in m; found "
+            f"{cycle.shape}."
+        )
+    return LawMarch(scheme, pairs, relative, cycle)
 
 
 def start_from_response(response: ForcedResponse, point: int) -> dict[str, FloatArray]:
