@@ -41,6 +41,18 @@ def test_a_jenkins_element_that_keeps_a_traction_has_that_much_less_to_go() -> N
         jenkins(1e6, 4.0, kept=[[5.0, 0.0]])
 
 
+def test_an_element_that_shakes_down_to_its_limit_is_stuck() -> None:
+    """After its first period it touches the limit to round-off and slips no more: no energy, not even 1e-22 J."""
+    angle = 2 * np.pi * np.arange(64) / 64
+    law = jenkins(np.full(50, 1e6), 4.0, kept=np.tile([3.7, 0.0], (50, 1)))
+    motion = np.zeros((64, 50, 3))
+    motion[:, :, 0] = np.linspace(0.4e-6, 3e-6, 50) * np.cos(angle)[:, None]
+    cycle = law.cycle(motion)
+    assert cycle.force[:, :, 0].max(axis=0) == pytest.approx(np.full(50, 4.0), rel=1e-12)
+    assert not cycle.dissipated_energy.any()
+    assert (cycle.state == ss.ContactState.STUCK).all()
+
+
 def test_iwan_loads_along_its_backbone_and_turns_by_masings_rules() -> None:
     """Segalman 2005: F(x), after a turn at x0 F(x0) - 2 F((x0 - x) / 2), the backbone again beyond -x0."""
 

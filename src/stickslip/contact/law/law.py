@@ -93,7 +93,8 @@ class ContactCycle:
     Attributes
     ----------
     force:
-        (n_samples, n_pairs, 3) N along t1, t2, n; the whole normal force, not that less the preload.
+        (n_samples, n_pairs, 3) N along t1, t2, n; the whole normal force, not that less the preload. A law that is
+        bonded along n and knows no normal load at rest counts it from there.
     slider:
         (n_samples, n_pairs, 2) m: slider position w = s - T / k along t1, t2; it follows s while the pair is open, and
         always for a law without a slider.
