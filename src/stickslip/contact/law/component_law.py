@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, ClassVar, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip.contact.law.law import BoolArray, CodeArray, ContactCycle, ContactState, IndexArray, LawPeriod
+from stickslip.contact.law.law import BoolArray, CodeArray, ContactCycle, ContactState, IndexArray, LawPeriod, LawStep
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import analysis_matrix, synthesis_matrix
 from stickslip.core.validation import FloatArray, finite_array
@@ -43,11 +46,41 @@ def require_at_least_zero(name: str, values: FloatArray) -> None:
         raise InputError(f"{name} is {values.min():g} somewhere, but it must be 0 or above.", (name,))
 
 
+@dataclass(frozen=True)
 class ElasticLaw(ABC):
     """A law without memory: the force of each component follows from its own displacement.
 
-    A subclass gives :meth:`force_and_slope` and :meth:`resting_springs`, and the number of pairs.
+    A subclass is a frozen dataclass; it gives :meth:`force_and_slope` and the number of pairs.
+
+    Parameters
+    ----------
+    rest_displacement:
+        displacement of the state at rest from the unloaded one, m: (p, 3) along t1, t2, n; 0 unless given. A static
+        load that the pairs carry at rest has displaced them by it. Given by name only.
+
+    Raises
+    ------
+    InputError
+        for a wrong shape or an entry that is not finite.
     """
+
+    name: ClassVar[str]
+
+    rest_displacement: FloatArray = field(default=cast("FloatArray", 0.0), kw_only=True)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "rest_displacement", self._rest)
+
+    @cached_property
+    def _rest(self) -> FloatArray:
+        """(p, 3) m, also where a subclass checks its own constants alone."""
+        return per_component("rest_displacement", self.rest_displacement, self.n_pairs)
+
+    @cached_property
+    def _at_rest(self) -> tuple[FloatArray, FloatArray]:
+        """(p, 3) N and (p, 3) N/m, whole force and slope at rest."""
+        force, slope = self.force_and_slope(self._rest[:, :, None])
+        return force[:, :, 0], slope[:, :, 0]
 
     @property
     @abstractmethod
@@ -55,17 +88,32 @@ class ElasticLaw(ABC):
         """Number p of pairs."""
 
     @abstractmethod
-    def resting_springs(self) -> FloatArray:
-        """(p, 3) N/m."""
-
-    @abstractmethod
     def force_and_slope(self, displacement: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Force (p, 3, n) N and its derivative (p, 3, n) N/m at displacements (p, 3, n) m; no force at rest."""
+        """Whole force (p, 3, n) N and its derivative (p, 3, n) N/m at displacements (p, 3, n) m.
+
+        Displacements count from the unloaded pair, where there is no force.
+        """
+
+    def _from_rest(self, displacement: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Force less that at rest and slope at displacements (p, 3, n) from rest."""
+        if not self._rest.any():
+            return self.force_and_slope(displacement)
+        force, slope = self.force_and_slope(self._rest[:, :, None] + displacement)
+        return force - self._at_rest[0][:, :, None], slope
+
+    def resting_springs(self) -> FloatArray:
+        """(p, 3) N/m: the slopes at rest."""
+        return self._at_rest[1]
+
+    @property
+    def resting_traction(self) -> FloatArray:
+        """(p, 2) N along t1, t2 at rest."""
+        return self._at_rest[0][:, :2]
 
     @property
     def normal_load(self) -> FloatArray:
-        """(p,) N: none is needed."""
-        return np.zeros(self.n_pairs)
+        """(p,) N along n at rest; zero where no static load has displaced the pairs."""
+        return self._at_rest[0][:, 2]
 
     @property
     def largest_slip_force(self) -> FloatArray:
@@ -87,7 +135,7 @@ class ElasticLaw(ABC):
     def period(self, coefficients: FloatArray, samples: int) -> LawPeriod:
         """See :class:`stickslip.contact.law.law.ContactLaw`; the memory holds the slopes (p, 3, n)."""
         harmonics = coefficients.shape[2] // 2
-        force, slope = self.force_and_slope(coefficients @ synthesis_matrix(harmonics, samples).T)
+        force, slope = self._from_rest(coefficients @ synthesis_matrix(harmonics, samples).T)
         moves = (slope != self.resting_springs()[:, :, None]).any(axis=2)
         springs = self.resting_springs()[:, :, None] * coefficients
         answer = np.where(moves[:, :, None], force @ analysis_matrix(harmonics, samples).T, springs)
@@ -109,8 +157,32 @@ class ElasticLaw(ABC):
 
     def cycle(self, displacement: FloatArray) -> ContactCycle:
         """See :class:`stickslip.contact.law.law.ContactLaw`."""
-        force, slope = self.force_and_slope(np.moveaxis(displacement, 0, 2))
+        force, slope = self.force_and_slope(self._rest[:, :, None] + np.moveaxis(displacement, 0, 2))
         nothing = np.zeros(displacement.shape[1])
         return ContactCycle(
             np.moveaxis(force, 2, 0), displacement[:, :, :2].copy(), self.states_of(slope), nothing, nothing.copy()
         )
+
+    def memory_at_rest(self) -> Any:
+        """None: there is no memory."""
+        return None
+
+    def step(self, displacement: FloatArray, before: Any) -> LawStep:
+        """See :class:`stickslip.contact.law.law.ContactLaw`."""
+        force, slope = self._from_rest(displacement[:, :, None])
+        derivative = np.zeros((len(displacement), COMPONENTS, COMPONENTS))
+        derivative[:, range(COMPONENTS), range(COMPONENTS)] = slope[:, :, 0]
+        return LawStep(force[:, :, 0], derivative, self.states_of(slope))
+
+    def about(self, displacement: FloatArray, memory: Any) -> Self:
+        """See :class:`stickslip.contact.law.law.ContactLaw`; nothing is forgotten, as nothing is remembered.
+
+        Raises InputError for a law whose :meth:`resting_springs` are its own and do not follow the state at rest.
+        """
+        law = replace(self, rest_displacement=self._rest + displacement)
+        if not np.array_equal(law.resting_springs(), law._at_rest[1]):
+            raise InputError(
+                f"the law {self.name} gives resting springs of its own that stay the same under a static load. Leave "
+                "resting_springs out of it: ElasticLaw takes the slope at rest."
+            )
+        return law

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import scipy.sparse
@@ -12,9 +12,12 @@ from numpy.typing import ArrayLike
 
 from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.coulomb_harmonics import Update
-from stickslip.contact.law.law import BoolArray, ContactCycle, ContactLaw, ContactState, IndexArray, LawPeriod
+from stickslip.contact.law.law import BoolArray, ContactCycle, ContactLaw, ContactState, IndexArray, LawPeriod, LawStep
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, per_pair
+
+# What a contact law has: the members of the protocol.
+_MEMBERS = sorted(name for name in {*ContactLaw.__annotations__, *vars(ContactLaw)} if not name.startswith("_"))
 
 
 @dataclass(frozen=True)
@@ -95,9 +98,15 @@ class ContactPairs:
         """Pairs with any laws: ``members[i]`` are the pairs that follow ``laws[i]``.
 
         Without ``members`` the pairs of the first law come first, then those of the second, and so on. Raises
-        InputError unless each pair has exactly one law.
+        InputError unless each pair has exactly one law, and for a law without a member of :class:`ContactLaw`.
         """
         matrix = _checked_operator(operator)
+        for law in laws:
+            missing = [name for name in _MEMBERS if not hasattr(law, name)]
+            if missing:
+                raise InputError(
+                    f"{type(law).__name__} is no contact law: it has no {', '.join(missing)} (docs/extending.md)."
+                )
         n_pairs = matrix.shape[0] // 3
         counts = [law.n_pairs for law in laws]
         if members is None:
@@ -304,6 +313,36 @@ class ContactPairs:
             order = np.argsort(np.concatenate(self.members))
             joined[name] = np.take(together, order, axis=axis)
         return ContactCycle(**joined)
+
+    def memory_at_rest(self) -> tuple[Any, ...]:
+        """The memory of each law at rest."""
+        return tuple(law.memory_at_rest() for law in self.laws)
+
+    def step(self, displacement: FloatArray, before: tuple[Any, ...]) -> LawStep:
+        """The force after a step to displacements (n_pairs, 3) m; see :class:`ContactLaw`."""
+        return joined_step(self.laws, self.members, displacement, before)
+
+
+class Stepping(Protocol):
+    """What gives forces step by step: a law, or pairs whose whole forces count."""
+
+    def step(self, displacement: FloatArray, before: Any) -> LawStep: ...
+
+
+def joined_step(
+    laws: Sequence[Stepping], members: Sequence[IndexArray], displacement: FloatArray, before: Sequence[Any]
+) -> LawStep:
+    """A step of all pairs, each group by its law; the memory is a tuple with that of each."""
+    if len(laws) == 1:
+        step = laws[0].step(displacement, before[0])
+        return replace(step, memory=(step.memory,))
+    n_pairs, memories = len(displacement), []
+    force, derivative, state = np.empty((n_pairs, 3)), np.empty((n_pairs, 3, 3)), np.empty(n_pairs, dtype=np.int8)
+    for law, group, memory in zip(laws, members, before, strict=True):
+        step = law.step(displacement[group], memory)
+        force[group], derivative[group], state[group] = step.force, step.derivative, step.state
+        memories.append(step.memory)
+    return LawStep(force, derivative, state, tuple(memories))
 
 
 def _checked_operator(operator: Any) -> FloatArray:

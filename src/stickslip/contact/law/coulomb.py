@@ -16,7 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.contact.law.coulomb_harmonics import Update, contact_cycle, harmonic_force, harmonic_tangent
-from stickslip.contact.law.law import BoolArray, ContactCycle, ContactState, IndexArray, LawPeriod
+from stickslip.contact.law.coulomb_step import CoulombMemory, PressedPairs
+from stickslip.contact.law.law import BoolArray, ContactCycle, ContactState, IndexArray, LawPeriod, LawStep
+from stickslip.contact.law.normal_law import SpringLaw
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive
 
@@ -210,6 +212,33 @@ class CoulombLaw:
     def cycle(self, displacement: FloatArray) -> ContactCycle:
         """See :class:`stickslip.contact.law.law.ContactLaw`."""
         return contact_cycle(displacement, self, self.update)
+
+    def _pressed(self) -> PressedPairs:
+        """The pairs whose whole forces a step gives."""
+        closes_at = -self.offset_force / self.normal_stiffness
+        tractrix = self.update == "tractrix"
+        return PressedPairs(
+            self.tangential_springs, self.friction_coefficient, SpringLaw(self.normal_stiffness), closes_at, tractrix
+        )
+
+    def memory_at_rest(self) -> CoulombMemory:
+        """See :class:`stickslip.contact.law.law.ContactLaw`: the traction at rest."""
+        return replace(self._pressed().memory_at_rest(), traction=self.resting_traction)
+
+    def step(self, displacement: FloatArray, before: CoulombMemory) -> LawStep:
+        """See :class:`stickslip.contact.law.law.ContactLaw`."""
+        whole = self._pressed().step(displacement, before)
+        return replace(whole, force=whole.force - np.column_stack([self.resting_traction, self.normal_load]))
+
+    def about(self, displacement: FloatArray, memory: CoulombMemory | None) -> CoulombLaw:
+        """See :class:`stickslip.contact.law.law.ContactLaw`: the normal load or the gap there, and the traction."""
+        offset = self.offset_force + self.normal_stiffness * displacement[:, 2]
+        return replace(
+            self,
+            normal_load=np.maximum(offset, 0.0),
+            gap=np.maximum(-offset, 0.0) / self.normal_stiffness,
+            residual_traction=None if memory is None else memory.traction,
+        )
 
 
 _ADVICE = (

@@ -26,6 +26,9 @@ class CubicSpring(ElasticLaw):
         N/m, 0 or above: (p, 3) along t1, t2, n; a number or (p,) serves for all three.
     cubic_stiffness:
         N/m3, the same shapes; below zero it softens.
+    rest_displacement:
+        m, the same shapes: stretch of the state at rest, see :class:`ElasticLaw`. Small motions about it feel
+        ``k + 3 k3 rest_displacement^2``.
 
     Raises
     ------
@@ -44,15 +47,12 @@ class CubicSpring(ElasticLaw):
         for name in ("stiffness", "cubic_stiffness"):
             object.__setattr__(self, name, per_component(name, getattr(self, name), count))
         require_at_least_zero("stiffness", self.stiffness)
+        super().__post_init__()
 
     @property
     def n_pairs(self) -> int:
         """Number p of pairs."""
         return len(self.stiffness)
-
-    def resting_springs(self) -> FloatArray:
-        """(p, 3) N/m: the linear part."""
-        return self.stiffness
 
     def force_and_slope(self, displacement: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Force (p, 3, n) N and slope (p, 3, n) N/m."""

@@ -27,11 +27,13 @@ class ElasticStop(ElasticLaw):
     stiffness:
         (p,) N/m of the stop, above zero.
     gap:
-        (p,) m at rest, above zero.
+        (p,) m of the unloaded pair, above zero.
     spring:
         (p,) N/m of the spring that always acts, 0 unless given.
     two_sided:
         whether a stop is on either side.
+    rest_displacement:
+        m, see :class:`ElasticLaw`; beyond the gap along n the stop is closed at rest and its spring acts there.
 
     Raises
     ------
@@ -59,17 +61,12 @@ class ElasticStop(ElasticLaw):
         require_at_least_zero("spring", self.spring)
         if not isinstance(self.two_sided, bool | np.bool_):
             raise InputError(f"two_sided is {self.two_sided!r}, but it must be true or false.", ("two_sided",))
+        super().__post_init__()
 
     @property
     def n_pairs(self) -> int:
         """Number p of pairs."""
         return len(self.stiffness)
-
-    def resting_springs(self) -> FloatArray:
-        """(p, 3) N/m: the spring that always acts."""
-        springs = np.zeros((self.n_pairs, 3))
-        springs[:, 2] = self.spring
-        return springs
 
     def force_and_slope(self, displacement: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Force (p, 3, n) N and slope (p, 3, n) N/m."""

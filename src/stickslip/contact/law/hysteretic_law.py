@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from stickslip.contact.law.law import BoolArray, CodeArray, ContactCycle, ContactState, IndexArray, LawPeriod
+from stickslip.contact.law.law import BoolArray, CodeArray, ContactCycle, ContactState, IndexArray, LawPeriod, LawStep
+from stickslip.core.errors import InputError
 from stickslip.core.fourier import analysis_matrix, synthesis_matrix
 from stickslip.core.validation import FloatArray
 
@@ -18,12 +21,25 @@ def _bases(harmonics: int, samples: int) -> tuple[FloatArray, FloatArray]:
     return np.ascontiguousarray(synthesis_matrix(harmonics, samples)), analysis_matrix(harmonics, samples)
 
 
+@dataclass(frozen=True)
+class TangentialStep:
+    """The end of a step along t1 and t2: whole force (p, 2) N, slope (p, 2) N/m, whether it slips (p, 2), memory."""
+
+    force: FloatArray
+    slope: FloatArray
+    slips: BoolArray
+    memory: Any
+
+
 class HystereticLaw(ABC):
     """A law whose force along a tangent depends on the path along this tangent alone, not on where the path lies.
 
-    The force at rest is released: it does not depend on the mean displacement. A subclass has the constants
+    The force at rest is released: it does not depend on the mean displacement, unless a subclass can keep one
+    (:meth:`keeping`, :attr:`resting_traction` and :attr:`released`). A subclass has the constants
     ``tangential_stiffness`` (p, 2) N/m of small motions and ``normal_stiffness`` (p,) N/m.
     """
+
+    name: ClassVar[str]
 
     tangential_stiffness: FloatArray
     normal_stiffness: FloatArray
@@ -37,13 +53,38 @@ class HystereticLaw(ABC):
     def periods(self, paths: FloatArray) -> tuple[FloatArray, BoolArray, BoolArray, FloatArray]:
         """The periodic state on paths (p, 2, n) m.
 
-        Returns the force (p, 2, n) N, whether it deviates from the springs (p, 2), whether it slips in the period
+        Returns the whole force (p, 2, n) N, whether it deviates from the springs (p, 2), whether it slips in the period
         (p, 2), and the dissipated energy (p,) J.
         """
 
     @abstractmethod
     def path_tangent(self, paths: FloatArray, synthesis: FloatArray, select: IndexArray) -> FloatArray:
         """Derivative (k, 2, n, width) N/m of the force of the pairs ``select`` by the coefficients of its own path."""
+
+    @abstractmethod
+    def memory_at_rest(self) -> Any:
+        """See :class:`stickslip.contact.law.law.ContactLaw`."""
+
+    @abstractmethod
+    def slide(self, displacement: FloatArray, before: Any) -> TangentialStep:
+        """The force after a motion to displacements (p, 2) m along t1 and t2 from the memory ``before``."""
+
+    def keeping(self, memory: Any) -> Self:
+        """The law about the state with a memory, its traction kept. Raises InputError unless a subclass gives it."""
+        raise InputError(
+            f'the law {self.name} has no form that keeps a traction at rest ("kept"). Take the state without friction '
+            'instead ("released").'
+        )
+
+    @property
+    def released(self) -> bool:
+        """True if no traction at rest is remembered."""
+        return True
+
+    @property
+    def resting_traction(self) -> FloatArray:
+        """(p, 2) N along t1, t2 at rest: zero unless a subclass keeps one."""
+        return np.zeros((self.n_pairs, 2))
 
     @property
     def normal_load(self) -> FloatArray:
@@ -59,8 +100,8 @@ class HystereticLaw(ABC):
         return np.tile([True, True, False], (self.n_pairs, 1))
 
     def undetermined(self) -> BoolArray:
-        """(p, 3) True along t1 and t2: the force follows from the changes of the path."""
-        return self.frictional()
+        """(p, 3) True along t1 and t2 if released: the force follows from the changes of the path."""
+        return self.frictional() & self.released
 
     def period(self, coefficients: FloatArray, samples: int) -> LawPeriod:
         """See :class:`stickslip.contact.law.law.ContactLaw`."""
@@ -68,7 +109,10 @@ class HystereticLaw(ABC):
         paths = coefficients[:, :2] @ synthesis.T
         force, deviates, slips, _ = self.periods(paths)
         answer = self.resting_springs()[:, :, None] * coefficients
-        answer[:, :2, 0] = 0.0
+        if self.released:
+            answer[:, :2, 0] = 0.0
+        else:
+            force = force - self.resting_traction[:, :, None]
         answer[:, :2] = np.where(deviates[:, :, None], force @ analysis.T, answer[:, :2])
         moves = np.column_stack([deviates, np.zeros(self.n_pairs, dtype=bool)])
         return LawPeriod(answer, moves, _states(slips), np.zeros(self.n_pairs), paths)
@@ -98,6 +142,19 @@ class HystereticLaw(ABC):
         springs = np.where(self.tangential_stiffness > 0.0, self.tangential_stiffness, 1.0)
         slider = displacement[:, :, :2] - force[:, :, :2] / springs
         return ContactCycle(force, slider, _states(slips), energy, np.zeros(self.n_pairs))
+
+    def step(self, displacement: FloatArray, before: Any) -> LawStep:
+        """See :class:`stickslip.contact.law.law.ContactLaw`."""
+        tangential = self.slide(displacement[:, :2], before)
+        normal = self.normal_stiffness * displacement[:, 2]
+        derivative = np.zeros((self.n_pairs, 3, 3))
+        derivative[:, range(3), range(3)] = np.column_stack([tangential.slope, self.normal_stiffness])
+        force = np.column_stack([tangential.force - self.resting_traction, normal])
+        return LawStep(force, derivative, _states(tangential.slips), tangential.memory)
+
+    def about(self, displacement: FloatArray, memory: Any) -> Self:
+        """See :class:`stickslip.contact.law.law.ContactLaw`; released it is the same law wherever it rests."""
+        return self if memory is None else self.keeping(memory)
 
 
 def _states(slips: BoolArray) -> CodeArray:

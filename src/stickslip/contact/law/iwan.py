@@ -9,7 +9,7 @@ nothing is discretised but the time.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -17,11 +17,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.contact.law.component_law import pairs_in, per_component, require_at_least_zero
-from stickslip.contact.law.hysteretic_law import HystereticLaw
+from stickslip.contact.law.hysteretic_law import HystereticLaw, TangentialStep
+from stickslip.contact.law.iwan_path import PathMemory, backbone_force, follow_from_rest, loop_energy, step_along
 from stickslip.contact.law.law import BoolArray, ContactState, IndexArray
 from stickslip.core.compiled import njit
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, per_pair, require_positive
+from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,10 @@ class IwanJoint(HystereticLaw):
         beta, (p,), 0 or above: stiffness of the elements that slip last over that of the others.
     normal_stiffness:
         (p,) N/m along n, 0 unless given.
+    path_to_rest:
+        None ("released"): the elements start each period at the mean of the motion, without force. Or (p, 2, m) m
+        ("kept"): displacements from rest along t1, t2 where the motion began without force, and then turned, on its
+        way to the state at rest; elements that do not slip in vibration keep what they held there.
 
     Raises
     ------
@@ -61,6 +66,7 @@ class IwanJoint(HystereticLaw):
     exponent: FloatArray
     ratio: FloatArray
     normal_stiffness: FloatArray = 0.0  # type: ignore[assignment]
+    path_to_rest: FloatArray | None = None
 
     def __post_init__(self) -> None:
         constants = (self.tangential_stiffness, self.slip_force, self.exponent, self.ratio, self.normal_stiffness)
@@ -79,6 +85,40 @@ class IwanJoint(HystereticLaw):
             )
         require_at_least_zero("ratio", self.ratio)
         require_at_least_zero("normal_stiffness", self.normal_stiffness)
+        if self.path_to_rest is not None:
+            path = finite_array("path_to_rest", self.path_to_rest)
+            if path.ndim != 3 or path.shape[:2] != (count, 2) or path.shape[2] == 0:
+                raise InputError(
+                    f"path_to_rest must have shape ({count}, 2, m) with at least one displacement for t1 and t2 of "
+                    f"each pair; found {path.shape}. Take it from static_preload.",
+                    ("path_to_rest",),
+                )
+            object.__setattr__(self, "path_to_rest", path)
+
+    @property
+    def released(self) -> bool:
+        """True if no traction at rest is remembered."""
+        return self.path_to_rest is None
+
+    @cached_property
+    def _origin(self) -> FloatArray:
+        """(p, 2) m from rest, where the elements carry nothing."""
+        return np.zeros((self.n_pairs, 2)) if self.path_to_rest is None else self.path_to_rest[:, :, 0]
+
+    @cached_property
+    def _rest(self) -> tuple[PathMemory, FloatArray]:
+        """The memory at rest and the whole force (p, 2) N there, from the path that led to it."""
+        memory, force = PathMemory.without_force(self.n_pairs), np.zeros((self.n_pairs, 2))
+        if self.path_to_rest is not None:
+            turns = np.moveaxis(self.path_to_rest[:, :, 1:], 2, 0)
+            for displacement in (*turns, np.zeros_like(self._origin)):
+                force, _, memory = step_along(displacement - self._origin, memory, self._constants())
+        return memory, force
+
+    @property
+    def resting_traction(self) -> FloatArray:
+        """(p, 2) N along t1, t2 at rest; zero if released."""
+        return self._rest[1]
 
     @property
     def largest_slip_force(self) -> FloatArray:
@@ -124,32 +164,40 @@ class IwanJoint(HystereticLaw):
         nothing = np.zeros((paths.shape[2], 0))
         _walk(paths, self._constants(), nothing, force, energy, np.empty((*paths.shape, 0)))
         moving = np.ptp(paths, axis=2) > 0.0
+        if self.path_to_rest is not None:
+            follow_from_rest(*self._kept(slice(None), paths), nothing, force, np.empty((*paths.shape, 0)))
+            # Also a shift of the mean leaves the springs: the joint goes on along its backbone.
+            return force, (paths != 0.0).any(axis=2), moving, np.asarray(energy.sum(axis=1))
         return force, moving, moving, np.asarray(energy.sum(axis=1))
 
     def path_tangent(self, paths: FloatArray, synthesis: FloatArray, select: IndexArray) -> FloatArray:
         """See :class:`HystereticLaw`."""
         chosen = paths[select]
         tangent = np.zeros((*chosen.shape, synthesis.shape[1]))
+        if self.path_to_rest is not None:
+            follow_from_rest(*self._kept(select, chosen), synthesis, np.empty_like(chosen), tangent)
+            return tangent
         _walk(chosen, self._constants()[select], synthesis, np.empty_like(chosen), np.empty(chosen.shape[:2]), tangent)
         return tangent
 
+    def _kept(self, select: IndexArray | slice, paths: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Paths, turning points on the way to rest, from where there is no force, and constants of chosen pairs."""
+        assert self.path_to_rest is not None
+        origin = self._origin[select][:, :, None]
+        return paths - origin, self.path_to_rest[select][:, :, 1:] - origin, self._constants()[select]
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _backbone(x: float, stiffness: float, density: float, chi: float, largest: float) -> tuple[float, float]:
-    """Force and its derivative at x >= 0."""
-    if x >= largest:
-        x = largest
-    force = stiffness * x - density * x ** (chi + 2.0) / ((chi + 1.0) * (chi + 2.0))
-    return force, 0.0 if x >= largest else stiffness - density * x ** (chi + 1.0) / (chi + 1.0)
+    def memory_at_rest(self) -> PathMemory:
+        """See :class:`stickslip.contact.law.law.ContactLaw`."""
+        return self._rest[0]
 
+    def slide(self, displacement: FloatArray, before: PathMemory) -> TangentialStep:
+        """See :class:`HystereticLaw`; exact, by the turning points of the path."""
+        force, slope, memory = step_along(displacement - self._origin, before, self._constants())
+        return TangentialStep(force, slope, slope < self.tangential_stiffness, memory)
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _loop_energy(amplitude: float, stiffness: float, density: float, chi: float, largest: float) -> float:
-    """Energy of a closed loop of an amplitude."""
-    inside = min(amplitude, largest)
-    sliding, _ = _backbone(largest, stiffness, density, chi, largest)
-    micro = density * inside ** (chi + 3.0) / ((chi + 2.0) * (chi + 3.0))
-    return float(4.0 * (micro + sliding * (amplitude - inside)))
+    def keeping(self, memory: PathMemory) -> IwanJoint:
+        """See :class:`HystereticLaw`."""
+        return replace(self, path_to_rest=memory.path_to_here())
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -180,11 +228,11 @@ def _walk(
             k, density, chi, largest = constants[pair, axis]
             top, bottom = path.argmax(), path.argmin()
             half = 0.5 * (path[top] - path[bottom])
-            value, slope = _backbone(half, k, density, chi, largest)
+            value, slope = backbone_force(half, k, density, chi, largest)
             # Elements that do not slip any more hold what they held when they started from the mean.
             shift = 0.5 * (path[top] + path[bottom]) - path.mean()
             side = 1.0 if shift > 0.0 else -1.0
-            outer, outer_slope = _backbone(half + abs(shift), k, density, chi, largest)
+            outer, outer_slope = backbone_force(half + abs(shift), k, density, chi, largest)
             value += side * (outer - value)
             for q in range(width):
                 by_half = 0.5 * (synthesis[top, q] - synthesis[bottom, q])
@@ -200,7 +248,7 @@ def _walk(
                     turn_derivative[depth] = derivative
                     depth, direction = depth + 1, -direction
                 while depth > 1 and (path[j] - turn_x[depth - 2]) * direction >= 0.0:
-                    lost += _loop_energy(0.5 * abs(turn_x[depth - 1] - turn_x[depth - 2]), k, density, chi, largest)
+                    lost += loop_energy(0.5 * abs(turn_x[depth - 1] - turn_x[depth - 2]), k, density, chi, largest)
                     depth -= 2
                 if step == n or depth == 0:  # back at the largest displacement
                     if step == n:
@@ -211,7 +259,7 @@ def _walk(
                     force[pair, axis, j], tangent[pair, axis, j] = value, derivative
                     continue
                 anchor = depth - 1
-                part, slope = _backbone(0.5 * abs(path[j] - turn_x[anchor]), k, density, chi, largest)
+                part, slope = backbone_force(0.5 * abs(path[j] - turn_x[anchor]), k, density, chi, largest)
                 value = turn_force[anchor] + 2.0 * direction * part
                 for q in range(width):
                     change = synthesis[j, q] - synthesis[turn_sample[anchor], q]

@@ -3,16 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
 from stickslip.contact.law.component_law import pairs_in, per_component, require_at_least_zero
-from stickslip.contact.law.hysteretic_law import HystereticLaw
+from stickslip.contact.law.hysteretic_law import HystereticLaw, TangentialStep
 from stickslip.contact.law.law import BoolArray, ContactState, IndexArray
 from stickslip.core.compiled import njit
-from stickslip.core.validation import FloatArray, per_pair, require_positive
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive
+
+# A trial force beyond the limit by this share of it is the round-off of an element that shakes down to its limit.
+ROUND_OFF = 1e-13
+
+
+@dataclass(frozen=True)
+class SliderMemory:
+    """Where a step starts: displacement (p, 2) m and traction (p, 2) N along t1 and t2."""
+
+    displacement: FloatArray
+    traction: FloatArray
 
 
 @dataclass(frozen=True)
@@ -31,6 +43,9 @@ class JenkinsElement(HystereticLaw):
         (p,) or (p, 2) N, above zero.
     normal_stiffness:
         (p,) N/m of a spring along n that never opens, 0 unless given.
+    residual_traction:
+        None ("released"): the slider starts each period at the mean of the motion. Or (p, 2) N along t1, t2 ("kept"):
+        the traction at rest, at most ``friction_limit``; an element that never slips keeps it.
 
     Raises
     ------
@@ -47,6 +62,7 @@ class JenkinsElement(HystereticLaw):
     tangential_stiffness: FloatArray
     friction_limit: FloatArray
     normal_stiffness: FloatArray = 0.0  # type: ignore[assignment]
+    residual_traction: FloatArray | None = None
 
     def __post_init__(self) -> None:
         count = pairs_in(self.name, self.tangential_stiffness, self.friction_limit, self.normal_stiffness)
@@ -56,6 +72,31 @@ class JenkinsElement(HystereticLaw):
         require_at_least_zero("tangential_stiffness", self.tangential_stiffness)
         require_at_least_zero("normal_stiffness", self.normal_stiffness)
         require_positive("friction_limit", self.friction_limit, "Without friction there is no element.")
+        if self.residual_traction is not None:
+            object.__setattr__(self, "residual_traction", self._admissible(self.residual_traction))
+
+    def _admissible(self, traction: FloatArray) -> FloatArray:
+        """A residual traction (p, 2) that the elements can hold. Raises InputError for another."""
+        kept = finite_array("residual_traction", traction)
+        largest = np.where(self.tangential_stiffness > 0.0, self.friction_limit, 0.0)
+        if kept.shape != largest.shape or (np.abs(kept) > largest).any():
+            raise InputError(
+                f"residual_traction of the law {self.name} must have shape {largest.shape} and lie within the friction "
+                f"limit of each element (0 where its stiffness is 0); found shape {kept.shape} and up to "
+                f"{np.abs(kept).max(initial=0.0):g} N. Take it from static_preload.",
+                ("residual_traction",),
+            )
+        return kept
+
+    @property
+    def released(self) -> bool:
+        """True if no traction at rest is remembered."""
+        return self.residual_traction is None
+
+    @property
+    def resting_traction(self) -> FloatArray:
+        """(p, 2) N along t1, t2 at rest: the residual traction; zero if released."""
+        return np.zeros((self.n_pairs, 2)) if self.residual_traction is None else self.residual_traction
 
     @property
     def largest_slip_force(self) -> FloatArray:
@@ -67,16 +108,36 @@ class JenkinsElement(HystereticLaw):
         force = np.empty_like(paths)
         deviates, slips = np.empty((2, *paths.shape[:2]), dtype=bool)
         energy = np.empty(paths.shape[:2])
-        _march(paths, self.tangential_stiffness, self.friction_limit, force, deviates, slips, energy)
+        _march(paths, *self._constants(), self.released, force, deviates, slips, energy)
         return force, deviates, slips, np.asarray(energy.sum(axis=1))
 
     def path_tangent(self, paths: FloatArray, synthesis: FloatArray, select: IndexArray) -> FloatArray:
         """See :class:`HystereticLaw`."""
         tangent = np.empty((len(select), 2, *synthesis.shape))
-        _march_tangent(
-            paths[select], self.tangential_stiffness[select], self.friction_limit[select], synthesis, tangent
-        )
+        chosen = (constant[select] for constant in self._constants())
+        _march_tangent(paths[select], *chosen, self.released, synthesis, tangent)
         return tangent
+
+    def _constants(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """(p, 2) each: stiffness, limit, traction at rest."""
+        return self.tangential_stiffness, self.friction_limit, self.resting_traction
+
+    def memory_at_rest(self) -> SliderMemory:
+        """See :class:`stickslip.contact.law.law.ContactLaw`: the traction at rest."""
+        return SliderMemory(np.zeros((self.n_pairs, 2)), self.resting_traction)
+
+    def slide(self, displacement: FloatArray, before: SliderMemory) -> TangentialStep:
+        """See :class:`HystereticLaw`; exact for any straight step."""
+        trial = before.traction + self.tangential_stiffness * (displacement - before.displacement)
+        traction = np.clip(trial, -self.friction_limit, self.friction_limit)
+        sticks = trial == traction
+        slope = np.where(sticks, self.tangential_stiffness, 0.0)
+        at_limit = np.abs(trial) >= self.friction_limit * (1.0 - ROUND_OFF)
+        return TangentialStep(traction, slope, at_limit, SliderMemory(displacement, traction))
+
+    def keeping(self, memory: SliderMemory) -> JenkinsElement:
+        """See :class:`HystereticLaw`."""
+        return replace(self, residual_traction=memory.traction)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -84,6 +145,8 @@ def _march(
     paths: FloatArray,
     stiffness: FloatArray,
     limits: FloatArray,
+    at_rest: FloatArray,
+    released: bool,
     force: FloatArray,
     deviates: BoolArray,
     slips: BoolArray,
@@ -97,7 +160,7 @@ def _march(
         for axis in range(2):
             path, k, limit = paths[pair, axis], stiffness[pair, axis], limits[pair, axis]
             n = path.shape[0]
-            traction = k * (path[0] - path.mean())
+            traction = k * (path[0] - path.mean()) if released else at_rest[pair, axis] + k * path[0]
             ever = abs(traction) > limit
             traction = min(max(traction, -limit), limit)
             lost = 0.0
@@ -106,7 +169,7 @@ def _march(
                 traction = min(max(trial, -limit), limit)
                 if step > n:
                     force[pair, axis, step % n] = traction
-                    if k > 0.0:
+                    if k > 0.0 and abs(trial - traction) > ROUND_OFF * limit:
                         lost += abs(trial - traction) * limit / k
                 ever = ever or trial != traction
             deviates[pair, axis], slips[pair, axis], energy[pair, axis] = ever, lost > 0.0, lost
@@ -114,7 +177,13 @@ def _march(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _march_tangent(
-    paths: FloatArray, stiffness: FloatArray, limits: FloatArray, synthesis: FloatArray, tangent: FloatArray
+    paths: FloatArray,
+    stiffness: FloatArray,
+    limits: FloatArray,
+    at_rest: FloatArray,
+    released: bool,
+    synthesis: FloatArray,
+    tangent: FloatArray,
 ) -> None:
     """Fill ``tangent`` (p, 2, n, width): derivative of the periodic force by the coefficients of the path."""
     n, width = synthesis.shape
@@ -122,9 +191,10 @@ def _march_tangent(
     for pair in range(paths.shape[0]):
         for axis in range(2):
             path, k, limit = paths[pair, axis], stiffness[pair, axis], limits[pair, axis]
-            traction = k * (path[0] - path.mean())
+            traction = k * (path[0] - path.mean()) if released else at_rest[pair, axis] + k * path[0]
             derivative[:] = k * synthesis[0]
-            derivative[0] = 0.0  # the slider starts at the mean
+            if released:
+                derivative[0] = 0.0  # the slider starts at the mean
             if abs(traction) > limit:
                 traction, derivative[:] = min(max(traction, -limit), limit), 0.0
             for step in range(1, 2 * n + 1):

@@ -1,7 +1,8 @@
 """What a contact law is: the force of contact pairs over a period of their relative motion, with its derivative.
 
 A law is an object that holds the constants of a group of pairs. The harmonic balance asks it for the springs that small
-motions feel, for the force over a period, and for the derivative of that force; pages ask for the names of its states.
+motions feel, for the force over a period, and for the derivative of that force. Time integration and static loads ask
+it for the force after a step from a known state; pages ask for the names of its states.
 A new law is one file with one class and one entry in ``registry.py``; docs/extending.md shows one from start to end.
 """
 
@@ -64,13 +65,36 @@ class LawPeriod:
 
 
 @dataclass(frozen=True)
+class LawStep:
+    """The force of a group of p pairs at the end of one quasi-static step.
+
+    Attributes
+    ----------
+    force:
+        (p, 3) N along t1, t2, n, less its value at rest.
+    derivative:
+        (p, 3, 3) N/m: entry [i, a, b] is that of the force in direction a by the displacement in direction b.
+    state:
+        (p,) codes of :class:`ContactState` at the end of the step.
+    memory:
+        what the next step starts from; None for a law without memory.
+    """
+
+    force: FloatArray
+    derivative: FloatArray
+    state: CodeArray
+    memory: Any = None
+
+
+@dataclass(frozen=True)
 class ContactCycle:
     """The converged period of contact pairs under an imposed motion.
 
     Attributes
     ----------
     force:
-        (n_samples, n_pairs, 3) N along t1, t2, n; the whole normal force, not that less the preload.
+        (n_samples, n_pairs, 3) N along t1, t2, n; the whole normal force, not that less the preload. A law that is
+        bonded along n and knows no normal load at rest counts it from there.
     slider:
         (n_samples, n_pairs, 2) m: slider position w = s - T / k along t1, t2; it follows s while the pair is open, and
         always for a law without a slider.
@@ -136,3 +160,20 @@ class ContactLaw(Protocol):
 
     def cycle(self, displacement: FloatArray) -> ContactCycle:
         """The periodic state under a motion (n_samples, p, 3) m."""
+
+    def memory_at_rest(self) -> Any:
+        """The memory with which the first step starts: displacements and forces of the state at rest."""
+
+    def step(self, displacement: FloatArray, before: Any) -> LawStep:
+        """The force after a straight motion to a displacement (p, 3) m, from the state with the memory ``before``.
+
+        Quasi-static: the force depends on the path, not on its speed. ``before`` does not change.
+        """
+
+    def about(self, displacement: FloatArray, memory: Any) -> ContactLaw:
+        """The law about another state at rest, at a displacement (p, 3) m with a memory that :meth:`step` gave there.
+
+        Displacements and forces of the new law count from that state. With a memory, friction keeps the traction that
+        it holds there ("kept"); with None the traction is forgotten ("released"). Raises InputError where the law has
+        no form for such a state.
+        """

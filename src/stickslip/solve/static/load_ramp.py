@@ -6,16 +6,23 @@ steps.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.law import ContactState
+from stickslip.contact.law.coulomb import CoulombLaw
+from stickslip.contact.law.coulomb_step import PressedPairs
+from stickslip.contact.law.law import CodeArray, ContactState
 from stickslip.contact.law.normal_law import NormalLaw
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.compliance import StaticFactor
+from stickslip.solve.joint_step import StepPoint
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.static.state import StaticState
-from stickslip.solve.static.step import History, LoadStep, RestingJoint, StaticPoint
+from stickslip.solve.static.step import RestingJoint
 from stickslip.structure.superelement import Superelement
 
 # Newton's method of a load step: a direct solution has no round-off to forgive, and a law with kinks wants short steps.
@@ -34,6 +41,14 @@ DAMPING_DECAY, DAMPING_GROWTH = 0.4, 4.0
 LARGEST_RESTRAINT_SHARE, SMALLEST_RESTRAINT_SHARE, RESTRAINT_DECAY = 1e-3, 1e-10, 0.99
 
 
+@dataclass(frozen=True)
+class History:
+    """A converged state on the ramp, from which the next step starts."""
+
+    relative: FloatArray  # (n_pairs, 3) m
+    memories: tuple[Any, ...]  # of each law
+
+
 class LoadRamp:
     """Load steps of one joint with given stiffness."""
 
@@ -42,23 +57,22 @@ class LoadRamp:
         superelement: Superelement,
         pairs: ContactPairs,
         load: FloatArray,
-        law: NormalLaw,
+        law: NormalLaw | None,
         gap: FloatArray,
         friction: bool,
     ) -> None:
         self._joint = RestingJoint.build(superelement, pairs, load, law, gap, friction)
         self._iterations = 0
-        self._slider_rest = np.zeros((pairs.n_pairs, 2))
+        self._slider_rest = np.zeros((pairs.n_pairs, 3))
 
     def run(self, steps: int) -> StaticState:
         """The state under the full load. Raises ConvergenceError."""
         joint, n_pairs = self._joint, self._joint.pairs.n_pairs
-        start, _ = joint.law.force(-joint.gap)
-        history = History(np.zeros((n_pairs, 3)), np.zeros((n_pairs, 2)), joint.pairs.friction_coefficient * start)
+        history = History(np.zeros((n_pairs, 3)), joint.memories)
         reached, increment, count, damped = 0.0, 1.0 / steps, 0, False
         self._iterations = 0
-        self._slider_rest = np.zeros((n_pairs, 2))
-        point: StaticPoint | None = None
+        self._slider_rest = np.zeros((n_pairs, 3))
+        point: StepPoint | None = None
         while reached < 1.0:
             target = min(1.0, reached + increment)
             solution = self._newton(self._guess(history, reached, target), history, target)
@@ -73,17 +87,13 @@ class LoadRamp:
                         "friction can hold it; otherwise lower the contact stiffness."
                     )
                 continue
-            point, history = solution, History(solution.unknowns, solution.force[:, :2], self._limit(solution))
+            point, history = solution, History(solution.unknowns, solution.memory)
             reached, count = target, count + 1
             increment = min(INCREMENT_GROWTH * increment, 1.0 / steps)
         assert point is not None
         if not joint.friction:
             point = self._release_restraint(point, history)
         return self._state(point, count, damped)
-
-    def _limit(self, point: StaticPoint) -> FloatArray:
-        joint = self._joint
-        return joint.pairs.friction_coefficient * joint.law.force(point.unknowns[:, 2] - joint.gap)[0]
 
     def _guess(self, history: History, reached: float, target: float) -> FloatArray:
         """The bonded solution on the first step, the state in proportion to the load afterwards."""
@@ -93,16 +103,16 @@ class LoadRamp:
 
     def _newton(
         self, guess: FloatArray, history: History, load: float, damping: float = 0.0, centre: FloatArray | None = None
-    ) -> StaticPoint | None:
+    ) -> StepPoint | None:
         """A converged point from ``guess``, or None."""
-        problem = LoadStep(self._joint, history, load, self._slider_rest, damping, centre)
+        problem = self._joint.step(history.memories, load, self._slider_rest, damping, centre)
         correction = Newton(problem, NEWTON, self._count).correct(problem.evaluate(guess))
         return correction.point if correction.converged else None
 
     def _count(self, iteration: int, error: float) -> None:
         self._iterations += 1
 
-    def _approach(self, history: History, load: float) -> StaticPoint | None:
+    def _approach(self, history: History, load: float) -> StepPoint | None:
         """A solution by damped steps: each is tied to the last one, ever more loosely; the last is not tied at all."""
         centre, damping = history.relative, FIRST_DAMPING
         for _ in range(DAMPED_STEPS):
@@ -118,11 +128,10 @@ class LoadRamp:
                 break
         return self._newton(centre, history, load)
 
-    def _state(self, point: StaticPoint, steps: int, damped: bool) -> StaticState:
+    def _state(self, point: StepPoint, steps: int, damped: bool) -> StaticState:
         """What the point under the full load says of the joint."""
         joint, relative = self._joint, point.unknowns
         operator = joint.pairs.operator
-        normal, slope = joint.law.force(relative[:, 2] - joint.gap)
         deviation = (point.force - joint.springs * relative).ravel()
         displacement = joint.factor.solve(joint.load - operator.T @ deviation)
         equilibrium = self._unbalanced(displacement, point.force)
@@ -132,14 +141,15 @@ class LoadRamp:
                 f"{LARGEST_RESIDUAL:.0e}): contact many orders stiffer than the structure loses digits. Lower the "
                 "contact stiffness; a joint a thousand times stiffer than what it joins is rigid."
             )
-        force = point.force if joint.friction else point.force * np.array([0.0, 0.0, 1.0])
+        self._require_stable(point)
+        force = point.force if joint.friction else np.where(joint.frictional, 0.0, point.force)
+        normal, slope = self._normal(point, force)
+        whole = self._at_rest_before() + force
         reached = "in damped steps" if damped else "by Newton's method"
-        open_pairs = int((point.code == ContactState.SEPARATING).sum())
-        slipping = int((point.code == ContactState.STICK_SLIP).sum())
         return StaticState(
             displacement=displacement,
-            normal_force=np.maximum(normal, 0.0),
-            traction=force[:, :2],
+            normal_force=normal,
+            traction=whole[:, :2],
             gap=np.maximum(joint.gap - relative[:, 2], 0.0),
             state=point.code,
             normal_stiffness=slope,
@@ -148,10 +158,56 @@ class LoadRamp:
             steps=steps,
             iterations=self._iterations,
             message=(
-                f"Static state in {steps} load steps {reached} ({self._iterations} iterations): {open_pairs} pairs open"
-                + (f", {slipping} on the friction limit." if joint.friction else ", no friction.")
+                f"Static state in {steps} load steps {reached} ({self._iterations} iterations): "
+                f"{self._states_in_words(point.code)}."
             ),
+            memory=point.memory if joint.friction else None,
         )
+
+    def _require_stable(self, point: StepPoint) -> None:
+        """Raise ConvergenceError where springs that soften leave the joint without a stable state."""
+        joint, slope = self._joint, np.einsum("paa->pa", point.forces.derivative)
+        softened = (slope < 0.0) & ~joint.frictional
+        springs = np.where(softened, slope, joint.springs)
+        if softened.any() and StaticFactor.attempt(joint.superelement, joint.pairs, springs) is None:
+            raise ConvergenceError(
+                f"the static state is unstable: the springs of {int(softened.any(axis=1).sum())} pairs soften by more "
+                "than the structure holds, so on the way to the static load the joint jumps. Lower the load, or check "
+                "the softening constants."
+            )
+
+    def _at_rest_before(self) -> FloatArray:
+        """(n_pairs, 3) N that pairs of other laws carried before the load; the forces of Coulomb pairs are whole."""
+        pairs = self._joint.pairs
+        others = [not isinstance(law, PressedPairs) for law in self._joint.laws]
+        whole = np.column_stack([pairs.resting_traction, pairs.normal_load])
+        for law_is_other, members in zip(others, pairs.members, strict=True):
+            if not law_is_other:
+                whole[members] = 0.0
+        return whole
+
+    def _normal(self, point: StepPoint, force: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Whole normal forces (n_pairs,) N and their stiffness (n_pairs,) N/m, also of open Coulomb pairs."""
+        joint = self._joint
+        normal, slope = self._at_rest_before()[:, 2] + force[:, 2], point.forces.derivative[:, 2, 2].copy()
+        for law, members in zip(joint.laws, joint.pairs.members, strict=True):
+            if isinstance(law, PressedPairs):
+                value, slope[members] = law.law.force(point.unknowns[members, 2] - law.gap)
+                normal[members] = np.maximum(value, 0.0)
+        return normal, slope
+
+    def _states_in_words(self, code: CodeArray) -> str:
+        """How many pairs are in which state, by law."""
+        joint, parts = self._joint, []
+        for law, members in zip(joint.pairs.laws, joint.pairs.members, strict=True):
+            count = {state: int((code[members] == state).sum()) for state in ContactState}
+            if isinstance(law, CoulombLaw):
+                limit = f", {count[ContactState.STICK_SLIP]} on the friction limit" if joint.friction else ""
+                parts.append(f"{count[ContactState.SEPARATING]} pairs open{limit}")
+            else:
+                words = [f"{count[state]} {name}" for state, name in law.states.items() if count[state]]
+                parts.append(f"{law.name} {', '.join(words)}")
+        return "; ".join(parts) + ("" if joint.friction else ", no friction")
 
     def _unbalanced(self, displacement: FloatArray, force: FloatArray) -> float:
         """``|K u + B^T f - load|`` over the forces."""
@@ -159,7 +215,7 @@ class LoadRamp:
         unbalanced = self._joint.superelement.stiffness @ displacement + contact - self._joint.load
         return float(np.linalg.norm(unbalanced) / (np.linalg.norm(self._joint.load) + np.linalg.norm(contact)))
 
-    def _release_restraint(self, point: StaticPoint, history: History) -> StaticPoint:
+    def _release_restraint(self, point: StepPoint, history: History) -> StepPoint:
         """The solution without friction whose restraint carries nothing: it is moved along until that is so.
 
         What the structure or other contacts hold takes the force over, step by step (a proximal point method). Where
@@ -167,7 +223,7 @@ class LoadRamp:
         """
         held, share = self._restrained(point)
         while share > SMALLEST_RESTRAINT_SHARE:
-            self._slider_rest = point.unknowns[:, :2].copy()
+            self._slider_rest = point.unknowns.copy()
             moved = self._newton(point.unknowns, history, 1.0)
             before = share
             if moved is not None:
@@ -183,9 +239,9 @@ class LoadRamp:
             )
         return point
 
-    def _restrained(self, point: StaticPoint) -> tuple[float, float]:
+    def _restrained(self, point: StepPoint) -> tuple[float, float]:
         """What the restraint carries: N, and as a share of the load and the contact forces."""
-        transposed = self._joint.pairs.operator.T
-        held = float(np.linalg.norm(transposed @ (point.force * np.array([1.0, 1.0, 0.0])).ravel()))
-        contact = float(np.linalg.norm(transposed @ (point.force * np.array([0.0, 0.0, 1.0])).ravel()))
+        transposed, frictional = self._joint.pairs.operator.T, self._joint.frictional
+        held = float(np.linalg.norm(transposed @ np.where(frictional, point.force, 0.0).ravel()))
+        contact = float(np.linalg.norm(transposed @ np.where(frictional, 0.0, point.force).ravel()))
         return held, held / (float(np.linalg.norm(self._joint.load)) + contact + 1e-300)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.normal_law import NormalLaw, SpringLaw
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.progress import ProgressCallback
@@ -52,38 +53,43 @@ def static_preload(
     superelement:
         the structure; only its stiffness is used. Bodies that contact alone holds may be free.
     pairs:
-        the joint before the load: ``preload`` is 0 for pairs that just touch, ``-k_n gap`` for a gap, above 0 for an
-        interference. Equal tangential stiffness in both directions.
+        the joint before the load, with any laws: ``preload`` of Coulomb pairs is 0 where they just touch, ``-k_n gap``
+        for a gap, above 0 for an interference, and their tangential stiffness is equal in both directions.
     load:
         (n,) N; it may be zero where an interference presses.
     friction:
-        False gives the state without traction, the rest state of released sliders.
+        False gives the state without traction, the rest state of released sliders: Jenkins elements and Iwan joints
+        carry nothing along t1 and t2 either, elastic laws carry what they do.
     local_stiffness:
         if given, the stiffness of each pair is found anew from its own normal force until both agree.
     normal_law:
         a law instead of springs, such as :class:`PressureGapLaw`; ``local_stiffness`` then sets the tangential springs
-        alone. The gaps are those of ``pairs``.
+        alone. The gaps are those of ``pairs``. Both are for joints of Coulomb pairs alone.
     steps:
-        load steps to begin with; a step that does not converge is cut. Pairs with a gap, an interference or a
-        pressure-gap law slip along bent lines, so with friction the steps are multiplied by four until no traction
-        changes by more than 1 % of the largest friction limit, at most to 64; the message says how much they still
-        changed.
+        load steps to begin with; a step that does not converge is cut. Pairs with a gap, an interference, a
+        pressure-gap law or a law beside Coulomb friction slip along bent lines, so with friction the steps are
+        multiplied by four until no traction changes by more than 1 % of the largest friction limit, at most to 64; the
+        message says how much they still changed.
 
     Raises
     ------
     InputError
-        for a wrong shape, a load of zero, or unequal tangential springs.
+        for a wrong shape, a load of zero, unequal tangential springs, a traction that pairs keep already, or a
+        stiffness law on pairs of other laws.
     ConvergenceError
         where no equilibrium was found; the message says how much of the load the joint carried.
     """
     force = _checked_load(load, superelement, pairs)
     steps = whole_number("steps", steps, 1)
     told = progress or (lambda fraction, detail: None)
-    gap = -pairs.preload / pairs.normal_stiffness
-    law = normal_law or SpringLaw(pairs.normal_stiffness)
+    if local_stiffness is not None or normal_law is not None:
+        _ = pairs.coulomb  # raises InputError for other laws
+    gap = _gap(pairs)
+    law = normal_law
     ramp = LoadRamp(superelement, pairs, force, law, gap, friction)
     state = ramp.run(steps)
-    bent = friction and (gap.any() or normal_law is not None)
+    others = pairs.law_names != (CoulombLaw.name,) and pairs.frictional().any()
+    bent = friction and (gap.any() or normal_law is not None or others)
     if bent:
         state, steps, path = _settled(ramp, pairs, state, steps)
     if local_stiffness is None:
@@ -118,6 +124,24 @@ def static_preload(
     )
 
 
+def _gap(pairs: ContactPairs) -> FloatArray:
+    """(n_pairs,) m of Coulomb pairs, negative for an interference; 0 for others."""
+    gap = np.zeros(pairs.n_pairs)
+    for law, members in zip(pairs.laws, pairs.members, strict=True):
+        if isinstance(law, CoulombLaw):
+            gap[members] = -law.offset_force / law.normal_stiffness
+    return gap
+
+
+def _limits(pairs: ContactPairs, state: StaticState) -> FloatArray:
+    """(n_pairs,) N, the largest traction of each pair in a state."""
+    limits = pairs.largest_slip_force.copy()
+    for law, members in zip(pairs.laws, pairs.members, strict=True):
+        if isinstance(law, CoulombLaw):
+            limits[members] = law.friction_coefficient * state.normal_force[members]
+    return limits
+
+
 def _change(new: FloatArray, old: FloatArray) -> float:
     """Largest change as a share of the largest value."""
     return float(np.abs(new - old).max() / max(old.max(), 1e-300))
@@ -127,7 +151,7 @@ def _settled(ramp: LoadRamp, pairs: ContactPairs, state: StaticState, steps: int
     """The state from so many load steps that more do not change its tractions, their number, and a sentence on it."""
     while True:
         finer = ramp.run(MORE_STEPS * steps)
-        limit = max(float((pairs.friction_coefficient * finer.normal_force).max()), 1e-300)
+        limit = max(float(_limits(pairs, finer).max()), 1e-300)
         change = float(np.abs(finer.traction - state.traction).max()) / limit
         state, steps = finer, MORE_STEPS * steps
         if change <= PATH_TOLERANCE or MORE_STEPS * steps > MOST_STEPS:
@@ -139,14 +163,19 @@ def _checked_load(load: ArrayLike, superelement: Superelement, pairs: ContactPai
     force = finite_array("load", load)
     if force.shape != (superelement.size,):
         raise InputError(f"load must have shape ({superelement.size},), N on each unknown; found {force.shape}.")
-    if not force.any() and not (pairs.preload > 0.0).any():
+    if not force.any() and not (_gap(pairs) < 0.0).any():
         raise InputError("load is zero everywhere, so nothing presses the pairs together. Give a static load.")
     if pairs.operator.shape[1] != superelement.size:
         raise InputError(
             f"operator has {pairs.operator.shape[1]} columns, but the superelement has {superelement.size} unknowns."
         )
-    springs = pairs.coulomb.tangential_springs
-    unequal = np.flatnonzero(springs[:, 0] != springs[:, 1])
+    if not pairs.released:
+        raise InputError(
+            "some pairs keep a traction at rest already (residual_traction or path_to_rest), but a static load grows "
+            "from a joint without traction. Give static_preload the pairs before any load."
+        )
+    springs = pairs.tangential_springs
+    unequal = np.flatnonzero((springs[:, 0] != springs[:, 1]) & ~np.isnan(springs[:, 0]))
     if unequal.size:
         raise InputError(
             f"tangential_stiffness[{unequal[0]}] differs along t1 and t2; a static load ramp takes pairs that are "

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.law import CodeArray, ContactState
+from stickslip.contact.law.coulomb import CoulombLaw
+from stickslip.contact.law.law import CodeArray, ContactLaw, IndexArray
+from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 
 
@@ -23,18 +26,20 @@ class StaticState:
     normal_force, traction:
         (n_pairs,) and (n_pairs, 2) N along t1, t2.
     gap:
-        (n_pairs,) m, 0 where closed.
+        (n_pairs,) m of Coulomb pairs, 0 where closed and for other laws.
     state:
         (n_pairs,) codes of :class:`stickslip.ContactState`: 0 stuck, 1 slipping (on the friction limit), 2 open;
-        without friction all closed pairs are 1, as they are free to slide.
+        other laws have names of their own for them. Without friction all closed pairs are 1, as they are free to slide.
     normal_stiffness, tangential_stiffness:
-        (n_pairs,) N/m at rest, for small motions about it.
+        (n_pairs,) N/m at rest, for small motions about it; NaN for the tangential one of other laws than Coulomb.
     residual:
         ``|K u + B^T f - load| / (|load| + |B^T f|)`` with the forces f of this state.
     steps, iterations:
         load steps and Newton iterations of the last ramp.
     message:
         how the solution was reached.
+    memory:
+        what each law remembers there; None without friction.
     """
 
     displacement: FloatArray
@@ -48,14 +53,23 @@ class StaticState:
     steps: int
     iterations: int
     message: str
+    memory: tuple[Any, ...] | None = None
 
     @property
     def preload(self) -> FloatArray:
         """(n_pairs,) N as :class:`ContactPairs` takes it: the normal force, or minus k_n times the gap."""
-        return np.where(self.state == ContactState.SEPARATING, -self.normal_stiffness * self.gap, self.normal_force)
+        return np.where(self.gap > 0.0, -self.normal_stiffness * self.gap, self.normal_force)
 
     def pairs(self, operator: FloatArray, friction_coefficient: ArrayLike, keep_traction: bool) -> ContactPairs:
-        """Contact pairs about this state, with the traction at rest kept or released."""
+        """Coulomb pairs about this state, with the traction at rest kept or released.
+
+        Raises InputError where pairs follow other laws.
+        """
+        if np.isnan(self.tangential_stiffness).any():
+            raise InputError(
+                "some pairs of this static state follow other laws than Coulomb friction; take "
+                "about(pairs, keep_traction) for them."
+            )
         return ContactPairs(
             operator,
             self.normal_stiffness,
@@ -64,3 +78,35 @@ class StaticState:
             self.preload,
             self.traction if keep_traction else None,
         )
+
+    def about(self, pairs: ContactPairs, keep_traction: bool) -> ContactPairs:
+        """The ``pairs`` that :func:`static_preload` loaded, with any laws, about this state.
+
+        Kept: friction starts from the traction that it holds here, and elastic laws from their stretch. Released: the
+        same without traction, which needs a state without friction. Raises InputError where state and choice differ.
+        """
+        if keep_traction and self.memory is None:
+            raise InputError(
+                "this static state is without friction, so there is no traction to keep. Take static_preload with "
+                "friction, or keep_traction=False."
+            )
+        if not keep_traction and self.traction[pairs.frictional()[:, :2]].any():
+            raise InputError(
+                "friction holds tractions in this static state, and without them it is not in equilibrium. Take "
+                "static_preload(..., friction=False) to release them, or keep_traction=True."
+            )
+        relative = (pairs.operator @ self.displacement).reshape(-1, 3)
+        memories = self.memory if self.memory is not None and keep_traction else (None,) * len(pairs.laws)
+        laws: list[ContactLaw] = []
+        for law, members, memory in zip(pairs.laws, pairs.members, memories, strict=True):
+            if isinstance(law, CoulombLaw):
+                laws.append(self._coulomb(law, members, keep_traction))
+            else:
+                laws.append(law.about(relative[members], memory))
+        return ContactPairs.with_laws(pairs.operator, laws, pairs.members)
+
+    def _coulomb(self, law: CoulombLaw, members: IndexArray, keep_traction: bool) -> CoulombLaw:
+        """A Coulomb law with the stiffness, loads and gaps of this state."""
+        springs = self.normal_stiffness[members], self.tangential_stiffness[members]
+        rest = CoulombLaw.with_preload(len(members), *springs, law.friction_coefficient, self.preload[members])
+        return replace(rest, residual_traction=self.traction[members] if keep_traction else None, update=law.update)

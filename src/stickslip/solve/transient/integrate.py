@@ -2,7 +2,8 @@
 
 Solves ``M u'' + C u' + K u + B^T f(B u) = p(t)`` step by step with the generalised-alpha scheme (Chung and Hulbert,
 J. Appl. Mech. 60, 1993). It shares no code with the harmonic balance and its friction law, so that each checks the
-other; use it for verification and for motions that are not periodic at the excitation frequency.
+other; pairs of other laws go through :meth:`ContactLaw.step`. Use it for verification and for motions that are not
+periodic at the excitation frequency.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import scipy.linalg
 from numpy.typing import ArrayLike
 
 from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.validation import (
     FloatArray,
@@ -24,11 +26,9 @@ from stickslip.core.validation import (
     whole_number,
 )
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.transient.kernel import march_period
+from stickslip.solve.transient.marches import MAX_STEP_ITERATIONS, CoulombMarch, LawMarch, March
+from stickslip.solve.transient.scheme import Scheme, generalised_alpha
 from stickslip.structure.superelement import Superelement
-
-_MAX_STEP_ITERATIONS = 40
-_STEP_TOLERANCE = 1e-10
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,9 @@ class TransientResponse:
         (n_steps, n) of the superelement's unknowns; row 0 restarts the integration.
     contact_force:
         (n_steps, n_pairs, 3) N: T1, T2, N of each pair (N itself, not N - preload).
+    dissipated_energy:
+        (n_pairs,) J, the work of the contact force on the relative motion over the period, by the trapezoidal rule.
+        Elastic forces give back what they took once the period closes.
     period_change:
         (n_periods,) change of the motion from each period to the next, relative, in the strain-energy norm of the stuck
         structure. With a decay factor r per period the distance to the steady state is about r / (1 - r) times the
@@ -55,6 +58,7 @@ class TransientResponse:
     displacement: FloatArray
     velocity: FloatArray
     contact_force: FloatArray
+    dissipated_energy: FloatArray
     period_change: FloatArray
     converged: bool
     message: str
@@ -68,71 +72,6 @@ class TransientResponse:
         before, here, after = signal[peak - 1], signal[peak], signal[(peak + 1) % signal.size]
         bend = before - 2.0 * here + after
         return float(here if bend == 0.0 else here - (after - before) ** 2 / (8.0 * bend))
-
-
-@dataclass(frozen=True)
-class _Scheme:
-    """Constant matrices of one step ``u_1 = load + state_response [u_0, v_0, a_0] - force_response f``.
-
-    ``f`` is the deviation of the contact force from stuck springs at the end of the step plus ``old_force_weight``
-    times the contact force (less preload) at its start. The stuck springs are in the factored matrix, so that a stuck
-    pair costs nothing. The ``contact_`` arrays are ``B`` times the others.
-    """
-
-    load_response: FloatArray  # (n_steps, n), for each step of the period
-    state_response: FloatArray  # (n, 3 n)
-    force_response: FloatArray  # (n, 3 n_pairs)
-    contact_load_response: FloatArray  # (n_steps, 3 n_pairs)
-    contact_state_response: FloatArray  # (3 n_pairs, 3 n)
-    contact_compliance: FloatArray  # (3 n_pairs, 3 n_pairs)
-    old_force_weight: float
-    acceleration_weights: FloatArray  # (5,), see march_period
-
-
-def _generalised_alpha(
-    superelement: Superelement, pairs: ContactPairs, load: FloatArray, time_step: float, spectral_radius: float
-) -> _Scheme:
-    """Factor the effective matrix once. ``load`` (n_steps, n) N at the start of each step of one period."""
-    mass, stiffness, operator = superelement.mass, superelement.stiffness, pairs.operator
-    damping = superelement.damping if superelement.damping is not None else np.zeros_like(mass)
-    alpha_mass = (2.0 * spectral_radius - 1.0) / (spectral_radius + 1.0)
-    alpha_force = spectral_radius / (spectral_radius + 1.0)
-    gamma = 0.5 - alpha_mass + alpha_force
-    beta = 0.25 * (1.0 - alpha_mass + alpha_force) ** 2
-    # a_1 = w0 (u_1 - u_0) + w1 v_0 + w2 a_0   and   v_1 = v_0 + w3 a_0 + w4 a_1
-    w0, w1, w2 = 1.0 / (beta * time_step**2), -1.0 / (beta * time_step), 1.0 - 0.5 / beta
-    w3, w4 = time_step * (1.0 - gamma), time_step * gamma
-    mass_weight, old = (1.0 - alpha_mass) / (1.0 - alpha_force), alpha_force / (1.0 - alpha_force)
-
-    springs = pairs.stuck_stiffness()
-    effective = stiffness + w4 * w0 * damping + mass_weight * w0 * mass + operator.T @ (springs[:, None] * operator)
-    from_displacement = -old * stiffness + mass_weight * w0 * mass + w4 * w0 * damping
-    from_velocity = -mass_weight * w1 * mass - (old + 1.0 + w4 * w1) * damping
-    from_acceleration = -(mass_weight * w2 + alpha_mass / (1.0 - alpha_force)) * mass - (w3 + w4 * w2) * damping
-    factor = scipy.linalg.cho_factor(effective)
-    state_response = scipy.linalg.cho_solve(factor, np.hstack([from_displacement, from_velocity, from_acceleration]))
-    force_response = scipy.linalg.cho_solve(factor, operator.T)
-    load_response = scipy.linalg.cho_solve(factor, (np.roll(load, -1, axis=0) + old * load).T).T
-    return _Scheme(
-        load_response=np.ascontiguousarray(load_response),
-        state_response=np.ascontiguousarray(state_response),
-        force_response=np.ascontiguousarray(force_response),
-        contact_load_response=np.ascontiguousarray(load_response @ operator.T),
-        contact_state_response=np.ascontiguousarray(operator @ state_response),
-        contact_compliance=np.ascontiguousarray(operator @ force_response),
-        old_force_weight=old,
-        acceleration_weights=np.array([w0, w1, w2, w3, w4]),
-    )
-
-
-def _starting_force(pairs: ContactPairs, contact_motion: FloatArray, slider: FloatArray) -> FloatArray:
-    """(n_pairs, 3) T1, T2, N of a pair at ``contact_motion`` (n_pairs, 3): ``T = k_t (s - slider)`` cut to the cone."""
-    normal = np.maximum(pairs.preload + pairs.normal_stiffness * contact_motion[:, 2], 0.0)
-    traction = pairs.tangential_springs * (contact_motion[:, :2] - slider)
-    size = np.hypot(traction[:, 0], traction[:, 1])
-    limit = pairs.friction_coefficient * normal
-    scale = np.where(size > limit, limit / np.where(size > 0.0, size, 1.0), 1.0)
-    return np.column_stack([traction * scale[:, None], normal])
 
 
 def _periodic_load(force_cos: ArrayLike, force_sin: ArrayLike, n: int, steps_per_period: int) -> FloatArray:
@@ -160,6 +99,12 @@ def _relative_change(motion: FloatArray, previous: FloatArray, stiffness: FloatA
     return float(np.sqrt(abs(np.sum(difference * (difference @ stiffness))) / energy)) if energy > 0.0 else 0.0
 
 
+def _closed_work(force: FloatArray, relative: FloatArray) -> FloatArray:
+    """(n_pairs,) J of forces along a closed motion, both (n_steps, n_pairs, 3), by the trapezoidal rule."""
+    step = np.roll(relative, -1, axis=0) - relative
+    return np.asarray((0.5 * (force + np.roll(force, -1, axis=0)) * step).sum(axis=(0, 2)))
+
+
 def _start_vector(name: str, value: ArrayLike | None, shape: tuple[int, ...]) -> FloatArray:
     """``value`` as an array of ``shape``, or zeros for None; raises InputError for another shape."""
     if value is None:
@@ -185,9 +130,10 @@ def _check_settings(
             f"the operator of the contact pairs has {pairs.operator.shape[1]} columns, but the superelement has "
             f"{superelement.size} unknowns; both must be equal."
         )
-    springs = pairs.coulomb.tangential_springs
-    if (springs[:, 0] != springs[:, 1]).any():
-        pair = int(np.flatnonzero(springs[:, 0] != springs[:, 1])[0])
+    springs = pairs.tangential_springs
+    unequal = np.flatnonzero((springs[:, 0] != springs[:, 1]) & ~np.isnan(springs[:, 0]))
+    if unequal.size and _coulomb_alone(pairs):
+        pair = int(unequal[0])
         raise InputError(
             f"tangential_stiffness[{pair}] is {springs[pair, 0]:g} N/m along t1 and {springs[pair, 1]:g} N/m along t2; "
             "time integration takes pairs that are equally stiff in both directions. "
@@ -203,22 +149,61 @@ def _check_settings(
     require_allowed("spectral_radius", radius, 0.0 <= radius <= 1.0, allowed)
 
 
+def _coulomb_alone(pairs: ContactPairs) -> bool:
+    """Whether the compiled march can take the pairs."""
+    return len(pairs.laws) == 1 and isinstance(pairs.laws[0], CoulombLaw)
+
+
+def _march(
+    scheme: Scheme,
+    pairs: ContactPairs,
+    relative: FloatArray,
+    initial_slider: ArrayLike | None,
+    initial_cycle: ArrayLike | None,
+) -> March:
+    """The contacts at the start. Raises InputError for a start that the laws do not take."""
+    if _coulomb_alone(pairs):
+        if initial_cycle is not None:
+            raise InputError("initial_cycle is for joints with other laws; give Coulomb pairs initial_slider.")
+        at_rest = -pairs.resting_traction / pairs.tangential_springs
+        shape = (pairs.n_pairs, 2)
+        slider = at_rest if initial_slider is None else _start_vector("initial_slider", initial_slider, shape)
+        return CoulombMarch(scheme, pairs, relative, slider)
+    if initial_slider is not None:
+        raise InputError(
+            f"initial_slider is for joints of Coulomb pairs alone, and these follow {', '.join(pairs.law_names)}; give "
+            "initial_cycle, a period of the relative motion before the start."
+        )
+    if initial_cycle is None:
+        return LawMarch(scheme, pairs, relative, None)
+    cycle = finite_array("initial_cycle", initial_cycle)
+    if cycle.ndim != 3 or cycle.shape[1:] != (pairs.n_pairs, 3) or not len(cycle):
+        raise InputError(
+            f"initial_cycle must have shape (n_samples, {pairs.n_pairs}, 3), t1, t2, n of each pair in m; found "
+            f"{cycle.shape}."
+        )
+    return LawMarch(scheme, pairs, relative, cycle)
+
+
 def start_from_response(response: ForcedResponse, point: int) -> dict[str, FloatArray]:
     """Time 0 of one point of a harmonic-balance curve, as ``initial_...`` arguments of integrate_to_steady_state.
 
-    The sliders come along, so that a pair that sticks keeps the mean traction it has in the harmonic balance; from rest
-    it would end with another one, and both are valid steady states. Raises InputError for a point that does not exist.
+    What the laws remember comes along (sliders of Coulomb pairs, a period of the motion for others), so that a pair
+    that sticks keeps the mean traction it has in the harmonic balance; from rest it would end with another one, and
+    both are valid steady states. Raises InputError for a point that does not exist.
     """
     n_points = response.frequency_hz.size
     if not 0 <= point < n_points:
         raise InputError(f"point must lie between 0 and {n_points - 1}, the points of the curve; found {point}.")
     coefficients = response.displacement[point]
     rate = 2.0 * np.pi * response.frequency_hz[point] * np.arange(1, response.harmonics + 1)
-    return {
+    start = {
         "initial_displacement": coefficients[:, 0] + coefficients[:, 1::2].sum(axis=1),
         "initial_velocity": coefficients[:, 2::2] @ rate,
-        "initial_slider": response.pair_cycle(point).slider[0],
     }
+    if _coulomb_alone(response.pairs):
+        return start | {"initial_slider": response.pair_cycle(point).slider[0]}
+    return start | {"initial_cycle": response.pair_displacement(point, response.samples)}
 
 
 def integrate_to_steady_state(
@@ -234,11 +219,13 @@ def integrate_to_steady_state(
     initial_velocity: ArrayLike | None = None,
     initial_slider: ArrayLike | None = None,
     spectral_radius: float = 0.9,
+    initial_cycle: ArrayLike | None = None,
 ) -> TransientResponse:
     """Integrate ``M u'' + C u' + K u + B^T f(B u) = p(t)`` in time until one period equals the one before.
 
     ``f = (T1, T2, N)`` of each pair, less what it is at rest: 3-D Coulomb friction with tangential spring, variable
-    normal load and separation, integrated exactly along the straight path of each step. The scheme is
+    normal load and separation, integrated exactly along the straight path of each step, in a compiled march; or any
+    laws, also several in one joint, by :meth:`ContactLaw.step`, which is much slower. The scheme is
     generalised-alpha: second order, unconditionally stable for the linear part, its numerical dissipation set by
     ``spectral_radius``. Each step solves the contact displacements by Newton with the exact derivative of the step law;
     the effective matrix, with stuck springs in it, is factored once.
@@ -248,7 +235,7 @@ def integrate_to_steady_state(
     superelement:
         mass, damping, stiffness (n, n); None for the damping matrix means none.
     pairs:
-        equal tangential stiffness in both directions.
+        with any laws; those of Coulomb friction alone need equal tangential stiffness in both directions.
     force_cos, force_sin:
         (n,) N amplitudes of ``cos(2 pi f t)`` and ``sin(2 pi f t)``; (n, n_harmonics) for several harmonics.
     frequency_hz:
@@ -262,9 +249,12 @@ def integrate_to_steady_state(
     initial_slider:
         (n_pairs, 2) m: tangential displacement at which a pair carries no friction, ``T = k_t (s - slider)``. The
         slider at rest by default (zero if released). A pair that slips forgets it; one that always sticks keeps it as a
-        mean traction.
+        mean traction. For joints of Coulomb pairs alone.
     spectral_radius:
         share of its amplitude that a mode much faster than the step keeps in one step.
+    initial_cycle:
+        (n_samples, n_pairs, 3) m, for joints with other laws: a period of the relative motion that ends at time 0. The
+        laws go through it twice from rest, and remember what they do in that periodic state. At rest by default.
 
     Raises
     ------
@@ -277,16 +267,13 @@ def integrate_to_steady_state(
     n, n_pairs, operator = superelement.size, pairs.n_pairs, pairs.operator
     load = _periodic_load(force_cos, force_sin, n, steps_per_period)
     time_step = 1.0 / (frequency_hz * steps_per_period)
-    scheme = _generalised_alpha(superelement, pairs, load, time_step, spectral_radius)
+    scheme = generalised_alpha(superelement, pairs, load, time_step, spectral_radius)
 
     displacement = _start_vector("initial_displacement", initial_displacement, (n,))
     velocity = _start_vector("initial_velocity", initial_velocity, (n,))
-    at_rest = -pairs.resting_traction / pairs.tangential_springs
-    slider = at_rest if initial_slider is None else _start_vector("initial_slider", initial_slider, (n_pairs, 2))
-    contact_motion = (operator @ displacement).reshape(n_pairs, 3)
-    contact_force = _starting_force(pairs, contact_motion, slider)
-    offset = np.column_stack([pairs.resting_traction, pairs.normal_load])
-    unbalanced = load[0] - superelement.stiffness @ displacement - operator.T @ (contact_force - offset).ravel()
+    relative = (operator @ displacement).reshape(n_pairs, 3)
+    march = _march(scheme, pairs, relative, initial_slider, initial_cycle)
+    unbalanced = load[0] - superelement.stiffness @ displacement - operator.T @ march.force.ravel()
     if superelement.damping is not None:
         unbalanced -= superelement.damping @ velocity
     try:
@@ -305,31 +292,11 @@ def integrate_to_steady_state(
     previous = np.zeros((steps_per_period, n))
     period_change: list[float] = []
     for period in range(max_periods):
-        failed_step = march_period(
-            motion,
-            contact_motion,
-            contact_force,
-            scheme.load_response,
-            scheme.state_response,
-            scheme.force_response,
-            scheme.contact_load_response,
-            scheme.contact_state_response,
-            scheme.contact_compliance,
-            scheme.old_force_weight,
-            scheme.acceleration_weights,
-            springs,
-            pairs.friction_coefficient,
-            pairs.preload,
-            offset,
-            _STEP_TOLERANCE,
-            _MAX_STEP_ITERATIONS,
-            history,
-            force_history,
-        )
+        failed_step = march.period(motion, history, force_history)
         if failed_step >= 0:
             raise ConvergenceError(
                 f"the contact iteration of step {failed_step} in period {period} did not converge in "
-                f"{_MAX_STEP_ITERATIONS} iterations at {frequency_hz:g} Hz. Take more than {steps_per_period} steps "
+                f"{MAX_STEP_ITERATIONS} iterations at {frequency_hz:g} Hz. Take more than {steps_per_period} steps "
                 "per period."
             )
         period_change.append(_relative_change(history[:, :n], previous, stuck_stiffness))
@@ -349,6 +316,7 @@ def integrate_to_steady_state(
         displacement=history[:, :n].copy(),
         velocity=history[:, n:].copy(),
         contact_force=force_history,
+        dissipated_energy=_closed_work(force_history, (history[:, :n] @ operator.T).reshape(-1, n_pairs, 3)),
         period_change=np.array(period_change),
         converged=converged,
         message=message,

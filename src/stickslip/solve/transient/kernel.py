@@ -187,7 +187,7 @@ def march_period(  # type: ignore[no-untyped-def]  # pragma: no cover
     motion_history,
     force_history,
 ):
-    """March one period of the generalised-alpha scheme; all arrays are described in ``transient._Scheme``.
+    """March one period of the generalised-alpha scheme; all arrays are described in ``scheme.Scheme``.
 
     ``motion`` (3 n,) = displacement, velocity, acceleration; ``contact_motion`` (n_pairs, 3) and ``contact_force``
     (n_pairs, 3) = T1, T2, N are updated in place, ``at_rest`` (n_pairs, 3) is what the static state balances of it; the
