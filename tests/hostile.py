@@ -82,6 +82,7 @@ def hostile_study() -> StudyRecord:
         face_names=(hostile("face-0"), hostile("face-1")),
         mode_table=tuple(modes),
         mode_contact=hostile("contact"),
+        mode_reference=hostile("reference"),
         derived=((hostile("quantity"), hostile("value"), hostile("unit"), hostile("meaning")),),
         warnings=(hostile("study-warning"),),
         sketch=shaken(sketch),
@@ -90,7 +91,7 @@ def hostile_study() -> StudyRecord:
 
 STUDY_FIELDS = _fields(
     "message solver-warning setting setting-value software software-version date title description inputs "
-    "output-0 group-0 group-1 face-0 face-1 mode-0 mode-9 contact quantity value unit meaning "
+    "output-0 group-0 group-1 face-0 face-1 mode-0 mode-9 contact reference quantity value unit meaning "
     "study-warning body-0 body-1 load response"
 )
 

@@ -1,6 +1,8 @@
-"""Imports run one way, as ARCHITECTURE.md promises, and the command line answers without the heavy packages."""
+"""Imports run one way, as ARCHITECTURE.md promises, the command line answers without the heavy packages, and no word of
+the published study stands outside of its room."""
 
 import ast
+import re
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator, Mapping
@@ -221,3 +223,91 @@ def test_public_name_is_there(name: str) -> None:
 def test_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="stick"):
         stickslip.stick  # type: ignore[attr-defined]  # noqa: B018
+
+
+# The room of the study, and the command line, which has a command of its name.
+ITS_ROOMS = ("papers", "cli")
+ENDINGS = (".py", ".pyi", ".html", ".css", ".js", ".csv", ".toml")
+
+# A paper, also within a longer name; its Table 2, also as the name of a column; what only its geometry is.
+_WORD = re.compile(r"papers?|table[ _]?\d|\binferred\b|\berrat(?:um|a)\b|\bas printed\b", re.IGNORECASE)
+# An equation, table or figure by its number; right only behind its source, as in "Segalman (2005), eq. 12".
+_NUMBERED = re.compile(r"\b(?:eqs?\.?|equations?|tables?|fig(?:ure|s)?\.?)[ ~]*\(?\d", re.IGNORECASE)
+_SOURCE = re.compile(r"\b(?:1[89]|20)\d\d\)?[^.;]*$")
+
+# File -> the text around a word that may stay there, and why.
+ALLOWED = {
+    # the other paper, which printers take
+    "reporting/assets/page.js": ("// on paper the structure is a still picture",),
+    "reporting/structure_still.py": ("still picture, for paper and for browsers",),
+    "reporting/sweep_plots.py": ("which white paper swallows",),
+    "reporting/look.py": ('"paper_bgcolor":',),  # plotly's name of the ground of a figure
+    "sweeps/work.py": ('package / name for name in ("papers", "reporting")',),  # the room
+    # names of earlier versions, in study files and in results files
+    "case/sections.py": (
+        '"paper" is the earlier name of "varying-curvature"',
+        'Respelled("paper", "varying-curvature")',
+    ),
+    "results/record.py": ('EARLIER_REFERENCE = ("table2_hz",',),
+}
+
+
+def foreign_words(text: str, allowed: tuple[str, ...] = ()) -> list[str]:
+    """The lines of a text that have a word of the study, outside of what is allowed."""
+    for each in allowed:
+        text = text.replace(each, "")
+    return [line.strip() for line in text.splitlines() if _WORD.search(line)] + list(_without_source(text))
+
+
+def _without_source(text: str) -> Iterator[str]:
+    for found in _NUMBERED.finditer(text):
+        before = text[max(0, found.start() - 100) : found.start()]
+        if not _SOURCE.search(before):
+            yield f"{before.splitlines()[-1] if before else ''}{found.group()}".strip()
+
+
+def general_files() -> dict[str, str]:
+    """Path -> text of each file that belongs to no room of the study."""
+    found = (path for path in sorted(SOURCE.rglob("*")) if path.suffix in ENDINGS)
+    named = {path.relative_to(SOURCE).as_posix(): path for path in found}
+    return {name: path.read_text("utf-8") for name, path in named.items() if name.split("/")[0] not in ITS_ROOMS}
+
+
+def test_no_word_of_the_published_study_outside_of_its_room() -> None:
+    files = general_files()
+    assert len(files) > 150
+    for name, text in files.items():
+        assert foreign_words(text, ALLOWED.get(name, ())) == [], name
+        assert not _WORD.search(name), name
+
+
+def test_every_exception_is_still_needed() -> None:
+    files = general_files()
+    for name, allowed in ALLOWED.items():
+        for words in allowed:
+            assert words in files[name], f"{name}: {words}"
+            assert foreign_words(words), f"{name}: {words}"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "    paper_full_hz: float | None",
+        'cells["table2_hz"] = row.full_hz',
+        "against Table 2, %",
+        "the geometry is inferred",
+        'mode == "paper"',
+        "equation (8) read with d",
+        "see Figure 4",
+        "Published in 2005. Here eq. 12 is used",
+    ],
+)
+def test_a_word_that_returns_is_found(text: str) -> None:
+    assert foreign_words(f"first line\n{text}\nlast line")
+
+
+@pytest.mark.parametrize(
+    "text", ["Segalman (2005), eq. 12", "Jaeger 1942,\n    equation 3", "two equations", "tables of 3"]
+)
+def test_a_citation_with_its_year_may_stay(text: str) -> None:
+    assert foreign_words(text) == []

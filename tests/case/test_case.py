@@ -50,6 +50,16 @@ def test_examples_in_comments_are_valid(uncommented: tuple[str, ...], left_out: 
     assert set(uncommented) <= {key for section in case.to_dict().values() for key in section}
 
 
+def test_the_earlier_name_of_a_roughness_mode_reads_as_the_new_one() -> None:
+    earlier = Case.from_text('[roughness]\nmode = "paper"\n')
+    assert earlier == Case().replace({"roughness.mode": "varying-curvature"})
+    assert earlier.roughness is not None
+    assert earlier.roughness.mode == "varying-curvature"
+    assert 'mode = "varying-curvature"' in earlier.to_text()
+    with pytest.raises(StudyFileError, match="it must be 'consistent', 'varying-curvature' or 'unloading'"):
+        Case.from_text('[roughness]\nmode = "Paper"\n')
+
+
 def test_loaded_values_are_si_floats(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     path.write_text(Case().to_text(), encoding="utf-8")

@@ -101,7 +101,7 @@ def as_typed(limits: tuple[Quantity | Count, ...], key: str, value: float | int)
         number = f"{value!r} {first.si_unit}"
     if len(limits) > 1:
         return [number] * len(limits)
-    return [number] if key == "values" else number
+    return [number] if key in ("values", "mode_frequencies") else number
 
 
 def require_finite(case: Case) -> None:

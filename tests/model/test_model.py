@@ -34,6 +34,17 @@ def test_default_sizes(model: Model) -> None:
     assert model.pairs.operator.shape == (330, 699)
 
 
+def test_a_study_file_with_the_earlier_name_of_a_mode_gives_the_same_springs(structure: Structure) -> None:
+    """K_n along the family of spots is 2 (3-d) / (3 (2-d)) times that at fixed curvature, d = 1.4 at D = 2.4."""
+    plain, earlier, today = (
+        build_joint(Case.from_text(f'[roughness]\nmode = "{mode}"\n'), structure)
+        for mode in ("consistent", "paper", "varying-curvature")
+    )
+    assert np.array_equal(earlier.normal_stiffness, today.normal_stiffness)
+    assert np.array_equal(earlier.tangential_stiffness, plain.tangential_stiffness)
+    assert earlier.normal_stiffness == pytest.approx(plain.normal_stiffness * 3.2 / 1.8, rel=1e-12)
+
+
 def test_both_faces_carry_the_centrifugal_force(structure: Structure) -> None:
     """Equilibrium of the damper: the vertical parts of both normal forces add up to F_N."""
     joint = build_joint(Case(), structure)

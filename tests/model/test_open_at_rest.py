@@ -174,3 +174,18 @@ def test_a_sweep_gives_no_table_of_closed_pairs_to_a_case_with_open_ones(tmp_pat
     assert saved.study is not None
     assert not saved.response.pairs.closed_at_rest.all()
     assert saved.study.mode_table == ()
+
+
+@pytest.mark.slow
+def test_a_sweep_compares_a_case_with_open_pairs_with_its_reference(tmp_path: Path) -> None:
+    """There is no table of the full model, so the stuck frequencies of the reduced one stand beside the reference."""
+    opened = {"preload.method": "solved", "roughness.fractal_roughness": "1e-10 m"}
+    case = quick_case().replace({**opened, "reference.mode_frequencies": ["450 Hz"], "reference.source": "test"})
+    setup = set_up(case)
+    task = CaseTask(case, "key", load_joint(case, setup.layout), 1, wants_file=True)
+    (tmp_path / "results.nc").write_bytes(solve_task(task, reduce_task(case, setup, 1)).file)
+    saved = load_results(tmp_path / "results.nc")
+    assert saved.study is not None
+    assert saved.study.mode_contact == "stuck (pairs closed at rest)"
+    first = saved.response.linear.stuck_frequency_hz[0]
+    assert saved.study.mode_table[0] == {"mode": 1, "reduced_hz": first, "reference_hz": 450.0}

@@ -87,4 +87,4 @@ def test_words_stand_out_from_their_ground() -> None:
 def _sheets() -> str:
     from stickslip.reporting.templates import asset
 
-    return asset("page.css") + asset("paper.css")
+    return asset("page.css") + asset("paper.css", "stickslip.papers.rough_damper")

@@ -40,6 +40,7 @@ from synthetic import synthetic_response, synthetic_study
 
 SOURCE = Path(stickslip.__file__).parent
 ASSETS = SOURCE / "reporting" / "assets"
+PAPER = SOURCE / "papers" / "rough_damper"
 # Elements and attributes that the pages have; whatever else stands in a page came out of a text.
 _TAG_NAMES = (
     "html head meta title link style body header div p h1 h2 h3 main section ul li small b button figure "
@@ -217,7 +218,7 @@ def files_of_pages(pattern: str) -> list[Path]:
 
 
 def _modules_of_pages() -> list[Path]:
-    return [*files_of_pages("*.py"), SOURCE / "papers" / "rough_damper" / "page.py"]
+    return [*files_of_pages("*.py"), PAPER / "page.py"]
 
 
 @pytest.mark.parametrize("module", _modules_of_pages(), ids=lambda path: path.stem)
@@ -249,6 +250,8 @@ def test_own_scripts_write_no_html() -> None:
 
 
 def test_templates_mark_no_text_as_safe_and_handle_no_events_inline() -> None:
-    for template in [*files_of_pages("assets/*.html"), *files_of_pages("*section*.py")]:
+    of_paper = sorted((PAPER / "assets").glob("*.html"))
+    assert of_paper
+    for template in [*files_of_pages("assets/*.html"), *files_of_pages("*section*.py"), *of_paper]:
         text = template.read_text(encoding="utf-8")
         assert not re.search(r"\|\s*safe\b|autoescape|\son\w+\s*=|javascript:", text), template.name

@@ -58,7 +58,8 @@ def test_page_is_one_file_without_outside_references(text):
 
 
 def test_page_says_what_the_reader_must_know(text):
-    for words in ("inferred", "0-to-peak", "Hz", "stick-slip", "separating", "Table 2", "Equivalent damping ratio"):
+    reference = ("Reference: modal test of the two blades.", "Full model against reference, %")
+    for words in (*reference, "0-to-peak", "Hz", "stick-slip", "separating", "Equivalent damping ratio"):
         assert words in text
     assert 'class="notice' not in text
 
@@ -259,7 +260,14 @@ def test_study_without_faces_groups_or_modes(case):
     bare = dataclasses.replace(study, signal_groups={}, mode_table=(), derived=())
     text = without_plotly(page(response, bare))
     assert "Motion over one period" not in text
-    assert "inferred" not in text
+    assert "Natural frequencies, contact" not in text
+
+
+def test_a_mode_that_only_the_reference_has_is_shown_without_deviation(case):
+    response, study = case
+    short = dataclasses.replace(study, mode_table=(study.mode_table[0], {"mode": 2, "reference_hz": 530.0}))
+    section = page(response, short).partition("Natural frequencies, contact")[2].partition("</section>")[0]
+    assert re.search(r"<tr><td>2</td><td[^>]*>–</td>(<td>–</td>){4}<td>530.00</td><td>–</td></tr>", section)
 
 
 def test_a_section_is_one_object_and_shows_where_it_applies(case, monkeypatch):

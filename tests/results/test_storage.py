@@ -232,6 +232,8 @@ def test_study_of_another_run_is_refused(response, tmp_path):
         ({"pair_area": np.ones(3)}, "must agree"),
         ({"face_names": ("only one",)}, "must number the faces 0 to 0"),
         ({"mode_table": ({"freq": 1.0},)}, 'has the key "freq"'),
+        ({"mode_reference": ""}, "mode_reference does not say where"),
+        ({"mode_table": ({"reference_hz": 0.0},)}, "has the reference_hz 0.0"),
     ],
 )
 def test_wrong_study_records_are_refused(change, sentence):

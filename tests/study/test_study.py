@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 from types import SimpleNamespace
@@ -90,12 +91,43 @@ def test_results_load_back_equal_and_report_is_remade(solved: tuple[Path, study.
     assert (folder / "report.html").read_text(encoding="utf-8") == before
 
 
-def test_paper_column_only_beside_the_fitted_geometry(solved: tuple[Path, study.StudyOutcome, Heard]) -> None:
+def test_the_mode_table_has_no_reference_unless_the_study_gives_one(
+    solved: tuple[Path, study.StudyOutcome, Heard],
+) -> None:
     folder, _, _ = solved
     record = load_results(folder / "results.nc").study
     assert record is not None
     assert len(record.mode_table) == 10
-    assert not any("table2_hz" in row for row in record.mode_table)
+    assert not any("reference_hz" in row for row in record.mode_table)
+    assert record.mode_reference == ""
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert "Reference" not in page[page.index("Natural frequencies, contact tied") :].partition("</section>")[0]
+
+
+def test_a_reference_goes_from_the_study_file_to_results_page_and_figure(tmp_path: Path) -> None:
+    given = Case().replace({**COARSE, "solver.harmonics": 1, "output.deflected_shape_frames": 0})
+    text = given.to_text().partition("# [reference]")
+    reference = '[reference]\nmode_frequencies = ["0.5 kHz", 0, 1200]\nsource = "modal test <2024>"\n'
+    rest = text[2][text[2].index("[analysis]") :]
+    (tmp_path / "study.toml").write_text(f"{text[0]}{reference}{rest}", encoding="utf-8")
+    out = tmp_path / "out"
+    result = CliRunner().invoke(app, ["run", str(tmp_path / "study.toml"), "--out", str(out), "--quiet"])
+    assert result.exit_code == 0, result.output
+    record = load_results(out / "results.nc").study
+    assert record is not None
+    assert record.mode_reference == "modal test <2024>"
+    assert len(record.mode_table) == 10
+    assert [row.get("reference_hz") for row in record.mode_table[:4]] == [500.0, None, 1200.0, None]
+    assert (out / "figures" / "mode_comparison.png").is_file()
+    page = (out / "report.html").read_text(encoding="utf-8")
+    section = page[page.index("Natural frequencies, contact tied") :].partition("</section>")[0]
+    assert "Reference: modal test &lt;2024&gt;." in section
+    assert "Reference, Hz" in section
+    assert "Full model against reference, %" in section
+    first, second = re.findall(r"<tr><td>[12]</td>.*?</tr>", section)
+    deviation = 100.0 * (float(record.mode_table[0]["full_hz"]) / 500.0 - 1.0)
+    assert first.endswith(f"<td>500.00</td><td>{deviation:+.2f}</td></tr>".replace("-", "−"))
+    assert second.endswith("<td>–</td><td>–</td></tr>")
 
 
 def test_report_of_an_empty_folder_is_refused(tmp_path: Path) -> None:

@@ -22,6 +22,7 @@ def values(name: str, given: object) -> tuple:
         ("preload.centrifugal_force", "10,100:300:3", (10.0, 100.0, 200.0, 300.0)),
         ("friction.coefficient", "0.1:0.3:3", (0.1, 0.2, 0.3)),
         ("excitation.mode", "single,same,opposite", ("single", "same", "opposite")),
+        ("roughness.mode", "consistent,paper", ("consistent", "varying-curvature")),
         ("solver.harmonics", "1:5:3", (1, 3, 5)),
         ("solver.harmonics", "3", (3,)),
         ("damping.rayleigh_beta", "1e-7 s,2e-7", (1e-7, 2e-7)),

@@ -53,6 +53,16 @@ def test_name_and_key_follow_from_the_inputs_alone(monkeypatch: pytest.MonkeyPat
             assert planned({"preload.centrifugal_force": "300"})[0].key != first.key  # another version answers anew
 
 
+def test_the_earlier_name_of_a_roughness_mode_plans_the_same_cases() -> None:
+    earlier, today = (planned({"roughness.mode": f"consistent,{word}"}) for word in ("paper", "varying-curvature"))
+    assert earlier == today
+    assert [case.values for case in earlier] == [("consistent",), ("varying-curvature",)]
+    from_file = Case.from_text('[roughness]\nmode = "paper"\n')
+    assert planned({"friction.coefficient": "0.3"}, from_file)[0].key == earlier[1].key
+    with pytest.raises(InputError, match=r"roughness.mode has the value varying-curvature twice"):
+        planned({"roughness.mode": "paper,varying-curvature"})
+
+
 def test_the_key_follows_from_the_code_that_solves_not_from_what_shows(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -44,6 +44,7 @@ from stickslip.case.own_sections import (
     UnbalanceSection,
 )
 from stickslip.case.plain import keys_left_out, plain_section, with_absolute_files
+from stickslip.case.reference import ReferenceSection
 from stickslip.case.sections import (
     ContactStiffnessSection,
     DampingSection,
@@ -74,7 +75,7 @@ Kind = Literal["two-blade", "mesh", "matrices"]
 SECTIONS = (
     "study", "structure", "geometry", "mesh", "material", "bodies", "reduction", "roughness",
     "contact_stiffness", "friction", "interfaces", "preload", "damping", "excitation", "forces", "base_motion",
-    "unbalance", "responses", "static_loads", "rotation", "analysis", "solver", "output",
+    "unbalance", "responses", "static_loads", "rotation", "reference", "analysis", "solver", "output",
 )  # fmt: skip
 
 
@@ -97,6 +98,7 @@ class Case(BaseModel):
     friction: FrictionSection = FrictionSection()
     preload: PreloadSection = PreloadSection()
     damping: DampingSection = DampingSection()
+    reference: ReferenceSection | None = Field(default=None, description=ReferenceSection.__doc__)
     solver: SolverSection = SolverSection()
     output: OutputSection = OutputSection()
 
@@ -262,7 +264,7 @@ class Case(BaseModel):
         """Whether a section stands in the study file of this case, be it as a comment."""
         if name == "structure":
             return self.structure.kind != "two-blade"
-        return bool(self.sections.get(name)) or name in ("roughness", "contact_stiffness")
+        return bool(self.sections.get(name)) or name in ("roughness", "contact_stiffness", "reference")
 
 
 class TwoBladeCase(Case):

@@ -26,7 +26,7 @@ from pydantic import (
 )
 
 from stickslip.core.errors import InputError
-from stickslip.core.units import LARGEST_INTEGER, NEGLIGIBLE, Count, Quantity
+from stickslip.core.units import LARGEST_INTEGER, NEGLIGIBLE, Count, Quantity, Respelled
 
 _CONTROLS = ("Cc", "Cs", "Zl", "Zp")  # controls, halves of characters, separators of lines and paragraphs
 # Limits are wide on purpose: from micromachined parts (micrometres, micrograms) to the largest turbines. What lies
@@ -197,7 +197,7 @@ class RoughnessSection(Section):
             at_least=NEGLIGIBLE,
             at_most=1e-3,
             usual=(NEGLIGIBLE, 1e-5),
-            unit_required="Papers leave it out, and between m and mm lies a factor of 1000.",
+            unit_required="Publications leave it out, and between m and mm lies a factor of 1000.",
             example='"1e-8 m"',
         ),
     ] = Field(default=1e-8, description="G; the unit is required")
@@ -214,9 +214,12 @@ class RoughnessSection(Section):
     seed: Annotated[int, Count(at_least=0, at_most=LARGEST_INTEGER)] = Field(
         default=1, description="of the random phases"
     )
-    mode: Literal["consistent", "paper", "unloading"] = Field(
+    # "paper" is the earlier name of "varying-curvature" in study files.
+    mode: Annotated[
+        Literal["consistent", "varying-curvature", "unloading"], Respelled("paper", "varying-curvature")
+    ] = Field(
         default="consistent",
-        description="paper: equations (8), (9) as printed; unloading: plastic spots respond too",
+        description="varying-curvature: K_n along spots of all sizes; unloading: plastic spots respond too",
     )
     allocation: Literal["area", "pressure"] = Field(
         default="area", description="stiffness of a pair by its share of area, or by its own pressure"
@@ -227,7 +230,7 @@ class RoughnessSection(Section):
         examples=["180 mm^2"],
     )
     domain_extension: Annotated[float, Quantity("pure number", at_least=1.0, at_most=1e3)] = Field(
-        default=1.0, description="psi of the size distribution; 1 as in the paper"
+        default=1.0, description="psi of the size distribution; 1 leaves it out"
     )
 
     @field_validator("shortest_length")

@@ -91,8 +91,8 @@ def contact_sentence(fit: RoughnessFit, hardness: str | None = None) -> str:
     """What load gives a face of this roughness a contact stiffness, in a sentence; ``hardness`` with its unit.
 
     Below that load the largest spot is smaller than the critical area a_c', so every spot is plastic and K = 0 in the
-    consistent and the paper mode. Material, wave range and, if ``hardness`` is None, hardness are the defaults of a
-    study file. Raises InputError for a hardness that is not usable or a fit without D and G.
+    consistent and the varying-curvature mode. Material, wave range and, if ``hardness`` is None, hardness are the
+    defaults of a study file. Raises InputError for a hardness that is not usable or a fit without D and G.
     """
     chosen: dict[str, float | str] = {
         "roughness.fractal_dimension": fit.fractal_dimension,

@@ -1,7 +1,7 @@
 """Values of a study file: ``"145 mm"`` or a plain SI number becomes an SI float, or a sentence says why it cannot.
 
-``Quantity`` and ``Count`` annotate the fields of the study file's sections; pydantic calls their ``parse``. The units
-package (pint) is loaded when the first value with a unit that is not the SI one appears.
+``Quantity``, ``Count`` and ``Respelled`` annotate the fields of the study file's sections; pydantic calls their
+``parse``. The units package (pint) is loaded when the first value with a unit that is not the SI one appears.
 """
 
 from __future__ import annotations
@@ -197,6 +197,22 @@ class Count:
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
         """Let pydantic call ``parse``."""
         return core_schema.no_info_plain_validator_function(self.parse)
+
+
+@dataclass(frozen=True)
+class Respelled:
+    """A choice of a study file of which one word had another spelling in earlier versions; both read as the new one."""
+
+    earlier: str
+    word: str
+
+    def parse(self, value: Any) -> Any:
+        """The new word in place of the earlier one; anything else as it is."""
+        return self.word if value == self.earlier else value
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        """Let pydantic call ``parse`` before it looks for the word among the choices."""
+        return core_schema.no_info_before_validator_function(self.parse, handler(source))
 
 
 def _short(value: float) -> str:

@@ -1,4 +1,4 @@
-"""Figures for papers and reports, one function a figure; ``save`` writes SVG, PNG or PDF by matplotlib.
+"""Figures for publications and reports, one function a figure; ``save`` writes SVG, PNG or PDF by matplotlib.
 
 Amplitudes are 0-to-peak in µm, frequencies in Hz. The page has its own, interactive ones in ``plots.py``. A "$" in a
 name of a user is no mathematics.
@@ -21,7 +21,7 @@ from stickslip.core.validation import finite_array
 from stickslip.reporting.look import mark_size
 from stickslip.reporting.style import LINE_COLOURS, MICRO, STATES
 from stickslip.reporting.view import View
-from stickslip.results.record import StudyRecord
+from stickslip.results.record import StudyRecord, compared_model, reference_deviation
 from stickslip.results.response import ForcedResponse
 
 if TYPE_CHECKING:
@@ -129,21 +129,22 @@ def energy_curve(response: ForcedResponse, study: StudyRecord) -> Figure:
 
 
 def mode_comparison(study: StudyRecord) -> Figure:
-    """Deviation of each natural frequency from the paper's Table 2, with the word inferred in its title.
+    """Deviation of each natural frequency of the model from its reference, with the source of the reference.
 
-    Raises InputError if no row of the mode table has ``full_hz`` and ``table2_hz``.
+    Raises InputError if no row of the mode table has a frequency of the model and ``reference_hz``.
     """
-    rows = [row for row in study.mode_table if "full_hz" in row and "table2_hz" in row]
-    if not rows:
-        raise InputError("the mode table has no row with full_hz and table2_hz, so there is nothing to compare.")
-    deviation = [100.0 * (float(row["full_hz"]) / float(row["table2_hz"]) - 1.0) for row in rows]
-    labels = [f"{row.get('mode', i + 1)}: {float(row['table2_hz']):.1f} Hz" for i, row in enumerate(rows)]
+    found = [(row, reference_deviation(row)) for row in study.mode_table]
+    compared = [(row, percent) for row, percent in found if percent is not None]
+    if not compared:
+        raise InputError("the mode table has no row with full_hz and reference_hz, so there is nothing to compare.")
+    rows, deviation = zip(*compared, strict=True)
+    labels = [f"{row.get('mode', i + 1)}: {float(row['reference_hz']):.1f} Hz" for i, row in enumerate(rows)]
     figure, axes = one_panel(7.0, 3.4)
     axes.bar(range(len(rows)), deviation, color=BLUE)
     axes.axhline(0.0, color=INK, linewidth=0.8)
     axes.set_xticks(range(len(rows)), labels, rotation=45, ha="right")
-    axes.set(xlabel="Mode: frequency in Table 2", ylabel="Full model against Table 2, %")
-    axes.set_title("Natural frequencies of the inferred geometry", fontsize=10)
+    axes.set(xlabel="Mode: reference", ylabel=f"{compared_model(study.mode_table)} against reference, %")
+    axes.set_title(f"Natural frequencies against {study.mode_reference}", fontsize=10, parse_math=False)
     return figure
 
 
@@ -209,7 +210,7 @@ def save_all(
     }
     if View.of(response, study).rest_is_uneven:
         drawn["rest_pressure"] = rest_pressure(response, study)
-    if any("table2_hz" in row and "full_hz" in row for row in study.mode_table):
+    if any(reference_deviation(row) is not None for row in study.mode_table):
         drawn["mode_comparison"] = mode_comparison(study)
     return [save(figure, Path(folder) / f"{name}.{ending}") for name, figure in drawn.items() for ending in formats]
 

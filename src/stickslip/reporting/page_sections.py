@@ -18,7 +18,7 @@ from stickslip.reporting.structure_section import STRUCTURE
 from stickslip.reporting.style import MICRO, number, shown_number
 from stickslip.reporting.view import View
 from stickslip.results.measures import summary_table
-from stickslip.results.record import StudyRecord
+from stickslip.results.record import StudyRecord, compared_model, reference_deviation
 from stickslip.results.rough_patch import RoughPatch
 
 _MAPS = """\
@@ -64,30 +64,30 @@ _MODE_HEADINGS = {
     "reduced_hz": "Reduced model, Hz",
     "difference_percent": "Difference, %",
     "mac": "MAC",
-    "table2_hz": "Paper, Table 2, Hz",
+    "reference_hz": "Reference, Hz",
 }
 
 
 @dataclass(frozen=True)
 class _ModeTable:
-    """The mode table in words: headings and cells, each with whether it is a word; ``compared`` with the paper."""
+    """The mode table in words: headings and cells, each with whether it is a word; source of its reference, or ""."""
 
     contact: str
-    compared: bool
+    source: str
     headings: list[tuple[str, bool]]
     rows: list[list[tuple[str, bool]]]
 
 
 def _mode_table(study: StudyRecord) -> _ModeTable:
     columns = [key for key in _MODE_HEADINGS if any(key in row for row in study.mode_table)]
-    compared = "table2_hz" in columns and "full_hz" in columns
+    deviation = [reference_deviation(row) for row in study.mode_table]
     headings = [(_MODE_HEADINGS[key], key == "description") for key in columns]
     rows = [[(_mode_cell(key, row.get(key)), key == "description") for key in columns] for row in study.mode_table]
-    if compared:
-        headings.append(("Full model against paper, %", False))
-        for cells, row in zip(rows, study.mode_table, strict=True):
-            cells.append((_deviation(row), False))
-    return _ModeTable(study.mode_contact, compared, headings, rows)
+    if any(percent is not None for percent in deviation):
+        headings.append((f"{compared_model(study.mode_table)} against reference, %", False))
+        for cells, percent in zip(rows, deviation, strict=True):
+            cells.append(("–" if percent is None else f"{percent:+.2f}".replace("-", "−"), False))
+    return _ModeTable(study.mode_contact, study.mode_reference, headings, rows)
 
 
 def _mode_cell(key: str, value: str | float | int | None) -> str:
@@ -100,12 +100,6 @@ def _mode_cell(key: str, value: str | float | int | None) -> str:
     if key == "mac":
         return f"{value:.4f}"
     return f"{value:.2e}".replace("-", "−") if key == "difference_percent" else shown_number(float(value), "Hz")
-
-
-def _deviation(row: dict[str, str | float | int]) -> str:
-    if "table2_hz" not in row or "full_hz" not in row:
-        return "–"
-    return f"{100.0 * (float(row['full_hz']) / float(row['table2_hz']) - 1.0):+.2f}".replace("-", "−")
 
 
 def _rough_face(patch: RoughPatch) -> str:
@@ -236,13 +230,11 @@ SECTIONS = (
         lambda view: bool(view.study.signal_groups),
     ),
     Section(
-        "Natural frequencies, contact {{ modes.contact }}{% if modes.compared %} (geometry inferred){% endif %}",
+        "Natural frequencies, contact {{ modes.contact }}",
         """\
-{% if modes.compared %}
-<p class="note">The geometry is <b>inferred</b>: the paper's drawing does not survive, so seven dimensions were
-  fitted to these ten frequencies of its Table 2, with tied contact. The last column shows how good that fit is;
-  it is not an independent check. The frequencies of this study, with its own contact stiffness, stand among the
-  derived quantities.</p>{% endif %}
+{% if modes.source %}
+<p class="note">Reference: {{ modes.source }}. It is compared in the order of the modes, with the contact of the
+  model as in the heading.</p>{% endif %}
 {%- call parts.scrolled("Natural frequencies") %}<table><thead><tr>
 {%- for heading, is_word in modes.headings %}{{ parts.head_cell(heading, is_word) }}{% endfor -%}
 </tr></thead><tbody>

@@ -10,11 +10,12 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from stickslip import __version__
 
+OWN_PACKAGE = "stickslip.reporting"
 # Of style, plotly.js needs its own sheet and attributes; a picture is saved by way of a blob.
 _POLICY = (
     "default-src 'none'; script-src {scripts}; style-src 'unsafe-inline'; img-src data: blob:; connect-src 'none'; "
@@ -41,20 +42,23 @@ class Tile:
     more: str = ""
 
 
-def asset(name: str) -> str:
-    """Text of a file of the assets."""
-    return (files("stickslip.reporting") / "assets" / name).read_text(encoding="utf-8")
+def asset(name: str, package: str = OWN_PACKAGE) -> str:
+    """Text of a file of the assets of a package."""
+    return (files(package) / "assets" / name).read_text(encoding="utf-8")
 
 
-def rendered(template: str, values: Mapping[str, Any]) -> Markup:
-    """A template of the assets filled with values; text in them is escaped. Raises jinja2.UndefinedError."""
-    return Markup(_environment().get_template(template).render(values))
+def rendered(template: str, values: Mapping[str, Any], package: str = OWN_PACKAGE) -> Markup:
+    """A template of the assets filled with values; text in them is escaped. Raises jinja2.UndefinedError.
+
+    Templates of another ``package`` may extend and import those of this one.
+    """
+    return Markup(_environment(package).get_template(template).render(values))
 
 
 def rendered_text(template: str, values: Mapping[str, Any]) -> Markup:
     """A template that stands in the code, which may use ``parts``; else as :func:`rendered`."""
     whole = '{% import "parts.html" as parts %}' + template
-    return Markup(_environment().from_string(whole).render(values))
+    return Markup(_environment(OWN_PACKAGE).from_string(whole).render(values))
 
 
 def whole_page(
@@ -67,6 +71,7 @@ def whole_page(
     styles: Sequence[str] = (),
     scripts: Sequence[str] = (),
     data: Mapping[str, Any] | None = None,
+    package: str = OWN_PACKAGE,
 ) -> str:
     """A page: a template of the assets that extends the frame which all pages share.
 
@@ -78,19 +83,21 @@ def whole_page(
     styles, scripts, data:
         further style sheets of the assets; scripts of the assets that draw figures with plotly, and what they read:
         id of an element -> value that becomes JSON. Without scripts the page has none, nor plotly.
+    package:
+        whose folder "assets" has the template and the further style sheets.
     """
     code = _scripts(scripts) if scripts else ()
     frame = {
         "kind": kind,
         "head_title": head_title or values["title"],
-        "css": Markup("\n").join(_own_text(name) for name in ("page.css", *styles)),
+        "css": Markup("\n").join([_own_text("page.css"), *(_own_text(name, package) for name in styles)]),
         "policy": _POLICY.format(scripts=" ".join(map(_source, code)) or "'none'"),
         "data": data or {},
         "scripts": code,
         "version": __version__,
         "provenance": provenance,
     }
-    return str(rendered(template, {**values, **frame}))
+    return str(rendered(template, {**values, **frame}, package))
 
 
 def when(provenance: Mapping[str, str]) -> str:
@@ -99,9 +106,10 @@ def when(provenance: Mapping[str, str]) -> str:
 
 
 @cache
-def _environment() -> Environment:
+def _environment(package: str) -> Environment:
+    places = dict.fromkeys((package, OWN_PACKAGE))
     environment = Environment(
-        loader=PackageLoader("stickslip.reporting", "assets"),
+        loader=ChoiceLoader([PackageLoader(name, "assets") for name in places]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -112,9 +120,9 @@ def _environment() -> Environment:
     return environment
 
 
-def _own_text(name: str) -> Markup:
-    """A style sheet or script of the package, which is no text of a user."""
-    return Markup(asset(name))
+def _own_text(name: str, package: str = OWN_PACKAGE) -> Markup:
+    """A style sheet or script of a package, which is no text of a user."""
+    return Markup(asset(name, package))
 
 
 def _scripts(own: Sequence[str]) -> tuple[Markup, ...]:

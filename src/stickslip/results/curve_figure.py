@@ -1,4 +1,4 @@
-"""The plain figure of an amplitude curve, for papers and notebooks."""
+"""The plain figure of an amplitude curve, for publications and notebooks."""
 
 from __future__ import annotations
 

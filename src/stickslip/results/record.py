@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -19,7 +20,10 @@ from stickslip.results.sketch import Sketch
 from stickslip.results.variables import Among, InGroup, Json, Labelled, NamedRows, Numbers, Text, WholeNumbers, stored
 
 Value = str | float | int
-MODE_COLUMNS = ("mode", "description", "full_hz", "reduced_hz", "difference_percent", "mac", "table2_hz")
+ModeRow = Mapping[str, Value]
+MODE_COLUMNS = ("mode", "description", "full_hz", "reduced_hz", "difference_percent", "mac", "reference_hz")
+# Earlier versions had one reference, with a column of its own: the frequencies that their geometry was fitted to.
+EARLIER_REFERENCE = ("table2_hz", "the frequencies that the default geometry was fitted to")
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,12 +50,13 @@ class StudyRecord(Labelled):
     pair_area:
         (n_pairs,) m2.
     mode_table:
-        rows with some of the keys mode, description, full_hz, reduced_hz, difference_percent, mac, table2_hz; no
-        difference and mac where a body moves freely.
-        ``table2_hz`` is the paper's frequency; a table that has it is shown beside the paper as inferred.
+        rows with some of the keys mode, description, full_hz, reduced_hz, difference_percent, mac, reference_hz; no
+        difference and mac where a body moves freely, no reference_hz for a mode that has none.
     mode_contact:
         how the pairs were held for the mode table: "tied", "stuck" on their springs, or "stuck (pairs closed at rest)",
         where those that are open at rest have no spring.
+    mode_reference:
+        where the ``reference_hz`` of the mode table come from: a measurement, another program, a publication.
     derived:
         (name, value, unit, explanation) of what follows from the inputs: face stiffness, Sq, preload, ...
     warnings:
@@ -100,6 +105,9 @@ class StudyRecord(Labelled):
     mode_contact: str = field(
         default="tied", metadata=stored(Text("how the pairs were held for the mode table", optional=True))
     )
+    mode_reference: str = field(
+        default="", metadata=stored(Text("where the reference frequencies of the mode table come from", optional=True))
+    )
     derived: tuple[tuple[str, str | float | int, str, str], ...] = field(
         default=(),
         metadata=stored(
@@ -136,16 +144,15 @@ class StudyRecord(Labelled):
             raise InputError(f"pair_face must number the faces 0 to {len(self.face_names) - 1} of face_names.")
         if self.sketch is not None and not np.isin(self.sketch.face, np.arange(-1, len(self.face_names))).all():
             raise InputError(f"face of the sketch must be -1 or a face from 0 to {len(self.face_names) - 1}.")
-        unknown = sorted({key for row in self.mode_table for key in row} - set(MODE_COLUMNS))
-        if unknown:
-            raise InputError(f'mode_table has the key "{unknown[0]}"; the keys are {", ".join(MODE_COLUMNS)}.')
+        mode_table, mode_reference = _with_reference(self.mode_table, self.mode_reference)
         object.__setattr__(self, "outputs", rows)
         object.__setattr__(self, "signal_groups", {key: tuple(names) for key, names in self.signal_groups.items()})
         object.__setattr__(self, "face_names", tuple(self.face_names))
         object.__setattr__(self, "pair_face", face.astype(np.int64))
         object.__setattr__(self, "pair_position", position)
         object.__setattr__(self, "pair_area", area)
-        object.__setattr__(self, "mode_table", tuple(plain(row) for row in self.mode_table))
+        object.__setattr__(self, "mode_table", mode_table)
+        object.__setattr__(self, "mode_reference", mode_reference)
         object.__setattr__(self, "derived", tuple(tuple(plain(row)) for row in self.derived))
         object.__setattr__(self, "warnings", tuple(self.warnings))
 
@@ -174,6 +181,46 @@ class StudyRecord(Labelled):
                 f"the motion of the sketch has {motion.harmonics} harmonics, but the response has "
                 f"{response.harmonics}; they belong to different runs."
             )
+
+
+def _with_reference(table: Sequence[ModeRow], source: str) -> tuple[tuple[ModeRow, ...], str]:
+    """The rows of a mode table and the source of their reference, also of a file of an earlier version.
+
+    Raises InputError for an unknown key, a reference that is no frequency above 0, and one without a source.
+    """
+    earlier, earlier_source = EARLIER_REFERENCE
+    if any(earlier in row for row in table):
+        source = source or earlier_source
+    rows = tuple({"reference_hz" if key == earlier else key: plain(row[key]) for key in row} for row in table)
+    unknown = sorted({key for row in rows for key in row} - set(MODE_COLUMNS))
+    if unknown:
+        raise InputError(f'mode_table has the key "{unknown[0]}"; the keys are {", ".join(MODE_COLUMNS)}.')
+    references = [row["reference_hz"] for row in rows if "reference_hz" in row]
+    wrong = [value for value in references if isinstance(value, str) or not value > 0]
+    if wrong:
+        raise InputError(f"mode_table has the reference_hz {wrong[0]!r}; leave it out where a mode has none above 0.")
+    if references and not source:
+        raise InputError("mode_table has reference_hz, but mode_reference does not say where they come from.")
+    return rows, source
+
+
+def reference_deviation(row: ModeRow) -> float | None:
+    """Deviation in percent of the model of a row of the mode table; None where model or reference is missing.
+
+    The model is the full one, or the reduced one where there is no full one.
+    """
+    model, reference = row.get("full_hz", row.get("reduced_hz")), row.get("reference_hz")
+    return None if model is None or reference is None else frequency_deviation(float(model), float(reference))
+
+
+def frequency_deviation(frequency: float, reference: float) -> float:
+    """``100 (frequency / reference - 1)`` in percent."""
+    return 100.0 * (frequency / reference - 1.0)
+
+
+def compared_model(table: Sequence[ModeRow]) -> str:
+    """Which model of a mode table is compared with its reference, in words."""
+    return "Full model" if any("full_hz" in row for row in table) else "Reduced model"
 
 
 def run_provenance() -> dict[str, str]:

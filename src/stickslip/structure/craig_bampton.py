@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -175,7 +173,7 @@ def _boundary(boundary_nodes: ArrayLike) -> IntArray:
 
 @dataclass(frozen=True)
 class ReductionRow:
-    """One mode before and after reduction; the ``paper_`` columns are Table 2 of the paper (None beyond its rows).
+    """One mode before and after reduction.
 
     Difference and modal assurance are not a number for a body that moves freely: its frequency is 0 Hz, and its
     modes are any combination of its motions.
@@ -186,16 +184,6 @@ class ReductionRow:
     reduced_hz: float
     difference_percent: float
     mac: float
-    paper_full_hz: float | None
-    paper_reduced_hz: float | None
-    paper_difference_percent: float | None
-    paper_mac: float | None
-
-
-def paper_table() -> tuple[dict[str, float], ...]:
-    """Table 2 of the paper: mode, full_hz, reduced_hz, frequency_difference_percent, mac of ten modes."""
-    text = files("stickslip").joinpath("data/paper_table2.csv").read_text(encoding="utf-8")
-    return tuple({name: float(value) for name, value in row.items()} for row in csv.DictReader(text.splitlines()))
 
 
 def reduction_table(
@@ -224,21 +212,5 @@ def reduction_table(
     mac[~elastic] = np.nan
     difference = np.full(count, np.nan)
     difference[elastic] = 100.0 * (reduced_hz[elastic] / full_hz[elastic] - 1.0)
-    paper = paper_table()
-    rows = []
-    for mode in range(count):
-        printed = paper[mode] if mode < len(paper) else {}
-        rows.append(
-            ReductionRow(
-                mode=mode + 1,
-                full_hz=float(full_hz[mode]),
-                reduced_hz=float(reduced_hz[mode]),
-                difference_percent=float(difference[mode]),
-                mac=float(mac[mode]),
-                paper_full_hz=printed.get("full_hz"),
-                paper_reduced_hz=printed.get("reduced_hz"),
-                paper_difference_percent=printed.get("frequency_difference_percent"),
-                paper_mac=printed.get("mac"),
-            )
-        )
-    return tuple(rows)
+    columns = zip(full_hz, reduced_hz, difference, mac, strict=True)
+    return tuple(ReductionRow(place + 1, *map(float, cells)) for place, cells in enumerate(columns))

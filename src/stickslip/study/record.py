@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import zip_longest
 
 from stickslip.case.case import Case
+from stickslip.case.reference import MODE_COUNT
 from stickslip.contact.pairing.pairing import FacePairs
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.progress import Progress
@@ -14,7 +16,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.model.layout import Derived
 from stickslip.model.model import ReducedModel, kind_of
 from stickslip.model.solved_preload import resting_pairs
-from stickslip.results.record import StudyRecord
+from stickslip.results.record import StudyRecord, Value
 from stickslip.results.response import ForcedResponse
 from stickslip.structure.craig_bampton import ReductionRow, reduction_table
 from stickslip.structure.elasticity import Structure
@@ -28,8 +30,7 @@ from stickslip.study.facts import (
     study_warnings,
 )
 
-MODE_COUNT = 10
-TIED, CLOSED_AT_REST = "tied", "(pairs closed at rest)"
+TIED, STUCK, CLOSED_AT_REST = "tied", "stuck", "(pairs closed at rest)"
 
 
 def study_record(
@@ -38,6 +39,12 @@ def study_record(
     """What the report shows beside the response, but for the sketch, which the cases of a sweep have in common."""
     pairs = model.joint.face_pairs
     held = held_contact(pairs, bool(model.pairs.closed_at_rest.all()))
+    mode_table = tuple(_mode_rows(table))
+    if case.reference is not None:
+        if not mode_table:  # a structure without a full model, or a sweep with pairs that are open at rest
+            mode_table = tuple(_stuck_rows(response))
+            held = STUCK if held == TIED else held
+        mode_table = tuple(_beside_reference(mode_table, case.reference.mode_frequencies))
     return StudyRecord(
         title=case.study.title,
         description=kind_of(case).description(case),
@@ -48,8 +55,9 @@ def study_record(
         pair_face=pairs.face,
         pair_position=pairs.face_position[:, ::-1],  # along the damper first, then up the slope
         pair_area=pairs.area,
-        mode_table=tuple(_mode_rows(table, fitted=held == TIED and kind_of(case).is_fitted(case))),
+        mode_table=mode_table,
         mode_contact=held,
+        mode_reference="" if case.reference is None else case.reference.source,
         derived=(*derived_quantities(case, model.joint), *resting_state(model), *natural_frequencies_found(response)),
         warnings=study_warnings(case, model.joint),
     )
@@ -93,20 +101,31 @@ def held_contact(pairs: FacePairs, all_closed: bool) -> str:
     ``all_closed``) is never tied, since ties would close it.
     """
     if not all_closed:
-        return f"stuck {CLOSED_AT_REST}"
-    return TIED if pairs.is_matching else "stuck"
+        return f"{STUCK} {CLOSED_AT_REST}"
+    return TIED if pairs.is_matching else STUCK
 
 
-def _mode_rows(table: tuple[ReductionRow, ...], fitted: bool) -> Iterator[dict[str, str | float | int]]:
-    """Rows of the mode table; the paper's column only beside tied contact of the geometry that was fitted to it."""
+def _mode_rows(table: tuple[ReductionRow, ...]) -> Iterator[dict[str, Value]]:
+    """Rows of the mode table."""
     for row in table:
-        cells: dict[str, str | float | int] = {
+        cells: dict[str, Value] = {
             "mode": row.mode,
             "full_hz": row.full_hz,
             "reduced_hz": row.reduced_hz,
         }
         if not math.isnan(row.difference_percent):  # it is for a body that moves freely
             cells |= {"difference_percent": row.difference_percent, "mac": row.mac}
-        if fitted and row.paper_full_hz is not None:
-            cells["table2_hz"] = row.paper_full_hz
         yield cells
+
+
+def _stuck_rows(response: ForcedResponse) -> Iterator[dict[str, Value]]:
+    """Rows of the model that was solved, pairs closed at rest stuck, where no full model is compared with it."""
+    for place, frequency_hz in enumerate(response.linear.stuck_frequency_hz[:MODE_COUNT]):
+        yield {"mode": place + 1, "reduced_hz": float(frequency_hz)}
+
+
+def _beside_reference(rows: Sequence[dict[str, Value]], reference_hz: Sequence[float]) -> Iterator[dict[str, Value]]:
+    """The rows with the reference of their mode, and what the reference has beyond them; 0 Hz is no reference."""
+    for place, (row, frequency_hz) in enumerate(zip_longest(rows, reference_hz, fillvalue=None)):
+        cells = row or {"mode": place + 1}
+        yield {**cells, "reference_hz": frequency_hz} if frequency_hz else cells

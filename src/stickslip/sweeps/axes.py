@@ -17,7 +17,7 @@ import numpy as np
 from stickslip.case.case import Case
 from stickslip.case.template import quantity_of
 from stickslip.core.errors import InputError
-from stickslip.core.units import Count, Quantity
+from stickslip.core.units import Count, Quantity, Respelled
 from stickslip.results.sweep_table import SweptKey, Value
 
 # These change what is written beside the results of a single run, never an answer.
@@ -115,6 +115,7 @@ def _item(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> lis
 def _single(name: str, kind: Quantity | Count | tuple[str, ...], value: Value) -> Value:
     """One value in SI, after checking that the key may take it. Raises InputError."""
     if isinstance(kind, tuple):
+        value = _respelled(name, value)
         if value not in kind:
             nearest = difflib.get_close_matches(str(value).lower(), kind, n=1)
             advice = f' Did you mean "{nearest[0]}"?' if nearest else ""
@@ -124,6 +125,12 @@ def _single(name: str, kind: Quantity | Count | tuple[str, ...], value: Value) -
         return kind.parse(value.item() if isinstance(value, np.generic) else value)
     except InputError as error:
         raise InputError(f"{name} = {value} {error}") from error
+
+
+def _respelled(name: str, value: Value) -> Value:
+    """A word as studies spell it today."""
+    _, field = Case.field_of(name.partition(".")[0], name.rpartition(".")[2])
+    return next((entry.parse(value) for entry in field.metadata if isinstance(entry, Respelled)), value)
 
 
 def _range(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> list[Value]:

@@ -101,7 +101,7 @@ def test_fully_plastic_load_falls_with_the_dimension_and_rises_again(scale: floa
         assert dimension[np.argmin(load)] == pytest.approx(2.0 + sqrt(c / (1.0 + c)), abs=1.1e-3)
 
 
-@pytest.mark.parametrize("mode", ["consistent", "paper"])
+@pytest.mark.parametrize("mode", ["consistent", "varying-curvature"])
 def test_the_other_ways_out_are_named(mode: str) -> None:
     with pytest.raises(RoughnessError, match=r"4 of 4 contact pairs .*unloading"):
         pair_stiffness(rough(2.3), AREA, 125.0, mode=mode)

@@ -142,11 +142,11 @@ def test_closed_forms_equal_quadrature(
 def test_stiffness_equals_quadrature_over_single_spots(dimension: float) -> None:
     face = rough(dimension)
     load = 4 * max(fully_plastic_load(face), 100.0)
-    found, printed = contact_stiffness(face, load), contact_stiffness(face, load, "paper")
+    found, printed = contact_stiffness(face, load), contact_stiffness(face, load, "varying-curvature")
     twin = SpotBySpot(face, 0.0, found.largest_area)
     zero = lambda area: 0.0  # noqa: E731
     assert found.normal == pytest.approx(twin.total(zero, twin.fixed_curvature_stiffness), rel=1e-9)
-    # The printed equation (8) is the derivative along the family of spots, whose curvature changes with the spot.
+    # The other mode is the derivative along the family of spots, whose curvature changes with the spot.
     assert printed.normal == pytest.approx(twin.total(zero, twin.family_stiffness), rel=1e-7)
     assert twin.total(lambda area: face.hardness * area, twin.elastic_load) == pytest.approx(load, rel=1e-9)
 
@@ -155,7 +155,7 @@ def test_stiffness_equals_quadrature_over_single_spots(dimension: float) -> None
 def test_tabulated_values(row: dict[str, float]) -> None:
     face = rough(row["fractal_dimension"], row["fractal_roughness_m"])
     found = contact_stiffness(face, row["load_n"], nominal_area=NOMINAL_AREA)
-    printed = contact_stiffness(face, row["load_n"], mode="paper")
+    printed = contact_stiffness(face, row["load_n"], mode="varying-curvature")
     four_digits = {"rel": 6e-4}
     assert found.critical_area == pytest.approx(row["critical_area_m2"], **four_digits)
     assert found.largest_area == pytest.approx(row["largest_area_m2"], **four_digits)
@@ -163,7 +163,7 @@ def test_tabulated_values(row: dict[str, float]) -> None:
     assert found.real_area / NOMINAL_AREA == pytest.approx(row["real_area_share"], **four_digits)
     assert found.normal == pytest.approx(row["normal_consistent"], **four_digits)
     assert found.tangential == pytest.approx(row["tangential"], **four_digits)
-    assert printed.normal == pytest.approx(row["normal_paper"], **four_digits)
+    assert printed.normal == pytest.approx(row["normal_varying_curvature"], **four_digits)
     assert printed.tangential == found.tangential
     assert (found.status == ContactStatus.FULLY_PLASTIC) == (row["normal_consistent"] == 0.0)
 
@@ -204,7 +204,7 @@ def test_unloading_needs_a_shortest_wave() -> None:
 )
 def test_printed_stiffness_against_consistent(dimension: float, ratio: float, factor: float) -> None:
     face = rough(dimension, 1e-11)
-    found, printed = contact_stiffness(face, 2000.0), contact_stiffness(face, 2000.0, "paper")
+    found, printed = contact_stiffness(face, 2000.0), contact_stiffness(face, 2000.0, "varying-curvature")
     assert found.tangential / found.normal == pytest.approx(0.823529, abs=1e-6)
     assert printed.tangential / printed.normal == pytest.approx(ratio, abs=1e-3)
     assert printed.normal / found.normal == pytest.approx(factor, abs=6e-4)
@@ -290,7 +290,7 @@ def test_the_spots_carry_the_load(face: Roughness, log_load: float, log_smallest
 
 
 @quick
-@given(faces, st.floats(-2, 4), st.sampled_from(["consistent", "paper"]))
+@given(faces, st.floats(-2, 4), st.sampled_from(["consistent", "varying-curvature"]))
 def test_stiffness_is_never_negative_and_rises_with_load(face: Roughness, log_load: float, mode: str) -> None:
     load = 10.0**log_load
     lower, upper = contact_stiffness(face, load, mode), contact_stiffness(face, 1.5 * load, mode)
@@ -380,7 +380,9 @@ def test_roughness_out_of_range(changes: dict[str, float], words: str) -> None:
 
 
 def test_arguments_out_of_range() -> None:
-    with pytest.raises(InputError, match="mode is 'printed', but it must be one of: consistent, paper, unloading"):
+    with pytest.raises(
+        InputError, match="mode is 'printed', but it must be one of: consistent, varying-curvature, unloading"
+    ):
         contact_stiffness(rough(), 1.0, "printed")
     with pytest.raises(InputError, match="load is nan"):
         contact_stiffness(rough(), float("nan"))

@@ -18,9 +18,12 @@ from stickslip.cli.main import app
 from stickslip.core.errors import InputError
 from stickslip.formats.matrices.exchange import read_superelement, write_superelement
 from stickslip.model.model import build_model, load_joint, set_up
+from stickslip.reporting.page import page
+from stickslip.results.record import reference_deviation
 from stickslip.results.storage import load_results
 from stickslip.structure.floating_parts import parts_of
 from stickslip.structure.joined import joined_modes
+from stickslip.study.solution import solve_case
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +54,22 @@ def test_run_writes_report_and_results(folder: Path) -> None:
     assert "Natural frequencies, contact" not in page
     assert saved.study.sketch is None  # matrices have no shape
     assert 'id="structure"' not in page
+
+
+@pytest.mark.slow
+def test_a_reference_is_compared_with_the_reduced_model(folder: Path, tmp_path: Path) -> None:
+    """Matrices have no full model; the stuck frequencies of the solved one stand beside the reference."""
+    case = changed(folder, reference__mode_frequencies=["900 Hz", "1.5 kHz"], reference__source="modal test")
+    solution = solve_case(case)
+    record = solution.record
+    stuck_hz = solution.response.linear.stuck_frequency_hz
+    assert record.mode_contact == "stuck"
+    assert [row["reduced_hz"] for row in record.mode_table] == stuck_hz[:10].tolist()
+    assert [row.get("reference_hz") for row in record.mode_table[:3]] == [900.0, 1500.0, None]
+    assert reference_deviation(record.mode_table[0]) == pytest.approx(100.0 * (stuck_hz[0] / 900.0 - 1.0))
+    text = page(solution.response, record)
+    assert "Reduced model against reference, %" in text
+    assert "Reference: modal test." in text
 
 
 def test_mesh_and_matrices_agree(folder: Path) -> None:

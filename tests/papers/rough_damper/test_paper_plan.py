@@ -11,6 +11,7 @@ from stickslip.papers.rough_damper.plan import (
     CHOICES,
     EXCITATIONS,
     LOAD_KEY,
+    MODES,
     Choice,
     Scope,
     base_case,
@@ -50,7 +51,7 @@ def test_labels_are_the_inputs(plan) -> None:
         assert (case.excitation.mode, case.excitation.amplitude) == (s.excitation, s.force)
         assert case.preload.centrifugal_force == s.load
         assert (case.roughness.fractal_dimension, case.roughness.fractal_roughness) == (s.dimension, s.scale)
-        assert case.roughness.mode == s.law
+        assert case.roughness.mode == MODES[s.law]
 
 
 LABELLED = {

@@ -32,7 +32,7 @@ class Roughness:
     hardness: float  # H in Pa, of the softer face
     reduced_modulus: float  # E* in Pa
     poisson_ratio: float  # of both faces
-    domain_extension: float = 1.0  # psi of the size distribution; 1 in the paper
+    domain_extension: float = 1.0  # psi of the size distribution; 1 leaves it out
     frequency_ratio: float = 1.5  # gamma, ratio of successive wave numbers
     sample_length: float | None = None  # L in m, longest wave
     shortest_length: float | None = None  # Ls in m, shortest wave
@@ -170,7 +170,7 @@ class SpotPopulation:
 
     @property
     def load(self) -> float:
-        """P = P_p + P_e in N, equation (5) with the bounds of the two integrals put right."""
+        """P = P_p + P_e in N: plastic spots up to min(a_c', a_l'), elastic ones from max(a_c', a_s') to a_l'."""
         return self.plastic_load + self.elastic_load
 
     @property

@@ -1,6 +1,6 @@
 """Contact stiffness of a rough face from its roughness and load, and its distribution over the contact pairs.
 
-Equations, sources and errata: docs/theory_roughness.md. The population of contact spots is in asperities.py.
+Equations and sources: docs/theory_roughness.md. The population of contact spots is in asperities.py.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ __all__ = [
     "reduced_modulus",
 ]
 
-StiffnessMode = Literal["consistent", "paper", "unloading"]
+StiffnessMode = Literal["consistent", "varying-curvature", "unloading"]
 
 LARGEST_AREA_SHARE = 0.1  # real over nominal area above which spots touch each other
 LARGEST_ASPERITY_SLOPE = 0.1  # interference over radius above which Hertz's small strain fails
@@ -77,7 +77,10 @@ class ContactStiffness:
 def reduced_modulus(
     first_young_modulus: float, first_poisson_ratio: float, second_young_modulus: float, second_poisson_ratio: float
 ) -> float:
-    """E* = [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]^-1 in Pa (equation 4). Raises InputError for values out of range."""
+    """E* = [(1 - nu1^2)/E1 + (1 - nu2^2)/E2]^-1 in Pa. Raises InputError for values out of range.
+
+    Source: H. Hertz (1882); K. L. Johnson, Contact Mechanics (1985), chapter 4.
+    """
     compliance = 0.0
     for number, modulus, ratio in (
         ("first", first_young_modulus, first_poisson_ratio),
@@ -97,10 +100,12 @@ def contact_stiffness(
 
     consistent: K_n is the sum of dF/ddelta = 2 E* r over the elastic spots at fixed curvature (Hertz),
         K_n = sqrt(2/pi) E* b,   b = psi^((2-d)/2) d/(d-1) [a_l'^(d/2) a_c'^((1-d)/2) - a_l'^(1/2)],   d = D - 1.
-    paper: equation (8) as printed, read with d: the above times 2(3-d) / (3(2-d)).
+    varying-curvature: K_n is the sum of (dF_e/dr') / (ddelta/dr') along the family of spots, whose curvature varies
+        with their size: the above times 2(3-d) / (3(2-d)). No single spot has this stiffness.
     unloading: plastic spots respond elastically to small oscillation too, 2 E* sqrt(a'/pi) each. It needs a smallest
         spot, a_s' = pi (Ls/2)^2 with Ls = roughness.shortest_length, which then also bounds load and area from below.
     K_t = K_n(fixed curvature) 2(1-nu)/(2-nu) (Mindlin, equal materials) in all modes.
+    Derivation and sources: docs/theory_roughness.md, sections 2 to 4.
 
     ``nominal_area`` in m2, if given, is compared with the real area. A stiffness of zero is returned, with its status
     and its sentence; ``springs_of_pairs`` rejects it. Raises InputError for values that are not usable.
@@ -154,7 +159,7 @@ def _spot_stiffness(spots: SpotPopulation, mode: StiffnessMode) -> tuple[float, 
     fixed_curvature = sqrt(2.0 / pi) * roughness.reduced_modulus * spots.elastic_moment(exponent)
     if mode == "unloading":
         fixed_curvature += 2.0 / sqrt(pi) * roughness.reduced_modulus * spots.plastic_moment(exponent)
-    along_family = 2.0 * (3.0 - d) / (3.0 * (2.0 - d)) if mode == "paper" else 1.0
+    along_family = 2.0 * (3.0 - d) / (3.0 * (2.0 - d)) if mode == "varying-curvature" else 1.0
     mindlin = 2.0 * (1.0 - roughness.poisson_ratio) / (2.0 - roughness.poisson_ratio)
     return along_family * fixed_curvature, mindlin * fixed_curvature
 

@@ -54,6 +54,3 @@ class Kind(Protocol[CaseT]):
 
     def rough_face_size(self, case: CaseT) -> tuple[float, float]:
         """m along and across a face, for a picture of its roughness."""
-
-    def is_fitted(self, case: CaseT) -> bool:
-        """Whether the structure is the one that was fitted to the paper's Table 2."""

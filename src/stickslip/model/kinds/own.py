@@ -80,10 +80,6 @@ class OwnKind(Generic[OwnCaseT]):
         length = roughness_section(case).sample_length
         return length, 0.25 * length
 
-    def is_fitted(self, case: OwnCaseT) -> bool:
-        """Only the two blades were fitted to the paper."""
-        return False
-
     def forces(self, case: OwnCaseT) -> tuple[PortForce, ...]:
         """The harmonic forces."""
         return tuple(

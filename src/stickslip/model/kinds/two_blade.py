@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from stickslip.case.case import TwoBladeCase
-from stickslip.case.two_blade_sections import GeometrySection, MaterialSection
 from stickslip.contact.pairing.pairing import FacePairs, pair_faces
 from stickslip.contact.preload import prescribed_preload, uniform_preload
 from stickslip.core.errors import InputError, concerning, keys_of_section
@@ -173,10 +172,6 @@ class TwoBladeKind:
     def rough_face_size(self, case: TwoBladeCase) -> tuple[float, float]:
         """m along and across the contact face, for a picture of it."""
         return case.geometry.damper_length, case.geometry.contact_face_width
-
-    def is_fitted(self, case: TwoBladeCase) -> bool:
-        """Whether the structure is the one whose dimensions were fitted to the paper's Table 2."""
-        return case.geometry == GeometrySection() and case.material == MaterialSection()
 
 
 def build_mesh(case: TwoBladeCase) -> Mesh:

@@ -18,6 +18,7 @@ from stickslip.papers.rough_damper.plan import (
     changed_load,
     changes,
     variant,
+    words_of,
 )
 from stickslip.papers.rough_damper.records import Solved
 from stickslip.papers.rough_damper.tables import Cell, Table, columns
@@ -107,7 +108,7 @@ def _picked(
 def choices_item(changed: Sequence[ChangedVerdict], scope: Scope) -> Item:
     """The choices, and every verdict with one of them changed."""
     rows: list[tuple[Cell, ...]] = [
-        (c.name, str(c.base), ", ".join(map(str, c.others)), c.reason) for c in scope.choices
+        (c.name, str(c.base), ", ".join(words_of(c, value) for value in c.others), c.reason) for c in scope.choices
     ]
     choices = Table(
         "choices",

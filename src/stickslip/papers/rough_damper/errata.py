@@ -9,8 +9,8 @@ import numpy as np
 from stickslip.papers.rough_damper.claims import Solutions
 from stickslip.papers.rough_damper.curve_items import law_pairs
 from stickslip.papers.rough_damper.items import Item, base
+from stickslip.papers.rough_damper.table2 import table2
 from stickslip.papers.rough_damper.tables import Cell, Table, columns
-from stickslip.structure.craig_bampton import paper_table
 
 
 @dataclass(frozen=True)
@@ -214,7 +214,7 @@ def _unit(stiffness: Table) -> str:
 
 
 def _exceeding() -> str:
-    modes = [f"{row['mode']:.0f}" for row in paper_table() if row["frequency_difference_percent"] > 0.01]
+    modes = [f"{row['mode']:.0f}" for row in table2() if row["frequency_difference_percent"] > 0.01]
     return f"modes {', '.join(modes)} of its own table are above 0.01 %"
 
 

@@ -15,30 +15,31 @@ from stickslip.core.validation import FloatArray
 from stickslip.model.joint import case_material, case_roughness, roughness_section
 from stickslip.papers.rough_damper.claims import MICRO, Solutions
 from stickslip.papers.rough_damper.items import Item, ModelClaim, Picture
+from stickslip.papers.rough_damper.plan import MODES, law_of
+from stickslip.papers.rough_damper.table2 import table2
 from stickslip.papers.rough_damper.tables import Cell, Table, columns
 from stickslip.papers.rough_damper.verdicts import Answer, Judgement, judge, rises
-from stickslip.structure.craig_bampton import paper_table
+from stickslip.results.record import frequency_deviation
 
 PAPER_DIMENSIONS = (2.2, 2.3, 2.49)
 PAPER_SCALE = 1e-8
 DIMENSIONS = (2.2, 2.3, 2.4, 2.49)
 SCALES = (1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 LOADS = (50.0, 100.0, 500.0, 2000.0)  # N of the damper; a face carries 0.577 of it
-LAWS = ("consistent", "paper", "unloading")
 
 
 def reduction_item(case: TwoBladeCase, solutions: Solutions, full_size: int, pairs: int) -> Item:
     """Tables 1 and 2, Figure 2."""
     reduced = int(solutions[0].numbers["unknowns_reduced"])
     rows: list[tuple[Cell, ...]] = []
-    for mode, paper in zip(solutions[0].mode_table, paper_table(), strict=False):
+    for mode, paper in zip(solutions[0].mode_table, table2(), strict=False):
         number, full_hz, reduced_hz, difference, mac = (float(value) for value in mode)
         rows.append(
             (
                 int(number),
                 full_hz,
                 paper["full_hz"],
-                100.0 * (full_hz / paper["full_hz"] - 1.0),
+                frequency_deviation(full_hz, paper["full_hz"]),
                 reduced_hz,
                 difference,
                 paper["frequency_difference_percent"],
@@ -98,7 +99,7 @@ def reduction_item(case: TwoBladeCase, solutions: Solutions, full_size: int, pai
 
 def _judged_reduction(_case: TwoBladeCase, solutions: Solutions) -> Judgement:
     answers = []
-    for mode, paper in zip(solutions[0].mode_table, paper_table(), strict=False):
+    for mode, paper in zip(solutions[0].mode_table, table2(), strict=False):
         number, difference = int(mode[0]), float(mode[3])
         words = f"{difference:.2e} % (paper {paper['frequency_difference_percent']:.2e} %)"
         answers.append(Answer({"mode": f"{number}"}, abs(difference) < 0.01, words))
@@ -208,14 +209,14 @@ def _roughness(case: TwoBladeCase) -> Roughness:
 def _stiffness(base: TwoBladeCase, dimension: float, scale: float, load: float, law: str) -> ContactStiffness:
     force, area = _face_load(base, load)
     roughness = _roughness(rough_case(base, dimension, scale))
-    return contact_stiffness(roughness, force, mode=law, nominal_area=area)  # type: ignore[arg-type]
+    return contact_stiffness(roughness, force, mode=MODES[law], nominal_area=area)
 
 
 def stiffness_item(base: TwoBladeCase) -> Item:
     """K_n and K_t against D, G and load in three modes; where the law fails; equation 8 against Hertz."""
     rows = []
     for dimension, scale, load in _grid():
-        found = {law: _stiffness(base, dimension, scale, load, law) for law in LAWS}
+        found = {law: _stiffness(base, dimension, scale, load, law) for law in MODES}
         plain = found["consistent"]
         ratio = found["paper"].normal / plain.normal if plain.normal else float("nan")
         rows.append(
@@ -279,7 +280,7 @@ def _judged_stiffness(base: TwoBladeCase, _solutions: Solutions) -> Judgement:
     answers = []
     for dimension in PAPER_DIMENSIONS:
         for load in LOADS:
-            found = _stiffness(base, dimension, PAPER_SCALE, load, roughness_section(base).mode)
+            found = _stiffness(base, dimension, PAPER_SCALE, load, law_of(base))
             holds = found.status is not ContactStatus.FULLY_PLASTIC
             where = {"D": f"{dimension:g}", "F_N": f"{load:g} N"}
             answers.append(Answer(where, holds, f"K_n {found.normal:.3g} N/m"))
@@ -330,7 +331,7 @@ def stiffness_over_load(base: TwoBladeCase, scale: float) -> dict[str, list[Line
             (f"D = {d:g}", list(LOADS), [_stiffness(base, d, scale, load, law).normal for load in LOADS])
             for d in DIMENSIONS
         ]
-        for law in LAWS
+        for law in MODES
     }
 
 
@@ -338,7 +339,7 @@ def stiffness_over_scale(base: TwoBladeCase) -> dict[str, list[Line]]:
     """Lines of the stiffness figure: law -> (label, G in m, K_n in N/m) at the base load, one line for each D."""
     load = float(base.preload.centrifugal_force or 0.0)
     result = {}
-    for law in LAWS:
+    for law in MODES:
         result[law] = [
             (f"D = {d:g}", list(SCALES), [_stiffness(base, d, g, load, law).normal for g in SCALES]) for d in DIMENSIONS
         ]

@@ -59,7 +59,8 @@ def write_page(
         "table_folder": TABLE_FOLDER,
         "inputs": inputs,
     }
-    text = whole_page("paper.html", "A published study, computed again", values, provenance, styles=("paper.css",))
+    kind, here = "A published study, computed again", "stickslip.papers.rough_damper"
+    text = whole_page("paper.html", kind, values, provenance, styles=("paper.css",), package=here)
     with whole_file(path, "page of the study", InputError) as part:
         part.write_text(text, encoding="utf-8")
 

@@ -11,8 +11,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from stickslip.case.case import TwoBladeCase
+from stickslip.contact.stiffness.fractal import StiffnessMode
 from stickslip.core.errors import StudyFileError
 from stickslip.model.joint import roughness_section
+from stickslip.papers.rough_damper.table2 import SOURCE, table2
 from stickslip.sweeps.plan import PlannedCase, case_hashes
 
 EXCITATIONS = ("single", "same", "opposite")
@@ -20,6 +22,14 @@ BASE_CHOICE = "base"
 
 
 LOAD_KEY = "preload.centrifugal_force"
+LAW_KEY = "roughness.mode"
+# Law as the page calls it -> roughness.mode of study files; "paper" is equation 8 as printed.
+MODES: Mapping[str, StiffnessMode] = {
+    "consistent": "consistent",
+    "paper": "varying-curvature",
+    "unloading": "unloading",
+}
+_LAWS = {mode: law for law, mode in MODES.items()}
 Roughnesses = tuple[tuple[float, float], ...]  # (D, G in m)
 
 
@@ -74,9 +84,9 @@ CHOICES = (
     ),
     Choice(
         "stiffness law",
-        "roughness.mode",
+        LAW_KEY,
         "consistent",
-        ("paper",),
+        ("varying-curvature",),
         "the stiffness of a spot at fixed curvature (Hertz), in which equations 8 and 9 agree with each other.",
     ),
     Choice(
@@ -166,7 +176,8 @@ WINDOW: Mapping[str, Any] = {"solver.frequency_start": "405 Hz", "solver.frequen
 def base_case(scope: Scope) -> TwoBladeCase:
     """The case that all others are made from. Raises StudyFileError for a wrong change."""
     chosen = {choice.key: choice.base for choice in CHOICES}
-    return TwoBladeCase().replace({**chosen, **WINDOW, **scope.changes})
+    compared = {"reference.mode_frequencies": [row["full_hz"] for row in table2()], "reference.source": SOURCE}
+    return TwoBladeCase().replace({**chosen, **WINDOW, **compared, **scope.changes})
 
 
 def computations(scope: Scope) -> tuple[Computation, ...]:
@@ -195,7 +206,7 @@ def _wanted(scope: Scope) -> Iterator[tuple[str, dict[str, Any], float, float, f
         yield BASE_CHOICE, {}, force, load, dimension, scale, other
     for choice, value in changes(scope):
         changed, probe = variant(choice, value), base_case(scope).replace({choice.key: value})
-        law_there = roughness_section(probe).mode
+        law_there = law_of(probe)
         for force, load, points in scope.changed_runs(changed_load(choice, probe)):
             if choice.key == LOAD_KEY and (force, load) in scope.runs:
                 continue  # a run of the base already
@@ -215,9 +226,19 @@ def changed_load(choice: Choice, case: TwoBladeCase) -> float | None:
     return case.preload.centrifugal_force if choice.key == LOAD_KEY else None
 
 
+def law_of(case: TwoBladeCase) -> str:
+    """The law of a case as the page calls it."""
+    return _LAWS[roughness_section(case).mode]
+
+
+def words_of(choice: Choice, value: Any) -> str:
+    """A value of a choice as the page calls it."""
+    return _LAWS[value] if choice.key == LAW_KEY else str(value)
+
+
 def variant(choice: Choice, value: Any) -> str:
     """The label of a changed choice."""
-    return f"{choice.name} {value:g}" if isinstance(value, float) else f"{choice.name} {value}"
+    return f"{choice.name} {value:g}" if isinstance(value, float) else f"{choice.name} {words_of(choice, value)}"
 
 
 def _of(setting: Setting) -> dict[str, Any]:
@@ -227,7 +248,7 @@ def _of(setting: Setting) -> dict[str, Any]:
         LOAD_KEY: setting.load,
         "roughness.fractal_dimension": setting.dimension,
         "roughness.fractal_roughness": f"{setting.scale!r} m",
-        "roughness.mode": setting.law,
+        LAW_KEY: MODES[setting.law],
     }
 
 

@@ -23,10 +23,10 @@ from stickslip.papers.rough_damper.motion_items import main_series
 from stickslip.papers.rough_damper.page import FIGURE_FOLDER, TABLE_FOLDER, write_page
 from stickslip.papers.rough_damper.plan import Scope, base_case, computations
 from stickslip.papers.rough_damper.records import Solved
+from stickslip.papers.rough_damper.table2 import table2
 from stickslip.papers.rough_damper.tables import Table, write_csv, write_netcdf
 from stickslip.papers.rough_damper.verdicts import Verdict
 from stickslip.results.record import run_provenance
-from stickslip.structure.craig_bampton import paper_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -150,7 +150,7 @@ def _drawings(scope: Scope, solved: Sequence[Solved]) -> dict[str, Callable[[], 
     place = motion_items.shown_place(pairs)
     same, opposite = motion_items.pick_pair(main, scope)
     drawings: dict[str, Callable[[], Figure]] = {
-        "fig02_reduction": lambda: figures.reduction(solved[0].mode_table, paper_table()),
+        "fig02_reduction": lambda: figures.reduction(solved[0].mode_table, table2()),
         "fig04_surfaces": lambda: figures.surfaces(model_items.drawn_faces(case)),
         "contact_stiffness": lambda: figures.stiffness(
             {
