@@ -20,7 +20,6 @@ from stickslip.formats.calculix_deck import write_calculix_deck
 from stickslip.model.kinds.two_blade_mesh import BladePairElements, blade_pair_mesh
 from stickslip.structure.cell_kinds import CELL_KINDS
 from stickslip.structure.elasticity import Material, Structure, assemble, assemble_bodies, natural_frequencies
-from stickslip.structure.finite_element_mesh import CellBlock, FiniteElementMesh
 from stickslip.structure.mesh import Mesh
 
 COARSE = BladePairElements(
@@ -47,7 +46,7 @@ class Pairs:
     second_node: np.ndarray
 
 
-def blades(kind: str, elements: BladePairElements | None = COARSE) -> tuple[Mesh | FiniteElementMesh, Pairs]:
+def blades(kind: str, elements: BladePairElements | None = COARSE) -> tuple[Mesh, Pairs]:
     """The two blades and their damper in cells of one kind, and the node pairs of the two contact faces."""
     mesh: Any = blade_pair_mesh(elements=elements)
     if kind == "hexahedron20":
@@ -64,7 +63,7 @@ def blades(kind: str, elements: BladePairElements | None = COARSE) -> tuple[Mesh
     return mesh, Pairs(np.concatenate(first), np.concatenate(second))
 
 
-def cut_bricks(mesh: Mesh, kind: str) -> FiniteElementMesh:
+def cut_bricks(mesh: Mesh, kind: str) -> Mesh:
     """Each brick as six tetrahedra around its diagonal 0-6, or two wedges; neighbours fit where their bricks have the
     same axes. The bodies are left, right and damper as far as the mesh has them."""
     local = PARTS["tetra" if kind.startswith("tetra") else "wedge"]
@@ -79,13 +78,13 @@ def cut_bricks(mesh: Mesh, kind: str) -> FiniteElementMesh:
             for name, nodes in sets.items()
         }
         points = np.vstack([points, points[edges].mean(axis=1)])
-    block = CellBlock(kind, cells, np.repeat(mesh.body, len(local)))
-    return FiniteElementMesh(points, (block,), ("left", "right", "damper")[: mesh.body.max() + 1], sets, {}, {})
+    names = ("left", "right", "damper")[: mesh.body.max() + 1]
+    return Mesh(points, cells, np.repeat(mesh.body, len(local)), sets, names)
 
 
-def our_structure(mesh: Mesh | FiniteElementMesh, element: str) -> Structure:
+def our_structure(mesh: Mesh, element: str) -> Structure:
     """Our matrices of a mesh, clamped at its base."""
-    if isinstance(mesh, Mesh):
+    if mesh.blocks[0].kind.startswith("hexahedron"):
         return assemble(mesh, Material(), element)
     return assemble_bodies(mesh, [Material()] * 3, fixed_nodes=mesh.node_sets["fixed"])
 
@@ -108,7 +107,7 @@ def tied(structure: Structure, pairs: Pairs) -> tuple[Any, Any, np.ndarray]:
     return tie.T @ structure.stiffness @ tie, tie.T @ structure.mass @ tie, kept
 
 
-def run_calculix(folder: Path, mesh: Mesh | FiniteElementMesh, element: str, pairs: Pairs, count: int) -> np.ndarray:
+def run_calculix(folder: Path, mesh: Mesh, element: str, pairs: Pairs, count: int) -> np.ndarray:
     """Frequencies in Hz that CalculiX finds; its matrices are in ``matrices.sti``, ``.mas`` and ``.dof``."""
     program = shutil.which("ccx")
     if program is None:

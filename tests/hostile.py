@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,12 @@ import numpy as np
 from sketches import shaken, stacked_boxes
 from stickslip.papers.rough_damper.compute import Failure
 from stickslip.papers.rough_damper.items import Item, Picture
+from stickslip.papers.rough_damper.page import write_page as write_paper_page
 from stickslip.papers.rough_damper.plan import Setting
 from stickslip.papers.rough_damper.tables import Column, Table
 from stickslip.papers.rough_damper.verdicts import Judgement, Verdict
+from stickslip.reporting.page import write_page
+from stickslip.reporting.sweep_page import write_sweep_page
 from stickslip.reporting.sweep_view import SweepView
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
@@ -166,3 +170,12 @@ def one_pixel() -> bytes:
     stream = BytesIO()
     imsave(stream, np.zeros((1, 1, 3)), format="png")
     return stream.getvalue()
+
+
+def write_hostile_pages(folder: Path) -> dict[str, tuple[str, ...]]:
+    """Write report.html, sweep.html and paper.html; returns the name of each and the fields that must be read in it."""
+    write_page(folder / "report.html", hostile_response(), hostile_study())
+    write_sweep_page(folder / "sweep.html", *hostile_sweep())
+    (folder / "sides.png").write_bytes(one_pixel())
+    write_paper_page(folder / "paper.html", **hostile_paper_page(folder / "sides.png"))
+    return {"report": STUDY_FIELDS, "sweep": SWEEP_FIELDS, "paper": PAPER_FIELDS}

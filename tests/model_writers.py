@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from unittest.mock import patch
 
@@ -10,8 +9,7 @@ import meshio
 import numpy as np
 from meshio._mesh import topological_dimension
 
-from stickslip.structure.cell_kinds import CELL_KINDS, CORNERS_OF_SIDE
-from stickslip.structure.finite_element_mesh import FiniteElementMesh
+from stickslip.structure.cell_kinds import CORNERS_OF_SIDE, KIND_OF_SIZE, CellKind
 from stickslip.structure.mesh import Mesh
 
 STEEL_MM = (210_000.0, 0.3, 7.85e-9)  # MPa, -, t/mm3
@@ -23,23 +21,15 @@ VTK_TO_NASTRAN |= {"wedge15": [*range(9), 12, 13, 14, 9, 10, 11]}
 NASTRAN_TYPES = {"hexahedron": "CHEXA", "tetra": "CTETRA", "wedge": "CPENTA"}
 
 
-@dataclass(frozen=True)
-class OneKind:
-    """A mesh of cells of one kind as the writers want it; each named face has sides of one kind."""
+def kind_of(mesh: Mesh) -> CellKind:
+    """The kind of the cells of a mesh, which are of one kind."""
+    return KIND_OF_SIZE[mesh.cells.shape[1]]
 
-    mesh: FiniteElementMesh
 
-    def __post_init__(self) -> None:
-        (block,) = self.mesh.blocks
-        object.__setattr__(self, "kind", CELL_KINDS[block.kind])
-        object.__setattr__(self, "cells", block.cells)
-        for name in ("points", "n_nodes", "body", "node_sets"):
-            object.__setattr__(self, name, getattr(self.mesh, name))
-
-    def sides_within(self, name: str) -> np.ndarray:
-        """Sides of a face."""
-        (sides,) = self.mesh.sides(name)
-        return sides
+def face_of(mesh: Mesh, name: str) -> np.ndarray:
+    """Sides of a face, which are of one kind."""
+    (sides,) = mesh.sides(name)
+    return sides
 
 
 def rows(numbers: list[object], width: int = 8) -> str:
@@ -48,13 +38,13 @@ def rows(numbers: list[object], width: int = 8) -> str:
     return ",\n".join(", ".join(map(str, part)) for part in parts)
 
 
-def write_inp(path: Path, mesh: Mesh | OneKind, body_names: list[str], faces: list[str], fixed: str) -> None:
+def write_inp(path: Path, mesh: Mesh, body_names: list[str], faces: list[str], fixed: str) -> None:
     """A deck in mm, t, s with one element set, section and material a body, surfaces and a clamped node set."""
     young, poisson, density = STEEL_MM
     text = ["*HEADING", "written by a test", "*NODE, NSET=everything"]
     text += [f"{n + 1}, {x:.12g}, {y:.12g}, {z:.12g}" for n, (x, y, z) in enumerate(1e3 * mesh.points)]
     for number, name in enumerate(body_names):
-        text.append(f"*ELEMENT, TYPE={ABAQUS_TYPES[mesh.kind.name]}, ELSET={name}")
+        text.append(f"*ELEMENT, TYPE={ABAQUS_TYPES[kind_of(mesh).name]}, ELSET={name}")
         text += [rows([int(cell) + 1, *(mesh.cells[cell] + 1)]) for cell in np.flatnonzero(mesh.body == number)]
     for name in mesh.node_sets:
         if name not in faces:
@@ -76,7 +66,7 @@ def rotation_matrix(start: np.ndarray, stop: np.ndarray, angle_degrees: float) -
     return np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
 
 
-def write_parts(path: Path, mesh: Mesh | OneKind, body_names: list[str], faces: list[str], fixed: str) -> None:
+def write_parts(path: Path, mesh: Mesh, body_names: list[str], faces: list[str], fixed: str) -> None:
     """The deck of :func:`write_inp` with a part for each body, numbered from 1 and drawn elsewhere, and its instance.
 
     Sets and surfaces stand in the assembly; no node may belong to two bodies.
@@ -93,7 +83,7 @@ def write_parts(path: Path, mesh: Mesh | OneKind, body_names: list[str], faces: 
         drawn = (1e3 * mesh.points[nodes] - start) @ rotation_matrix(start, stop, angle) + start - move
         parts += [f"*Part, name=part-{name}", "*Node"]
         parts += [f"{n + 1}, " + ", ".join(map(repr, place)) for n, place in enumerate(drawn.tolist())]
-        parts.append(f"*Element, type={ABAQUS_TYPES[mesh.kind.name]}")
+        parts.append(f"*Element, type={ABAQUS_TYPES[kind_of(mesh).name]}")
         parts += [rows([n + 1, *(np.searchsorted(nodes, mesh.cells[cell]) + 1)]) for n, cell in enumerate(cells)]
         parts += ["*Elset, elset=all, generate", f"1, {len(cells)}, 1"]
         parts += ["*Solid Section, elset=ALL, material=Steel", ",", "*End Part"]
@@ -119,20 +109,18 @@ def write_parts(path: Path, mesh: Mesh | OneKind, body_names: list[str], faces: 
     path.write_text("\n".join(text) + "\n", encoding="utf-8")
 
 
-def sides_of(mesh: Mesh | OneKind, name: str) -> list[tuple[int, int]]:
+def sides_of(mesh: Mesh, name: str) -> list[tuple[int, int]]:
     """(cell, position of the side) of a face given by its node set."""
-    wanted = {tuple(sorted(side)) for side in mesh.sides_within(name).tolist()}
+    wanted = {tuple(sorted(side)) for side in face_of(mesh, name).tolist()}
     return [
         (number, position)
         for number, cell in enumerate(mesh.cells)
-        for position, side in enumerate(mesh.kind.sides)
+        for position, side in enumerate(kind_of(mesh).sides)
         if tuple(sorted(cell[side].tolist())) in wanted
     ]
 
 
-def write_bdf(
-    path: Path, mesh: Mesh | OneKind, body_names: list[str], faces: list[str], fixed: str, large: bool
-) -> None:
+def write_bdf(path: Path, mesh: Mesh, body_names: list[str], faces: list[str], fixed: str, large: bool) -> None:
     """Bulk data in mm, t, s: PSOLID a body, shells on the faces, SPC1 on the fixed nodes."""
     young, poisson, density = STEEL_MM
     text = ["SOL 103", "CEND", "SPC = 1", "BEGIN BULK"]
@@ -142,8 +130,8 @@ def write_bdf(
             text += [f"GRID*   {n + 1:16d}{'':16s}{x}{y}", f"*       {z}"]
         else:
             text.append(f"GRID,{n + 1},,{point[0]:.12g},{point[1]:.12g},{point[2]:.12g}")
-    name = next(card for kind, card in NASTRAN_TYPES.items() if mesh.kind.name.startswith(kind))
-    order = VTK_TO_NASTRAN.get(mesh.kind.name, list(range(mesh.kind.n_nodes)))
+    name = next(card for kind, card in NASTRAN_TYPES.items() if kind_of(mesh).name.startswith(kind))
+    order = VTK_TO_NASTRAN.get(kind_of(mesh).name, list(range(kind_of(mesh).n_nodes)))
     for number, cell in enumerate(mesh.cells):
         fields = [number + 1, mesh.body[number] + 1, *(cell[order] + 1)]
         parts = [fields[at : at + 8] for at in range(0, len(fields), 8)]
@@ -151,7 +139,7 @@ def write_bdf(
     label = len(mesh.cells) + 1
     for position, face in enumerate(faces):
         text.append(f'$HMNAME PROP {100 + position}"{face}" 5')
-        for side in mesh.sides_within(face):
+        for side in face_of(mesh, face):
             corners = side[: CORNERS_OF_SIDE[len(side)]] + 1
             text.append(
                 f"{'CTRIA3' if len(corners) == 3 else 'CQUAD4'},{label},{100 + position}," + ",".join(map(str, corners))
@@ -169,18 +157,18 @@ def write_bdf(
 
 
 @patch.dict(topological_dimension, {"wedge15": 3})  # which meshio forgets
-def write_meshio(path: Path, mesh: Mesh | OneKind, body_names: list[str], faces: list[str], form: str) -> None:
+def write_meshio(path: Path, mesh: Mesh, body_names: list[str], faces: list[str], form: str) -> None:
     """A file in mm with the bodies and faces as groups, of .msh (form gmsh22, gmsh), .vtu (vtu) or .med (med)."""
     cells: list[tuple[str, np.ndarray]] = []
     tags: list[np.ndarray] = []
     names: dict[str, tuple[int, int]] = {}
     for number, name in enumerate(body_names):
         block = mesh.cells[mesh.body == number]
-        cells.append((mesh.kind.name, block))
+        cells.append((kind_of(mesh).name, block))
         tags.append(np.full(len(block), number + 1))
         names[name] = (number + 1, 3)
     for number, name in enumerate(faces, start=len(body_names) + 1):
-        sides = mesh.sides_within(name)
+        sides = face_of(mesh, name)
         cells.append((SURFACES[sides.shape[1]], sides))
         tags.append(np.full(len(sides), number))
         names[name] = (number, 2)

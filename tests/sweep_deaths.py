@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
@@ -27,3 +28,14 @@ def solve(task: Any, reduced: str) -> str:
 def unpicklable() -> Any:
     """An answer that no pipe carries."""
     return lambda: None
+
+
+def die_in_answer() -> bytes:
+    """An answer of which the parent gets the beginning only, because the process dies while it is sent."""
+
+    def send_the_beginning(connection: Connection, content: bytes) -> None:
+        os.write(connection.fileno(), content[:1000])
+        os._exit(1)
+
+    Connection._send = send_the_beginning  # type: ignore[attr-defined]
+    return bytes(100_000)

@@ -162,7 +162,7 @@ def test_no_circle_of_imports_not_even_inside_functions() -> None:
 
 def test_contact_knows_no_elements() -> None:
     # A face is made of cell sides: their points, areas, directions and shape functions, and no cell behind them.
-    of_faces = ("structure.faces", "structure.side_parts", "structure.shapes", "structure.finite_element_mesh")
+    of_faces = ("structure.faces", "structure.side_parts", "structure.shapes")
     allowed = ("core", "contact", "structure.mesh", "structure.superelement", "structure.export", *of_faces)
     for module in modules():
         if room(module) == "contact":

@@ -18,23 +18,9 @@ import jinja2
 import pytest
 
 import stickslip
-from hostile import (
-    ATTACKS,
-    PAPER_FIELDS,
-    STUDY_FIELDS,
-    SWEEP_FIELDS,
-    hostile,
-    hostile_paper_page,
-    hostile_response,
-    hostile_study,
-    hostile_sweep,
-    one_pixel,
-)
-from stickslip.papers.rough_damper.page import write_page as write_paper_page
+from hostile import ATTACKS, hostile, write_hostile_pages
 from stickslip.reporting import figures
 from stickslip.reporting.look import PlotMarkup, plain_figures
-from stickslip.reporting.page import page
-from stickslip.reporting.sweep_page import sweep_page
 from stickslip.reporting.templates import rendered
 from synthetic import synthetic_response, synthetic_study
 
@@ -86,13 +72,10 @@ class Reader(HTMLParser):
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[str, tuple[str, ...]]]:
     """Name -> text of a page, and the fields that must be read in it."""
-    folder = tmp_path_factory.mktemp("paper")
-    (folder / "sides.png").write_bytes(one_pixel())
-    write_paper_page(folder / "paper.html", **hostile_paper_page(folder / "sides.png"))
+    folder = tmp_path_factory.mktemp("hostile")
     return {
-        "report": (page(hostile_response(), hostile_study()), STUDY_FIELDS),
-        "sweep": (sweep_page(*hostile_sweep()), SWEEP_FIELDS),
-        "paper": ((folder / "paper.html").read_text(encoding="utf-8"), PAPER_FIELDS),
+        name: ((folder / f"{name}.html").read_text(encoding="utf-8"), fields)
+        for name, fields in write_hostile_pages(folder).items()
     }
 
 

@@ -16,14 +16,11 @@ from hostile import (
     STUDY_FIELDS,
     SWEEP_FIELDS,
     hostile,
-    hostile_paper_page,
     hostile_response,
     hostile_study,
-    hostile_sweep,
-    one_pixel,
+    write_hostile_pages,
 )
 from stickslip.cli import main as cli
-from stickslip.papers.rough_damper.page import write_page as write_paper_page
 from stickslip.reporting.page import write_page
 from stickslip.reporting.sweep_page import write_sweep_page
 from stickslip.results.storage import save_results
@@ -59,16 +56,13 @@ def browser() -> Iterator[Any]:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Pages with hostile text in every place, and plain ones of a report and a sweep."""
     folder = tmp_path_factory.mktemp("hostile")
-    write_page(folder / "report.html", hostile_response(), hostile_study())
+    write_hostile_pages(folder)
     save_results(folder / "results.nc", hostile_response(), hostile_study())
     (folder / "again").mkdir()
     (folder / "results.nc").rename(folder / "again" / "results.nc")
     told = CliRunner().invoke(cli.app, ["report", str(folder / "again")])
     assert told.exit_code == 0, told.output
     (folder / "again" / "report.html").rename(folder / "report-of-a-file.html")
-    write_sweep_page(folder / "sweep.html", *hostile_sweep())
-    (folder / "sides.png").write_bytes(one_pixel())
-    write_paper_page(folder / "paper.html", **hostile_paper_page(folder / "sides.png"))
     write_page(folder / "plain-report.html", synthetic_response(), synthetic_study())
     view = sweep_view((load_key((100.0, 200.0)), MODE), [1e-4, 2e-4, 3e-4, 4e-4])
     write_sweep_page(folder / "plain-sweep.html", view, "Blades", "[study]", {"date": "2026"})

@@ -54,6 +54,22 @@ def settle(page) -> None:
     page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
 
+# Between the tasks of the page: whether the curve was there to be painted while other figures were still to come.
+_WATCH = """(() => {
+  const look = () => {
+    const [curve, energy] = ['#curve', '#energy-curve'].map(plot => document.querySelector(plot + ' .trace'));
+    if (curve && !energy) window.curveFirst = true;
+    if (!document.body || !document.body.dataset.ready) setTimeout(look, 0);
+  };
+  look();
+})()"""
+
+
+def test_the_curve_is_shown_before_the_other_figures_are_drawn(browser, report):
+    with opened_page(browser, report, before=_WATCH) as page:
+        assert page.evaluate("window.curveFirst") is True
+
+
 @pytest.mark.parametrize("width", WIDTHS)
 def test_plots_are_drawn_and_nothing_overflows(page):
     assert page.locator(".js-plotly-plot").count() == PLOTS

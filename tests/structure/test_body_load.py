@@ -7,13 +7,13 @@ import pytest
 
 from stickslip.structure.body_load import centrifugal_load
 from stickslip.structure.elasticity import Material
-from stickslip.structure.finite_element_mesh import CellBlock, FiniteElementMesh
+from stickslip.structure.mesh import Mesh
 
 
 def test_resultant_is_mass_times_distance_of_its_centre(make_block):
     brick = make_block((4, 3, 2), (0.04, 0.03, 0.01), 0.1)
     body = (np.arange(len(brick.cells)) >= 12).astype(np.int64)
-    mesh = FiniteElementMesh(brick.points, (CellBlock("hexahedron", brick.cells, body),), ("light", "heavy"))
+    mesh = Mesh(brick.points, brick.cells, body, body_names=("light", "heavy"))
     axis, point = np.array([0.0, 0.6, 0.8]), np.array([-0.2, 0.05, 0.01])
     materials = (Material(density=1000.0), Material(density=8000.0))
     load = centrifugal_load(mesh, materials, axis, point).reshape(-1, 3)

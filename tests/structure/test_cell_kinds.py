@@ -8,7 +8,7 @@ from stickslip.core.errors import InputError
 from stickslip.structure.cell_kinds import CELL_KINDS
 from stickslip.structure.elasticity import Material, assemble_bodies, natural_frequencies
 from stickslip.structure.faces import face_geometry
-from stickslip.structure.finite_element_mesh import CellBlock, FiniteElementMesh
+from stickslip.structure.mesh import Mesh
 from stickslip.structure.shapes import shape_functions, stiffness_rule
 
 SOFT = Material(young_modulus=3.0, poisson_ratio=0.3, density=2.0)
@@ -31,7 +31,7 @@ def block_of(kind_name, make_block, counts, lengths=(1.0, 1.0, 1.0), distortion=
         for axis, name in enumerate("xyz"):
             for end, value in enumerate((0.0, lengths[axis])):
                 sets[f"{name}{end}"] = np.flatnonzero(np.abs(points[:, axis] - value) < 1e-9)
-    return FiniteElementMesh(points, (CellBlock(kind_name, cells, np.zeros(len(cells), dtype=int)),), node_sets=sets)
+    return Mesh(points, cells, node_sets=sets)
 
 
 @pytest.mark.parametrize("name", KINDS)
@@ -77,8 +77,7 @@ def test_patch_of_distorted_cells_reproduces_constant_stress(make_block, name):
 def test_one_cell_has_six_rigid_modes_and_its_whole_mass(name):
     kind = CELL_KINDS[name]
     lengths = [1.0, 0.7, 0.4]
-    block = CellBlock(name, np.arange(kind.n_nodes)[None], np.zeros(1, dtype=int))
-    mesh = FiniteElementMesh(kind.nodes * lengths, (block,))
+    mesh = Mesh(kind.nodes * lengths, np.arange(kind.n_nodes)[None])
     structure = assemble_bodies(mesh, [SOFT])
     eigenvalues = np.linalg.eigvalsh(structure.stiffness.toarray())
     np.testing.assert_allclose(eigenvalues[:6], 0.0, atol=1e-12 * eigenvalues[-1])
@@ -136,7 +135,7 @@ def test_several_materials_and_single_held_directions(make_block):
     mesh = block_of("wedge", make_block, (2, 1, 1), (2.0, 1.0, 1.0))
     (block,) = mesh.blocks
     body = (mesh.points[block.cells].mean(axis=1)[:, 0] > 1.0).astype(int)
-    mesh = FiniteElementMesh(mesh.points, (CellBlock("wedge", block.cells, body),), ("left", "right"), mesh.node_sets)
+    mesh = Mesh(mesh.points, block.cells, body, mesh.node_sets, ("left", "right"))
     heavy = Material(3.0, 0.3, 10.0)
     structure = assemble_bodies(mesh, [SOFT, heavy], fixed_nodes=[0], fixed_unknowns=[3 * 5 + 1, 1])
     assert structure.mass.shape == (3 * mesh.n_nodes - 4,) * 2

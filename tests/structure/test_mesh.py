@@ -7,7 +7,6 @@ from solid_cells import CORNERS
 from stickslip.core.errors import InputError
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.elasticity import Material, assemble
-from stickslip.structure.finite_element_mesh import CellBlock, FiniteElementMesh
 from stickslip.structure.mesh import Mesh
 from structure_fixtures import brick_block
 
@@ -20,7 +19,8 @@ CELL = np.arange(8)[None]
     [
         (CUBE[:, :2], CELL, r"shape \(n, 3\)"),
         (np.where(CUBE == 1, np.nan, CUBE), CELL, "points.*nan"),
-        (CUBE, CELL[:, :6], r"shape \(m, 8\)"),
+        (CUBE, CELL[:, :7], r"shape \(m, k\)"),
+        (CUBE, CELL[:, [0, 1, 2, 4, 5, 6]], "node 3 belongs to no cell"),
         (CUBE, CELL.astype(float), "integers"),
         (CUBE, CELL + 1, "node 8"),
         (CUBE, CELL[:, [1, 0, 3, 2, 5, 4, 7, 6]], "inverted"),
@@ -46,6 +46,26 @@ def test_body_and_sets_are_checked():
         Mesh(CUBE, CELL, node_sets={"top": np.array([99])})
 
 
+def test_one_class_holds_bricks_and_cells_of_several_kinds():
+    """A brick with a pyramid of two tetrahedra on it; what needs bricks says so."""
+    points = np.vstack([CUBE, [[0.5, 0.5, 2.0]]])
+    roof = np.array([[4, 5, 6, 8], [4, 6, 7, 8]])
+    mesh = Mesh(points, (CELL, roof), body=np.array([0, 1, 1]), body_names=("house", "roof"))
+    assert [(block.kind, len(block.cells), block.body.tolist()) for block in mesh.blocks] == [
+        ("hexahedron", 1, [0]),
+        ("tetra", 2, [1, 1]),
+    ]
+    assert mesh.nodes_of_body(1).tolist() == [4, 5, 6, 7, 8]
+    assert repr(mesh) == "Mesh(9 nodes, 3 cells (hexahedron, tetra) in 2 bodies; node sets: none)"
+    for brick in (lambda: assemble(mesh, Material()), mesh.quadratic):
+        with pytest.raises(InputError, match=r"bricks of one kind.*it has: hexahedron, tetra\."):
+            brick()
+    with pytest.raises(InputError, match="face sets cannot be made quadratic"):
+        dataclasses.replace(Mesh(CUBE, CELL), face_sets={"top": (np.array([[4, 5, 6, 7]]),)}).quadratic()
+    with pytest.raises(InputError, match="body 'cellar' has no cells"):
+        dataclasses.replace(mesh, body_names=("house", "roof", "cellar"))
+
+
 def test_missing_and_empty_set_name_what_exists():
     mesh = Mesh(CUBE, CELL, node_sets={"top": np.arange(4, 8), "none": np.array([], dtype=int)})
     with pytest.raises(InputError, match=r"no node set 'bottom'; it has: none, top"):
@@ -59,7 +79,7 @@ def test_missing_and_empty_set_name_what_exists():
 def test_sides_look_outward(axis, end):
     mesh = Mesh(CUBE, CELL, node_sets={"side": np.flatnonzero(CUBE[:, axis] == end)})
     for whole in (mesh, mesh.quadratic()):
-        (side,) = whole.sides_within("side")
+        ((side,),) = whole.sides("side")
         corner = whole.points[side[:4]]
         outward = np.zeros(3)
         outward[axis] = 1.0 if end else -1.0
@@ -71,13 +91,13 @@ def test_sides_look_outward(axis, end):
 def test_sides_inside_a_body_are_left_out(make_block):
     block = make_block((2, 1, 1), (2.0, 1.0, 1.0))
     mesh = Mesh(block.points, block.cells, node_sets={"all": np.arange(block.n_nodes)})
-    assert len(mesh.sides_within("all")) == 10
+    assert len(mesh.sides("all")[0]) == 10
 
 
 def test_a_set_without_a_whole_side_is_refused():
     mesh = Mesh(CUBE, CELL, node_sets={"edge": np.array([0, 1])})
     with pytest.raises(InputError, match="no side of a cell"):
-        mesh.sides_within("edge")
+        mesh.sides("edge")
 
 
 def test_quadratic_adds_shared_edge_nodes(make_block):
@@ -98,6 +118,5 @@ def test_one_line_tells_what_a_mesh_and_what_follows_from_it_are() -> None:
     assert repr(structure) == "Structure(24 unknowns of 12 nodes, 4 of them fixed; element trilinear)"
     superelement = craig_bampton(structure, [10, 11], n_modes=3)
     assert repr(superelement) == "Superelement(9 unknowns: 2 boundary nodes and 3 other unknowns; no damping matrix)"
-    blocks = (CellBlock("hexahedron", block.cells, np.zeros(2, dtype=np.int64)),)
-    whole = FiniteElementMesh(block.points, blocks, ("bar",))
-    assert repr(whole) == "FiniteElementMesh(12 nodes, 2 cells (hexahedron) in 1 body; face sets: none)"
+    faces = dataclasses.replace(block, face_sets={"end": block.sides("all")})
+    assert repr(faces) == "Mesh(12 nodes, 2 cells (hexahedron) in 1 body; node sets: all, end; face sets: end)"

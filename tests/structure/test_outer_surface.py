@@ -9,22 +9,20 @@ import pytest
 
 from solid_cells import CORNERS, PARTS
 from stickslip.core.errors import InputError
-from stickslip.structure.finite_element_mesh import CellBlock, FiniteElementMesh
 from stickslip.structure.mesh import Mesh
 from stickslip.structure.outer_surface import OuterSurface, coarsened, outer_surface
 
 
-def row_of_bricks(count: int, part: str = "hexahedron") -> FiniteElementMesh:
+def row_of_bricks(count: int, part: str = "hexahedron") -> Mesh:
     """Bricks of 2 x 2 x 2 m side by side along x, cut into cells; face sets "left" and "top", two bodies."""
     points = np.unique(np.vstack([CORNERS + np.array([2.0 * i, 0.0, 0.0]) for i in range(count)]), axis=0)
     place = {tuple(point): number for number, point in enumerate(points)}
     bricks = [[place[tuple(corner + np.array([2.0 * i, 0.0, 0.0]))] for corner in CORNERS] for i in range(count)]
     cells = np.array([[brick[at] for at in cell] for brick in bricks for cell in PARTS[part]])
     body = np.repeat(np.arange(count) >= 1, len(PARTS[part])).astype(np.int64)
-    blocks = (CellBlock(part, cells, body),)
     sets = {"left": np.flatnonzero(points[:, 0] < -0.5), "top": np.flatnonzero(points[:, 2] > 0.5)}
     names = ("first", "second")[: body.max() + 1]
-    return FiniteElementMesh(points, blocks, names, node_sets=sets)
+    return Mesh(points, cells, body, sets, names)
 
 
 def areas(surface: OuterSurface) -> np.ndarray:

@@ -3,7 +3,7 @@ import pytest
 
 from solid_cells import CORNERS
 from stickslip.structure.elasticity import Material, assemble_bodies
-from stickslip.structure.finite_element_mesh import CellBlock, FiniteElementMesh
+from stickslip.structure.mesh import Mesh
 from stickslip.structure.rigid_motions import part_motions
 
 CUBE = (CORNERS + 1) / 2
@@ -15,9 +15,7 @@ def cubes(*shifts):
     points, position = np.unique(
         np.round(np.vstack([CUBE + shift for shift in shifts]), 9), axis=0, return_inverse=True
     )
-    return FiniteElementMesh(
-        points, (CellBlock("hexahedron", position.reshape(-1, 8), np.zeros(len(shifts), dtype=int)),)
-    )
+    return Mesh(points, position.reshape(-1, 8))
 
 
 @pytest.mark.parametrize(
@@ -57,11 +55,7 @@ def slab_with_tetrahedra(columns):
     apex = len(bricks.points) + np.arange(len(cells))
     tops = bricks.points[cells[:, 4:]].mean(axis=1) + np.array([0.0, 0.0, 1.0])
     tetra = np.column_stack([cells[:, 4:7], apex])
-    numbers = [np.zeros(len(cells), dtype=int)] * 2
-    return FiniteElementMesh(
-        np.vstack([bricks.points, tops]),
-        (CellBlock("hexahedron", cells, numbers[0]), CellBlock("tetra", tetra, numbers[1])),
-    )
+    return Mesh(np.vstack([bricks.points, tops]), (cells, tetra))
 
 
 def test_many_regions_are_no_hinges_by_themselves():

@@ -97,6 +97,18 @@ def test_answers_that_cannot_travel_and_processes_that_are_ended(tmp_path: Path)
     assert second.cancelled()
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes of this system send an answer whole")
+def test_a_worker_that_dies_while_it_sends_its_answer_is_noticed() -> None:
+    """The pool of the standard library waits for the rest of the answer for ever."""
+    pool = LocalProcesses(1)
+    try:
+        with pytest.raises(WorkerDied):
+            pool.submit(sweep_deaths.die_in_answer).result(timeout=30.0)
+        assert pool.submit(abs, -1).result() == 1
+    finally:
+        pool.shutdown(wait=False)
+
+
 def test_a_script_without_main_guard_is_told(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(

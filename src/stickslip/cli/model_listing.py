@@ -15,8 +15,7 @@ from stickslip.formats.meshes.raw_model import RawModel
 from stickslip.formats.meshes.read import read_raw
 from stickslip.formats.meshes.unit_systems import LENGTH_UNITS, UNIT_SYSTEMS, find_unit_system
 from stickslip.structure.faces import face_geometry
-from stickslip.structure.finite_element_mesh import FiniteElementMesh
-from stickslip.structure.mesh import IntArray
+from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.model_facts import body_volumes, bounding_box
 from stickslip.structure.rigid_motions import part_motions
 
@@ -87,7 +86,7 @@ def _bodies(model: ImportedModel) -> Rows:
     return rows
 
 
-def _face(mesh: FiniteElementMesh, name: str, known: bool) -> tuple[str, ...]:
+def _face(mesh: Mesh, name: str, known: bool) -> tuple[str, ...]:
     """Row of a face set: sides, nodes, area and the bodies that its nodes belong to."""
     nodes, area, _ = face_geometry(mesh, name)
     sides = sum(len(side) for side in mesh.sides(name))

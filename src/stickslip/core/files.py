@@ -11,6 +11,8 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from platformdirs import user_cache_path
+
 from stickslip.core.errors import PlaceError, StickslipError
 
 _PART = ".part"
@@ -261,12 +263,12 @@ def _kept_elsewhere(name: str, content: bytes) -> Path | None:
 
 
 def user_cache_folder() -> Path | None:
-    """The user's folder for caches; None for a user without a home."""
-    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
+    """The folder for caches that the system gives its user; None for a user without a home."""
     try:
-        return Path(base) if base else Path.home() / ".cache"
+        folder = user_cache_path()
     except RuntimeError:  # a container may run under a number that no user has
         return None
+    return folder if folder.is_absolute() else None  # older versions of platformdirs: "~/.cache"
 
 
 def _require_writable(folder: Path) -> None:

@@ -14,7 +14,6 @@ from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
 from stickslip.core.validation import require_choice
 from stickslip.structure.elasticity import Material
-from stickslip.structure.finite_element_mesh import FiniteElementMesh
 from stickslip.structure.mesh import IntArray, Mesh
 
 Step = Literal["frequency", "matrices"]
@@ -36,7 +35,7 @@ class TiedPairs(Protocol):
 
 def write_calculix_deck(
     path: str | PathLike[str],
-    mesh: Mesh | FiniteElementMesh,
+    mesh: Mesh,
     materials: Material | Sequence[Material],
     *,
     element: str = "C3D8I",
@@ -97,9 +96,7 @@ def write_calculix_deck(
     return target
 
 
-def _mesh_lines(
-    mesh: Mesh | FiniteElementMesh, blocks: Sequence[tuple[str, IntArray]], types: Sequence[str]
-) -> Iterator[str]:
+def _mesh_lines(mesh: Mesh, blocks: Sequence[tuple[str, IntArray]], types: Sequence[str]) -> Iterator[str]:
     yield "*NODE, NSET=all_nodes"
     for number, (x, y, z) in enumerate(mesh.points.tolist(), start=1):
         yield f"{number}, {x!r}, {y!r}, {z!r}"
@@ -113,7 +110,7 @@ def _mesh_lines(
         first += len(cells)
 
 
-def _set_lines(mesh: Mesh | FiniteElementMesh, fixed: IntArray) -> Iterator[str]:
+def _set_lines(mesh: Mesh, fixed: IntArray) -> Iterator[str]:
     for name, nodes in mesh.node_sets.items():
         if nodes.size:
             yield f"*NSET, NSET=set_{name}"

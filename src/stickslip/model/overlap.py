@@ -10,12 +10,12 @@ import numpy as np
 from stickslip.case.own_sections import GROUND, MeshInterfaceSection
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.core.errors import InputError
-from stickslip.structure.finite_element_mesh import AnyMesh
+from stickslip.structure.mesh import Mesh
 
 _PARALLEL = 0.99  # cosine between normals of pairs that press along one line
 
 
-def require_single_joints(mesh: AnyMesh, interfaces: Mapping[str, MeshInterfaceSection]) -> None:
+def require_single_joints(mesh: Mesh, interfaces: Mapping[str, MeshInterfaceSection]) -> None:
     """Raise InputError where two interfaces join the same element sides on both of their faces.
 
     Faces that share one side of the joint only are allowed: two blocks may stand on one face.
@@ -44,7 +44,7 @@ def _faces(pairs: FacePairs) -> list[np.ndarray]:
     return [np.flatnonzero(pairs.face == face) for face in range(int(pairs.face.max()) + 1)]
 
 
-def _sides(mesh: AnyMesh, face: str | None) -> set[tuple[int, ...]]:
+def _sides(mesh: Mesh, face: str | None) -> set[tuple[int, ...]]:
     """Nodes of each element side of a face; the ground is one side of its own."""
     if face is None or face == GROUND:
         return {(-1,)}

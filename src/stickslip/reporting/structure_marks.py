@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
-from stickslip.reporting.structure_view import Camera, area_vectors
+from stickslip.reporting.structure_view import Camera, area_vectors, directions
 from stickslip.reporting.style import number
 from stickslip.results.record import StudyRecord
 from stickslip.results.sketch import Sketch
@@ -81,9 +81,7 @@ def marked(sketch: Sketch) -> Marked:
 def outlines(sketch: Sketch, body: int) -> NDArray[np.int64]:
     """(e, 2) edges of a body to draw: those where it is sharp or ends, and those around its contact faces."""
     here = sketch.body == body
-    sides, face, vectors = sketch.sides[here], sketch.face[here], area_vectors(sketch)[here]
-    area = np.linalg.norm(vectors, axis=1, keepdims=True)
-    normal = vectors / np.where(area > 0.0, area, 1.0)
+    sides, face, normal = sketch.sides[here], sketch.face[here], directions(area_vectors(sketch)[here])
     ends = np.sort(np.stack([sides, np.roll(sides, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     owner = np.repeat(np.arange(len(sides)), 4)
     real = ends[:, 0] != ends[:, 1]

@@ -24,6 +24,7 @@ from stickslip.reporting.structure_view import (
     area_vectors,
     best_camera,
     contact_extent,
+    directions,
     glass_bodies,
     round_length,
 )
@@ -113,9 +114,8 @@ class _Contact:
         for corner in range(4):
             np.add.at(outwards, sides[:, corner], vectors)
         points = np.unique(sides)
-        length = np.linalg.norm(outwards[points], axis=1, keepdims=True)
         depth = _SUNK * float(np.linalg.norm(np.ptp(sketch.points, axis=0)))
-        places = sketch.points[points] - depth * outwards[points] / np.where(length > 0.0, length, 1.0)
+        places = sketch.points[points] - depth * directions(outwards[points])
         number = np.full(len(sketch.points), -1)
         number[points] = first + np.arange(points.size)
         return cls(points, places, number)

@@ -17,6 +17,7 @@ from stickslip.reporting.structure_view import (
     area_vectors,
     best_camera,
     contact_extent,
+    directions,
     glass_bodies,
     round_length,
 )
@@ -139,9 +140,7 @@ def _side_colours(sketch: Sketch, vectors: FloatArray, camera: Camera) -> FloatA
     contact: NDArray[np.bool_] = sketch.face >= 0
     colours = bodies[sketch.body]
     colours[contact] = faces[sketch.face[contact]]
-    area = np.linalg.norm(vectors, axis=1, keepdims=True)
-    normal = vectors / np.where(area > 0.0, area, 1.0)
-    bright = normal @ camera.axes.T @ (_LIGHT / np.linalg.norm(_LIGHT))
+    bright = directions(vectors) @ camera.axes.T @ (_LIGHT / np.linalg.norm(_LIGHT))
     bright = np.where(contact, np.abs(bright), bright.clip(0.0))  # one shade for both sides that touch
     opaque = np.where(glass_bodies(sketch, camera)[sketch.body] & ~contact, _GLASS, 1.0)
     return np.column_stack([colours * (_DARKEST + (1.0 - _DARKEST) * bright)[:, None], opaque])

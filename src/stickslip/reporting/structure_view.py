@@ -71,6 +71,12 @@ def area_vectors(sketch: Sketch) -> FloatArray:
     return 0.5 * np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
 
 
+def directions(vectors: FloatArray) -> FloatArray:
+    """Vectors (m, 3) with the length 1; those without a length stay as they are."""
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.asarray(vectors / np.where(length > 0.0, length, 1.0))
+
+
 def glass_bodies(sketch: Sketch, camera: Camera) -> NDArray[np.bool_]:
     """(n_bodies,) whether a body stands between the eye and the contact: more of its contact looks away than here."""
     contact = sketch.face >= 0

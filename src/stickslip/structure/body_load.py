@@ -8,13 +8,13 @@ import numpy as np
 
 from stickslip.core.validation import FloatArray
 from stickslip.structure.elasticity import Material
-from stickslip.structure.finite_element_mesh import AnyMesh, CellBlock, FiniteElementMesh
+from stickslip.structure.mesh import Mesh
 from stickslip.structure.shapes import consistent_mass
 
 _CELLS_AT_ONCE = 2000
 
 
-def centrifugal_load(mesh: AnyMesh, materials: Sequence[Material], axis: FloatArray, point: FloatArray) -> FloatArray:
+def centrifugal_load(mesh: Mesh, materials: Sequence[Material], axis: FloatArray, point: FloatArray) -> FloatArray:
     """(3 * n_nodes,) N of every node at a rotation of 1 rad/s: ``integral of density N^T r dV``.
 
     r is the vector from the axis through ``point`` (3,) m along the unit vector ``axis`` (3,), linear in the nodes'
@@ -25,7 +25,7 @@ def centrifugal_load(mesh: AnyMesh, materials: Sequence[Material], axis: FloatAr
     return _inertia(mesh, materials, arm - np.outer(arm @ axis, axis)).ravel()
 
 
-def translation_inertia(mesh: AnyMesh, materials: Sequence[Material]) -> FloatArray:
+def translation_inertia(mesh: Mesh, materials: Sequence[Material]) -> FloatArray:
     """(3 * n_nodes, 3) kg: ``M r`` for translations r of all nodes by 1 along x, y, z, held ones included.
 
     ``M`` is the consistent mass. Times an acceleration of the support it is the force that the support exerts through
@@ -35,11 +35,10 @@ def translation_inertia(mesh: AnyMesh, materials: Sequence[Material]) -> FloatAr
     return np.asarray(np.kron(carried, np.eye(3)))
 
 
-def _inertia(mesh: AnyMesh, materials: Sequence[Material], field: FloatArray) -> FloatArray:
+def _inertia(mesh: Mesh, materials: Sequence[Material], field: FloatArray) -> FloatArray:
     """``M field`` of a field (n_nodes, k) with the consistent mass of all nodes."""
     load = np.zeros_like(field)
-    blocks = mesh.blocks if isinstance(mesh, FiniteElementMesh) else (CellBlock(mesh.kind.name, mesh.cells, mesh.body),)
-    for block in blocks:
+    for block in mesh.blocks:
         density = np.array([material.density for material in materials])[block.body]
         for start in range(0, len(block.cells), _CELLS_AT_ONCE):
             part = slice(start, start + _CELLS_AT_ONCE)

@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, positive_number, real_number, require_allowed, require_choice
 from stickslip.structure.factor import Factor, factorize
-from stickslip.structure.finite_element_mesh import AnyMesh, FiniteElementMesh
 from stickslip.structure.incompatible_brick import incompatible_stiffness
 from stickslip.structure.lanczos import eigenpairs_near
 from stickslip.structure.mesh import IntArray, Mesh
@@ -75,7 +74,7 @@ class Structure:
         which need not be given, and single directions of other nodes.
     """
 
-    mesh: AnyMesh
+    mesh: Mesh
     stiffness: Any
     mass: Any
     fixed_nodes: IntArray
@@ -158,21 +157,22 @@ def assemble(
     Raises
     ------
     InputError
-        for an element that does not exist or does not suit the cells, and for a node number that does not exist.
+        for an element that does not exist or does not suit the cells, for cells that are no bricks, and for a node
+        number that does not exist.
     """
     require_choice("element", element, get_args(Element))
     if element == "serendipity":
         mesh = mesh.quadratic()
-    elif mesh.cells.shape[1] != 8:
+    elif mesh.bricks().shape[1] != 8:
         raise InputError(f"element {element!r} needs 8-node cells, but the mesh has 20-node cells; use 'serendipity'.")
     if fixed_nodes is None:
         fixed_nodes = mesh.node_sets.get("fixed", np.empty(0, dtype=np.int64))
     incompatible = element == "incompatible"
-    return _assembled(mesh, [(mesh.cells, material)], element, incompatible, fixed_nodes, ())
+    return _assembled(mesh, [(mesh.bricks(), material)], element, incompatible, fixed_nodes, ())
 
 
 def assemble_bodies(
-    mesh: FiniteElementMesh,
+    mesh: Mesh,
     materials: Sequence[Material],
     hexahedron: Hexahedron = "incompatible",
     fixed_nodes: ArrayLike = (),
@@ -212,7 +212,7 @@ def assemble_bodies(
 
 
 def _assembled(
-    mesh: AnyMesh,
+    mesh: Mesh,
     groups: Sequence[tuple[IntArray, Material]],
     element: str,
     incompatible: bool,

@@ -12,11 +12,11 @@ from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file, work_folder
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import FloatArray, finite_array
-from stickslip.structure.finite_element_mesh import AnyMesh
+from stickslip.structure.mesh import Mesh
 from stickslip.structure.meshio_cells import complete_meshio
 
 
-def write_mode_shapes(path: str | Path, mesh: AnyMesh, modes: FloatArray, frequency_hz: FloatArray) -> Path:
+def write_mode_shapes(path: str | Path, mesh: Mesh, modes: FloatArray, frequency_hz: FloatArray) -> Path:
     """Write modes as vector fields ``mode 01, 507.3 Hz`` of one .vtu file; each is scaled to a largest motion of 1.
 
     Parameters
@@ -47,7 +47,7 @@ def write_mode_shapes(path: str | Path, mesh: AnyMesh, modes: FloatArray, freque
     return target
 
 
-def write_deflected_period(path: str | Path, mesh: AnyMesh, coefficients: FloatArray, n_frames: int = 36) -> Path:
+def write_deflected_period(path: str | Path, mesh: Mesh, coefficients: FloatArray, n_frames: int = 36) -> Path:
     """Write one period of motion as a time series: ``path`` (.pvd) and a folder ``<stem>_frames`` of .vtu files.
 
     Open the .pvd in ParaView and apply "Warp By Vector" to ``displacement`` (m, with its mean); time runs over the
@@ -121,7 +121,7 @@ def _target(path: str | Path, suffix: str) -> Path:
     return target
 
 
-def _displacement(name: str, value: FloatArray, mesh: AnyMesh) -> FloatArray:
+def _displacement(name: str, value: FloatArray, mesh: Mesh) -> FloatArray:
     """Return ``value`` (3 * n_nodes, k) as (n_nodes, 3, k); raises InputError for another shape."""
     array = finite_array(name, value)
     if array.ndim != 2 or array.shape[0] != 3 * mesh.n_nodes or not array.shape[1]:
@@ -132,7 +132,7 @@ def _displacement(name: str, value: FloatArray, mesh: AnyMesh) -> FloatArray:
     return array.reshape(mesh.n_nodes, 3, -1)
 
 
-def _write_vtu(path: Path, mesh: AnyMesh, fields: dict[str, FloatArray]) -> None:
+def _write_vtu(path: Path, mesh: Mesh, fields: dict[str, FloatArray]) -> None:
     meshio = complete_meshio()
     blocks = mesh.cell_arrays()
     body = np.split(mesh.body, np.cumsum([len(cells) for _, cells in blocks])[:-1])

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from stickslip.core.validation import FloatArray
-from stickslip.structure.finite_element_mesh import AnyMesh
-from stickslip.structure.mesh import IntArray
+from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.shapes import side_rule, side_shape_functions
 
 
-def face_geometry(mesh: AnyMesh, name: str) -> tuple[IntArray, FloatArray, FloatArray]:
+def face_geometry(mesh: Mesh, name: str) -> tuple[IntArray, FloatArray, FloatArray]:
     """Nodes (k,) of a face set, the area (k,) in m2 that each node stands for, and its outward unit normal (k, 3).
 
     On sides of three or four nodes the area is ``integral of N_i dA``. With midside nodes that integral is zero or

@@ -11,8 +11,7 @@ import scipy.sparse.csgraph
 from stickslip.core.plausible import OddValue, odd_value
 from stickslip.core.validation import FloatArray
 from stickslip.structure.elasticity import Material
-from stickslip.structure.finite_element_mesh import FiniteElementMesh
-from stickslip.structure.mesh import IntArray
+from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.shapes import consistent_mass
 
 _CELLS_AT_ONCE = 5000
@@ -45,7 +44,7 @@ def bounding_box(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     return points.min(axis=0), points.max(axis=0)
 
 
-def body_volumes(mesh: FiniteElementMesh) -> FloatArray:
+def body_volumes(mesh: Mesh) -> FloatArray:
     """(n_bodies,) m3, by the quadrature of the mass, so that density times volume is the mass of the model."""
     volume = np.zeros(len(mesh.body_names))
     for block in mesh.blocks:
@@ -79,7 +78,7 @@ def wave_oddities(about: str, material: Material, points: FloatArray) -> Iterato
     yield from odd_value(words, wave, "Hz", FREQUENCY_RANGE, "the units")
 
 
-def model_oddities(mesh: FiniteElementMesh, materials: Mapping[str, Material]) -> Iterator[OddValue]:
+def model_oddities(mesh: Mesh, materials: Mapping[str, Material]) -> Iterator[OddValue]:
     """Sizes, densities, moduli, masses and frequencies of a model file that only wrong units can explain."""
     yield from size_oddities(mesh.points)
     volumes = dict(zip(mesh.body_names, body_volumes(mesh), strict=True))

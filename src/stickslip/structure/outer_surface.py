@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
 from stickslip.structure.cell_kinds import CORNERS_OF_SIDE, outer_sides
-from stickslip.structure.finite_element_mesh import AnyMesh
-from stickslip.structure.mesh import IntArray
+from stickslip.structure.mesh import IntArray, Mesh
 
 Flags = NDArray[np.bool_]
 
@@ -35,7 +34,7 @@ class OuterSurface:
 
 
 def outer_surface(
-    mesh: AnyMesh, contact_sets: Sequence[Sequence[str]] = (), contact_nodes: Sequence[IntArray] = ()
+    mesh: Mesh, contact_sets: Sequence[Sequence[str]] = (), contact_nodes: Sequence[IntArray] = ()
 ) -> OuterSurface:
     """All sides that one cell alone has.
 

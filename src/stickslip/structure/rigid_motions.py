@@ -17,8 +17,7 @@ import scipy.sparse.linalg
 
 from stickslip.core.validation import FloatArray
 from stickslip.structure.cell_kinds import CORNERS_OF_SIDE, all_sides
-from stickslip.structure.finite_element_mesh import FiniteElementMesh
-from stickslip.structure.mesh import IntArray
+from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.model_facts import connected_parts
 
 _MOST_REGIONS = 200  # whose motions are counted with a dense matrix
@@ -54,7 +53,7 @@ class PartMotions:
         return self.strainless > self.rigid
 
 
-def part_motions(mesh: FiniteElementMesh, fixed_unknowns: IntArray) -> tuple[PartMotions, ...]:
+def part_motions(mesh: Mesh, fixed_unknowns: IntArray) -> tuple[PartMotions, ...]:
     """Motions of each connected part with displacements held at positions among the 3 * n_nodes displacements."""
     cells = [block.cells for block in mesh.blocks]
     part, region = connected_parts(cells), _regions(mesh)
@@ -70,7 +69,7 @@ def part_motions(mesh: FiniteElementMesh, fixed_unknowns: IntArray) -> tuple[Par
     return tuple(answer)
 
 
-def _regions(mesh: FiniteElementMesh) -> IntArray:
+def _regions(mesh: Mesh) -> IntArray:
     """Number of the region (n_cells,) of each cell; cells that share a side belong to one region."""
     rows, columns = [], []
     for n_corners in (3, 4):

@@ -16,8 +16,7 @@ from stickslip.results.peaks import peaks
 from stickslip.results.response import ForcedResponse
 from stickslip.results.sketch import Motion, Sketch
 from stickslip.structure.elasticity import Structure
-from stickslip.structure.finite_element_mesh import AnyMesh
-from stickslip.structure.mesh import IntArray
+from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.outer_surface import coarsened, outer_surface
 
 if TYPE_CHECKING:
@@ -61,7 +60,7 @@ def sketch_of(case: Case, model: Model, motion: MeshMotion | None) -> Sketch | N
 
 
 def make_sketch(
-    mesh: AnyMesh,
+    mesh: Mesh,
     layout: Layout,
     fixed_unknowns: IntArray,
     forces: tuple[PortForce, ...],
@@ -110,7 +109,7 @@ def _carrying_nodes(pairs: FacePairs, face: int) -> IntArray:
     return np.unique(np.concatenate([nodes[here][weights[here] != 0.0] for nodes, weights in both]))
 
 
-def _places(mesh: AnyMesh, layout: Layout, ports: list[str]) -> FloatArray:
+def _places(mesh: Mesh, layout: Layout, ports: list[str]) -> FloatArray:
     """(k, 3) m, the middle of each port."""
     middles = [layout.ports[name].shares @ mesh.points[layout.ports[name].nodes] for name in ports]
     return np.array(middles, dtype=float).reshape(-1, 3)

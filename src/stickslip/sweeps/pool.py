@@ -1,7 +1,8 @@
 """Executors of a sweep: this process, or processes on this machine that neither outlive it nor ruin each other.
 
-The pool of the standard library gives up all tasks when one process dies, and may then wait for ever
-(Python 3.11). Here every process has a pipe and a thread of its own, so that a death is the matter of one task.
+The pool of the standard library gives up all tasks when one process dies, and waits for ever if that process was
+sending its answer (Python 3.11). Here every process has a pipe and a thread of its own, so that a death is the matter
+of one task.
 """
 
 from __future__ import annotations

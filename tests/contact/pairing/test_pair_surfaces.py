@@ -160,12 +160,13 @@ def test_of_two_layers_nodes_take_the_nearest_and_cells_refuse():
     )
     shift = plates.n_nodes
     upper = replace(mesh, points=mesh.points - np.array([0.0, 0.0, 0.1]))
-    blocks = (*plates.blocks, replace(upper.blocks[1], cells=upper.blocks[1].cells + shift))
+    blocks = (*plates.blocks, *(replace(block, cells=block.cells + shift) for block in reversed(upper.blocks)))
     both = np.r_[plates.node_set("top"), plates.node_set("load")]
     third = replace(
         plates,
         points=np.vstack([plates.points, upper.points]),
-        blocks=(*blocks, replace(upper.blocks[0], cells=upper.blocks[0].cells + shift)),
+        cells=tuple(block.cells for block in blocks),
+        body=np.concatenate([block.body for block in blocks]),
         node_sets={"layers": both, "bottom": shift + upper.node_set("bottom")},
     )
     pairs = pair_surfaces(third, "bottom", "layers", search_distance=0.4).pairs

@@ -8,7 +8,7 @@ import scipy.sparse.linalg
 
 from solid_cells import CORNERS
 from stickslip.structure.elasticity import Material, assemble_bodies
-from stickslip.structure.finite_element_mesh import CellBlock, FiniteElementMesh
+from stickslip.structure.mesh import Mesh
 from stickslip.structure.shapes import side_rule, side_shape_functions
 
 PRESSURE = 1e8
@@ -59,11 +59,9 @@ def two_bodies(lower, upper):
     """Mesh of two bodies; sets ``base``, ``top`` of the first and ``bottom``, ``load`` of the second one."""
     shift = len(lower[0])
     sets = {"base": lower[3][0], "top": lower[3][1], "bottom": shift + upper[3][0], "load": shift + upper[3][1]}
-    blocks = tuple(
-        CellBlock(kind, cells + start, np.full(len(cells), number))
-        for number, (start, (_, kind, cells, _)) in enumerate(((0, lower), (shift, upper)))
-    )
-    return FiniteElementMesh(np.vstack([lower[0], upper[0]]), blocks, ("lower", "upper"), sets)
+    cells = (lower[2], shift + upper[2])
+    body = np.repeat([0, 1], [len(cells[0]), len(cells[1])])
+    return Mesh(np.vstack([lower[0], upper[0]]), cells, body, sets, ("lower", "upper"))
 
 
 def block(counts, origin, lengths=(1.0, 1.0, 0.5), distortion=0.0, **options):

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 from calculix import COARSE, cut_bricks
-from model_writers import STEEL_MM, OneKind, write_bdf, write_inp, write_meshio, write_parts
+from model_writers import STEEL_MM, write_bdf, write_inp, write_meshio, write_parts
 from stickslip.core.errors import ImportFileError
 from stickslip.formats.meshes.read import read_model
 from stickslip.model.kinds.two_blade_mesh import blade_pair_mesh
-from stickslip.structure.cell_kinds import CELL_KINDS
 from stickslip.structure.elasticity import Material, assemble, assemble_bodies, natural_frequencies
 from stickslip.structure.faces import face_geometry
 from stickslip.structure.model_facts import body_volumes
@@ -50,7 +49,7 @@ def frequencies(mesh, count, fixed):
 def test_tetrahedra_and_wedges_come_back(tmp_path, make_block, kind, form):
     mesh = block_of(kind, make_block)
     file, write, holds = WRITERS[form]
-    arguments = (tmp_path / file, OneKind(mesh), ["left"], ["contact"])
+    arguments = (tmp_path / file, mesh, ["left"], ["contact"])
     write(*arguments, *(("base",) if holds else ()))
     model = read_model(tmp_path / file, "mm")
     np.testing.assert_allclose(model.mesh.points, mesh.points, atol=1e-12)
@@ -101,9 +100,8 @@ def two_bricks(make_block, fault):
         n_nodes=len(points),
         cells=cells,
         body=np.zeros(len(cells), dtype=int),
-        kind=CELL_KINDS["hexahedron"],
         node_sets={"base": np.flatnonzero(bricks.points[:, 0] == 0.0), "contact": far},
-        sides_within=lambda _: far[None, [0, 2, 3, 1]],
+        sides=lambda _: (far[None, [0, 2, 3, 1]],),
     )
 
 

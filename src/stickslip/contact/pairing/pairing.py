@@ -17,8 +17,7 @@ from stickslip.contact.pairing.segmentation import IntegrationPoints, cut_points
 from stickslip.contact.pairing.surface_mesh import SurfaceMesh
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.validation import FloatArray, positive_number, real_number, require_choice
-from stickslip.structure.finite_element_mesh import AnyMesh
-from stickslip.structure.mesh import IntArray
+from stickslip.structure.mesh import IntArray, Mesh
 
 __all__ = ["FacePairs", "Pairing", "pair_faces", "pair_surfaces", "pair_with_ground", "write_pairs"]
 
@@ -33,7 +32,7 @@ _COARSER = 1.2  # ratio of side lengths from which the first face counts as the 
 
 
 def pair_faces(
-    mesh: AnyMesh, first_set: str, second_set: str, tolerance: float = 1e-7, tangent: ArrayLike | None = None
+    mesh: Mesh, first_set: str, second_set: str, tolerance: float = 1e-7, tangent: ArrayLike | None = None
 ) -> FacePairs:
     """Pair each node of one face with the node of another body's face at the same place.
 
@@ -66,7 +65,7 @@ def pair_faces(
 
 
 def pair_surfaces(
-    mesh: AnyMesh,
+    mesh: Mesh,
     first: str,
     second: str,
     *,
@@ -181,7 +180,7 @@ def pair_surfaces(
 
 
 def pair_with_ground(
-    mesh: AnyMesh, first: str, *, points: Points = "nodes", gap: float = 0.0, tangent: ArrayLike | None = None
+    mesh: Mesh, first: str, *, points: Points = "nodes", gap: float = 0.0, tangent: ArrayLike | None = None
 ) -> Pairing:
     """Pair a face with a rigid, fixed ground of the same shape, at a distance of ``gap`` (m) along the normal.
 
@@ -315,7 +314,7 @@ def _require_own_nodes(first_name: str, first: IntArray, second_name: str, secon
 
 
 def _require_partners(
-    mesh: AnyMesh, name: str, nodes: IntArray, other_name: str, others: IntArray, tolerance: float
+    mesh: Mesh, name: str, nodes: IntArray, other_name: str, others: IntArray, tolerance: float
 ) -> IntArray:
     """Positions in ``others`` of the node nearest to each of ``nodes``; raises InputError beyond the tolerance."""
     distance, partner = cKDTree(mesh.points[others]).query(mesh.points[nodes])

@@ -10,8 +10,7 @@ import numpy as np
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.structure.faces import face_geometry, side_geometry
-from stickslip.structure.finite_element_mesh import AnyMesh
-from stickslip.structure.mesh import IntArray
+from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.shapes import side_shape_functions
 from stickslip.structure.side_parts import SIDE_BORDER
 
@@ -53,7 +52,7 @@ class SurfaceMesh:
     width: IntArray
 
     @staticmethod
-    def of(mesh: AnyMesh, name: str) -> SurfaceMesh:
+    def of(mesh: Mesh, name: str) -> SurfaceMesh:
         """The face ``name`` of a mesh. Raises InputError for a set without whole sides, or with a node of none."""
         nodes, area, direction = face_geometry(mesh, name)
         isolated = np.flatnonzero(area <= 0.0)

@@ -15,7 +15,7 @@ from stickslip.formats.meshes.raw_model import RawModel
 from stickslip.formats.meshes.unit_systems import UnitSystem
 from stickslip.structure.cell_kinds import IntArray
 from stickslip.structure.elasticity import Material
-from stickslip.structure.finite_element_mesh import CellBlock, FiniteElementMesh
+from stickslip.structure.mesh import CellBlock, Mesh
 from stickslip.structure.model_facts import connected_parts, model_oddities
 
 LARGEST_COORDINATE = 1e6  # m
@@ -52,7 +52,7 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
     faces, face_nodes = build_face_sets(raw, labels, element_labels, cell_blocks, messages)
     elements = _members(raw, "element", raw.element_sets, element_labels, messages)
     nodes = _members(raw, "node", raw.node_sets, labels, messages)
-    mesh = FiniteElementMesh(points, cell_blocks, names, nodes | face_nodes, faces, elements)
+    mesh = Mesh(points, tuple(cells), body, nodes | face_nodes, names, faces, elements)
     messages += _clashes(mesh, nodes, face_nodes)
     materials = _materials(raw, units, names, messages)
     messages += _parts(mesh)
@@ -182,7 +182,7 @@ def _materials(raw: RawModel, units: UnitSystem, names: tuple[str, ...], message
     return answer
 
 
-def _clashes(mesh: FiniteElementMesh, nodes: dict[str, IntArray], of_faces: dict[str, IntArray]) -> list[str]:
+def _clashes(mesh: Mesh, nodes: dict[str, IntArray], of_faces: dict[str, IntArray]) -> list[str]:
     """Sentences on names of several kinds of sets with different nodes, where a study means one of them."""
     sentences = [
         f"the name '{name}' is that of a surface and of another node set; the nodes of the surface are taken."
@@ -199,7 +199,7 @@ def _clashes(mesh: FiniteElementMesh, nodes: dict[str, IntArray], of_faces: dict
     return sentences
 
 
-def _parts(mesh: FiniteElementMesh) -> list[str]:
+def _parts(mesh: Mesh) -> list[str]:
     """Sentences on named bodies that consist of several parts, or have nodes at one place that are not joined."""
     sentences = []
     for number, name in enumerate(mesh.body_names):

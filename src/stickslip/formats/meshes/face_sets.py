@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.formats.meshes.raw_model import RawModel, RawSides
 from stickslip.structure.cell_kinds import CELL_KINDS, CORNERS_OF_SIDE, IntArray, all_sides, single_sides
-from stickslip.structure.finite_element_mesh import CellBlock
+from stickslip.structure.mesh import CellBlock
 
 Sides = tuple[IntArray, ...]
 

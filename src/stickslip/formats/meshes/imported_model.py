@@ -11,8 +11,7 @@ from stickslip.core.errors import ImportFileError
 from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.raw_model import LabelRange, shown_label
 from stickslip.structure.elasticity import Material
-from stickslip.structure.finite_element_mesh import FiniteElementMesh
-from stickslip.structure.mesh import IntArray
+from stickslip.structure.mesh import IntArray, Mesh
 
 
 @dataclass(frozen=True)
@@ -44,7 +43,7 @@ class ImportedModel:
         sizes, densities, moduli and masses that only wrong units can explain, in sentences.
     """
 
-    mesh: FiniteElementMesh
+    mesh: Mesh
     source: str
     format: str
     node_labels: IntArray

@@ -8,7 +8,7 @@ from stickslip.case.case import Case
 from stickslip.core.validation import FloatArray
 from stickslip.model.joint import FaceSettings
 from stickslip.model.layout import BaseMotionOfSupport, Layout, PortForce, PortUnbalance, Reading, Setup
-from stickslip.structure.finite_element_mesh import AnyMesh
+from stickslip.structure.mesh import Mesh
 
 CaseT = TypeVar("CaseT", bound=Case, contravariant=True)
 
@@ -19,7 +19,7 @@ class Kind(Protocol[CaseT]):
     def set_up(self, case: CaseT) -> Setup:
         """Mesh or matrices, and the layout on them. Raises InputError."""
 
-    def find_layout(self, case: CaseT, mesh: AnyMesh) -> Layout:
+    def find_layout(self, case: CaseT, mesh: Mesh) -> Layout:
         """The layout on a mesh that is there already. Raises InputError."""
 
     def preload(self, case: CaseT, layout: Layout) -> FloatArray:

@@ -34,9 +34,8 @@ from stickslip.model.layout import Layout, Port
 from stickslip.model.nearest import nearest_node
 from stickslip.model.overlap import require_single_pairs
 from stickslip.structure.elasticity import Material
-from stickslip.structure.finite_element_mesh import AnyMesh
 from stickslip.structure.floating_parts import require_contact_bodies
-from stickslip.structure.mesh import IntArray
+from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.model_facts import material_oddities, matrix_oddities
 from stickslip.structure.superelement import Superelement
 
@@ -146,7 +145,7 @@ class MatrixKind(OwnKind[MatrixCase]):
         )
         return MatrixSetup(matrices, layout, case.reduction.modes)
 
-    def find_layout(self, case: MatrixCase, mesh: AnyMesh) -> Layout:
+    def find_layout(self, case: MatrixCase, mesh: Mesh) -> Layout:
         """The layout of :func:`set_up`; matrices have no mesh."""
         return self.set_up(case).layout
 

@@ -26,8 +26,7 @@ from stickslip.model.overlap import require_single_joints
 from stickslip.structure.body_load import centrifugal_load, translation_inertia
 from stickslip.structure.elasticity import Hexahedron, Material, Structure, assemble_bodies
 from stickslip.structure.faces import face_geometry
-from stickslip.structure.finite_element_mesh import AnyMesh, FiniteElementMesh
-from stickslip.structure.mesh import IntArray
+from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.model_facts import body_volumes, bounding_box, model_oddities
 from stickslip.structure.rigid_motions import part_motions
 
@@ -38,7 +37,7 @@ PAIRS_FILE = "contact_pairs.vtu"
 class MeshSetup:
     """A mesh with the material of each body and what is held, and the pairings of its interfaces."""
 
-    mesh: FiniteElementMesh
+    mesh: Mesh
     materials: tuple[Material, ...]
     fixed_unknowns: IntArray
     element: Hexahedron
@@ -101,7 +100,7 @@ class MeshKind(OwnKind[MeshCase]):
         element = case.structure.element or "incompatible"
         return MeshSetup(mesh, materials, fixed, element, layout, pairings)
 
-    def find_layout(self, case: MeshCase, mesh: AnyMesh) -> Layout:
+    def find_layout(self, case: MeshCase, mesh: Mesh) -> Layout:
         """The layout on the mesh of the file; ``mesh`` must be that of :func:`set_up`."""
         setup = self.set_up(case)
         if not np.array_equal(setup.mesh.points, mesh.points):
@@ -179,7 +178,7 @@ def _fixed_unknowns(case: MeshCase, source: ImportedModel) -> IntArray:
     return np.unique(np.concatenate(held)).astype(np.int64)
 
 
-def _pairing(mesh: FiniteElementMesh, name: str, given: MeshInterfaceSection) -> Pairing:
+def _pairing(mesh: Mesh, name: str, given: MeshInterfaceSection) -> Pairing:
     points = given.points or "nodes"
     with _entry(f"interfaces.{name}"), keys_of_section(f"interfaces.{name}"):
         if given.second == GROUND:
@@ -260,16 +259,14 @@ def _unused_forces(source: ImportedModel) -> Iterator[str]:
         yield "the forces in the mesh file are not used; give them as [forces.NAME] or [static_loads.NAME]."
 
 
-def _face_materials(
-    mesh: FiniteElementMesh, materials: Sequence[Material], pairing: Pairing
-) -> tuple[Material, Material]:
+def _face_materials(mesh: Mesh, materials: Sequence[Material], pairing: Pairing) -> tuple[Material, Material]:
     """Materials of both sides; the ground is taken to be of the first side's."""
     first = _body_of(mesh, pairing.first)
     second = first if pairing.second == GROUND else _body_of(mesh, pairing.second)
     return materials[first], materials[second]
 
 
-def _body_of(mesh: FiniteElementMesh, name: str) -> int:
+def _body_of(mesh: Mesh, name: str) -> int:
     """The body that most nodes of a set belong to."""
     nodes = mesh.node_set(name)
     members = [np.isin(nodes, mesh.nodes_of_body(body)).sum() for body in range(len(mesh.body_names))]
@@ -314,7 +311,7 @@ def _require_free(
             )
 
 
-def _require_held(mesh: FiniteElementMesh, pairs: FacePairs, fixed: IntArray, source: ImportedModel) -> None:
+def _require_held(mesh: Mesh, pairs: FacePairs, fixed: IntArray, source: ImportedModel) -> None:
     """Raise InputError for a part that neither a constraint nor contact holds, and for a part with a hinge."""
     for part in part_motions(mesh, fixed):
         element = f"the part of the mesh with element {source.shown(source.element_labels[part.cells[0]])}"

@@ -17,7 +17,6 @@ from stickslip.model.kinds.two_blade_mesh import BladePairElements, BladePairGeo
 from stickslip.model.layout import Direction, Layout, Port, PortForce, PortUnbalance, Reading
 from stickslip.structure.body_load import centrifugal_load
 from stickslip.structure.elasticity import Element, Material, Structure, assemble
-from stickslip.structure.finite_element_mesh import AnyMesh
 from stickslip.structure.mesh import Mesh
 from stickslip.structure.model_facts import material_oddities, size_oddities, wave_oddities
 
@@ -46,7 +45,7 @@ class TwoBladeSetup:
 
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """Elements and nodes."""
-        return (("elements", f"{len(self.mesh.cells)} ({self.element})"), ("nodes", f"{self.mesh.n_nodes}"))
+        return (("elements", f"{self.mesh.n_cells} ({self.element})"), ("nodes", f"{self.mesh.n_nodes}"))
 
     def write_places(self, folder: Path) -> tuple[Path, ...]:
         """Nothing: the pairs are nodes of the mesh."""
@@ -61,7 +60,7 @@ class TwoBladeKind:
         mesh = build_mesh(case)
         return TwoBladeSetup(mesh, case_material(case), case.mesh.element, self.find_layout(case, mesh))
 
-    def find_layout(self, case: TwoBladeCase, mesh: AnyMesh) -> Layout:
+    def find_layout(self, case: TwoBladeCase, mesh: Mesh) -> Layout:
         """Contact pairs of both faces, left face first, and the places of forces and responses."""
         pairs = FacePairs.concatenate([pair_faces(mesh, *names) for names in FACES])
         ports = {name: Port.single(int(mesh.node_set(name)[0])) for name in PORTS}
@@ -192,7 +191,7 @@ def _static_force(case: TwoBladeCase) -> float:
     return (case.preload.centrifugal_force or 0.0) if case.preload.method == "solved" else 0.0
 
 
-def _edge_port(mesh: AnyMesh, name: str) -> Port:
+def _edge_port(mesh: Mesh, name: str) -> Port:
     """A line along x with a uniform load."""
     nodes = mesh.node_set(name)
     nodes = nodes[np.argsort(mesh.points[nodes, 0])]

@@ -288,9 +288,16 @@
 
   showCurve(); showMaps(); showChoice(); showPair(); showGroups();
   drawn = true;
-  Promise.all(Object.keys(figures).map((id) => draw(id, figures[id], id.includes("map") ? stillOptions : options))).then(function () {
+
+  /* One figure after the other, the curve first, so that each is seen as soon as it is drawn. */
+  async function drawAll() {
+    for (const [id, figure] of Object.entries(figures)) {
+      await draw(id, figure, id.includes("map") ? stillOptions : options);
+      await new Promise((shown) => setTimeout(shown, 0));
+    }
     listen();
     document.body.dataset.ready = "yes";
     document.dispatchEvent(new Event("figures-drawn"));
-  });
+  }
+  drawAll();
 })();

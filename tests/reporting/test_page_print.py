@@ -1,0 +1,40 @@
+"""The page on paper: what Chromium writes as PDF."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from browser_pages import opened_page
+from helpers import opened_browser
+from stickslip.reporting.page import write_page
+from synthetic import synthetic_response, synthetic_study
+
+pytestmark = pytest.mark.slow
+
+MARGIN_PT = 14.0 / 25.4 * 72.0  # of @page in page.css
+# The heading of each section that begins with a plot, and the height of the plot in px.
+_PLOTS = """() => Array.from(document.querySelectorAll('main section'), section => [
+  section.querySelector('h2, h3').textContent, section.querySelector('.js-plotly-plot:not(#structure-plot)'),
+]).filter(([, plot]) => plot).map(([heading, plot]) => [heading, plot.offsetHeight])"""
+
+
+def heights_of_headings(pdf: bytes) -> dict[str, float]:
+    """Heading -> pt above the lower edge of its page, from the outline of a PDF."""
+    entries = re.findall(rb"/Title \(([^)]*)\)\s*/Dest \[\d+ 0 R /XYZ [\d.]+ ([\d.]+)", pdf)
+    return {title.decode("latin-1"): float(height) for title, height in entries}
+
+
+def test_a_heading_stays_on_the_page_of_its_first_plot(tmp_path: Path) -> None:
+    report = tmp_path / "report.html"
+    write_page(report, synthetic_response(), synthetic_study())
+    with opened_browser() as browser, opened_page(browser, report) as page:
+        plots = dict(page.evaluate(_PLOTS))
+        page.pdf(path=tmp_path / "report.pdf", prefer_css_page_size=True, tagged=True, outline=True)
+    heights = heights_of_headings((tmp_path / "report.pdf").read_bytes())
+    checked = {heading: heights[heading] for heading in plots if heading in heights}
+    assert {"Amplitude against frequency", "Contact states", "Motion over one period"} <= checked.keys()
+    for heading, height in checked.items():
+        assert height - MARGIN_PT >= 0.75 * plots[heading], f"{heading}: its plot is on the next page"
