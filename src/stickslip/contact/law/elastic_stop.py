@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
+from stickslip.contact.constants import constant
 from stickslip.contact.law.component_law import ElasticLaw, pairs_in, require_at_least_zero
 from stickslip.contact.law.law import CodeArray, ContactState
 from stickslip.core.errors import InputError
@@ -45,10 +46,15 @@ class ElasticStop(ElasticLaw):
         ContactState.SEPARATING: "hits the stop",
     }
 
-    stiffness: FloatArray
+    stiffness: FloatArray = field(metadata=constant("N/m", of_face=True, description="of the stop, along n"))
     gap: FloatArray
-    spring: FloatArray = 0.0  # type: ignore[assignment]
-    two_sided: bool = False
+    spring: FloatArray = field(
+        default=0.0,  # type: ignore[arg-type]
+        metadata=constant("N/m", of_face=True, description="of the spring along n that always acts"),
+    )
+    two_sided: bool = field(
+        default=False, metadata=constant(is_switch=True, description="whether a stop is on either side")
+    )
 
     def __post_init__(self) -> None:
         count = pairs_in(self.name, self.stiffness, self.gap, self.spring)

@@ -9,13 +9,14 @@ nothing is discretised but the time.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stickslip.contact.constants import constant
 from stickslip.contact.law.component_law import pairs_in, per_component, require_at_least_zero
 from stickslip.contact.law.hysteretic_law import HystereticLaw
 from stickslip.contact.law.law import BoolArray, ContactState, IndexArray
@@ -57,9 +58,11 @@ class IwanJoint(HystereticLaw):
     }
 
     tangential_stiffness: FloatArray
-    slip_force: FloatArray
-    exponent: FloatArray
-    ratio: FloatArray
+    slip_force: FloatArray = field(
+        metadata=constant("N", of_face=True, components=2, description="F_S, at which the whole patch slides")
+    )
+    exponent: FloatArray = field(metadata=constant(description="chi, above -1 and at most 0"))
+    ratio: FloatArray = field(metadata=constant(description="beta, stiffness of what slips last over that of the rest"))
     normal_stiffness: FloatArray = 0.0  # type: ignore[assignment]
 
     def __post_init__(self) -> None:

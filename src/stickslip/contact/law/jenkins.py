@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
+from stickslip.contact.constants import constant
 from stickslip.contact.law.component_law import pairs_in, per_component, require_at_least_zero
 from stickslip.contact.law.hysteretic_law import HystereticLaw
 from stickslip.contact.law.law import BoolArray, ContactState, IndexArray
@@ -45,7 +46,9 @@ class JenkinsElement(HystereticLaw):
     }
 
     tangential_stiffness: FloatArray
-    friction_limit: FloatArray
+    friction_limit: FloatArray = field(
+        metadata=constant("N", of_face=True, components=2, description="force at which the slider moves")
+    )
     normal_stiffness: FloatArray = 0.0  # type: ignore[assignment]
 
     def __post_init__(self) -> None:

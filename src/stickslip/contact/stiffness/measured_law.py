@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from stickslip.contact.constants import constant
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, require_positive
 
@@ -32,9 +33,9 @@ class MeasuredStiffness:
         for a wrong shape, a pressure that does not rise, or a value that is not above zero.
     """
 
-    pressure: FloatArray
-    normal_stiffness: FloatArray
-    tangential_stiffness: FloatArray
+    pressure: FloatArray = field(metadata=constant("Pa", is_table=True, description="rising"))
+    normal_stiffness: FloatArray = field(metadata=constant("N/m^3", is_table=True, description="per area"))
+    tangential_stiffness: FloatArray = field(metadata=constant("N/m^3", is_table=True, description="per area"))
 
     def __post_init__(self) -> None:
         for name in ("pressure", "normal_stiffness", "tangential_stiffness"):
