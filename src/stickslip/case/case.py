@@ -143,6 +143,11 @@ class Case(BaseModel):
     def _one_source(cls, value: Any, info: ValidationInfo) -> Any:
         return instead_of(value, info, "roughness")
 
+    @property
+    def has_rough_faces(self) -> bool:
+        """Whether the stiffness of any face follows from [roughness]."""
+        return self.roughness is not None
+
     def _misfits(self) -> Iterator[EntryError]:
         """What does not fit in the sections of this kind."""
         return iter(())
@@ -351,6 +356,11 @@ class OwnCase(Case):
         return tuple(
             name for name, each in self.interfaces.items() if each.needs_stiffness and not each.has_own_stiffness
         )
+
+    @property
+    def has_rough_faces(self) -> bool:
+        """Whether the stiffness of any face follows from [roughness]."""
+        return self.roughness is not None and bool(self.rough_interfaces)
 
     @property
     def pressed_interfaces(self) -> tuple[str, ...]:

@@ -37,7 +37,7 @@ def study_record(
 ) -> StudyRecord:
     """What the report shows beside the response, but for the sketch, which the cases of a sweep have in common."""
     pairs = model.joint.face_pairs
-    held = held_contact(pairs, bool(model.pairs.closed_at_rest.all()))
+    held = held_contact(pairs, bool(model.pairs.resting_stiffness().all()))
     return StudyRecord(
         title=case.study.title,
         description=kind_of(case).description(case),
