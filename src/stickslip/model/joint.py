@@ -207,14 +207,20 @@ def _laws_beside_friction(
     return tuple(found)
 
 
-def pressure_warnings(layout: Layout, load: FloatArray, settings: Sequence[FaceSettings]) -> tuple[str, ...]:
-    """What the stiffness laws that the study names say of the pressures under the loads (n_pairs,) N."""
+def pressure_warnings(
+    layout: Layout, load: FloatArray, settings: Sequence[FaceSettings], of_each_pair: bool = False
+) -> tuple[str, ...]:
+    """What the stiffness laws that the study names say of the pressures under the loads (n_pairs,) N.
+
+    ``of_each_pair``: pairs have their own pressure whatever the allocation of the face.
+    """
     pairs, found = layout.face_pairs, []
     for face, own in enumerate(settings):
         if own.pressure_law is None or not own.is_pressed:
             continue
         members = pairs.face == face
-        pressure = pair_pressure(pairs.area[members], load[members], own.pressure_law.allocation)
+        allocation = "pressure" if of_each_pair else own.pressure_law.allocation
+        pressure = pair_pressure(pairs.area[members], load[members], allocation)
         name = layout.face_names[face]
         found += [f"{name}: {sentence}" for sentence in own.pressure_law.law.valid(np.unique(pressure))]
     return tuple(found)

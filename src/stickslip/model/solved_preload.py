@@ -87,7 +87,7 @@ def resting_joint(case: Case, joint: Joint, settings: Sequence[FaceSettings], st
         normal_stiffness=state.normal_stiffness,
         tangential_stiffness=state.tangential_stiffness,
         rough_faces=faces,
-        stiffness_warnings=pressure_warnings(layout, _with_floor(case, joint, settings, state.normal_force), settings),
+        stiffness_warnings=_pressure_warnings(case, joint, settings, state),
     )
 
 
@@ -156,10 +156,25 @@ def _with_floor(case: Case, joint: Joint, settings: Sequence[FaceSettings], norm
 
     Open pairs count as pressed by it too, so that their stiffness does not jump where they close.
     """
-    pairs = joint.face_pairs
     own_pressure = np.array([own.is_pressed and face_allocation(case, own) == "pressure" for own in settings])
-    least = _lowest_pressure(case, joint, normal_force)[pairs.face] * pairs.area
-    return np.where(own_pressure[pairs.face], np.maximum(normal_force, least), normal_force)
+    least = _lowest_load(case, joint, normal_force)
+    return np.where(own_pressure[joint.face_pairs.face], np.maximum(normal_force, least), normal_force)
+
+
+def _lowest_load(case: Case, joint: Joint, normal_force: FloatArray) -> FloatArray:
+    """(n_pairs,) N of each pair under the lowest pressure of its face."""
+    pairs = joint.face_pairs
+    return _lowest_pressure(case, joint, normal_force)[pairs.face] * pairs.area
+
+
+def _pressure_warnings(
+    case: Case, joint: Joint, settings: Sequence[FaceSettings], state: StaticState
+) -> tuple[str, ...]:
+    """What stiffness laws say of the pressures at rest; along a pressure-gap curve each pair has its own."""
+    if case.preload.normal_law == "spring":
+        return pressure_warnings(joint.layout, _with_floor(case, joint, settings, state.normal_force), settings)
+    least = _lowest_load(case, joint, state.normal_force)
+    return pressure_warnings(joint.layout, np.maximum(state.normal_force, least), settings, of_each_pair=True)
 
 
 def _pressure_gap_law(case: Case, joint: Joint, settings: Sequence[FaceSettings], state: StaticState) -> NormalLaw:
