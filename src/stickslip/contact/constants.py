@@ -40,6 +40,14 @@ class Constant:
         return f"{name} (true or false)" if self.quantity is None else f"{name} ({self.unit})" if self.unit else name
 
 
+def units_of(law: type) -> dict[str, str]:
+    """SI unit of each constant of a law, as far as they are declared or those of the joint; "1" for a pure number."""
+    of_joint = dict(zip(OF_JOINT, ("N", "m", "1", "N/m", "N/m"), strict=True))
+    declared = {field.name: field.metadata.get(_KEY) for field in fields(law)}
+    units = {name: each.unit or "1" for name, each in declared.items() if each is not None and each.quantity}
+    return {name: of_joint[name] for name in declared if name in of_joint} | units
+
+
 def constant(
     unit: str = "",
     *,

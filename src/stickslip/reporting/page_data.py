@@ -58,6 +58,8 @@ def page_data(view: View, picture_characters: int = 0) -> dict[str, Any]:
         "states": packed(response.contact_state[held], "i1"),
         "energy": packed(view.energy_factor * response.friction_energy[held], "f4"),
         "stateStyles": _state_styles(view),
+        "lawStates": [[law.states.get(state) for state in ContactState] for law in response.pairs.laws],
+        "lawOfPair": _law_of_pair(response.pairs).tolist(),
         "faces": len(study.face_names),
         "pairFace": study.pair_face.tolist(),
         "pairPosition": (1e3 * study.pair_position).round(4).tolist(),
@@ -81,12 +83,17 @@ def _coulomb_constants(pairs: ContactPairs) -> dict[str, Any]:
     }
 
 
+def _law_of_pair(pairs: ContactPairs) -> NDArray[np.int64]:
+    """(n_pairs,) which of the laws a pair follows."""
+    law_of_pair = np.empty(pairs.n_pairs, dtype=np.int64)
+    for number, members in enumerate(pairs.members):
+        law_of_pair[members] = number
+    return law_of_pair
+
+
 def _follows_coulomb(pairs: ContactPairs) -> NDArray[np.bool_]:
     """(n_pairs,) whether a pair follows Coulomb's law."""
-    follows = np.zeros(pairs.n_pairs, dtype=bool)
-    for law, members in zip(pairs.laws, pairs.members, strict=True):
-        follows[members] = isinstance(law, CoulombLaw)
-    return follows
+    return np.array([isinstance(law, CoulombLaw) for law in pairs.laws])[_law_of_pair(pairs)]
 
 
 def _state_styles(view: View) -> list[dict[str, str | None]]:

@@ -201,7 +201,7 @@
     let words = "";
     if (held < 0) words = " (loops of so many pairs would make this page too large; the results file holds them)";
     else if (point !== chosen.point) words = " (loops are held for " + loops.points.length + " of the points; this is the nearest)";
-    element("loop-now").textContent = data.stateStyles[states[entry]].name + " at " + hertz(data.frequency[point]) + ", " +
+    element("loop-now").textContent = data.lawStates[data.lawOfPair[chosen.pair]][states[entry]] + " at " + hertz(data.frequency[point]) + ", " +
       digits(energy[entry]) + " " + data.energyUnit + " per cycle" + words;
     if (held < 0) return;
     const cycle = pairCycle(held, chosen.pair);
