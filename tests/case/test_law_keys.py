@@ -71,6 +71,7 @@ def test_values_are_in_si_and_come_back_from_mapping_text_and_pickle() -> None:
         ({"interfaces.joint.constants.slip_force": "3 mm"}, "constants.slip_force", "a unit of length"),
         ({"interfaces.joint.constants.slip_force": [1, 2, 3]}, "constants.slip_force", "a list of 2"),
         ({"interfaces.joint.constants.exponent": 0.5}, "constants.exponent", "above -1 and at most 0"),
+        ({"interfaces.joint.constants.slip_force": "-1 N"}, "constants.slip_force", "must be above 0"),
         ({"interfaces.joint.constants": "iwan"}, "constants", "a section of its own"),
         ({"interfaces.joint.friction": 0.2}, "friction", 'is of no use for the law "iwan"'),
         ({"interfaces.joint.gap": "1 mm"}, "gap", 'is of no use for the law "iwan"'),
@@ -92,6 +93,11 @@ def test_values_are_in_si_and_come_back_from_mapping_text_and_pickle() -> None:
             MEASURED | {"interfaces.joint.stiffness_constants": TABLE | {"pressure": ["4 MPa", "1 MPa"]}},
             "stiffness_constants.pressure",
             "not above the one before",
+        ),
+        (
+            MEASURED | {"interfaces.joint.stiffness_constants": TABLE | {"tangential_stiffness": [0.0, 1e13]}},
+            "stiffness_constants.tangential_stiffness",
+            "must be above 0",
         ),
         (
             MEASURED | {"interfaces.joint.stiffness_constants": TABLE | {"file": "a.csv"}},

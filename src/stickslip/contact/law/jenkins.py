@@ -9,11 +9,11 @@ from typing import ClassVar
 import numpy as np
 
 from stickslip.contact.constants import constant
-from stickslip.contact.law.component_law import pairs_in, per_component, require_at_least_zero
+from stickslip.contact.law.component_law import pairs_in, per_component, require_above_zero, require_at_least_zero
 from stickslip.contact.law.hysteretic_law import HystereticLaw
 from stickslip.contact.law.law import BoolArray, ContactState, IndexArray
 from stickslip.core.compiled import njit
-from stickslip.core.validation import FloatArray, per_pair, require_positive
+from stickslip.core.validation import FloatArray, per_pair
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class JenkinsElement(HystereticLaw):
         object.__setattr__(self, "normal_stiffness", per_pair("normal_stiffness", self.normal_stiffness, count))
         require_at_least_zero("tangential_stiffness", self.tangential_stiffness)
         require_at_least_zero("normal_stiffness", self.normal_stiffness)
-        require_positive("friction_limit", self.friction_limit, "Without friction there is no element.")
+        require_above_zero("friction_limit", self.friction_limit, "Without friction there is no element.")
 
     @property
     def largest_slip_force(self) -> FloatArray:

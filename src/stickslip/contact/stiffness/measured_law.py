@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stickslip.contact.constants import constant
-from stickslip.core.errors import InputError
+from stickslip.core.errors import InputError, concerning
 from stickslip.core.validation import FloatArray, finite_array, require_positive
 
 
@@ -45,7 +45,8 @@ class MeasuredStiffness:
                     f"{name} of measured stiffness must be a list of at least two numbers; found shape {values.shape}.",
                     (name,),
                 )
-            require_positive(name, values, "Measured contact has a stiffness at every pressure.")
+            with concerning(name):
+                require_positive(name, values, "Measured contact has a stiffness at every pressure.")
             object.__setattr__(self, name, values)
         lengths = {getattr(self, name).size for name in ("pressure", "normal_stiffness", "tangential_stiffness")}
         if len(lengths) > 1:
