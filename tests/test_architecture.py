@@ -21,7 +21,8 @@ ROOT = "stickslip"
 _PHYSICS = ("core", "structure", "contact", "results", "solve")
 MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "core": (),
-    "case": ("core",),
+    # A study file gives the constants of the law that it names, and the law declares them.
+    "case": ("core", "contact"),
     "structure": ("core",),
     "contact": ("core", "structure"),
     "formats": ("core", "structure"),

@@ -41,6 +41,16 @@ def test_own_matrices(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.Mo
 
 
 @pytest.mark.slow
+def test_joint_laws(capsys: pytest.CaptureFixture[str]) -> None:
+    found = runpy.run_path(str(ROOT / "examples" / "joint_laws.py"))["main"]()
+    assert "0.2 N: peak at" in capsys.readouterr().out
+    frequencies, energies = zip(*found.values(), strict=True)
+    assert frequencies == pytest.approx((1836.8, 1834.8, 1831.0), abs=0.3)  # the joints soften
+    # friction grows with a power of the force between 1 (sliding) and 2.5 (microslip of this joint, exponent + 3)
+    assert all(2.0 < more / less < 2.0**2.5 for less, more in pairwise(energies))
+
+
+@pytest.mark.slow
 def test_measured_roughness(capsys: pytest.CaptureFixture[str]) -> None:
     module = runpy.run_path(str(ROOT / "examples" / "measured_roughness.py"))
     fit = module["main"]()

@@ -101,7 +101,12 @@ def test_text_of_the_user_cannot_break_the_page(case):
 
 def test_figures_are_valid_plotly(case):
     view = View.of(*case)
-    drawn = [plots.amplitude_frequency(view), plots.hysteresis_loop(), plots.pair_signals(), plots.energy_curve(view)]
+    drawn = [
+        plots.amplitude_frequency(view),
+        plots.hysteresis_loop(view),
+        plots.pair_signals(),
+        plots.energy_curve(view),
+    ]
     drawn += [plots.face_map(view, face, quantity) for face in (0, 1) for quantity in ("state", "energy")]
     drawn += [plots.output_signals(("damper left x", "damper left y"))]
     for figure in drawn:

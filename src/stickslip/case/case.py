@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator, Mapping
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal, Self, cast, get_args
+from typing import Annotated, Any, Literal, Self, cast, get_args
 
 from pydantic import (
     BaseModel,
@@ -24,6 +24,7 @@ from stickslip.case import toml_text as case_file
 from stickslip.case.analysis import Analysis, ForcedAnalysis
 from stickslip.case.consistency import EntryError, excitation_errors, joint_errors, place_errors, preload_errors
 from stickslip.case.explained import explained
+from stickslip.case.law_keys import CONSTANT_TABLES, StiffnessLawKeys, StiffnessLawSection
 from stickslip.case.own_sections import (
     BaseMotion,
     BodyName,
@@ -56,6 +57,7 @@ from stickslip.case.sections import (
     SolverSection,
     StructureSection,
     StudySection,
+    chosen_by,
     instead_of,
     without_default,
 )
@@ -68,6 +70,7 @@ from stickslip.case.two_blade_sections import (
     TwoBladeStructureSection,
     WedgePreloadSection,
 )
+from stickslip.contact.constants import NORMAL_LOAD
 from stickslip.core.errors import StudyFileError
 
 Kind = Literal["two-blade", "mesh", "matrices"]
@@ -77,6 +80,16 @@ SECTIONS = (
     "contact_stiffness", "friction", "interfaces", "preload", "damping", "excitation", "forces", "base_motion",
     "unbalance", "responses", "static_loads", "rotation", "reference", "analysis", "solver", "output",
 )  # fmt: skip
+
+
+FaceStiffness = Annotated[
+    ContactStiffnessSection | StiffnessLawSection,
+    chosen_by(
+        lambda data: (
+            StiffnessLawSection if isinstance(data, Mapping) and "stiffness_law" in data else ContactStiffnessSection
+        )
+    ),
+]
 
 
 class Case(BaseModel):
@@ -94,7 +107,7 @@ class Case(BaseModel):
     analysis: Analysis = ForcedAnalysis()
     reduction: ReductionSection = ReductionSection()
     roughness: RoughnessSection | None = RoughnessSection()
-    contact_stiffness: ContactStiffnessSection | None = Field(default=None, description=ContactStiffnessSection.__doc__)
+    contact_stiffness: FaceStiffness | None = Field(default=None, description=ContactStiffnessSection.__doc__)
     friction: FrictionSection = FrictionSection()
     preload: PreloadSection = PreloadSection()
     damping: DampingSection = DampingSection()
@@ -131,6 +144,11 @@ class Case(BaseModel):
     @classmethod
     def _one_source(cls, value: Any, info: ValidationInfo) -> Any:
         return instead_of(value, info, "roughness")
+
+    @property
+    def has_rough_faces(self) -> bool:
+        """Whether the stiffness of any face follows from [roughness]."""
+        return self.roughness is not None
 
     def _misfits(self) -> Iterator[EntryError]:
         """What does not fit in the sections of this kind."""
@@ -205,17 +223,17 @@ class Case(BaseModel):
     @property
     def input_files(self) -> dict[str, str]:
         """Key or name of an interface -> file that the case reads."""
-        return dict(self.structure.files)
+        return {**self.structure.files, **_table_file("contact_stiffness", self.contact_stiffness)}
 
     def replace(self, changes: Mapping[str, Any]) -> Self:
         """A validated copy with other values, ``case.replace({"preload.centrifugal_force": "300 N"})``.
 
-        Keys are ``section.key`` or ``section.NAME.key``, values as in a study file. Raises StudyFileError.
+        Keys are ``section.key`` or ``section.NAME.key``, constants of a law ``section.NAME.constants.key``; values as
+        in a study file. Raises StudyFileError.
         """
         data = self._as_mapping(only_given=True)
         for path, value in changes.items():
-            section, _, rest = path.partition(".")
-            name, _, key = rest.rpartition(".") if section in Case.named_sections() else ("", "", rest)
+            section, name, table, key = parts_of_key(path)
             entries = self.sections.get(section, {})
             if name and name not in entries:
                 known = ", ".join(entries) or "none"
@@ -223,7 +241,9 @@ class Case(BaseModel):
                     f"the study: 1 error.\n  {path}: there is no [{section}.{name}] in the study; there are: {known}."
                 )
             home = data.setdefault(section, {})
-            (home.setdefault(name, {}) if name else home)[key] = value
+            for part in (name, table):
+                home = home.setdefault(part, {}) if part else home
+            home[key] = value
         return cast(Self, Case.from_mapping(data))
 
     def to_dict(self) -> dict[str, dict[str, Any]]:
@@ -288,7 +308,8 @@ class TwoBladeCase(Case):
 
     def _misfits(self) -> Iterator[EntryError]:
         loads = () if self.rotation is None else ("rotation",)
-        yield from preload_errors(self.preload, loads, rough=self.roughness is not None)
+        follows = self.roughness is not None or isinstance(self.contact_stiffness, StiffnessLawKeys)
+        yield from preload_errors(self.preload, loads, follows)
 
 
 class OwnCase(Case):
@@ -324,14 +345,45 @@ class OwnCase(Case):
     def input_files(self) -> dict[str, str]:
         """Key or name of an interface -> file that the case reads."""
         listed = {name: getattr(each, "pairs", None) for name, each in self.interfaces.items()}
-        return {**self.structure.files, **{name: file for name, file in listed.items() if file is not None}}
+        found = {**super().input_files, **{name: file for name, file in listed.items() if file is not None}}
+        for name, each in self.interfaces.items():
+            found |= _table_file(f"interfaces.{name}", each)
+        return found
+
+    @property
+    def rough_interfaces(self) -> tuple[str, ...]:
+        """Names of the interfaces whose stiffness follows from [roughness]."""
+        if self.contact_stiffness is not None:
+            return ()
+        return tuple(
+            name for name, each in self.interfaces.items() if each.needs_stiffness and not each.has_own_stiffness
+        )
+
+    @property
+    def has_rough_faces(self) -> bool:
+        """Whether the stiffness of any face follows from [roughness]."""
+        return self.roughness is not None and bool(self.rough_interfaces)
+
+    @property
+    def pressed_interfaces(self) -> tuple[str, ...]:
+        """Names of the interfaces whose stiffness follows a law over the pressure, rough ones among them."""
+        common = isinstance(self.contact_stiffness, StiffnessLawKeys)
+        return tuple(
+            name
+            for name, each in self.interfaces.items()
+            if (each.needs_stiffness and (each.stiffness_law is not None or (common and not each.has_own_stiffness)))
+            or name in self.rough_interfaces
+        )
+
+    def uses_load(self, name: str) -> bool:
+        """Whether the law or the stiffness of an interface follows from a normal load."""
+        each = self.interfaces[name]
+        return NORMAL_LOAD in each.declaration.of_joint or name in self.pressed_interfaces
 
     def _own_misfits(self, loads: tuple[str, ...], excitations: Mapping[str, Any], has_areas: bool) -> Any:
         """What does not fit, for the sections with static loads and those with excitations that the study has."""
-        measured = [each.normal_stiffness is not None for each in self.interfaces.values()]
-        rough = self.roughness is not None and not (measured and all(measured))
-        yield from preload_errors(self.preload, loads, rough)
-        yield from joint_errors(self.interfaces, self.preload)
+        yield from preload_errors(self.preload, loads, bool(self.pressed_interfaces))
+        yield from joint_errors(self.interfaces, self.preload, self.pressed_interfaces)
         harmonics = {name: force.harmonic for name, force in self.forces.items()}
         yield from excitation_errors(excitations, harmonics, self.solver.harmonics)
         if not self.responses:
@@ -366,7 +418,27 @@ class MatrixCase(OwnCase):
         yield from self._own_misfits(loads, {"forces": self.forces, "unbalance": self.unbalance}, has_areas=False)
 
 
+def _table_file(name: str, section: Any) -> dict[str, str]:
+    """The file with stiffness over pressure that a section names."""
+    constants = section.stiffness_constants if isinstance(section, StiffnessLawKeys) else None
+    return {} if constants is None or constants.file is None else {f"{name}.stiffness": constants.file}
+
+
 KINDS: dict[str, type[Case]] = {"two-blade": TwoBladeCase, "mesh": MeshCase, "matrices": MatrixCase}
+
+
+def parts_of_key(path: str) -> tuple[str, str, str, str]:
+    """Section, name of the entry, section of constants and key of a dotted key; "" where it has no such part.
+
+    The name of an entry may have dots of its own.
+    """
+    section, _, rest = path.partition(".")
+    above, _, key = rest.rpartition(".")
+    table = next((each for each in CONSTANT_TABLES if above == each or above.endswith(f".{each}")), "")
+    name = above.removesuffix(table).removesuffix(".")
+    if section not in Case.named_sections():
+        return (section, "", table, key) if not name else (section, "", "", rest)
+    return (section, name, table, key) if name else (section, above, "", key)
 
 
 class _StructureOfSomeKind(BaseModel):

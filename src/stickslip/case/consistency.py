@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from stickslip.case.own_sections import InterfaceSection, OwnPreloadSection, PlaceSection
+from stickslip.case.own_sections import InterfaceSection, MeshInterfaceSection, OwnPreloadSection, PlaceSection
 from stickslip.case.sections import PreloadSection
 from stickslip.case.two_blade_sections import WedgePreloadSection
+from stickslip.contact.constants import FRICTION, GAP, NORMAL_LOAD, STIFFNESSES
 from stickslip.core.errors import InputError
 
 
@@ -19,11 +20,11 @@ class EntryError(InputError):
         self.path = path
 
 
-def preload_errors(preload: PreloadSection, loads: Sequence[str], rough: bool) -> Iterator[EntryError]:
+def preload_errors(preload: PreloadSection, loads: Sequence[str], pressed: bool) -> Iterator[EntryError]:
     """What a prescribed preload has no use for, and what a solved one needs.
 
-    ``loads`` are the sections with static loads that the study has; ``rough`` says whether any face follows from a
-    roughness.
+    ``loads`` are the sections with static loads that the study has; ``pressed`` says whether the stiffness of any face
+    follows from its pressure.
     """
     if preload.method == "prescribed":
         for name in loads:
@@ -44,9 +45,11 @@ def preload_errors(preload: PreloadSection, loads: Sequence[str], rough: bool) -
             'is "solved", but there is no static load. Give [rotation] or [static_loads.NAME], or for two blades '
             "preload.centrifugal_force.",
         )
-    if preload.normal_law == "pressure-gap" and not rough:
+    if preload.normal_law == "pressure-gap" and not pressed:
         yield EntryError(
-            ("preload", "normal_law"), 'is "pressure-gap", which follows from a roughness. Give [roughness].'
+            ("preload", "normal_law"),
+            'is "pressure-gap", which follows from a roughness or another law of stiffness over pressure. Give '
+            "[roughness].",
         )
 
 
@@ -64,22 +67,67 @@ def _wedge_errors(preload: WedgePreloadSection, rotates: bool) -> Iterator[Entry
         )
 
 
-def joint_errors(interfaces: Mapping[str, InterfaceSection], preload: OwnPreloadSection) -> Iterator[EntryError]:
-    """Interfaces without stiffness or load, or with two."""
+def joint_errors(
+    interfaces: Mapping[str, InterfaceSection], preload: OwnPreloadSection, pressed: Sequence[str]
+) -> Iterator[EntryError]:
+    """Interfaces without stiffness or load, with two, or with keys that their contact law has no use for.
+
+    ``pressed`` are the names of those whose stiffness follows from their pressure.
+    """
     if not interfaces:
         yield EntryError(("interfaces",), "has no entry. Give at least one section [interfaces.NAME].")
     for name, each in interfaces.items():
         where = ("interfaces", name)
-        if (each.normal_stiffness is None) != (each.tangential_stiffness is None):
-            lacking = "normal_stiffness" if each.normal_stiffness is None else "tangential_stiffness"
-            yield EntryError((*where, lacking), "is missing: give both stiffnesses of a face, or none.")
         solved = preload.method == "solved"
-        if each.normal_load is None and preload.values is None and not solved:
+        if solved and each.other_law is not None:
+            yield EntryError(
+                ("preload", "method"),
+                f'is "solved", but interfaces.{name} follows the law "{each.other_law}": a static load is solved with '
+                'Coulomb friction only. Take method = "prescribed", or law = "coulomb".',
+            )
+        yield from _useless_keys(where, each)
+        yield from _stiffness_errors(where, each)
+        needs_load = each.other_law is None or each.declaration.needs(NORMAL_LOAD) or name in pressed
+        if needs_load and each.normal_load is None and preload.values is None and not solved:
             yield EntryError((*where, "normal_load"), "is missing. Give the normal force on this face at rest.")
+        if not needs_load and each.normal_load is not None and NORMAL_LOAD not in each.declaration.of_joint:
+            yield EntryError(
+                (*where, "normal_load"),
+                f'is of no use: neither the law "{each.other_law}" nor the stiffness of this face follows from it. '
+                "Take it out.",
+            )
         if each.normal_load is not None and preload.values is not None:
             yield EntryError((*where, "normal_load"), "and preload.values are both given. Take one of the two out.")
         if each.normal_load is not None and solved:
             yield EntryError((*where, "normal_load"), 'is what preload.method = "solved" finds. Take it out.')
+
+
+def _useless_keys(where: tuple[str, str], interface: InterfaceSection) -> Iterator[EntryError]:
+    """Keys of an interface that its contact law has no use for."""
+    if interface.other_law is None:
+        if not isinstance(interface, MeshInterfaceSection) and getattr(interface, GAP, None) is not None:
+            yield EntryError(
+                (*where, GAP),
+                "between matrices serves contact laws with a gap of their own, such as elastic-stop. Give law, or for "
+                "Coulomb friction a gap in preload.values (N below 0).",
+            )
+        return
+    of_joint = interface.declaration.of_joint
+    homes = {GAP: GAP, "friction": FRICTION, **{key: key for key in STIFFNESSES}}
+    homes |= {key: STIFFNESSES[0] for key in ("stiffness_law",) if not interface.needs_stiffness}
+    for key, constant in homes.items():
+        if getattr(interface, key, None) is not None and constant not in of_joint:
+            yield EntryError((*where, key), f'is of no use for the law "{interface.other_law}". Take it out.')
+
+
+def _stiffness_errors(where: tuple[str, str], interface: InterfaceSection) -> Iterator[EntryError]:
+    """Half a stiffness, or two of them."""
+    given = [key for key in STIFFNESSES if getattr(interface, key) is not None]
+    lacking = [key for key in STIFFNESSES if key not in given and interface.requires(key)]
+    if given and lacking:
+        yield EntryError((*where, lacking[0]), "is missing: give both stiffnesses of a face, or none.")
+    if given and interface.stiffness_law is not None:
+        yield EntryError((*where, given[0]), "and stiffness_law are both given. Take one of the two out.")
 
 
 def place_errors(section: str, places: Mapping[str, PlaceSection], has_areas: bool) -> Iterator[EntryError]:

@@ -11,6 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, Field
 
+from stickslip.case.law_keys import ContactLawKeys, StiffnessLawKeys
 from stickslip.case.sections import (
     Area,
     Coordinate,
@@ -32,6 +33,7 @@ from stickslip.case.sections import (
     of_kind,
     require_printable,
 )
+from stickslip.contact.constants import STIFFNESSES
 from stickslip.core.errors import InputError
 from stickslip.core.units import LARGEST_INTEGER, Count, Quantity
 
@@ -178,7 +180,7 @@ class BodySection(Section):
     density: Density | None = Field(default=None, examples=["7800 kg/m^3"])
 
 
-class InterfaceSection(Section):
+class _JointKeys(Section):
     """What a joint of any kind has: its load, its friction and its stiffness."""
 
     tangent: Direction | None = Field(
@@ -194,6 +196,25 @@ class InterfaceSection(Section):
         default=None, description="of this whole face, instead of [roughness]", examples=["1.34e8 N/m"]
     )
     tangential_stiffness: Stiffness | None = Field(default=None, examples=["1.11e8 N/m"])
+
+
+class InterfaceSection(ContactLawKeys, StiffnessLawKeys, _JointKeys):
+    """A joint of any kind: its load, its friction, its stiffness and its laws."""
+
+    @property
+    def has_own_stiffness(self) -> bool:
+        """Whether a stiffness stands here, be it by a law."""
+        given = (self.normal_stiffness, self.tangential_stiffness, self.stiffness_law)
+        return any(each is not None for each in given)
+
+    @property
+    def needs_stiffness(self) -> bool:
+        """Whether the contact law must have a stiffness of the joint."""
+        return any(map(self.requires, STIFFNESSES))
+
+    def requires(self, constant: str) -> bool:
+        """Whether the contact law must have a value of the joint."""
+        return self.other_law is None or self.declaration.needs(constant)
 
 
 # The keys that lead a section are on a class of their own: a file has them before those that all joints share.
@@ -245,9 +266,12 @@ class _FaceOfMatrices(Section):
     area: Annotated[
         Area, Required('is missing: matrices do not say it. Give it, such as "180 mm^2", of the whole face.')
     ] = Field(description="of the whole face; pairs have equal parts", examples=["180 mm^2"])
+    gap: Distance | None = Field(
+        default=None, description="of each pair at rest, for a contact law that has one", examples=["0.1 mm"]
+    )
 
 
-_MESH_KEYS = dict.fromkeys(("points", "edge_tolerance", "gap_tolerance", "gap", "adjust"), OF_MESH)
+_MESH_KEYS = dict.fromkeys(("points", "edge_tolerance", "gap_tolerance", "adjust"), OF_MESH)
 
 
 class SetInterfaceSection(InterfaceSection, _FaceOfMatrices, _Sides):

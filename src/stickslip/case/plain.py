@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from stickslip.case.law_constants import TABLE_FILE, LawConstants
 from stickslip.case.template import quantity_of
 
 _FILE_KEYS = ("file", "stiffness", "mass", "damping", "unknown_map", "node_positions")
@@ -14,9 +15,13 @@ _FILE_KEYS = ("file", "stiffness", "mass", "damping", "unknown_map", "node_posit
 
 def plain_section(section: BaseModel, only_given: bool) -> dict[str, Any]:
     """Key -> value of one section as in a study file, without empty keys, or only with what the file gave."""
-    values = {}
+    values: dict[str, Any] = {}
     for key, value in section:
         if value is None or (only_given and key not in section.model_fields_set):
+            continue
+        if isinstance(value, LawConstants):
+            if value:
+                values[key] = value.plain()
             continue
         quantity = quantity_of(type(section), key)
         plain = list(value) if isinstance(value, tuple) else value
@@ -38,12 +43,19 @@ def with_absolute_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
         data = {**data, "structure": {**structure, **files}}
     interfaces = data.get("interfaces")
     if isinstance(interfaces, dict):
-        data = {**data, "interfaces": {name: _with_pairs_in(folder, each) for name, each in interfaces.items()}}
+        data = {**data, "interfaces": {name: _with_files_in(folder, each) for name, each in interfaces.items()}}
+    if "contact_stiffness" in data:
+        data = {**data, "contact_stiffness": _with_files_in(folder, data["contact_stiffness"])}
     return data
 
 
-def _with_pairs_in(folder: Path, interface: Any) -> Any:
-    """An interface whose file of pairs is absolute."""
-    if isinstance(interface, dict) and isinstance(interface.get("pairs"), str):
-        return {**interface, "pairs": str(folder / interface["pairs"])}
-    return interface
+def _with_files_in(folder: Path, section: Any) -> Any:
+    """A section whose file of pairs and whose file of stiffness over pressure are absolute."""
+    if not isinstance(section, dict):
+        return section
+    if isinstance(section.get("pairs"), str):
+        section = {**section, "pairs": str(folder / section["pairs"])}
+    table = section.get("stiffness_constants")
+    if isinstance(table, dict) and isinstance(table.get(TABLE_FILE), str):
+        section = {**section, "stiffness_constants": {**table, TABLE_FILE: str(folder / table[TABLE_FILE])}}
+    return section

@@ -255,6 +255,11 @@ class RoughnessSection(Section):
 class ContactStiffnessSection(Section):
     """Stiffness of one whole contact face, for those who measured it; give it instead of [roughness]."""
 
+    foreign: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("allocation", "stiffness_constants"),
+        "belongs to stiffness_law, which is not given. Give it, or take this out.",
+    )
+
     normal_stiffness: Stiffness = Field(examples=["1.34e8 N/m"])
     tangential_stiffness: Stiffness = Field(examples=["1.11e8 N/m"])
 

@@ -11,6 +11,7 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from stickslip.case.law_constants import LawConstants
 from stickslip.core.units import Quantity
 
 _OPENING = """\
@@ -74,23 +75,37 @@ def _section_text(name: str, kinds: Sequence[type[BaseModel]], values: BaseModel
         *textwrap.wrap(about, _WIDTH - 2, initial_indent="# ", subsequent_indent="# "),
     ]
     homes = {key: kind for kind in (*reversed(kinds), own) for key in kind.model_fields}
+    tables: list[str] = []
     for key in dict.fromkeys(key for kind in (own, *kinds) for key in kind.model_fields):
         section = homes[key]
         field = section.model_fields[key]
         value = getattr(values, key, None)
+        if isinstance(value, LawConstants):
+            tables += _constants_text(f"{name}.{key}", value)
+            continue
         if value is None:
             entry = f"# {key} = {_example(section, key)}"
         else:
             entry = f"{key} = {_value_text(quantity_of(section, key), value)}"
         lines.append(_with_comment(entry, field.description))
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *tables]) + "\n"
+
+
+def _constants_text(name: str, constants: LawConstants) -> list[str]:
+    """The section with the constants of a law."""
+    keys = (
+        _with_comment(f"{key} = {text}", constants.declared[key].description if key in constants.declared else None)
+        for key, text in constants.texts().items()
+    )
+    return ["", f"[{name}]", *keys]
 
 
 def _example(section: type[BaseModel], key: str) -> str:
     """The value of a key that is not set, as TOML: its default, or else its example."""
     field = section.model_fields[key]
     if field.examples:
-        return json.dumps(field.examples[0])
+        example = field.examples[0]
+        return str(example) if LawConstants in get_args(field.annotation) else json.dumps(example)
     return _value_text(quantity_of(section, key), field.default)
 
 

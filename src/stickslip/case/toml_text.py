@@ -147,7 +147,7 @@ def report(
             sentence = f"{'.'.join(path)} {details['ctx']['error']}"
         else:
             sentence = _sentence(_Entry(path, path[0] in named), details, data, known)
-        line = next((lines[path[:depth]] for depth in (3, 2, 1) if path[:depth] in lines), 0)
+        line = next((lines[path[:depth]] for depth in (4, 3, 2, 1) if path[:depth] in lines), 0)
         where = f"line {line}: " if line else ""
         numbered.append((line, f"  {where}{_LONG_WORD.sub(_shortened, sentence)}"))
     numbered.sort(key=lambda entry: entry[0])
@@ -162,7 +162,8 @@ def _shortened(word: re.Match[str]) -> str:
 
 @dataclass(frozen=True)
 class _Entry:
-    """Where an error stands: section, the name of the entry in a section of named ones, key, place in a list."""
+    """Where an error stands: section, the name of the entry in a section of named ones, key, then a key of its own
+    section or a place in a list."""
 
     path: tuple[str, ...]
     is_named: bool
@@ -178,7 +179,8 @@ class _Entry:
         return ".".join(self.path[: self.depth - 1])
 
     def __str__(self) -> str:
-        return ".".join(self.path[: self.depth]) + "".join(f"[{index}]" for index in self.path[self.depth :])
+        below = (f"[{part}]" if part.isdecimal() else f".{part}" for part in self.path[self.depth :])
+        return ".".join(self.path[: self.depth]) + "".join(below)
 
 
 def _sentence(entry: _Entry, details: ErrorDetails, data: Mapping[str, Any], known: Mapping[str, Sequence[str]]) -> str:

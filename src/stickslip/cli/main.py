@@ -187,7 +187,7 @@ def sweep(
         from stickslip.sweeps.cluster import cluster_executor
 
         varied = axes.split_options(vary)
-        axes.swept_keys(varied)  # a wrong key is told before a folder is made or a cluster is asked
+        axes.swept_keys(varied, case)  # a wrong key is told before a folder is made or a cluster is asked
         require_folder(out)
         places = replace(places, varied=tuple(varied))
         with (

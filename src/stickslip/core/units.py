@@ -51,7 +51,7 @@ class Quantity:
     """A physical quantity of a study file: its kind, the unit that texts show, and the allowed range in SI.
 
     kind:
-        a key of ``KINDS``.
+        a key of ``KINDS``, or words of its own with a ``unit``.
     shown:
         unit of written study files; the SI unit if left out.
     above, below:
@@ -63,6 +63,8 @@ class Quantity:
         a sentence why a plain number is refused, or "" where a plain number is the SI value.
     example:
         a value as messages show it, where that of the kind would mislead.
+    unit:
+        SI unit of a kind that ``KINDS`` does not have.
     """
 
     kind: str
@@ -74,11 +76,25 @@ class Quantity:
     unit_required: str = ""
     example: str = ""
     usual: tuple[float, float] | None = None
+    unit: str = ""
+
+    @classmethod
+    def of_unit(cls, unit: str) -> Quantity:
+        """Any value in an SI unit: of the kind that has this unit, or else of one that is named after it."""
+        kind = next((name for name, (si, _) in KINDS.items() if si == unit), None)
+        return cls(f"value in {unit}", example=f'"1 {unit}"', unit=unit) if kind is None else cls(kind)
 
     @property
     def si_unit(self) -> str:
         """SI unit of the loaded float, "" for a pure number."""
-        return KINDS[self.kind][0]
+        return KINDS[self.kind][0] if self.kind in KINDS else self.unit
+
+    @property
+    def is_si(self) -> bool:
+        """Whether the unit is one that can be read and equals its SI unit; that of each kind of ``KINDS`` does."""
+        if self.kind in KINDS:
+            return True
+        return _parsed(self.unit) is not None and math.isclose(_factor_to_si(self.unit), 1.0, rel_tol=1e-12)
 
     def parse(self, value: object) -> float:
         """The SI value of a number or of a string with a unit. Raises InputError with a sentence."""
@@ -132,7 +148,7 @@ class Quantity:
 
     def _in_si(self, number: float, unit: str) -> float:
         """``number unit`` in the SI unit. Raises InputError for an unknown unit or one of another kind."""
-        example = self.example or KINDS[self.kind][1]
+        example = self._usual_example()
         needed = f"{self._kind_with_article()} is needed, such as {example}."
         found = _root_unit(unit)
         if found is None:
@@ -174,7 +190,10 @@ class Quantity:
         raise InputError(f"is not allowed: a value {allowed}{unit} is needed.{hint}")
 
     def _example(self) -> str:
-        return f"Write for example {self.example or KINDS[self.kind][1]}."
+        return f"Write for example {self._usual_example()}."
+
+    def _usual_example(self) -> str:
+        return self.example or KINDS[self.kind][1]
 
 
 @dataclass(frozen=True)

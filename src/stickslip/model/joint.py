@@ -9,8 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.case.case import Case, OwnCase, TwoBladeCase
+from stickslip.case.law_keys import StiffnessLawSection
 from stickslip.case.sections import RoughnessSection
 from stickslip.case.values import unusual_values
+from stickslip.contact.constants import FRICTION, GAP, NORMAL_LOAD, STIFFNESSES
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb import CoulombLaw
+from stickslip.contact.law.law import ContactLaw
 from stickslip.contact.pairing.pairing import FacePairs
 from stickslip.contact.preload import area_share, face_sum
 from stickslip.contact.stiffness.fractal import (
@@ -20,13 +25,15 @@ from stickslip.contact.stiffness.fractal import (
     reduced_modulus,
 )
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
-from stickslip.contact.stiffness.stiffness_law import StiffnessLaw, springs_of_pairs
+from stickslip.contact.stiffness.stiffness_law import Allocation, StiffnessLaw, pair_pressure, springs_of_pairs
 from stickslip.contact.stiffness.surface import SurfaceStatistics, surface_statistics
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.plausible import OddValue
 from stickslip.core.validation import FloatArray
+from stickslip.model.face_laws import NamedLaw, PressureLaw, pressure_law
 from stickslip.model.layout import Layout
 from stickslip.structure.elasticity import Material
+from stickslip.structure.mesh import IntArray
 
 # Pa; where the preload is solved, the iteration of the contact stiffness starts from it.
 STARTING_PRESSURE = 3e6
@@ -43,18 +50,41 @@ class RoughFace:
 
 @dataclass(frozen=True)
 class FaceSettings:
-    """Friction of one face, and its stiffness (normal, tangential) in N/m; None where it follows from a roughness."""
+    """Friction of one face, and its stiffness (normal, tangential) in N/m; None where it follows from the pressure.
+
+    One of the two is None where only that is given which the contact law must have. ``pressure_law`` is the law of the
+    stiffness over the pressure, None for that of [roughness]; ``contact_law`` is None for Coulomb friction.
+    """
 
     friction: float
-    stiffness: tuple[float, float] | None
+    stiffness: tuple[float | None, float | None] | None
     load_key: str = "preload.centrifugal_force"  # the key of the study file that gives the face its load
+    pressure_law: PressureLaw | None = None
+    contact_law: NamedLaw | None = None
 
     @classmethod
     def of_case(cls, case: Case) -> FaceSettings:
-        """The settings of [friction] and [contact_stiffness]."""
-        given = case.contact_stiffness
+        """The settings of [friction] and [contact_stiffness]. Raises InputError for a law that cannot be made."""
+        given, friction = case.contact_stiffness, case.friction.coefficient
+        if isinstance(given, StiffnessLawSection):
+            return cls(friction, None, pressure_law=pressure_law(given, "contact_stiffness"))
         stiffness = None if given is None else (given.normal_stiffness, given.tangential_stiffness)
-        return cls(case.friction.coefficient, stiffness)
+        return cls(friction, stiffness)
+
+    @property
+    def needs_stiffness(self) -> bool:
+        """Whether the contact law takes a stiffness of the joint."""
+        return self.contact_law is None or self.contact_law.declaration.needs(*STIFFNESSES)
+
+    @property
+    def is_pressed(self) -> bool:
+        """Whether the stiffness follows from the pressure."""
+        return self.stiffness is None and self.needs_stiffness
+
+    @property
+    def is_rough(self) -> bool:
+        """Whether the stiffness follows from [roughness]."""
+        return self.is_pressed and self.pressure_law is None
 
 
 @dataclass(frozen=True)
@@ -67,6 +97,8 @@ class Joint:
     normal_stiffness: FloatArray  # (n_pairs,) N/m
     tangential_stiffness: FloatArray  # (n_pairs,) N/m
     rough_faces: tuple[RoughFace | None, ...]  # one for each face; None where the stiffness was given
+    laws: tuple[tuple[NamedLaw, ContactLaw, IntArray], ...] = ()  # those beside Coulomb friction, with their pairs
+    stiffness_warnings: tuple[str, ...] = ()  # what the stiffness laws of faces say of their pressures
 
     @property
     def face_pairs(self) -> FacePairs:
@@ -80,8 +112,11 @@ class Joint:
 
     @property
     def closed_at_rest(self) -> NDArray[np.bool_]:
-        """(n_pairs,) True where the preload presses the pair together."""
-        return self.preload > 0.0
+        """(n_pairs,) True where the preload presses the pair together, or its law has a spring at rest."""
+        closed = self.preload > 0.0
+        for _, law, members in self.laws:
+            closed[members] = law.resting_springs().any(axis=1)
+        return closed
 
     @property
     def resting_springs(self) -> FloatArray:
@@ -90,7 +125,38 @@ class Joint:
         What :meth:`ContactPairs.resting_stiffness` gives the balance, for a joint that has no operator yet.
         """
         springs = np.column_stack([self.tangential_stiffness, self.tangential_stiffness, self.normal_stiffness])
-        return (springs * self.closed_at_rest[:, None]).ravel()
+        springs *= self.closed_at_rest[:, None]
+        for _, law, members in self.laws:
+            springs[members] = law.resting_springs()
+        return springs.ravel()
+
+    def contact_pairs(self, operator: FloatArray) -> ContactPairs:
+        """The pairs as the solver takes them, with their operator (3 * n_pairs, n)."""
+        coulomb = np.setdiff1d(np.arange(self.preload.size), [pair for _, _, group in self.laws for pair in group])
+        if coulomb.size == self.preload.size:
+            return ContactPairs(
+                operator,
+                self.normal_stiffness,
+                self.tangential_stiffness,
+                self.friction_coefficient,
+                self.preload,
+            )
+        laws, members = [law for _, law, _ in self.laws], [group for _, _, group in self.laws]
+        if coulomb.size:
+            friction = CoulombLaw.with_preload(
+                coulomb.size,
+                self.normal_stiffness[coulomb],
+                self.tangential_stiffness[coulomb],
+                self.friction_coefficient[coulomb],
+                self.preload[coulomb],
+            )
+            laws, members = [friction, *laws], [coulomb, *members]
+        return ContactPairs.with_laws(operator, laws, members)
+
+    def law_of(self, face: int) -> tuple[NamedLaw, ContactLaw] | None:
+        """The law of a face and what the study says of it; None for Coulomb friction."""
+        found = ((named, law) for named, law, _ in self.laws if named.interface == self.face_names[face])
+        return next(found, None)
 
     def face_sum(self, values: FloatArray) -> FloatArray:
         """Sum of a value of the pairs for each face (n_faces,)."""
@@ -106,11 +172,58 @@ def make_joint(case: Case, layout: Layout, preload: FloatArray, settings: Sequen
     friction = np.array([each.friction for each in settings])[pairs.face]
     rough_faces = describe_faces(case, layout, preload, settings)
     normal, tangential = pair_springs(case, layout, preload, settings)
+    laws = _laws_beside_friction(layout, preload, settings, normal, tangential)
+    # The pressure that a solved preload starts from says nothing; what it finds is judged then.
+    solved = case.preload.method == "solved"
+    warnings = () if solved else pressure_warnings(layout, preload, settings)
     # A pair that stands apart closes when it has moved by its gap; no load is on it before. The pressure that a solved
     # preload starts from is on all pairs, for the stiffness of rough faces alone.
-    unloaded = (preload == 0.0) | (case.preload.method == "solved")
+    unloaded = (preload == 0.0) | solved
     preload = np.where((pairs.gap > 0.0) & unloaded, -normal * pairs.gap, preload)
-    return Joint(layout, preload, friction, normal, tangential, rough_faces)
+    for _, law, members in laws:
+        preload[members] = law.normal_load
+    return Joint(layout, preload, friction, normal, tangential, rough_faces, laws, warnings)
+
+
+def _laws_beside_friction(
+    layout: Layout, preload: FloatArray, settings: Sequence[FaceSettings], normal: FloatArray, tangential: FloatArray
+) -> tuple[tuple[NamedLaw, ContactLaw, IntArray], ...]:
+    """The contact laws that faces name, with their pairs. Raises InputError that names the key."""
+    pairs, found = layout.face_pairs, []
+    for face, own in enumerate(settings):
+        if own.contact_law is None:
+            continue
+        members = np.flatnonzero(pairs.face == face)
+        joint = {
+            NORMAL_LOAD: preload[members],
+            GAP: pairs.gap[members],
+            FRICTION: np.full(members.size, own.friction),
+        }
+        given = own.stiffness or (None, None)
+        for name, values, value in zip(STIFFNESSES, (normal, tangential), given, strict=True):
+            if own.is_pressed or value is not None:
+                joint[name] = values[members]
+        found.append((own.contact_law, own.contact_law.of_pairs(pairs, members, joint), members))
+    return tuple(found)
+
+
+def pressure_warnings(
+    layout: Layout, load: FloatArray, settings: Sequence[FaceSettings], of_each_pair: bool = False
+) -> tuple[str, ...]:
+    """What the stiffness laws that the study names say of the pressures under the loads (n_pairs,) N.
+
+    ``of_each_pair``: pairs have their own pressure whatever the allocation of the face.
+    """
+    pairs, found = layout.face_pairs, []
+    for face, own in enumerate(settings):
+        if own.pressure_law is None or not own.is_pressed:
+            continue
+        members = pairs.face == face
+        allocation = "pressure" if of_each_pair else own.pressure_law.allocation
+        pressure = pair_pressure(pairs.area[members], load[members], allocation)
+        name = layout.face_names[face]
+        found += [f"{name}: {sentence}" for sentence in own.pressure_law.law.valid(np.unique(pressure))]
+    return tuple(found)
 
 
 def describe_faces(
@@ -121,12 +234,12 @@ def describe_faces(
     faces: list[RoughFace | None] = []
     for face, own in enumerate(settings):
         given, members = case.roughness, pairs.face == face
-        if own.stiffness is not None or given is None:
+        if not own.is_rough or given is None:
             faces.append(None)
             continue
         area, load = float(pairs.area[members].sum()), float(np.maximum(preload[members], 0.0).sum())
         reference = given.reference_area or area
-        with concerning(*_roughness_keys(case, own)):
+        with concerning(*_stiffness_keys(case, own)):
             roughness = case_roughness(case, *layout.face_materials[face])
             faces.append(
                 RoughFace(
@@ -147,22 +260,32 @@ def pair_springs(
     """
     pairs = layout.face_pairs
     share = area_share(pairs.area, pairs.face)
-    normal, tangential = np.empty(pairs.n_pairs), np.empty(pairs.n_pairs)
+    normal, tangential = np.zeros(pairs.n_pairs), np.zeros(pairs.n_pairs)
     for face, own in enumerate(settings):
         members = pairs.face == face
-        if own.stiffness is not None:
-            normal[members], tangential[members] = (value * share[members] for value in own.stiffness)
+        if not own.needs_stiffness and own.stiffness is None:
             continue
-        law = face_law(case, layout, face)
-        with concerning(*_roughness_keys(case, own)):
+        if own.stiffness is not None:
+            normal[members], tangential[members] = ((value or 0.0) * share[members] for value in own.stiffness)
+            continue
+        law = face_law(case, layout, face, own)
+        with concerning(*_stiffness_keys(case, own)):
             normal[members], tangential[members] = springs_of_pairs(
-                law, pairs.area[members], preload[members], roughness_section(case).allocation
+                law, pairs.area[members], preload[members], face_allocation(case, own)
             )
     return normal, tangential
 
 
-def face_law(case: Case, layout: Layout, face: int) -> StiffnessLaw:
+def face_allocation(case: Case, settings: FaceSettings) -> Allocation:
+    """Whether the pairs of a face take its mean pressure, or each its own."""
+    given = settings.pressure_law
+    return roughness_section(case).allocation if given is None else given.allocation
+
+
+def face_law(case: Case, layout: Layout, face: int, settings: FaceSettings) -> StiffnessLaw:
     """The stiffness law of a face that has no stiffness of its own. Raises InputError."""
+    if settings.pressure_law is not None:
+        return settings.pressure_law.law
     given = roughness_section(case)
     if given.reference_area is not None and given.allocation != "pressure":
         raise InputError(
@@ -174,15 +297,15 @@ def face_law(case: Case, layout: Layout, face: int) -> StiffnessLaw:
     return FractalStiffness(roughness, given.reference_area or area, given.mode)
 
 
-def _roughness_keys(case: Case, settings: FaceSettings) -> tuple[str, ...]:
-    """What the stiffness of a rough face follows from: the roughness, and where its load comes from."""
+def _stiffness_keys(case: Case, settings: FaceSettings) -> tuple[str, ...]:
+    """What the stiffness of a face follows from: the roughness or its law, and where its load comes from."""
     if case.preload.method == "solved":
         load = "preload.method"
     elif case.preload.values is not None:
         load = "preload.values"
     else:
         load = settings.load_key
-    return "roughness", load
+    return "roughness" if settings.pressure_law is None else settings.pressure_law.section, load
 
 
 def odd_values(case: Case, layout: Layout) -> tuple[OddValue, ...]:

@@ -205,13 +205,7 @@ def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel
         joint = resting_joint(case, joint, settings, solved.state)
         pairs = resting_pairs(joint, superelement, solved.state, case.preload.residual_traction == "kept")
     else:
-        pairs = ContactPairs(
-            joint.face_pairs.operator(superelement),
-            joint.normal_stiffness,
-            joint.tangential_stiffness,
-            joint.friction_coefficient,
-            joint.preload,
-        )
+        pairs = joint.contact_pairs(joint.face_pairs.operator(superelement))
     return ReducedModel(superelement, joint, pairs, excitation, static_load, outputs, groups, solved)
 
 

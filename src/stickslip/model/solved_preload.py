@@ -13,7 +13,16 @@ from stickslip.contact.law.normal_law import FaceLaws, NormalLaw, PressureGapLaw
 from stickslip.contact.stiffness.asperities import fully_plastic_load
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
-from stickslip.model.joint import FaceSettings, Joint, case_roughness, describe_faces, face_law, pair_springs
+from stickslip.model.joint import (
+    FaceSettings,
+    Joint,
+    case_roughness,
+    describe_faces,
+    face_allocation,
+    face_law,
+    pair_springs,
+    pressure_warnings,
+)
 from stickslip.solve.static.ramp_to_rest import static_preload
 from stickslip.solve.static.state import StaticState
 from stickslip.structure.superelement import Superelement
@@ -26,7 +35,7 @@ if TYPE_CHECKING:
 LOWEST_PRESSURE = 0.01
 LOWEST_ABOVE_PLASTIC = 2.0
 SECANT_WARNING = (
-    'roughness.allocation = "pressure" with a solved preload takes the stiffness under the pressure of a pair as a '
+    'allocation = "pressure" with a solved preload takes the stiffness under the pressure of a pair as a '
     "spring from zero, N = A kappa(p) closure. The curve of a rough face is flatter at first, so this concentrates the "
     'load on few pairs. preload.normal_law = "pressure-gap" follows the whole curve.'
 )
@@ -68,8 +77,8 @@ def resting_joint(case: Case, joint: Joint, settings: Sequence[FaceSettings], st
     """The joint with the forces, gaps and stiffness of a state at rest."""
     faces = describe_faces(case, joint.layout, state.normal_force, settings)
     layout = joint.layout
-    given, rough = case.roughness, any(own.stiffness is None for own in settings)
-    if given is not None and rough and given.allocation == "pressure" and case.preload.normal_law == "spring":
+    secant = any(own.is_pressed and face_allocation(case, own) == "pressure" for own in settings)
+    if secant and case.preload.normal_law == "spring":
         layout = replace(layout, messages=(*layout.messages, SECANT_WARNING))
     return replace(
         joint,
@@ -78,6 +87,7 @@ def resting_joint(case: Case, joint: Joint, settings: Sequence[FaceSettings], st
         normal_stiffness=state.normal_stiffness,
         tangential_stiffness=state.tangential_stiffness,
         rough_faces=faces,
+        stiffness_warnings=_pressure_warnings(case, joint, settings, state),
     )
 
 
@@ -103,16 +113,16 @@ def _state(
         joint.friction_coefficient,
         -joint.normal_stiffness * gap,
     )
-    if all(own.stiffness is not None for own in settings):
+    if not any(own.is_pressed for own in settings):
         return static_preload(superelement, pairs, load, friction=friction)
 
     def local(normal_force: FloatArray) -> tuple[FloatArray, FloatArray]:
-        return pair_springs(case, joint.layout, _with_floor(case, joint, normal_force), settings)
+        return pair_springs(case, joint.layout, _with_floor(case, joint, settings, normal_force), settings)
 
     state = static_preload(superelement, pairs, load, friction=friction, local_stiffness=local)
     if case.preload.normal_law == "spring":
         return state
-    law = _pressure_gap_law(case, joint, state)
+    law = _pressure_gap_law(case, joint, settings, state)
     start = ContactPairs(
         operator,
         state.normal_stiffness,
@@ -141,31 +151,44 @@ def _lowest_pressure(case: Case, joint: Joint, normal_force: FloatArray) -> Floa
     return lowest
 
 
-def _with_floor(case: Case, joint: Joint, normal_force: FloatArray) -> FloatArray:
+def _with_floor(case: Case, joint: Joint, settings: Sequence[FaceSettings], normal_force: FloatArray) -> FloatArray:
     """Normal forces (n_pairs,) for the stiffness law: where pairs follow their own pressure, none below the lowest.
 
     Open pairs count as pressed by it too, so that their stiffness does not jump where they close.
     """
+    own_pressure = np.array([own.is_pressed and face_allocation(case, own) == "pressure" for own in settings])
+    least = _lowest_load(case, joint, normal_force)
+    return np.where(own_pressure[joint.face_pairs.face], np.maximum(normal_force, least), normal_force)
+
+
+def _lowest_load(case: Case, joint: Joint, normal_force: FloatArray) -> FloatArray:
+    """(n_pairs,) N of each pair under the lowest pressure of its face."""
     pairs = joint.face_pairs
-    if case.roughness is None or case.roughness.allocation == "area":
-        return normal_force
-    least = _lowest_pressure(case, joint, normal_force)[pairs.face] * pairs.area
-    return np.maximum(normal_force, least)
+    return _lowest_pressure(case, joint, normal_force)[pairs.face] * pairs.area
 
 
-def _pressure_gap_law(case: Case, joint: Joint, state: StaticState) -> NormalLaw:
-    """Each face's curve of pressure over closure, from its roughness; springs where its stiffness is given."""
+def _pressure_warnings(
+    case: Case, joint: Joint, settings: Sequence[FaceSettings], state: StaticState
+) -> tuple[str, ...]:
+    """What stiffness laws say of the pressures at rest; along a pressure-gap curve each pair has its own."""
+    if case.preload.normal_law == "spring":
+        return pressure_warnings(joint.layout, _with_floor(case, joint, settings, state.normal_force), settings)
+    least = _lowest_load(case, joint, state.normal_force)
+    return pressure_warnings(joint.layout, np.maximum(state.normal_force, least), settings, of_each_pair=True)
+
+
+def _pressure_gap_law(case: Case, joint: Joint, settings: Sequence[FaceSettings], state: StaticState) -> NormalLaw:
+    """Each face's curve of pressure over closure, from its stiffness law; springs where its stiffness is given."""
     pairs, mean = joint.face_pairs, _mean_pressure(joint, state.normal_force)
     lowest = _lowest_pressure(case, joint, state.normal_force)
     laws: list[NormalLaw] = []
-    for face in range(len(joint.rough_faces)):
+    for face, own in enumerate(settings):
         members = pairs.face == face
         area = pairs.area[members]
-        rough = joint.rough_faces[face]
-        if rough is None:
+        if not own.is_pressed:
             laws.append(SpringLaw(joint.normal_stiffness[members]))
             continue
-        stiffness = face_law(case, joint.layout, face).normal
+        stiffness = face_law(case, joint.layout, face, own).normal
         highest = HIGHEST_PRESSURE * mean[face]
         laws.append(PressureGapLaw.from_stiffness(area, stiffness, lowest[face], highest))
     return FaceLaws(pairs.face, tuple(laws))

@@ -69,7 +69,7 @@ def rest_pressure(response: ForcedResponse, study: StudyRecord) -> Figure:
         closed = here & ~opened
         x, y = 1e3 * study.pair_position[closed].T
         dots = axes.scatter(x, y, c=pressure[closed], marker="s", s=size, cmap="cividis", vmin=0.0, vmax=top)
-    figure.colorbar(dots, ax=panels, label="Pressure at rest, MPa (hollow: open)")
+    figure.colorbar(dots, ax=panels, label=f"Pressure at rest, MPa (hollow: {view.unloaded_words})")
     return figure
 
 
@@ -109,7 +109,7 @@ def hysteresis_loop(
     for axis in range(2):
         loop = np.vstack([np.column_stack([motion[:, axis], force[:, axis]]), [motion[0, axis], force[0, axis]]])
         axes.plot(*loop.T, color=LINE_COLOURS[axis], label=f"along t{axis + 1}")
-    axes.set(xlabel="Relative displacement about the mean, µm", ylabel="Friction force, N")
+    axes.set(xlabel="Relative displacement about the mean, µm", ylabel=view.tangential_words)
     axes.set_title(f"{view.pair_label(which)}, {response.frequency_hz[at]:.2f} Hz", fontsize=9, parse_math=False)
     axes.legend(frameon=False)
     return figure

@@ -12,7 +12,7 @@ from stickslip.results.sweep_table import SweptKey
 SAME_LIMIT = 0.01
 # Sections and keys of interfaces that leave the structure without contact as it is.
 _JOINT_SECTIONS = ("preload", "roughness", "contact_stiffness", "friction", "static_loads", "rotation")
-_JOINT_KEYS = ("gap", "normal_load", "friction", "normal_stiffness", "tangential_stiffness")
+_JOINT_KEYS = ("gap", "normal_load", "friction", "normal_stiffness", "tangential_stiffness", "allocation")
 _REASONS = {
     "stuck": (
         "with all pairs stuck",
@@ -49,7 +49,9 @@ def differing_limits(view: SweepView) -> tuple[str, ...]:
 
 def _is_of_joint(key: SweptKey) -> bool:
     section, _, rest = key.name.partition(".")
-    return section in _JOINT_SECTIONS or (section == "interfaces" and rest.rpartition(".")[2] in _JOINT_KEYS)
+    above, _, last = rest.rpartition(".")
+    of_law = above.endswith((".constants", ".stiffness_constants"))
+    return section in _JOINT_SECTIONS or (section == "interfaces" and (of_law or last in _JOINT_KEYS))
 
 
 def _range(view: SweepView, place: int, limit: str) -> str:

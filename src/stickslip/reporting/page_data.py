@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.law import ContactState
 from stickslip.reporting.packing import FULL_SCALE, packed
 from stickslip.reporting.plots import group_labels
@@ -56,18 +58,42 @@ def page_data(view: View, picture_characters: int = 0) -> dict[str, Any]:
         "states": packed(response.contact_state[held], "i1"),
         "energy": packed(view.energy_factor * response.friction_energy[held], "f4"),
         "stateStyles": _state_styles(view),
+        "lawStates": [[law.states.get(state) for state in ContactState] for law in response.pairs.laws],
+        "lawOfPair": _law_of_pair(response.pairs).tolist(),
         "faces": len(study.face_names),
         "pairFace": study.pair_face.tolist(),
         "pairPosition": (1e3 * study.pair_position).round(4).tolist(),
         "pairLabel": [view.pair_label(pair) for pair in range(response.pairs.n_pairs)],
-        "springs": packed(np.column_stack([response.pairs.tangential_springs, response.pairs.normal_stiffness]), "f4"),
-        "friction": packed(response.pairs.friction_coefficient, "f4"),
-        "preload": packed(response.pairs.preload, "f4"),
+        **_coulomb_constants(response.pairs),
         "groups": [list(names) for names in study.signal_groups.values()],
         "groupLabels": [list(group_labels(names)) for names in study.signal_groups.values()],
         "signals": signals,
         "loops": _loops(view, held, room),
     }
+
+
+def _coulomb_constants(pairs: ContactPairs) -> dict[str, Any]:
+    """What the page draws Coulomb pairs from; ``coulomb`` says which they are, and others have zeros."""
+    springs = np.column_stack([pairs.tangential_springs, pairs.normal_stiffness])
+    return {
+        "coulomb": [int(each) for each in _follows_coulomb(pairs)],
+        "springs": packed(np.nan_to_num(springs), "f4"),
+        "friction": packed(np.nan_to_num(pairs.friction_coefficient), "f4"),
+        "preload": packed(np.nan_to_num(pairs.preload), "f4"),
+    }
+
+
+def _law_of_pair(pairs: ContactPairs) -> NDArray[np.int64]:
+    """(n_pairs,) which of the laws a pair follows."""
+    law_of_pair = np.empty(pairs.n_pairs, dtype=np.int64)
+    for number, members in enumerate(pairs.members):
+        law_of_pair[members] = number
+    return law_of_pair
+
+
+def _follows_coulomb(pairs: ContactPairs) -> NDArray[np.bool_]:
+    """(n_pairs,) whether a pair follows Coulomb's law."""
+    return np.array([isinstance(law, CoulombLaw) for law in pairs.laws])[_law_of_pair(pairs)]
 
 
 def _state_styles(view: View) -> list[dict[str, str | None]]:
@@ -107,21 +133,30 @@ def _loops(view: View, held: NDArray[np.int64], room: int) -> dict[str, Any]:
     times = np.arange(0, response.samples, stride)
     # The page draws stuck released pairs itself, on their springs; where tractions at rest are kept, and of pairs of
     # other laws, it needs all forces.
-    drawn = response.pairs.released & ~np.isnan(response.pairs.normal_stiffness)
+    coulomb = _follows_coulomb(response.pairs)
+    drawn = response.pairs.released & coulomb
     moving = (response.contact_state != ContactState.STUCK) | ~drawn
     relative_size = response.pairs.n_pairs * (3 * (2 * response.harmonics + 1) * 4 + 4)  # and the slots of forces
-    size = relative_size + moving.sum(axis=1) * (2 * times.size * 2 + 4)  # and their scales
+    one_force = times.size * 2 + 4  # and its scale
+    size = relative_size + moving.sum(axis=1) * 2 * one_force + np.count_nonzero(~coulomb) * one_force
     points = _points_within(size, held, view.point, room)
     slots = np.full((points.size, response.pairs.n_pairs), -1)
     forces: list[NDArray[np.float64]] = []
     scales: list[NDArray[np.float64]] = []
     coefficients = []
+    normal_forces: list[NDArray[np.float64]] = []
+    normal_scales: list[NDArray[np.float64]] = []
     for position, point in enumerate(points):
         coefficients.append(MICRO * response.pair_coefficients(int(point)))
         active = np.flatnonzero(moving[point])
         if not active.size:
             continue
-        force = response.pair_cycle(int(point)).force[times][:, active, :2]
+        whole = response.pair_cycle(int(point)).force[times]
+        # The page knows the normal force of Coulomb pairs from their springs; that of others is held.
+        normal = whole[:, ~coulomb, 2]
+        normal_scales.append(np.maximum(np.abs(normal).max(axis=0), 1e-30) / FULL_SCALE)
+        normal_forces.append(np.rint(normal / normal_scales[-1]).T)
+        force = whole[:, active, :2]
         scale = np.maximum(np.abs(force).max(axis=(0, 2)), 1e-30) / FULL_SCALE
         slots[position, active] = sum(held.size for held in scales) + np.arange(active.size)
         scales.append(scale)
@@ -133,6 +168,10 @@ def _loops(view: View, held: NDArray[np.int64], room: int) -> dict[str, Any]:
         "slots": packed(slots, "i4"),
         "scales": packed(np.concatenate(scales) if scales else np.empty(0), "f4"),
         "forces": packed(np.concatenate(forces) if forces else np.empty(0), "i2"),
+        "normalSlot": (np.where(coulomb, -1, np.cumsum(~coulomb) - 1)).tolist(),
+        "normalPairs": int(np.count_nonzero(~coulomb)),
+        "normalScales": packed(np.concatenate(normal_scales) if normal_scales else np.empty(0), "f4"),
+        "normalForces": packed(np.concatenate(normal_forces) if normal_forces else np.empty(0), "i2"),
     }
 
 

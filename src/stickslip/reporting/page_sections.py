@@ -115,7 +115,7 @@ def _rough_face(patch: RoughPatch) -> str:
 
 
 def _rest_values(view: View) -> dict[str, Any]:
-    return {"open_at_rest": _open_at_rest(view), "face_names": view.study.face_names}
+    return {"hollow": view.unloaded_words, "open_at_rest": _open_at_rest(view), "face_names": view.study.face_names}
 
 
 def _rest_figures(view: View) -> dict[str, Figure]:
@@ -191,7 +191,7 @@ SECTIONS = (
     {{ parts.figure("signals", "Time signals", "Time signals of the chosen pair") }}
   </div>
 """,
-        figures=lambda view: {"loop": plots.hysteresis_loop(), "signals": plots.pair_signals()},
+        figures=lambda view: {"loop": plots.hysteresis_loop(view), "signals": plots.pair_signals()},
     ),
     Section(
         "Pressure at rest",
@@ -200,7 +200,7 @@ SECTIONS = (
 {%- for name, opened, count in open_at_rest %}
 {{ name }}: {{ opened }} of {{ count }} pairs open{{ "" if loop.last else "; " }}
 {%- endfor -%}
-. Hollow pairs are open at rest; the linear stuck curve leaves them open.</p><div class="maps">
+. Hollow pairs are {{ hollow }}; the linear stuck curve leaves open pairs open.</p><div class="maps">
 {%- for name in face_names %}
 {{ parts.figure("rest-map-" ~ loop.index0, name, "Pressure at rest, " ~ name) }}
 {%- endfor -%}

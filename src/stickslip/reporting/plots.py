@@ -40,7 +40,9 @@ def amplitude_frequency(view: View) -> Figure:
     shown = (linear.frequency_hz >= low) & (linear.frequency_hz <= high)
     hover = PlotMarkup("%{x:.2f} Hz<br>%{y:.4g} µm")
     frequency = linear.frequency_hz[shown]
-    curve = line_trace("with friction", response.frequency_hz, view.amplitude_um, INK, width=2.5, hovertemplate=hover)
+    curve = line_trace(
+        response.curve_name, response.frequency_hz, view.amplitude_um, INK, width=2.5, hovertemplate=hover
+    )
     curve |= {"mode": "lines+markers", "marker": {"size": 5, "color": INK}}
     top = 1e6 * peak.amplitude
     name = "peak" if peak.bracketed else "highest"
@@ -139,7 +141,7 @@ def rest_map(view: View, face: int) -> Figure:
     opened = np.isnan(pressure[pairs])
     marker["color"] = plain_list(np.nan_to_num(pressure[pairs]))
     marker["symbol"] = ["square-open" if is_open else "square" for is_open in opened]
-    words = ["open at rest" if math.isnan(value) else f"{value:.3g} MPa" for value in pressure[pairs]]
+    words = [view.unloaded_words if math.isnan(value) else f"{value:.3g} MPa" for value in pressure[pairs]]
     dots = {
         "type": "scatter",
         "mode": "markers",
@@ -213,7 +215,7 @@ def rough_face(patch: RoughPatch) -> Figure:
     )
 
 
-def hysteresis_loop() -> Figure:
+def hysteresis_loop(view: View) -> Figure:
     """Tangential force against relative displacement along t1 and t2; filled by page.js."""
     traces = [
         line_trace(f"along {axis}", [], [], colour, width=2.5)
@@ -223,7 +225,7 @@ def hysteresis_loop() -> Figure:
         traces[:2],
         480,
         xaxis=axis_look("Relative displacement about the mean, µm"),
-        yaxis=axis_look("Friction force, N"),
+        yaxis=axis_look(view.tangential_words),
         hovermode="closest",
     )
 

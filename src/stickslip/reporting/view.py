@@ -67,14 +67,24 @@ class View:
 
     @property
     def rest_pressure_mpa(self) -> FloatArray:
-        """(n_pairs,) MPa at rest; not a number for a pair that is open there."""
-        pressure = 1e-6 * self.response.pairs.preload / self.study.pair_area
-        return np.where(self.response.pairs.closed_at_rest, pressure, np.nan)
+        """(n_pairs,) MPa at rest; not a number for a pair that is open there or whose law has no normal load."""
+        pressure = 1e-6 * self.response.pairs.normal_load / self.study.pair_area
+        return np.where(pressure > 0.0, pressure, np.nan)
+
+    @property
+    def unloaded_words(self) -> str:
+        """What pairs without a pressure at rest are."""
+        return "open at rest" if self.response.pairs.is_coulomb else "open at rest, or of a law without a normal load"
+
+    @property
+    def tangential_words(self) -> str:
+        """Title of an axis of forces along t1 and t2."""
+        return "Friction force, N" if self.response.pairs.is_coulomb else "Tangential force, N"
 
     @property
     def rest_is_uneven(self) -> bool:
         """Whether the pressure at rest differs within a face, so that a map of it tells something."""
-        pressure = np.nan_to_num(self.rest_pressure_mpa)
+        pressure = np.nan_to_num(self.rest_pressure_mpa)  # zero for pairs without any
         faces = (pressure[self.study.pair_face == face] for face in range(len(self.study.face_names)))
         return any(np.ptp(here) > 1e-6 * float(pressure.max()) for here in faces)
 

@@ -17,8 +17,8 @@ _MICRO = 1e6
 
 @dataclass(frozen=True)
 class AmplitudeCurve:
-    """What the figure shows: frequencies in Hz, 0-to-peak amplitudes in m, and the names of the linear stuck curve and
-    of the output."""
+    """What the figure shows: frequencies in Hz, 0-to-peak amplitudes in m, and the names of the linear stuck curve,
+    of the output and of the curve itself."""
 
     frequency_hz: FloatArray
     amplitude: FloatArray
@@ -27,6 +27,7 @@ class AmplitudeCurve:
     free: FloatArray
     stuck_name: str
     output_name: str
+    curve_name: str
 
     def figure(self) -> Figure:
         """Amplitude against frequency, linear stuck and free beside it, the peak marked."""
@@ -36,7 +37,7 @@ class AmplitudeCurve:
         axes.plot(self.linear_frequency_hz, _MICRO * self.stuck, "--", color=BLUE, label=self.stuck_name)
         (free,) = axes.plot(self.linear_frequency_hz, _MICRO * self.free, ":", color=ORANGE, linewidth=2.0)
         free.set_label("linear, no contact")
-        axes.plot(self.frequency_hz, _MICRO * self.amplitude, ".-", color=INK, markersize=4, label="with friction")
+        axes.plot(self.frequency_hz, _MICRO * self.amplitude, ".-", color=INK, markersize=4, label=self.curve_name)
         words = f"peak {_MICRO * peak.amplitude:.4g} µm at {peak.frequency_hz:.2f} Hz"
         axes.plot(peak.frequency_hz, _MICRO * peak.amplitude, "D", color=VERMILLION, label=words)
         window = window_around(self.frequency_hz, limits)

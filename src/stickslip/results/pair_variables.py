@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.contact.constants import units_of
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.coulomb_harmonics import Update
@@ -143,6 +144,7 @@ def _law_dataset(law: ContactLaw, members: NDArray[np.int64]) -> xarray.Dataset:
     constants = _storable_constants(law)
     arrays = {name: value for name, value in constants.items() if isinstance(value, np.ndarray)}
     plain = {name: value for name, value in constants.items() if name not in arrays}
+    units = units_of(type(law))
     kinds = {name: value.dtype.kind for name, value in arrays.items()}
     dataset = _LawVariables(members, plain, kinds).to_dataset()
     for name, value in arrays.items():
@@ -150,7 +152,10 @@ def _law_dataset(law: ContactLaw, members: NDArray[np.int64]) -> xarray.Dataset:
             "pair" if axis == 0 and size == members.size else f"{name}_{axis}" for axis, size in enumerate(value.shape)
         )
         stored_value = value.astype(np.int8) if value.dtype.kind == "b" else value
-        dataset[_CONSTANT + name] = (dims, stored_value, {"long_name": f'{name} of the contact law "{law.name}"'})
+        attributes = {"long_name": f'{name} of the contact law "{law.name}"'}
+        if name in units:
+            attributes["units"] = units[name]
+        dataset[_CONSTANT + name] = (dims, stored_value, attributes)
     return dataset
 
 

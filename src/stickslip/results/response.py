@@ -241,8 +241,18 @@ class ForcedResponse(Labelled):
 
     @property
     def stuck_name(self) -> str:
-        """Name of the linear stuck curve, which leaves pairs open that are open at rest."""
+        """Name of the linear stuck curve, which leaves pairs open that are open at rest.
+
+        Of laws beside Coulomb friction it holds the springs that small motions feel.
+        """
+        if not self.pairs.is_coulomb:
+            return "linear, springs at rest"
         return "linear, all stuck" if self.pairs.closed_at_rest.all() else "linear, stuck (pairs closed at rest)"
+
+    @property
+    def curve_name(self) -> str:
+        """Name of the curve itself beside the linear ones."""
+        return "with friction" if self.pairs.is_coulomb else "with contact"
 
     def plot(self, output: ArrayLike, name: str = "") -> Figure:
         """Amplitude of an output against frequency, linear stuck and free beside it, the peak marked.
@@ -261,7 +271,9 @@ class ForcedResponse(Labelled):
         """
         stuck, free = (self.linear_amplitude(output, limit) for limit in ("stuck", "free"))
         amplitude, linear_hz = self.amplitude(output), self.linear.frequency_hz
-        return AmplitudeCurve(self.frequency_hz, amplitude, linear_hz, stuck, free, self.stuck_name, name).figure()
+        return AmplitudeCurve(
+            self.frequency_hz, amplitude, linear_hz, stuck, free, self.stuck_name, name, self.curve_name
+        ).figure()
 
     def harmonic_amplitude(self, output: ArrayLike, harmonic: int) -> FloatArray:
         """(n_points,) ``sqrt(c_k^2 + s_k^2)`` of ``output @ u``, and ``|c_0|`` for harmonic 0. Raises InputError."""

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stickslip.contact.law.law import ContactState
+from stickslip.contact.constants import NORMAL_LOAD
+from stickslip.contact.law.law import ContactLaw, ContactState
 from stickslip.core.validation import FloatArray
+from stickslip.model.face_laws import NamedLaw
 from stickslip.model.joint import Joint, odd_values
 from stickslip.model.layout import Derived, Setup
 from stickslip.results.measures import hertz, summary
@@ -33,6 +35,10 @@ def _faces(joint: Joint) -> Iterator[Derived]:
     normal, tangential = joint.face_sum(joint.normal_stiffness), joint.face_sum(joint.tangential_stiffness)
     open_pairs = joint.face_sum(np.where(joint.closed_at_rest, 0.0, 1.0))
     for face, name in enumerate(joint.face_names):
+        other = joint.law_of(face)
+        if other is not None:
+            yield from _law_of_face(name, *other)
+            continue
         pressure = load[face] / area[face]
         held = "all pairs of the face, "
         if open_pairs[face]:
@@ -47,6 +53,23 @@ def _faces(joint: Joint) -> Iterator[Derived]:
             "N/mm³",
             "as contact stiffness is often given",
         )
+
+
+def _law_of_face(name: str, named: NamedLaw, law: ContactLaw) -> Iterator[Derived]:
+    """A face whose contact law is not Coulomb's: its load where the law has one, its springs at rest, its constants."""
+    yield f"Contact law, {name}", named.name, "-", "of all pairs of the face"
+    if NORMAL_LOAD in named.declaration.of_joint:
+        yield f"Normal load, {name}", float(law.normal_load.sum()), "N", "sum over its pairs"
+    springs = law.resting_springs().sum(axis=0)
+    for direction, value in zip(("t1", "t2", "n"), springs, strict=True):
+        yield (
+            f"Stiffness of small motions along {direction}, {name}",
+            float(value),
+            "N/m",
+            "sum over its pairs, at rest",
+        )
+    for key, text, unit in named.constants.rows():
+        yield f"{key[0].upper()}{key[1:].replace('_', ' ')}, {name}", text, unit or "-", f"constant {key} of the law"
 
 
 def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
@@ -149,7 +172,8 @@ def natural_frequencies_found(response: ForcedResponse, count: int = 4) -> tuple
 def study_warnings(case: Case, joint: Joint) -> tuple[str, ...]:
     """What the input and the roughness law say against their use here, each sentence once."""
     sentences = dict.fromkeys(message for face in joint.rough_faces if face for message in face.stiffness.messages)
-    return (*(odd.sentence for odd in odd_values(case, joint.layout)), *joint.layout.messages, *sentences)
+    found = (*(odd.sentence for odd in odd_values(case, joint.layout)), *joint.layout.messages, *sentences)
+    return (*found, *joint.stiffness_warnings)
 
 
 def sizes(case: Case, setup: Setup, structure: Structure | Superelement, joint: Joint) -> tuple[tuple[str, str], ...]:

@@ -42,10 +42,10 @@ LAST_SECONDS = 2.0  # between the end of the pipe and the end of the first proce
 def rough_patch(case: Case, grid: tuple[int, int]) -> RoughPatch | None:
     """Heights of one rough face of a case from its roughness, ridges and seed, on a grid of points across and along.
 
-    None where the case has no roughness. Raises InputError for a roughness that gives no surface.
+    None where no face of the case follows from a roughness. Raises InputError for a roughness that gives no surface.
     """
     given = case.roughness
-    if given is None:
+    if given is None or not case.has_rough_faces:
         return None
     spectrum = given.fractal_dimension, given.fractal_roughness, given.sample_length
     along, across = kind_of(case).rough_face_size(case)

@@ -38,7 +38,7 @@ def study_record(
 ) -> StudyRecord:
     """What the report shows beside the response, but for the sketch, which the cases of a sweep have in common."""
     pairs = model.joint.face_pairs
-    held = held_contact(pairs, bool(model.pairs.closed_at_rest.all()))
+    held = held_contact(pairs, bool(model.pairs.resting_stiffness().all()))
     mode_table = tuple(_mode_rows(table))
     if case.reference is not None:
         if not mode_table:  # a structure without a full model, or a sweep with pairs that are open at rest

@@ -14,7 +14,8 @@ from typing import Annotated, Literal, Union, get_args, get_origin
 
 import numpy as np
 
-from stickslip.case.case import Case
+from stickslip.case.case import Case, parts_of_key
+from stickslip.case.law_constants import LawConstants
 from stickslip.case.template import quantity_of
 from stickslip.core.errors import InputError
 from stickslip.core.units import Count, Quantity, Respelled
@@ -42,18 +43,20 @@ def split_options(options: Sequence[str]) -> dict[str, str]:
     return varied
 
 
-def swept_keys(vary: Vary) -> tuple[SweptKey, ...]:
+def swept_keys(vary: Vary, case: Case | None = None) -> tuple[SweptKey, ...]:
     """The keys of a sweep with their values; a text holds lists and ranges, a sequence single values.
+
+    The constants of a law can be varied only where the ``case`` says which law it is.
 
     Raises InputError for an unknown key, a key that holds neither numbers nor choices, or values that it cannot take.
     """
     if not vary:
         raise InputError("there is no key to vary. Give at least one, for example preload.centrifugal_force=100,300.")
-    return tuple(_swept_key(name, values) for name, values in vary.items())
+    return tuple(_swept_key(name, values, case) for name, values in vary.items())
 
 
-def _swept_key(name: str, values: str | Sequence[Value]) -> SweptKey:
-    kind = _kind(name)
+def _swept_key(name: str, values: str | Sequence[Value], case: Case | None) -> SweptKey:
+    kind = _kind(name, case)
     if isinstance(values, str):
         parsed = [value for item in values.split(",") for value in _item(name, kind, item.strip())]
     else:
@@ -69,12 +72,14 @@ def _swept_key(name: str, values: str | Sequence[Value]) -> SweptKey:
     return SweptKey(name, unit, tuple(parsed), shown, _shown(kind, parsed[0])[1], labels)
 
 
-def _kind(name: str) -> Quantity | Count | tuple[str, ...]:
+def _kind(name: str, case: Case | None) -> Quantity | Count | tuple[str, ...]:
     """What values a key takes: a quantity, a count, or the words of a choice. Raises InputError."""
     known = Case.known_keys()
     named = Case.named_sections()
-    section, _, rest = name.partition(".")
-    entry, _, key = rest.rpartition(".") if section in named else ("NAME", "", rest)
+    section, entry, table, key = parts_of_key(name)
+    if table:
+        return _constant_kind(name, case)
+    entry = entry if section in named else "NAME"
     if section not in known or key not in known.get(section, ()) or not entry:
         between = {each: ".NAME." if each in named else "." for each in known}
         everything = [f"{each}{between[each]}{inner}" for each, keys in known.items() for inner in keys]
@@ -97,6 +102,26 @@ def _kind(name: str) -> Quantity | Count | tuple[str, ...]:
         return count
     words = "a text" if held is str else "the number of a node" if held is int else "a list of values"
     raise InputError(f"{name} holds {words}; a sweep varies keys that hold a quantity, a count or one of some choices.")
+
+
+def _constant_kind(name: str, case: Case | None) -> Quantity:
+    """What values a constant of a law takes, by what the law declares. Raises InputError."""
+    section, entry, table, key = parts_of_key(name)
+    holder = None if case is None else case.sections.get(section)
+    if isinstance(holder, Mapping):
+        holder = holder.get(entry)
+    constants: LawConstants | None = getattr(holder, table, None)
+    above = name.removesuffix(f".{table}.{key}")
+    if constants is None:
+        raise InputError(f"{name} is not in the study: its section [{above}] names no law with constants of this kind.")
+    declared = constants.declared.get(key)
+    if declared is None:
+        raise InputError(f"{name} is no constant of the law; it has: {', '.join(constants.declared)}.")
+    if declared.quantity is None or declared.is_table:
+        raise InputError(
+            f"{name} holds {'a list' if declared.is_table else 'true or false'}; a sweep varies quantities."
+        )
+    return declared.quantity
 
 
 def _is_union(kind: object) -> bool:

@@ -105,7 +105,7 @@ def sweep(
     for name, number in (("workers", workers), ("threads", threads)):
         if number is not None:
             whole_number(name, number, 1)
-    keys = swept_keys(vary)
+    keys = swept_keys(vary, case)
     planned = plan_cases(case, keys)
     folder = None if out is None else SweepFolder(Path(out))
     if folder is not None:

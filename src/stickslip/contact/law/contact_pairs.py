@@ -154,6 +154,11 @@ class ContactPairs:
         return tuple(dict.fromkeys(law.name for law in self.laws))
 
     @property
+    def is_coulomb(self) -> bool:
+        """Whether all pairs follow Coulomb's law."""
+        return self.law_names == (CoulombLaw.name,)
+
+    @property
     def state_names(self) -> dict[ContactState, str]:
         """Names of the states that the pairs can have, as their laws call them."""
         names = {

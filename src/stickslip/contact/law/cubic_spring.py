@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
+from stickslip.contact.constants import constant
 from stickslip.contact.law.component_law import ElasticLaw, pairs_in, per_component, require_at_least_zero
 from stickslip.contact.law.law import ContactState
 from stickslip.core.validation import FloatArray
@@ -39,8 +40,12 @@ class CubicSpring(ElasticLaw):
     name: ClassVar[str] = "cubic"
     states: ClassVar[Mapping[ContactState, str]] = {ContactState.STUCK: "elastic"}
 
-    stiffness: FloatArray
-    cubic_stiffness: FloatArray
+    stiffness: FloatArray = field(
+        metadata=constant("N/m", of_face=True, components=3, description="linear part; one value, or along t1, t2, n")
+    )
+    cubic_stiffness: FloatArray = field(
+        metadata=constant("N/m^3", of_face=True, components=3, description="of the cube of the stretch")
+    )
 
     def __post_init__(self) -> None:
         count = pairs_in(self.name, self.stiffness, self.cubic_stiffness)

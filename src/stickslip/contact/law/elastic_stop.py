@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
-from stickslip.contact.law.component_law import ElasticLaw, pairs_in, require_at_least_zero
+from stickslip.contact.constants import constant
+from stickslip.contact.law.component_law import ElasticLaw, pairs_in, require_above_zero, require_at_least_zero
 from stickslip.contact.law.law import CodeArray, ContactState
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, per_pair, require_positive
+from stickslip.core.validation import FloatArray, per_pair
 
 
 @dataclass(frozen=True)
@@ -47,17 +48,22 @@ class ElasticStop(ElasticLaw):
         ContactState.SEPARATING: "hits the stop",
     }
 
-    stiffness: FloatArray
+    stiffness: FloatArray = field(metadata=constant("N/m", of_face=True, description="of the stop, along n"))
     gap: FloatArray
-    spring: FloatArray = 0.0  # type: ignore[assignment]
-    two_sided: bool = False
+    spring: FloatArray = field(
+        default=0.0,  # type: ignore[arg-type]
+        metadata=constant("N/m", of_face=True, description="of the spring along n that always acts"),
+    )
+    two_sided: bool = field(
+        default=False, metadata=constant(is_switch=True, description="whether a stop is on either side")
+    )
 
     def __post_init__(self) -> None:
         count = pairs_in(self.name, self.stiffness, self.gap, self.spring)
         for name in ("stiffness", "gap", "spring"):
             object.__setattr__(self, name, per_pair(name, getattr(self, name), count))
-        require_positive("stiffness", self.stiffness, "A stop without stiffness is none.")
-        require_positive("gap", self.gap, "A stop that touches at rest is a contact with a normal load of 0.")
+        require_above_zero("stiffness", self.stiffness, "A stop without stiffness is none.")
+        require_above_zero("gap", self.gap, "A stop that touches at rest is a contact with a normal load of 0.")
         require_at_least_zero("spring", self.spring)
         if not isinstance(self.two_sided, bool | np.bool_):
             raise InputError(f"two_sided is {self.two_sided!r}, but it must be true or false.", ("two_sided",))

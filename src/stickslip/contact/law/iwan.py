@@ -9,20 +9,21 @@ nothing is discretised but the time.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stickslip.contact.law.component_law import pairs_in, per_component, require_at_least_zero
+from stickslip.contact.constants import constant
+from stickslip.contact.law.component_law import pairs_in, per_component, require_above_zero, require_at_least_zero
 from stickslip.contact.law.hysteretic_law import HystereticLaw, TangentialStep
 from stickslip.contact.law.iwan_path import PathMemory, backbone_force, follow_from_rest, loop_energy, step_along
 from stickslip.contact.law.law import BoolArray, ContactState, IndexArray
 from stickslip.core.compiled import njit
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive
+from stickslip.core.validation import FloatArray, finite_array, per_pair
 
 
 @dataclass(frozen=True)
@@ -62,9 +63,11 @@ class IwanJoint(HystereticLaw):
     }
 
     tangential_stiffness: FloatArray
-    slip_force: FloatArray
-    exponent: FloatArray
-    ratio: FloatArray
+    slip_force: FloatArray = field(
+        metadata=constant("N", of_face=True, components=2, description="F_S, at which the whole patch slides")
+    )
+    exponent: FloatArray = field(metadata=constant(description="chi, above -1 and at most 0"))
+    ratio: FloatArray = field(metadata=constant(description="beta, stiffness of what slips last over that of the rest"))
     normal_stiffness: FloatArray = 0.0  # type: ignore[assignment]
     path_to_rest: FloatArray | None = None
 
@@ -75,7 +78,7 @@ class IwanJoint(HystereticLaw):
             object.__setattr__(self, name, per_pair(name, getattr(self, name), count))
         for name in ("tangential_stiffness", "slip_force"):
             values = per_component(name, getattr(self, name), count, 2)
-            require_positive(name, values, "An Iwan joint has a stiffness and slides at some force.")
+            require_above_zero(name, values, "An Iwan joint has a stiffness and slides at some force.")
             object.__setattr__(self, name, values)
         if not ((self.exponent > -1.0) & (self.exponent <= 0.0)).all():
             raise InputError(

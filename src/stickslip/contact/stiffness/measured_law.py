@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from stickslip.core.errors import InputError
+from stickslip.contact.constants import constant
+from stickslip.core.errors import InputError, concerning
 from stickslip.core.validation import FloatArray, finite_array, require_positive
 
 
@@ -32,9 +33,9 @@ class MeasuredStiffness:
         for a wrong shape, a pressure that does not rise, or a value that is not above zero.
     """
 
-    pressure: FloatArray
-    normal_stiffness: FloatArray
-    tangential_stiffness: FloatArray
+    pressure: FloatArray = field(metadata=constant("Pa", is_table=True, description="rising"))
+    normal_stiffness: FloatArray = field(metadata=constant("N/m^3", is_table=True, description="per area"))
+    tangential_stiffness: FloatArray = field(metadata=constant("N/m^3", is_table=True, description="per area"))
 
     def __post_init__(self) -> None:
         for name in ("pressure", "normal_stiffness", "tangential_stiffness"):
@@ -44,7 +45,8 @@ class MeasuredStiffness:
                     f"{name} of measured stiffness must be a list of at least two numbers; found shape {values.shape}.",
                     (name,),
                 )
-            require_positive(name, values, "Measured contact has a stiffness at every pressure.")
+            with concerning(name):
+                require_positive(name, values, "Measured contact has a stiffness at every pressure.")
             object.__setattr__(self, name, values)
         lengths = {getattr(self, name).size for name in ("pressure", "normal_stiffness", "tangential_stiffness")}
         if len(lengths) > 1:

@@ -47,13 +47,8 @@ def springs_of_pairs(
     Raises RoughnessError, with what the law says of it, if a pair would have no stiffness; InputError for unusable
     arrays.
     """
-    require_choice("allocation", allocation, get_args(Allocation))
     areas = checked_area(area)
-    loads, faces = per_pair("preload", preload, areas.size), face_index(face, areas.size)
-    closed_load = np.maximum(loads, 0.0)
-    pressure = (face_sum(closed_load, faces) / face_sum(areas, faces))[faces]
-    if allocation == "pressure":
-        pressure = np.where(loads > 0.0, closed_load / areas, pressure)
+    pressure = pair_pressure(areas, preload, allocation, face)
     _require_load(pressure)
     different, pair = np.unique(pressure, return_inverse=True)
     normal = areas * np.asarray(law.normal(different), dtype=float)[pair]
@@ -69,6 +64,18 @@ def springs_of_pairs(
             f"{reasons[0]}{advice}"
         )
     return normal, tangential
+
+
+def pair_pressure(
+    area: ArrayLike, preload: ArrayLike, allocation: Allocation = "area", face: ArrayLike = 0
+) -> FloatArray:
+    """The pressure (n_pairs,) Pa at which each pair takes its stiffness; arguments as in :func:`springs_of_pairs`."""
+    require_choice("allocation", allocation, get_args(Allocation))
+    areas = checked_area(area)
+    loads, faces = per_pair("preload", preload, areas.size), face_index(face, areas.size)
+    closed_load = np.maximum(loads, 0.0)
+    pressure = (face_sum(closed_load, faces) / face_sum(areas, faces))[faces]
+    return np.where(loads > 0.0, closed_load / areas, pressure) if allocation == "pressure" else pressure
 
 
 def _require_load(pressure: FloatArray) -> None:

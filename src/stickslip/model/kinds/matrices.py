@@ -195,8 +195,7 @@ def _odd_values(case: MatrixCase, matrices: Superelement | MatrixModel, book: _B
 
 def _face_materials(case: MatrixCase) -> tuple[tuple[Material, Material], ...]:
     """The material of [material] on both sides; it serves the roughness alone, so faces with stiffness need none."""
-    rough = case.contact_stiffness is None and any(each.normal_stiffness is None for each in case.interfaces.values())
-    material = case_material(case) if rough or case.material is not None else Material()
+    material = case_material(case) if case.rough_interfaces or case.material is not None else Material()
     return ((material, material),) * len(case.interfaces)
 
 
@@ -234,8 +233,9 @@ def _pairs(book: _Book, name: str, given: SetInterfaceSection | PairsInterfaceSe
             messages.append(f"{entry}: its nodes are paired in the order of the two sets, as positions are not known.")
     else:
         position = map_position(points, tangent1, tangent2, area)
+    gap = np.full(count, given.gap or 0.0)
     pairs = FacePairs(
-        first[:, None], np.ones((count, 1)), second[:, None], weight, np.zeros(count), points, area, normal,
+        first[:, None], np.ones((count, 1)), second[:, None], weight, gap, points, area, normal,
         tangent1, tangent2, np.zeros(count, dtype=np.int64), position,
     )  # fmt: skip
     return pairs, messages

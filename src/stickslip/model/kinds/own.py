@@ -7,9 +7,11 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from stickslip.case.case import OwnCase
+from stickslip.case.own_sections import InterfaceSection
 from stickslip.contact.preload import prescribed_preload
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
+from stickslip.model.face_laws import NamedLaw, pressure_law
 from stickslip.model.joint import STARTING_PRESSURE, FaceSettings, roughness_section
 from stickslip.model.layout import BaseMotionOfSupport, Layout, PortForce, PortUnbalance, Reading
 
@@ -38,9 +40,11 @@ class OwnKind(Generic[OwnCaseT]):
                     "instead.",
                     ("preload.values",),
                 )
-            return prescribed_preload(case.preload.values, pairs.n_pairs)
+            return self._prescribed(case, layout, prescribed_preload(case.preload.values, pairs.n_pairs))
         load = np.zeros(pairs.n_pairs)
         for face, (name, given) in enumerate(case.interfaces.items()):
+            if given.normal_load is None and given.other_law is not None:
+                continue  # neither its law nor its stiffness follows from a load
             touching = (pairs.face == face) & (pairs.gap <= 0.0)
             if given.normal_load is None or not touching.any():
                 raise InputError(
@@ -52,16 +56,38 @@ class OwnKind(Generic[OwnCaseT]):
             load[touching] = given.normal_load * pairs.area[touching] / pairs.area[touching].sum()
         return load
 
+    def _prescribed(self, case: OwnCaseT, layout: Layout, load: FloatArray) -> FloatArray:
+        """The loads of all pairs. Raises InputError for one on a pair that nothing takes it from."""
+        for face, (name, given) in enumerate(case.interfaces.items()):
+            here = np.flatnonzero(layout.face_pairs.face == face)
+            loaded = here[load[here] != 0.0]
+            if loaded.size and not case.uses_load(name):
+                raise InputError(
+                    f"preload.values[{loaded[0]}] is {load[loaded[0]]:g} N, but interfaces.{name} follows the law "
+                    f'"{given.other_law}", which has no normal load. Write 0 for each of its {here.size} pairs.',
+                    ("preload.values",),
+                )
+        return load
+
     def face_settings(self, case: OwnCaseT) -> tuple[FaceSettings, ...]:
-        """Friction and stiffness of each interface, its own or those of [friction] and [contact_stiffness]."""
+        """Laws, friction and stiffness of each interface, its own or those of [friction] and [contact_stiffness].
+
+        Raises InputError for a stiffness law that cannot be made.
+        """
         common = FaceSettings.of_case(case)
         settings = []
         for name, each in case.interfaces.items():
-            stiffness = common.stiffness
-            if each.normal_stiffness is not None and each.tangential_stiffness is not None:
-                stiffness = (each.normal_stiffness, each.tangential_stiffness)
+            section = f"interfaces.{name}"
+            named = None
+            if each.other_law is not None and each.constants is not None:
+                named = NamedLaw(name, each.other_law, each.declaration, each.constants)
+            stiffness, law = common.stiffness, common.pressure_law
+            if each.has_own_stiffness:
+                own = (each.normal_stiffness, each.tangential_stiffness)
+                stiffness = None if each.stiffness_law is not None else own
+                law = pressure_law(each, section)
             friction = common.friction if each.friction is None else each.friction
-            settings.append(FaceSettings(friction, stiffness, f"interfaces.{name}.normal_load"))
+            settings.append(FaceSettings(friction, stiffness, f"{section}.normal_load", law, named))
         return tuple(settings)
 
     def static_forces(self, case: OwnCaseT) -> tuple[PortForce, ...]:
@@ -112,13 +138,19 @@ class OwnKind(Generic[OwnCaseT]):
     def description(self, case: OwnCaseT) -> str:
         """Excitations, normal loads and friction in one sentence."""
         joints = "; ".join(
-            f"{name}: "
-            + ("" if each.normal_load is None else f"normal load {each.normal_load:g} N, ")
-            + f"friction {given.friction:g}"
-            for (name, each), given in zip(case.interfaces.items(), self.face_settings(case), strict=True)
+            f"{name}: " + ", ".join(self._joint_words(case.interfaces[name], given))
+            for name, given in zip(case.interfaces, self.face_settings(case), strict=True)
         )
         acting = " and ".join(self._excitation_words(case))
         return f"{acting[0].upper()}{acting[1:]}. {joints}.{self._preload_words(case)}"
+
+    def _joint_words(self, given: InterfaceSection, settings: FaceSettings) -> list[str]:
+        """Load, and friction or the other law with its constants."""
+        words = [] if given.normal_load is None else [f"normal load {given.normal_load:g} N"]
+        if settings.contact_law is None:
+            return [*words, f"friction {settings.friction:g}"]
+        constants = settings.contact_law.constants.words()
+        return [*words, f"law {settings.contact_law.name}" + (f" ({constants})" if constants else "")]
 
     def _excitation_words(self, case: OwnCaseT) -> list[str]:
         """Each kind of excitation that the study has, in words."""

@@ -17,6 +17,8 @@
   const slots = unpack(loops.slots, Int32Array);
   const scales = unpack(loops.scales, Float32Array);
   const forces = unpack(loops.forces, Int16Array);
+  const normalScales = unpack(loops.normalScales, Float32Array);
+  const normalForces = unpack(loops.normalForces, Int16Array);
   const signals = {};
   for (const name of Object.keys(data.signals)) signals[name] = unpack(data.signals[name], Float32Array);
 
@@ -55,9 +57,17 @@
   function pairCycle(held, pair) {
     const base = (held * data.nPairs + pair) * 3 * data.coefficients;
     const axes = [0, 1, 2].map((axis) => synthesis(relative, base + axis * data.coefficients, loops.times));
-    const normal = axes[2].map((n) => Math.max(preload[pair] + springs[3 * pair + 2] * n * 1e-6, 0));
     const slot = slots[held * data.nPairs + pair];
     const length = loops.times.length;
+    const coulomb = data.coulomb[pair] === 1;
+    let normal;
+    if (coulomb) {
+      normal = axes[2].map((n) => Math.max(preload[pair] + springs[3 * pair + 2] * n * 1e-6, 0));
+    } else {
+      const entry = held * loops.normalPairs + loops.normalSlot[pair];
+      const values = normalForces.subarray(entry * length, (entry + 1) * length);
+      normal = Array.from(values, (value) => value * normalScales[entry]);
+    }
     const traction = [0, 1].map(function (axis) {
       const stiffness = springs[3 * pair + axis] * 1e-6;
       if (slot < 0) {
@@ -67,12 +77,14 @@
       const start = (2 * slot + axis) * length;
       return Array.from(forces.subarray(start, start + length), (value) => value * scales[slot]);
     });
-    const slider = [0, 1].map((axis) => axes[axis].map((s, j) => s - traction[axis][j] / (springs[3 * pair + axis] * 1e-6)));
+    // pairs of other laws have no slider and no friction limit
+    const slider = [0, 1].map((axis) =>
+      coulomb ? axes[axis].map((s, j) => s - traction[axis][j] / (springs[3 * pair + axis] * 1e-6)) : []);
     // A slider starts at the mean, so tangential motion is shown about its mean; that of n moves the normal force.
     const means = [0, 1].map((axis) => relative[base + axis * data.coefficients]);
     const about = (values, axis) => values.map((value) => value - means[axis]);
     return {
-      axes: [about(axes[0], 0), about(axes[1], 1), axes[2]], slider: slider.map(about), normal: normal, traction: traction,
+      axes: [about(axes[0], 0), about(axes[1], 1), axes[2]], slider: slider.map(about), normal: normal, traction: traction, coulomb: coulomb,
     };
   }
 
@@ -189,7 +201,7 @@
     let words = "";
     if (held < 0) words = " (loops of so many pairs would make this page too large; the results file holds them)";
     else if (point !== chosen.point) words = " (loops are held for " + loops.points.length + " of the points; this is the nearest)";
-    element("loop-now").textContent = data.stateStyles[states[entry]].name + " at " + hertz(data.frequency[point]) + ", " +
+    element("loop-now").textContent = data.lawStates[data.lawOfPair[chosen.pair]][states[entry]] + " at " + hertz(data.frequency[point]) + ", " +
       digits(energy[entry]) + " " + data.energyUnit + " per cycle" + words;
     if (held < 0) return;
     const cycle = pairCycle(held, chosen.pair);
@@ -198,7 +210,8 @@
     const both = closed(limit).concat([null], closed(limit.map((value) => -value)));
     const times = loops.times.concat([1]);
     const y = cycle.traction.map(closed).concat([closed(cycle.normal), both], cycle.axes.map(closed), cycle.slider.map(closed));
-    restyle("signals", { x: y.map((values, i) => (i === 3 ? times.concat([null], times) : times)), y: y });
+    const visible = y.map((_, i) => cycle.coulomb || (i !== 3 && i < 7));
+    restyle("signals", { x: y.map((values, i) => (i === 3 ? times.concat([null], times) : times)), y: y, visible: visible });
   }
 
   const groupTimes = Array.from({ length: 129 }, (_, j) => j / 128);

@@ -1,0 +1,93 @@
+"""Contact laws that a study file names: the same answer as from Python, closed forms, and what a file may not say."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from law_studies import JOINT, REST, SETTINGS, STUDIES, WINDOW_HZ, interface_text, law_of, write_masses, write_study
+from stickslip.contact.law.registry import law_constants
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", STUDIES)
+def test_a_study_gives_what_python_gives(name: str, tmp_path: Path) -> None:
+    masses = write_masses(tmp_path)
+    solution = ss.solve_case(ss.load_case(write_study(tmp_path, interface_text("joint", name))))
+    operator = solution.model.pairs.operator
+    pairs = ss.ContactPairs.with_laws(operator, [law_of(name)])
+    curve = ss.forced_response(masses, pairs, solution.model.excitation, frequency_hz=WINDOW_HZ, **SETTINGS)
+    np.testing.assert_allclose(curve.frequency_hz, solution.response.frequency_hz, rtol=1e-12)
+    np.testing.assert_allclose(curve.displacement, solution.response.displacement, rtol=0.0, atol=1e-15)
+    assert solution.converged
+    assert (curve.contact_state != 0).any() or name == "cubic"
+
+
+@pytest.mark.slow
+def test_a_cubic_spring_of_a_study_follows_its_backbone(tmp_path: Path) -> None:
+    """Duffing with one harmonic: at the peak of the response w^2 = (k + 3/4 k3 X^2) / m."""
+    write_masses(tmp_path)
+    joint = f"""\
+[interfaces.joint]
+first = "all"
+second = "ground"
+{JOINT}law = "cubic"
+[interfaces.joint.constants]
+stiffness = "1e4 N/m"
+cubic_stiffness = "5e8 N/m^3"
+"""
+    rest = REST.replace("[1, 0.5, 0.7]", "[1, 0, 0]").replace(
+        "[solver]", "[solver]\nharmonics = 1\nlargest_step = 0.01"
+    )
+    curve = ss.solve_case(ss.load_case(write_study(tmp_path, joint, rest=rest))).response
+    size = curve.amplitude([1.0, 0.0, 0.0])
+    peak = int(size.argmax())
+    backbone = np.sqrt(1e4 + 1e4 + 0.75 * 5e8 * size[peak] ** 2) / (2.0 * np.pi)
+    assert backbone > 23.5  # well away from the 22.5 Hz of small motions
+    assert curve.frequency_hz[peak] == pytest.approx(backbone, rel=2e-3)
+
+
+@pytest.mark.slow
+def test_the_pairs_of_a_face_share_its_constants_by_area(tmp_path: Path) -> None:
+    write_masses(tmp_path, 3)
+    for name in STUDIES:
+        case = ss.load_case(write_study(tmp_path, interface_text("joint", name)))
+        law = ss.build_model(case).pairs.laws[0]
+        for key, value in law_constants(law_of(name, 3)).items():
+            if isinstance(value, np.ndarray):
+                np.testing.assert_allclose(getattr(law, key), value, rtol=1e-14, err_msg=f"{name} {key}")
+            else:
+                assert getattr(law, key) == value
+
+
+@pytest.mark.slow
+def test_interfaces_follow_different_laws(tmp_path: Path) -> None:
+    masses = write_masses(tmp_path, 2)
+    text = [interface_text(name, law, name) for name, law in (("mass2", "iwan"), ("mass1", "coulomb"))]
+    case = ss.load_case(write_study(tmp_path, *text))
+    solution = ss.solve_case(case)
+    pairs = ss.ContactPairs.with_laws(
+        solution.model.pairs.operator, [law_of("iwan"), law_of("coulomb")], members=[[0], [1]]
+    )
+    curve = ss.forced_response(masses, pairs, solution.model.excitation, frequency_hz=WINDOW_HZ, **SETTINGS)
+    np.testing.assert_allclose(curve.displacement, solution.response.displacement, rtol=0.0, atol=1e-15)
+    derived = {name: (value, unit) for name, value, unit, _ in solution.record.derived}
+    assert derived["Contact law, mass2"] == ("iwan", "-")
+    assert derived["Slip force, mass2"] == ("4", "N")
+    assert derived["Normal load, mass1"] == (3.0, "N")
+    assert "Normal load, mass2" not in derived
+    assert "mass2: law iwan (slip_force 4 N, exponent -0.5, ratio 0.3)" in solution.record.description
+
+
+@pytest.mark.slow
+def test_coulomb_by_name_is_the_joint_that_a_study_without_a_law_has(tmp_path: Path) -> None:
+    write_masses(tmp_path, 2)
+    text = interface_text("joint", "coulomb")
+    named = ss.build_model(ss.load_case(write_study(tmp_path, text)))
+    plain = ss.build_model(ss.load_case(write_study(tmp_path, text.replace('law = "coulomb"\n', ""))))
+    assert named.joint.laws == ()
+    for key, value in law_constants(plain.pairs.coulomb).items():
+        np.testing.assert_array_equal(getattr(named.pairs.coulomb, key), value)
