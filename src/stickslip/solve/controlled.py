@@ -86,7 +86,9 @@ def controlled_response(
     held, target = _checked_target(amplitude, phase_deg)
     row = finite_array("output", output)
     if row.shape != (superelement.size,) or not row.any():
-        raise InputError(f"output must have shape ({superelement.size},) with an entry that is not zero.")
+        raise InputError(
+            f"output must have shape ({superelement.size},) with an entry that is not zero.", arguments=["output"]
+        )
     threads = thread_count(threads)
     newton = newton or NewtonSettings()
     report = StageReport(progress)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, finite_array, positive_number, require_choice
+from stickslip.core.validation import FloatArray, argument_error, finite_array, positive_number, require_choice
 from stickslip.structure.superelement import Superelement
 
 BaseMotion = Literal["acceleration", "displacement"]
@@ -134,7 +134,8 @@ class Excitation:
         rows = _columns("first", first), _columns("second", second)
         if rows[0].shape != rows[1].shape or rows[0].shape[1] != 1:
             raise InputError(
-                f"first and second must have the same shape (n,); found {rows[0].shape} and {rows[1].shape}."
+                f"first and second must have the same shape (n,); found {rows[0].shape} and {rows[1].shape}.",
+                arguments=["first", "second"],
             )
         return cls((_Part(2, size * rows[0], size * rows[1], False, f"unbalance of {size:g} kg m"),))
 
@@ -184,7 +185,7 @@ def _base_part(name: str, vector: ArrayLike, amplitude: float, kind: BaseMotion,
     size = positive_number("amplitude", amplitude, unit)
     column = size * _columns(name, vector)
     if column.shape[1] != 1:
-        raise InputError(f"{name} must have shape (n,), one entry for each unknown; found {column.shape}.")
+        raise argument_error(name, f"{name} must have shape (n,), one entry for each unknown; found {column.shape}.")
     # A displacement X cos(w t) is an acceleration -w^2 X cos(w t).
     power, sign = (0, 1.0) if kind == "acceleration" else (2, -1.0)
     return _Part(power, sign * column, np.zeros_like(column), inertial, f"base {kind} of {size:g} {unit}")
@@ -195,5 +196,5 @@ def _columns(name: str, value: ArrayLike) -> FloatArray:
     array = finite_array(name, value)
     columns = array[:, None] if array.ndim == 1 else array
     if columns.ndim != 2:
-        raise InputError(f"{name} must have shape (n,) or (n, n_harmonics), but its shape is {array.shape}.")
+        raise argument_error(name, f"{name} must have shape (n,) or (n, n_harmonics), but its shape is {array.shape}.")
     return columns.copy()

@@ -12,7 +12,14 @@ import scipy.sparse
 from numpy.typing import ArrayLike
 
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, positive_number, real_number, require_allowed, require_choice
+from stickslip.core.validation import (
+    FloatArray,
+    argument_error,
+    positive_number,
+    real_number,
+    require_allowed,
+    require_choice,
+)
 from stickslip.structure.factor import Factor, factorize
 from stickslip.structure.finite_element_mesh import AnyMesh, FiniteElementMesh
 from stickslip.structure.incompatible_brick import incompatible_stiffness
@@ -114,7 +121,9 @@ class Structure:
         wanted = np.asarray(nodes, dtype=np.int64)
         if wanted.size and (wanted.min() < 0 or wanted.max() >= self.mesh.n_nodes):
             raise InputError(
-                f"nodes run from {wanted.min()} to {wanted.max()}, but the mesh has nodes 0 to {self.mesh.n_nodes - 1}."
+                f"nodes run from {wanted.min()} to {wanted.max()}, but the mesh has nodes 0 to "
+                f"{self.mesh.n_nodes - 1}.",
+                arguments=["nodes"],
             )
         held = np.intersect1d(wanted, self.fixed_nodes)
         if held.size:
@@ -162,7 +171,10 @@ def assemble(
     if element == "serendipity":
         mesh = mesh.quadratic()
     elif mesh.cells.shape[1] != 8:
-        raise InputError(f"element {element!r} needs 8-node cells, but the mesh has 20-node cells; use 'serendipity'.")
+        raise InputError(
+            f"element {element!r} needs 8-node cells, but the mesh has 20-node cells; use 'serendipity'.",
+            arguments=["element"],
+        )
     if fixed_nodes is None:
         fixed_nodes = mesh.node_sets.get("fixed", np.empty(0, dtype=np.int64))
     incompatible = element == "incompatible"
@@ -200,7 +212,8 @@ def assemble_bodies(
     if len(materials) != len(mesh.body_names):
         raise InputError(
             f"materials has {len(materials)} entries, but the mesh has {len(mesh.body_names)} bodies: "
-            f"{', '.join(mesh.body_names)}. Give one material for each body, in this order."
+            f"{', '.join(mesh.body_names)}. Give one material for each body, in this order.",
+            arguments=["materials"],
         )
     groups = [
         (block.cells[block.body == body], materials[body]) for block in mesh.blocks for body in np.unique(block.body)
@@ -241,7 +254,9 @@ def _existing(name: str, value: ArrayLike, size: int) -> IntArray:
     """``value`` as sorted integers from 0 to ``size - 1``, each once; raises InputError for others."""
     numbers = np.unique(np.asarray(value, dtype=np.int64))
     if numbers.size and (numbers[0] < 0 or numbers[-1] >= size):
-        raise InputError(f"{name} must lie between 0 and {size - 1}, but found {numbers[0]} to {numbers[-1]}.")
+        raise argument_error(
+            name, f"{name} must lie between 0 and {size - 1}, but found {numbers[0]} to {numbers[-1]}."
+        )
     return numbers
 
 
@@ -273,7 +288,9 @@ def natural_frequencies(
     """
     size = stiffness.shape[0]
     if not 1 <= count < size:
-        raise InputError(f"count is {count}; with {size} unknowns it must lie between 1 and {size - 1}.")
+        raise InputError(
+            f"count is {count}; with {size} unknowns it must lie between 1 and {size - 1}.", arguments=["count"]
+        )
     scale = float(stiffness.diagonal().sum() / mass.diagonal().sum())
     if scipy.sparse.issparse(stiffness):
         centre = -1e-8 * scale if shift is None else shift

@@ -80,7 +80,10 @@ class FiniteElementMesh:
     def __post_init__(self) -> None:
         points = finite_array("points", self.points)
         if points.ndim != 2 or points.shape[1] != 3:
-            raise InputError(f"points must have shape (n, 3), x, y, z of each node; found shape {points.shape}.")
+            raise InputError(
+                f"points must have shape (n, 3), x, y, z of each node; found shape {points.shape}.",
+                arguments=["points"],
+            )
         blocks = self._checked_blocks(points)
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "blocks", blocks)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, finite_array
+from stickslip.core.validation import FloatArray, argument_error, finite_array
 from stickslip.structure.cell_kinds import CELL_KINDS, KIND_OF_SIZE, CellKind, all_sides, single_sides
 from stickslip.structure.cell_kinds import IntArray as IntArray
 
@@ -48,18 +48,25 @@ class Mesh:
     def __post_init__(self) -> None:
         points = finite_array("points", self.points)
         if points.ndim != 2 or points.shape[1] != 3:
-            raise InputError(f"points must have shape (n, 3), x, y, z of each node; found shape {points.shape}.")
+            raise InputError(
+                f"points must have shape (n, 3), x, y, z of each node; found shape {points.shape}.",
+                arguments=["points"],
+            )
         cells = node_numbers("cells", self.cells, len(points))
         if cells.ndim != 2 or cells.shape[1] not in (8, 20) or not len(cells):
             raise InputError(
                 f"cells must have shape (m, 8) for bricks or (m, 20) for bricks with midside nodes; "
-                f"found shape {cells.shape}."
+                f"found shape {cells.shape}.",
+                arguments=["cells"],
             )
         body = np.asarray(self.body, dtype=np.int64)
         if not body.size:
             body = np.zeros(len(cells), dtype=np.int64)
         if body.shape != (len(cells),):
-            raise InputError(f"body must have shape ({len(cells)},), one number a cell; found shape {body.shape}.")
+            raise InputError(
+                f"body must have shape ({len(cells)},), one number a cell; found shape {body.shape}.",
+                arguments=["body"],
+            )
         sets = {
             name: np.atleast_1d(node_numbers(f"node set '{name}'", nodes, len(points)))
             for name, nodes in self.node_sets.items()
@@ -151,12 +158,12 @@ def node_numbers(name: str, value: ArrayLike, n_nodes: int) -> IntArray:
     """Return ``value`` as integers after checking that each is the number of a node; raises InputError."""
     array = np.asarray(value)
     if array.size and not np.issubdtype(array.dtype, np.integer):
-        raise InputError(f"{name} must hold node numbers (integers), but its type is {array.dtype}.")
+        raise argument_error(name, f"{name} must hold node numbers (integers), but its type is {array.dtype}.")
     array = array.astype(np.int64)
     bad = array[(array < 0) | (array >= n_nodes)]
     if bad.size:
-        raise InputError(
-            f"{name} names node {bad[0]}, but the mesh has nodes 0 to {n_nodes - 1}; numbers count from 0."
+        raise argument_error(
+            name, f"{name} names node {bad[0]}, but the mesh has nodes 0 to {n_nodes - 1}; numbers count from 0."
         )
     return array
 

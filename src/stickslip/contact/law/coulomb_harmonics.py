@@ -191,7 +191,8 @@ def contact_cycle(displacement: ArrayLike, pairs: CoulombConstants, update: Upda
     if motion.ndim != 3 or motion.shape[1:] != (pairs.n_pairs, 3):
         raise InputError(
             f"displacement must have shape (n_samples, n_pairs, 3) = (n_samples, {pairs.n_pairs}, 3): t1, t2, n of "
-            f"each pair at each sample; found shape {motion.shape}."
+            f"each pair at each sample; found shape {motion.shape}.",
+            arguments=["displacement"],
         )
     _check_samples(motion.shape[0], MIN_SAMPLES, "displacement has")
     springs = pairs.tangential_springs
@@ -266,7 +267,8 @@ def _coefficients(coefficients: ArrayLike, n_pairs: int, samples: int) -> FloatA
     if array.ndim != 3 or array.shape[:2] != (n_pairs, 3) or array.shape[2] % 2 == 0 or array.shape[2] < 3:
         raise InputError(
             f"coefficients must have shape (n_pairs, 3, 2 * harmonics + 1) = ({n_pairs}, 3, odd number above 1); found "
-            f"shape {array.shape}."
+            f"shape {array.shape}.",
+            arguments=["coefficients"],
         )
     _check_samples(samples, max(MIN_SAMPLES, array.shape[2]), "samples is")
     return array

@@ -88,7 +88,8 @@ class PressureGapLaw:
         if self.closure.size != self.pressure.size:
             raise InputError(
                 f"closure has {self.closure.size} entries and pressure {self.pressure.size}; a pressure-gap law needs "
-                "one pressure for each closure."
+                "one pressure for each closure.",
+                arguments=["closure"],
             )
 
     @classmethod

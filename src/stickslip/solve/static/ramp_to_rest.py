@@ -138,9 +138,13 @@ def _settled(ramp: LoadRamp, pairs: ContactPairs, state: StaticState, steps: int
 def _checked_load(load: ArrayLike, superelement: Superelement, pairs: ContactPairs) -> FloatArray:
     force = finite_array("load", load)
     if force.shape != (superelement.size,):
-        raise InputError(f"load must have shape ({superelement.size},), N on each unknown; found {force.shape}.")
+        raise InputError(
+            f"load must have shape ({superelement.size},), N on each unknown; found {force.shape}.", arguments=["load"]
+        )
     if not force.any() and not (pairs.preload > 0.0).any():
-        raise InputError("load is zero everywhere, so nothing presses the pairs together. Give a static load.")
+        raise InputError(
+            "load is zero everywhere, so nothing presses the pairs together. Give a static load.", arguments=["load"]
+        )
     if pairs.operator.shape[1] != superelement.size:
         raise InputError(
             f"operator has {pairs.operator.shape[1]} columns, but the superelement has {superelement.size} unknowns."

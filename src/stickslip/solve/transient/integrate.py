@@ -17,6 +17,7 @@ from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.validation import (
     FloatArray,
+    argument_error,
     finite_array,
     positive_number,
     real_number,
@@ -166,7 +167,7 @@ def _start_vector(name: str, value: ArrayLike | None, shape: tuple[int, ...]) ->
         return np.zeros(shape)
     array = finite_array(name, value)
     if array.shape != shape:
-        raise InputError(f"{name} must have shape {shape}, but its shape is {array.shape}.")
+        raise argument_error(name, f"{name} must have shape {shape}, but its shape is {array.shape}.")
     return array.copy()
 
 
@@ -211,7 +212,9 @@ def start_from_response(response: ForcedResponse, point: int) -> dict[str, Float
     """
     n_points = response.frequency_hz.size
     if not 0 <= point < n_points:
-        raise InputError(f"point must lie between 0 and {n_points - 1}, the points of the curve; found {point}.")
+        raise InputError(
+            f"point must lie between 0 and {n_points - 1}, the points of the curve; found {point}.", arguments=["point"]
+        )
     coefficients = response.displacement[point]
     rate = 2.0 * np.pi * response.frequency_hz[point] * np.arange(1, response.harmonics + 1)
     return {
