@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from sentences import rejects
 from stickslip.case.case import Case
 from stickslip.cli.main import app
 from stickslip.core.errors import StudyFileError
@@ -114,7 +115,9 @@ def test_every_error_is_reported_at_once_in_the_order_of_the_file() -> None:
         "[solver]\nsamples = 4\n[geometry]\nblade_lenght = 1\nwidth = -1\n"
         "[friction]\ncoefficient = nan\n[materiel]\nx = 1\n"
     )
-    with pytest.raises(StudyFileError) as caught:
+    with rejects(
+        StudyFileError, "solver.samples", "geometry.blade_lenght", "geometry.width", "friction.coefficient", "materiel"
+    ) as caught:
         Case.from_text(text, "study.toml")
     head, *lines = str(caught.value).splitlines()
     assert head == "study.toml: 5 errors."

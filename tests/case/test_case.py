@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
+from sentences import rejects
 from stickslip.case.case import Case, load_case
 from stickslip.core.errors import StudyFileError
 
@@ -148,13 +149,11 @@ def test_reference_area_belongs_to_the_pressure() -> None:
     assert 'reference_area = "25 mm^2"' in case.to_text()
     assert Case.from_text(case.to_text()) == case == Case.from_mapping(case.to_dict())
     assert '\n# reference_area = "180 mm^2"' in Case().to_text()
-    with pytest.raises(
-        StudyFileError, match=r'line 2: roughness.reference_area .*allocation is "area".*take the key out'
-    ):
+    with rejects(StudyFileError, "roughness.reference_area"):
         Case.from_text(text)
-    with pytest.raises(StudyFileError, match=r"reference_area.*an area is needed"):
+    with rejects(StudyFileError, "roughness.reference_area"):
         Case.from_text(text.replace("mm^2", "mm") + 'allocation = "pressure"\n')
-    with pytest.raises(StudyFileError, match=r"reference_area.*a value above 0 m"):
+    with rejects(StudyFileError, "roughness.reference_area"):
         case.replace({"roughness.reference_area": "0 mm^2"})
 
 
@@ -190,7 +189,7 @@ def test_units_package_is_loaded_for_units_only() -> None:
 )
 def test_a_title_is_one_line_that_can_be_shown(text: str, letter: str) -> None:
     """NetCDF ends a text at U+0000, which was met after everything was solved."""
-    with pytest.raises(StudyFileError, match=r"line 2: study\.title = .* holds the control character") as error:
+    with rejects(StudyFileError, "study.title") as error:
         Case.from_text(f'[study]\ntitle = "{text}"\n')
     assert letter in str(error.value)
     assert Case.from_mapping({"study": {"title": "Schaufel \u2013 \u00b5m, 100 %"}})

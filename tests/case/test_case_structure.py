@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from own_cases import EXAMPLE, mesh_case
+from sentences import rejects
 from stickslip.case.case import Case, MeshCase, TwoBladeCase, load_case
 from stickslip.case.examples import EXAMPLES
 from stickslip.cli.main import app
@@ -60,9 +61,9 @@ def test_a_key_of_a_named_entry_is_replaced_and_swept() -> None:
     assert case.interfaces["lid"] == mesh_case().interfaces["lid"]
     (key,) = swept_keys({"interfaces.sole.normal_load": "10:40:3"})
     assert (key.values, key.unit) == ((10.0, 25.0, 40.0), "N")
-    with pytest.raises(StudyFileError, match=r"no \[interfaces\.soul\].*sole, lid"):
+    with rejects(StudyFileError, "interfaces.soul.friction"):
         case.replace({"interfaces.soul.friction": 0.5})
-    with pytest.raises(InputError, match=r"interfaces\.friction is not a key.*friction\.|NAME"):
+    with rejects(InputError):
         swept_keys({"interfaces.friction": "0.1,0.2"})
 
 
@@ -163,12 +164,12 @@ def test_usual_names_pass(name: str) -> None:
 
 def test_bodies_are_called_as_in_the_mesh_and_texts_can_be_shown() -> None:
     data = {"structure": {"kind": "mesh", "file": "a.inp"}, "bodies": {"Part/Body:1": {"density": 7800.0}}}
-    with pytest.raises(StudyFileError) as error:  # it lacks interfaces and more
+    with rejects(StudyFileError, "structure.length_unit") as error:  # it lacks interfaces and more
         Case.from_mapping(data)
     assert "Part/Body" not in str(error.value)
     data["bodies"] = {"a\x1b[2Jb": {"density": 7800.0}}
     data["structure"]["fixed"] = ["root\x07"]  # type: ignore[assignment]
-    with pytest.raises(StudyFileError) as error:
+    with rejects(StudyFileError, "structure.length_unit", "structure.fixed", "bodies.a\u001b[2Jb") as error:
         Case.from_mapping(data)
     assert 'bodies."a\\u001b[2Jb"] holds the control character U+001B' in str(error.value)
     assert 'structure.fixed = ["root\\u0007"] holds the control character U+0007' in str(error.value)
@@ -182,7 +183,16 @@ def test_each_kind_is_a_class_with_its_sections() -> None:
     assert not hasattr(two_blade, "interfaces")
     assert not hasattr(mesh, "geometry")
     assert Case.model_validate(mesh.to_dict()) == mesh
-    with pytest.raises(StudyFileError, match=r"structure\.kind = \"mesh\" is not allowed: it must be 'two-blade'"):
+    with rejects(
+        StudyFileError,
+        "structure.kind",
+        "structure.file",
+        "structure.length_unit",
+        "bodies",
+        "interfaces",
+        "forces",
+        "responses",
+    ):
         TwoBladeCase.from_mapping(mesh.to_dict())
 
 
@@ -190,7 +200,7 @@ def test_what_belongs_to_another_kind_is_judged_by_its_value_first() -> None:
     data = mesh_case().to_dict()
     data["interfaces"]["sole"]["area"] = "3 mm"
     data["geometry"] = {"width": "4 kg"}
-    with pytest.raises(StudyFileError) as error:
+    with rejects(StudyFileError, "interfaces.sole.area", "geometry.width") as error:
         Case.from_mapping(data)
     assert 'interfaces.sole.area = "3 mm" has "mm", a unit of length' in str(error.value)
     assert 'geometry.width = "4 kg" has "kg"' in str(error.value)
@@ -206,5 +216,5 @@ def test_foreign_keys_that_say_nothing_are_read() -> None:
 
 def test_the_kind_of_analysis_is_a_choice() -> None:
     assert Case.from_text('[analysis]\nkind = "forced"\n') == Case()
-    with pytest.raises(StudyFileError, match=r"line 2: analysis\.kind = \"modes\" is not allowed: it must be 'forced'"):
+    with rejects(StudyFileError, "analysis.kind"):
         Case.from_text('[analysis]\nkind = "modes"\n')

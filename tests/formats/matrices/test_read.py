@@ -10,6 +10,7 @@ import scipy.sparse
 
 from helpers import absent_tool
 from matrix_writers import MAPS, NODES, WRITERS, coordinates, write_calculix, write_harwell_boeing, write_op4_text
+from sentences import rejects
 from stickslip.core.errors import ImportFileError, InputError, MissingPackageError
 from stickslip.formats.matrices.read import read_matrices
 
@@ -166,7 +167,7 @@ def test_sizes_names_and_suffixes(tmp_path, small):
     refused(["real numbers", "complex"], tmp_path / "complex.npy", tmp_path / "complex.npy", k)
     refused([".abc", ".mtx"], tmp_path / "k.abc", tmp_path / "k.abc", k)
     refused(["could not be opened"], tmp_path / "none.npy", tmp_path / "none.npy", k)
-    with pytest.raises(InputError, match="length_unit is 'km'"):
+    with rejects(InputError, "length_unit"):
         read_matrices(k, k, length_unit="km")
 
 
@@ -249,7 +250,7 @@ def test_full_file_without_the_extra_names_it(tmp_path, monkeypatch):
     monkeypatch.setattr("stickslip.formats.matrices.ansys_full.find_spec", lambda name: None)
     path = tmp_path / "file.full"
     path.write_bytes(b"\0" * 100)
-    with pytest.raises(MissingPackageError, match=r"file\.full.*stickslip\[ansys\].*HBMAT"):
+    with rejects(MissingPackageError):
         read_matrices(path, path)
 
 
@@ -289,5 +290,5 @@ def test_a_map_may_lack_its_last_line_end_but_nothing_else(tmp_path, small, name
     path.write_text(whole)
     np.testing.assert_array_equal(read_matrices(*files, unknown_map=path).node, np.repeat(NODES, 3))
     path.write_text(whole[:-1])
-    with pytest.raises(ImportFileError, match=name):
+    with rejects(ImportFileError, "unknown_map"):
         read_matrices(*files, unknown_map=path)

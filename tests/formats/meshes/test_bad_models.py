@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sentences import rejects
 from stickslip.core.errors import ImportFileError, InputError
 from stickslip.formats.meshes.read import read_model
 from stickslip.formats.meshes.unit_systems import UNIT_SYSTEMS, find_unit_system
@@ -91,7 +92,7 @@ def test_a_pressed_side_is_a_face_set(tmp_path):
     np.testing.assert_array_equal(model.mesh.node_set("PLOAD4 4"), model.mesh.node_set("contact"))
     assert model.node_forces[15] == pytest.approx([0.0, 0.0, -3.0])
     assert model.mesh.node_set("FORCE 3").tolist() == [15]
-    with pytest.raises(ImportFileError, match=r"G1 = 5 and G3/G4 = 6 name no side of element 1"):
+    with rejects(ImportFileError):
         read_model(changed(tmp_path, "cubes.bdf", "PSOLID,1,7", "PLOAD4,4,1,1.0,,,,5,6\nPSOLID,1,7"), "mm")
 
 
@@ -141,13 +142,13 @@ def test_unit_systems(name, pressure, density, force):
 
 
 def test_units_that_do_not_exist_or_fit():
-    with pytest.raises(InputError, match="length_unit is 'yard'"):
+    with rejects(InputError, "length_unit"):
         find_unit_system("yard")
-    with pytest.raises(InputError, match="Systems with mm: mm-t-s, mm-kg-ms, mm-kg-s"):
+    with rejects(InputError, "unit_system", "length_unit"):
         find_unit_system("mm", "SI")
-    with pytest.raises(ImportFileError, match=r"'\.stp' is no model format"):
+    with rejects(ImportFileError):
         read_model("part.stp", "mm")
-    with pytest.raises(ImportFileError, match="there is no such file"):
+    with rejects(ImportFileError):
         read_model("part.inp", "mm")
 
 

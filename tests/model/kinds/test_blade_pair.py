@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.model.kinds.two_blade_mesh import BladePairElements, BladePairGeometry, blade_pair_mesh
 from stickslip.structure.elasticity import Material
@@ -88,20 +89,70 @@ def test_a_bad_element_count_is_named(name, value):
 
 
 @pytest.mark.parametrize(
-    ("change", "fragment"),
+    ("change", "keys"),
     [
-        ({"platform_angle_deg": 90.0}, "platform_angle_deg is 90"),
-        ({"damper_length": 29.0e-3}, "damper_length is 29 mm.*does not fit"),
-        ({"damper_flank_height": 40.0e-3}, "damper_flank_height is 40 mm.*does not fit"),
-        ({"airfoil_thickness": 26.0e-3}, "airfoil_thickness is 26 mm"),
-        ({"shank_thickness_at_base": 400.0e-3}, "shank_thickness_at_base.*does not fit"),
-        ({"blade_length": 40.0e-3}, "blade_length"),
-        ({"platform_edge_thickness": 200.0e-3}, "platform_edge_thickness"),
-        ({"excitation_height": 100.0e-3}, "excitation_height is 100 mm"),
+        ({"platform_angle_deg": 90.0}, ("platform_angle_deg",)),
+        (
+            {"damper_length": 29.0e-3},
+            (
+                "damper_length",
+                "width",
+            ),
+        ),
+        (
+            {"damper_flank_height": 40.0e-3},
+            (
+                "damper_flank_height",
+                "underside_height_at_shank",
+            ),
+        ),
+        (
+            {"airfoil_thickness": 26.0e-3},
+            (
+                "airfoil_thickness",
+                "shank_thickness_at_platform",
+                "inner_overhang",
+            ),
+        ),
+        (
+            {"shank_thickness_at_base": 400.0e-3},
+            (
+                "shank_thickness_at_base",
+                "shank_thickness_at_platform",
+                "inner_overhang",
+            ),
+        ),
+        (
+            {"blade_length": 40.0e-3},
+            (
+                "underside_height_at_shank",
+                "contact_face_width",
+                "platform_angle_deg",
+                "platform_edge_thickness",
+                "blade_length",
+            ),
+        ),
+        (
+            {"platform_edge_thickness": 200.0e-3},
+            (
+                "underside_height_at_shank",
+                "contact_face_width",
+                "platform_angle_deg",
+                "platform_edge_thickness",
+                "blade_length",
+            ),
+        ),
+        (
+            {"excitation_height": 100.0e-3},
+            (
+                "excitation_height",
+                "underside_height_at_shank",
+            ),
+        ),
     ],
 )
-def test_parts_that_do_not_fit_are_named(change, fragment):
-    with pytest.raises(InputError, match=fragment):
+def test_parts_that_do_not_fit_are_named(change, keys):
+    with rejects(InputError, *keys):
         BladePairGeometry(**change)
 
 

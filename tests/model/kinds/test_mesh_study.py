@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from own_cases import EXAMPLE, QUICK, mesh_case, parts_deck
+from sentences import rejects
 from stickslip.case.case import Case, load_case
 from stickslip.cli.main import app
 from stickslip.core.errors import InputError
@@ -114,7 +115,7 @@ def test_forces_loads_and_outputs_of_sets() -> None:
 
 def test_a_pair_across_a_gap_is_open_by_its_gap() -> None:
     case = mesh_case(interfaces__lid__gap="0.01 mm")
-    with pytest.raises(InputError, match=r"interfaces\.lid: the normal load cannot rest .* 0\.01 mm"):
+    with rejects(InputError, "interfaces.lid.normal_load"):
         load_joint(case, set_up(case).layout)
     count = set_up(case).layout.face_pairs.n_pairs
     values = case.to_dict() | {"preload": {"values": [2.0] * (count // 2) + [0.0] * (count // 2)}}
@@ -192,8 +193,7 @@ def test_missing_material_is_named(tmp_path: Path) -> None:
     deck = (EXAMPLE / "beam_and_block.inp").read_text(encoding="utf-8")
     (tmp_path / "bare.inp").write_text(deck.replace("*DENSITY\n7.85e-09\n", ""), encoding="utf-8")
     case = mesh_case().replace({"structure.file": str(tmp_path / "bare.inp")})
-    words = r"body 'beam' has no young_modulus, no .* In the file, material 'STEEL' has no density.*\[bodies\.beam\]"
-    with pytest.raises(InputError, match=words):
+    with rejects(InputError, "structure.file"):
         set_up(case)
 
 
@@ -201,7 +201,7 @@ def test_missing_material_is_named(tmp_path: Path) -> None:
 def test_a_joint_that_stands_twice_is_refused(sides: tuple[str, str]) -> None:
     data = mesh_case().to_dict()
     data["interfaces"]["again"] = {**data["interfaces"]["sole"], "first": sides[0], "second": sides[1]}
-    with pytest.raises(InputError, match=r"interfaces\.sole and interfaces\.again join the same \d+ element sides"):
+    with rejects(InputError, "interfaces.sole", "interfaces.again"):
         set_up(Case.from_mapping(data))
 
 
@@ -209,7 +209,7 @@ def test_a_body_that_nothing_holds_is_refused() -> None:
     data = mesh_case().to_dict()
     sole = data["interfaces"].pop("sole")
     data["interfaces"] = {"other": {**sole, "first": "tip", "second": "ground"}}
-    with pytest.raises(InputError, match=r"\(damper\) can move freely \(6 rigid-body motions\)"):
+    with rejects(InputError, "structure.fixed"):
         set_up(Case.from_mapping(data))
 
 
@@ -303,9 +303,9 @@ def test_a_material_that_is_missing_asks_for_a_name_in_quotes(tmp_path: Path) ->
     assert "*DENSITY\n7.85e-09\n" in deck
     (tmp_path / "parts.inp").write_text(deck.replace("*DENSITY\n7.85e-09\n", ""), encoding="utf-8")
     case = load_case(study_file).replace({"bodies.Block.1.density": "8200 kg/m^3"})
-    with pytest.raises(InputError, match=r"body 'Beam-1' has no young_modulus.* Give a section \[bodies\.Beam-1\]"):
+    with rejects(InputError, "structure.file"):
         set_up(case)
     complete = {"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": "7850 kg/m^3"}
     only_beam = case.to_dict() | {"bodies": {"Beam-1": complete}}
-    with pytest.raises(InputError, match=r'body \'Block\.1\' .* Give a section \[bodies\."Block\.1"\] for'):
+    with rejects(InputError, "structure.file"):
         set_up(Case.from_mapping(only_beam))
