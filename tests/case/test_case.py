@@ -116,9 +116,9 @@ def test_replace_validates_and_leaves_the_original() -> None:
     other = case.replace({"preload.centrifugal_force": "300 N", "solver.samples": 512})
     assert (other.preload.centrifugal_force, other.solver.samples) == (300.0, 512)
     assert case.preload.centrifugal_force == 500.0
-    with pytest.raises(StudyFileError, match=r"preload\.centrifugal_force = -1"):
+    with rejects(StudyFileError, "preload.centrifugal_force"):
         case.replace({"preload.centrifugal_force": -1})
-    with pytest.raises(StudyFileError, match="Did you mean centrifugal_force"):
+    with rejects(StudyFileError, "preload.centrifugal"):
         case.replace({"preload.centrifugal": 1})
 
 

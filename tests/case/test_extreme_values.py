@@ -94,6 +94,11 @@ def with_value(base: dict[str, Any], section: str, key: str, value: Any) -> dict
     return data
 
 
+def entry_key(data: dict[str, Any], section: str, key: str) -> str:
+    """The key that :func:`with_value` changed."""
+    return ".".join([section, *list(data[section])[:1], key] if section in Case.named_sections() else [section, key])
+
+
 def as_typed(limits: tuple[Quantity | Count, ...], key: str, value: float | int) -> Any:
     """A value as a study file has it: a list of it for places and lists, a text where the unit is required."""
     first = limits[0]
@@ -124,12 +129,10 @@ def test_values_that_no_computer_can_use_are_refused_by_their_key(
     section: str, key: str, limits: tuple[Quantity | Count, ...], kind: str, bases: dict[str, dict[str, Any]]
 ) -> None:
     for value in (*EXTREME, 10**400):
-        with pytest.raises(StudyFileError) as caught:
-            Case.from_mapping(with_value(bases[kind], section, key, as_typed(limits, key, value)))
-        assert key in str(caught.value)
-        assert any(
-            words in str(caught.value) for words in ("is not allowed", "whole number", "finite", "so near to zero")
-        )
+        data = with_value(bases[kind], section, key, as_typed(limits, key, value))
+        with pytest.raises(StudyFileError) as caught:  # limits and sentences of each key are in tests of its kind
+            Case.from_mapping(data)
+        assert entry_key(data, section, key) in caught.value.keys
 
 
 def test_every_quantity_has_two_limits() -> None:
@@ -156,8 +159,10 @@ def test_every_key_with_a_number_was_found() -> None:
 @pytest.mark.parametrize(("section", "key"), DIRECTIONS)
 def test_directions(section: str, key: str, value: list[float], bases: dict[str, dict[str, Any]]) -> None:
     kind = "two-blade" if section == "excitation" else "mesh"
-    with pytest.raises(StudyFileError, match=key):
-        Case.from_mapping(with_value(bases[kind], section, key, value))
+    data = with_value(bases[kind], section, key, value)
+    lacking = ("base_motion.amplitude",) if section == "base_motion" else ()
+    with rejects(StudyFileError, entry_key(data, section, key), *lacking):
+        Case.from_mapping(data)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -199,20 +204,19 @@ def test_check_and_run_agree_on_the_fewest_samples() -> None:
 WRONG_UNITS = {
     "Pa for GPa": (
         {"material": {"young_modulus": 197}},
-        ["material.young_modulus = 197", "at least 1000", '"197 GPa"'],
+        "material.young_modulus",
     ),
-    "hardness in GPa": ({"roughness": {"hardness": 3}}, ["roughness.hardness = 3", "at least 10000", '"3 GPa"']),
-    "t/mm^3": ({"material": {"density": 7.8e-9}}, ["material.density = 7.8e-09", "kg/m^3"]),
-    "blade in mm": ({"geometry": {"blade_length": "145 m"}}, ["geometry.blade_length", "at most 3 m"]),
-    "no wave so short": ({"roughness": {"shortest_length": 1e-12}}, ["roughness.shortest_length", "at least 1e-10"]),
+    "hardness in GPa": ({"roughness": {"hardness": 3}}, "roughness.hardness"),
+    "t/mm^3": ({"material": {"density": 7.8e-9}}, "material.density"),
+    "blade in mm": ({"geometry": {"blade_length": "145 m"}}, "geometry.blade_length"),
+    "no wave so short": ({"roughness": {"shortest_length": 1e-12}}, "roughness.shortest_length"),
 }
 
 
-@pytest.mark.parametrize(("data", "words"), WRONG_UNITS.values(), ids=WRONG_UNITS)
-def test_values_that_only_a_wrong_unit_explains_are_refused(data: dict[str, Any], words: list[str]) -> None:
-    with pytest.raises(StudyFileError) as caught:
+@pytest.mark.parametrize(("data", "key"), WRONG_UNITS.values(), ids=WRONG_UNITS)
+def test_values_that_only_a_wrong_unit_explains_are_refused(data: dict[str, Any], key: str) -> None:
+    with rejects(StudyFileError, key):
         Case.from_mapping(data)
-    assert [word for word in words if word not in str(caught.value)] == []
 
 
 ODD = {

@@ -67,10 +67,7 @@ def test_a_file_without_a_rough_face_is_read(response, tmp_path):
         ({"height": np.full((3, 3), np.nan)}, ("height",)),
         (
             {"length": 0.0},
-            (
-                "length",
-                "width",
-            ),
+            ("length", "width"),
         ),
     ],
 )

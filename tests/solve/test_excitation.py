@@ -111,10 +111,7 @@ def test_words_and_arrays_as_before() -> None:
         (lambda: ss.Excitation.base_motion(np.ones((3, 2)), 1.0), ("direction",)),
         (
             lambda: ss.Excitation.unbalance(ROW, [1.0], 1.0),
-            (
-                "first",
-                "second",
-            ),
+            ("first", "second"),
         ),
         (lambda: ss.Excitation.unbalance(ROW, ROW, 0.0), ("mass_times_radius",)),
         (lambda: ss.Excitation.force([[[1.0]]]), ("force_cos",)),

@@ -315,26 +315,26 @@ def test_iterations_of_newton_are_told_at_the_start_and_along_the_curve(blade: B
 
 
 BAD = {
-    "zero width": ({"frequency_hz": (600.0, 600.0)}, "zero width"),
-    "negative frequency": ({"frequency_hz": (-1.0, 600.0)}, "above 0 Hz"),
-    "one frequency": ({"frequency_hz": (1.0,)}, r"must be \(start, stop\)"),
-    "few samples": ({"samples": 10, "harmonics": 5}, r"samples is 10.*at least 11.*Take 256"),
-    "no harmonics": ({"harmonics": 0}, "harmonics is 0"),
-    "update": ({"update": "magic"}, "update is 'magic', but it must be one of: tractrix, radial"),
-    "damping": ({"modal_damping_ratio": -0.1}, "modal_damping_ratio is -0.1"),
-    "threads": ({"threads": 0}, "threads is 0"),
-    "force shape": ({"force_cos": np.ones(3)}, r"force_cos must have shape \(38,\)"),
-    "force harmonics": ({"force_cos": np.ones((38, 4)), "harmonics": 3}, "4 harmonics, but only harmonics = 3"),
-    "no force": ({"force_cos": np.zeros(38)}, "zero everywhere"),
-    "nan force": ({"force_cos": np.full(38, np.nan)}, r"force_cos\[0\] is nan"),
+    "zero width": ({"frequency_hz": (600.0, 600.0)}, "frequency_hz"),
+    "negative frequency": ({"frequency_hz": (-1.0, 600.0)}, "frequency_hz"),
+    "one frequency": ({"frequency_hz": (1.0,)}, "frequency_hz"),
+    "few samples": ({"samples": 10, "harmonics": 5}, "samples"),
+    "no harmonics": ({"harmonics": 0}, "harmonics"),
+    "update": ({"update": "magic"}, "update"),
+    "damping": ({"modal_damping_ratio": -0.1}, "modal_damping_ratio"),
+    "threads": ({"threads": 0}, "threads"),
+    "force shape": ({"force_cos": np.ones(3)}, "force_cos"),
+    "force harmonics": ({"force_cos": np.ones((38, 4)), "harmonics": 3}, "force_cos"),
+    "no force": ({"force_cos": np.zeros(38)}, "force_cos", "force_sin"),
+    "nan force": ({"force_cos": np.full(38, np.nan)}, "force_cos"),
 }
 
 
 @pytest.mark.parametrize("case", BAD)
 def test_bad_input_gets_a_sentence(blade: Blade, case: str) -> None:
-    changes, sentence = BAD[case]
+    changes, *keys = BAD[case]
     arguments = {"force_cos": blade.force_cos, "frequency_hz": (600.0, 610.0), **changes}
-    with pytest.raises(InputError, match=sentence):
+    with rejects(InputError, *keys):
         forced_response(blade.superelement, blade.pairs, **arguments)
 
 

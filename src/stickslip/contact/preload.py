@@ -53,7 +53,8 @@ def prescribed_preload(values: ArrayLike, n_pairs: int) -> FloatArray:
     array = finite_array("preload", values)
     if array.shape != (n_pairs,):
         raise InputError(
-            f"preload has the shape {array.shape}, but it must be ({n_pairs},): one value in N for each contact pair."
+            f"preload has the shape {array.shape}, but it must be ({n_pairs},): one value in N for each contact pair.",
+            arguments=["preload"],
         )
     return array.copy()
 

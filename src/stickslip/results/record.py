@@ -146,7 +146,9 @@ class StudyRecord(Labelled):
                 arguments=["pair_face"],
             )
         if self.sketch is not None and not np.isin(self.sketch.face, np.arange(-1, len(self.face_names))).all():
-            raise InputError(f"face of the sketch must be -1 or a face from 0 to {len(self.face_names) - 1}.")
+            raise InputError(
+                f"face of the sketch must be -1 or a face from 0 to {len(self.face_names) - 1}.", arguments=["face"]
+            )
         unknown = sorted({key for row in self.mode_table for key in row} - set(MODE_COLUMNS))
         if unknown:
             raise InputError(

@@ -153,7 +153,9 @@ class Sketch(Labelled):
         body = np.asarray(self.body, dtype=np.int64)
         for name, numbers, count in (("sides", sides, len(points)), ("body", body, len(self.body_names))):
             if numbers.min() < 0 or numbers.max() >= count:
-                raise InputError(f"{name} of the sketch must hold numbers from 0 to {count - 1}; found others.")
+                raise InputError(
+                    f"{name} of the sketch must hold numbers from 0 to {count - 1}; found others.", arguments=[name]
+                )
         if not np.any(self.loads, axis=1).all():
             raise InputError(
                 "loads of the sketch has a load of 0 N, which has no direction; leave it out.", arguments=["loads"]

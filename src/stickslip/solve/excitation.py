@@ -91,7 +91,8 @@ class Excitation:
         if sine is not None and sine.shape[0] != cosine.shape[0]:
             raise InputError(
                 f"force_sin has {sine.shape[0]} rows and force_cos {cosine.shape[0]}; both must have shape (n,) or "
-                "(n, n_harmonics)."
+                "(n, n_harmonics).",
+                arguments=["force_sin"],
             )
         return cls((_Part(0, cosine, np.zeros((len(cosine), 1)) if sine is None else sine, False, "harmonic force"),))
 
@@ -162,18 +163,21 @@ class Excitation:
                 if columns.shape[0] != size:
                     raise InputError(
                         f"{name} must have shape ({size},) for the first harmonic or ({size}, n_harmonics) for "
-                        f"several, but its shape is {columns.shape}."
+                        f"several, but its shape is {columns.shape}.",
+                        arguments=[name],
                     )
                 if columns.shape[1] > harmonics:
                     raise InputError(
                         f"{name} has {columns.shape[1]} harmonics, but only harmonics = {harmonics} are kept. Raise "
-                        "harmonics."
+                        "harmonics.",
+                        arguments=[name],
                     )
                 force = -(superelement.mass @ columns) if part.inertial else columns
                 target[offset : offset + 2 * columns.shape[1] : 2] += force.T
         if not any(array.any() for array in terms.values()):
             raise InputError(
-                "force_cos and force_sin are zero everywhere; without a force there is no forced response."
+                "force_cos and force_sin are zero everywhere; without a force there is no forced response.",
+                arguments=["force_cos", "force_sin"],
             )
         return ExcitationForce(tuple(sorted(terms.items(), key=lambda term: term[0])))
 

@@ -127,14 +127,18 @@ class Structure:
             )
         held = np.intersect1d(wanted, self.fixed_nodes)
         if held.size:
-            raise InputError(f"node {held[0]} is fixed, so it has no unknowns ({held.size} of {wanted.size} are).")
+            raise InputError(
+                f"node {held[0]} is fixed, so it has no unknowns ({held.size} of {wanted.size} are).",
+                arguments=["nodes"],
+            )
         held = np.intersect1d(wanted, self.fixed_unknowns // 3)
         if held.size:
             axes = ", ".join("xyz"[unknown % 3] for unknown in self.fixed_unknowns if unknown // 3 == held[0])
             raise InputError(
                 f"node {held[0]} is held along {axes}, so it has no three unknowns ({held.size} of {wanted.size} nodes "
                 "are held in part); contact, force and output nodes must be free. Take such nodes out of the "
-                "constraint, or out of the set."
+                "constraint, or out of the set.",
+                arguments=["nodes"],
             )
         position = np.full(3 * self.mesh.n_nodes, -1, dtype=np.int64)
         position[self.free_unknowns] = np.arange(len(self.free_unknowns))

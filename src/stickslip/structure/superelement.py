@@ -64,7 +64,8 @@ class Superelement:
             if matrix.shape != mass.shape:
                 raise InputError(
                     f"{name} has shape {matrix.shape}, but mass has shape {mass.shape}; all matrices of one "
-                    "superelement must have the same size."
+                    "superelement must have the same size.",
+                    arguments=[name],
                 )
             object.__setattr__(self, name, matrix)
         object.__setattr__(self, "mass", mass)

@@ -358,13 +358,13 @@ def test_pairs_and_unpaired_places_read_back(tmp_path):
 
 def test_pairs_check_themselves():
     pairs = pair_surfaces(stacked(), "bottom", "top").pairs
-    for change, message in (
-        ({"gap": pairs.gap[:3]}, r"gap must have shape \(20,\)"),
-        ({"area": -pairs.area}, "area"),
-        ({"first_weights": 2.0 * pairs.first_weights}, "first_weights of pair 0 sum to 2; they must sum to 1"),
-        ({"second_weights": 0.5 * pairs.second_weights}, "sum to 0.5; they must sum to 1 or, on the ground, 0"),
-        ({"second_nodes": pairs.second_nodes[:, :1]}, "second_nodes and second_weights must both have shape"),
-        ({"tangent1": pairs.normal}, "unit vectors at right angles"),
+    for change, keys in (
+        ({"gap": pairs.gap[:3]}, ["gap"]),
+        ({"area": -pairs.area}, ["area"]),
+        ({"first_weights": 2.0 * pairs.first_weights}, ["first_weights"]),
+        ({"second_weights": 0.5 * pairs.second_weights}, ["second_weights"]),
+        ({"second_nodes": pairs.second_nodes[:, :1]}, ["second_nodes", "second_weights"]),
+        ({"tangent1": pairs.normal}, ["normal", "tangent1", "tangent2"]),
     ):
-        with pytest.raises(InputError, match=message):
+        with rejects(InputError, *keys):
             replace(pairs, **change)

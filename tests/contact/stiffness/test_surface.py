@@ -229,19 +229,19 @@ def test_surface_statistics() -> None:
 def test_arguments_out_of_range() -> None:
     phases = draw_phases(1, RIDGES, N_MAX)
     arguments = {"fractal_dimension": 2.4, "fractal_roughness": 1e-8, "length": LENGTH, "ridges": RIDGES}
-    for changes, words in (
-        ({"fractal_dimension": 1.4}, r"fractal_dimension is 1\.4"),
-        ({"fractal_roughness": -1.0}, "fractal_roughness is -1"),
-        ({"length": 0.0}, "length is 0"),
-        ({"ratio": 1.0}, "ratio is 1, but it must be above 1"),
-        ({"ratio": float("nan")}, "ratio is nan"),
-        ({"ridges": 0}, "ridges is 0, but it must be a whole number"),
-        ({"ridges": 9}, r"phases must have the shape .*\(9, \.\.\.\)"),
-        ({"phases": phases[0]}, "phases must have the shape"),
-        ({"x": [0.0, float("nan")]}, r"x\[1\] is nan"),
-        ({"x": [0.0]}, "same shape"),
+    for changes, keys in (
+        ({"fractal_dimension": 1.4}, ["fractal_dimension"]),
+        ({"fractal_roughness": -1.0}, ["fractal_roughness"]),
+        ({"length": 0.0}, ["length"]),
+        ({"ratio": 1.0}, ["ratio"]),
+        ({"ratio": float("nan")}, ["ratio"]),
+        ({"ridges": 0}, ["ridges"]),
+        ({"ridges": 9}, ["phases"]),
+        ({"phases": phases[0]}, ["phases"]),
+        ({"x": [0.0, float("nan")]}, ["x"]),
+        ({"x": [0.0]}, ["x", "y"]),
     ):
-        with pytest.raises(InputError, match=words):
+        with rejects(InputError, *keys):
             fractal_surface(**({"x": [0.0, 1.0], "y": [0.0, 1.0], "phases": phases} | arguments | changes))
     with rejects(InputError, "n_max"):
         draw_phases(1, 2, -1)

@@ -172,23 +172,22 @@ def test_sizes_names_and_suffixes(tmp_path, small):
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "parts"),
+    ("name", "text", "key"),
     [
-        ("map.dof", "3.1\n3.7\n", ["line 2", "node.direction"]),
-        ("map.dof", "3.2\n3.1\n", ["line 2", "out of order"]),
-        ("map.dof", "3.1\n3.2\n", ["2 unknowns", "36 rows"]),
-        ("map.mapping", "1 3 UX\n3 3 UY\n", ["line 2", "row 2"]),
-        ("map.csv", "3, x\n3, sideways\n", ["line 2", "sideways", "rx"]),
-        ("map.csv", "node, direction\n", ["names no unknown"]),
-        ("map.csv", "3, x\n" * 36, ["node 3", "x in 36 rows"]),
+        ("map.dof", "3.1\n3.7\n", "unknown_map"),
+        ("map.dof", "3.2\n3.1\n", "unknown_map"),
+        ("map.dof", "3.1\n3.2\n", "unknown_map"),
+        ("map.mapping", "1 3 UX\n3 3 UY\n", "unknown_map"),
+        ("map.csv", "3, x\n3, sideways\n", "unknown_map"),
+        ("map.csv", "node, direction\n", "unknown_map"),
+        ("map.csv", "3, x\n" * 36, "stiffness"),
     ],
 )
-def test_bad_maps(tmp_path, small, name, text, parts):
+def test_bad_maps(tmp_path, small, name, text, key):
     path = tmp_path / name
     path.write_text(text)
-    with pytest.raises(ImportFileError) as caught:
+    with rejects(ImportFileError, key):
         read_matrices(*written(tmp_path, small, "npy"), unknown_map=path)
-    assert [part for part in parts if part not in str(caught.value)] == []
 
 
 @pytest.mark.parametrize(

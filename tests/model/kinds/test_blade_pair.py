@@ -77,15 +77,24 @@ def test_excitation_height_moves_to_the_nearest_node(asked, found):
 @pytest.mark.parametrize("name", [item.name for item in fields(BladePairGeometry)])
 @pytest.mark.parametrize("value", [0.0, -1.0e-3, np.nan, np.inf, "28 mm", True])
 def test_a_bad_dimension_is_named(name, value):
-    with pytest.raises(InputError, match=name):
+    with rejects(InputError, name):
         BladePairGeometry(**{name: value})
 
 
 @pytest.mark.parametrize("name", [item.name for item in fields(BladePairElements)])
 @pytest.mark.parametrize("value", [0, -2, 1.5, True])
 def test_a_bad_element_count_is_named(name, value):
-    with pytest.raises(InputError, match=name):
+    with rejects(InputError, name):
         BladePairElements(**{name: value})
+
+
+UNDER_PLATFORM = (
+    "underside_height_at_shank",
+    "contact_face_width",
+    "platform_angle_deg",
+    "platform_edge_thickness",
+    "blade_length",
+)
 
 
 @pytest.mark.parametrize(
@@ -94,60 +103,31 @@ def test_a_bad_element_count_is_named(name, value):
         ({"platform_angle_deg": 90.0}, ("platform_angle_deg",)),
         (
             {"damper_length": 29.0e-3},
-            (
-                "damper_length",
-                "width",
-            ),
+            ("damper_length", "width"),
         ),
         (
             {"damper_flank_height": 40.0e-3},
-            (
-                "damper_flank_height",
-                "underside_height_at_shank",
-            ),
+            ("damper_flank_height", "underside_height_at_shank"),
         ),
         (
             {"airfoil_thickness": 26.0e-3},
-            (
-                "airfoil_thickness",
-                "shank_thickness_at_platform",
-                "inner_overhang",
-            ),
+            ("airfoil_thickness", "shank_thickness_at_platform", "inner_overhang"),
         ),
         (
             {"shank_thickness_at_base": 400.0e-3},
-            (
-                "shank_thickness_at_base",
-                "shank_thickness_at_platform",
-                "inner_overhang",
-            ),
+            ("shank_thickness_at_base", "shank_thickness_at_platform", "inner_overhang"),
         ),
         (
             {"blade_length": 40.0e-3},
-            (
-                "underside_height_at_shank",
-                "contact_face_width",
-                "platform_angle_deg",
-                "platform_edge_thickness",
-                "blade_length",
-            ),
+            UNDER_PLATFORM,
         ),
         (
             {"platform_edge_thickness": 200.0e-3},
-            (
-                "underside_height_at_shank",
-                "contact_face_width",
-                "platform_angle_deg",
-                "platform_edge_thickness",
-                "blade_length",
-            ),
+            UNDER_PLATFORM,
         ),
         (
             {"excitation_height": 100.0e-3},
-            (
-                "excitation_height",
-                "underside_height_at_shank",
-            ),
+            ("excitation_height", "underside_height_at_shank"),
         ),
     ],
 )

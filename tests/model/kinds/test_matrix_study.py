@@ -105,14 +105,14 @@ def test_separate_files_and_a_list_of_pairs_give_the_same_frequencies(folder: Pa
 
 
 WRONG = {
-    "set": ({"interfaces.lid.first": "sole"}, r"interfaces\.lid\.first: .*no node set 'sole'.*lid"),
-    "node": ({"forces.push.set": None, "forces.push.node": 1_000_000}, r"forces\.push\.node: .*no node 1000000"),
-    "point": ({"responses.block.point": [9, 9, 9]}, r"responses\.block\.point: the nearest node is .* mm away"),
+    "set": ({"interfaces.lid.first": "sole"}, "interfaces.lid.first"),
+    "node": ({"forces.push.set": None, "forces.push.node": 1_000_000}, "forces.push.node"),
+    "point": ({"responses.block.point": [9, 9, 9]}, "responses.block.point"),
 }
 
 
-@pytest.mark.parametrize(("changes", "message"), WRONG.values(), ids=WRONG.keys())
-def test_what_does_not_fit_is_named(folder: Path, changes: dict[str, Any], message: str) -> None:
+@pytest.mark.parametrize(("changes", "about"), WRONG.values(), ids=WRONG.keys())
+def test_what_does_not_fit_is_named(folder: Path, changes: dict[str, Any], about: str) -> None:
     data = changed(folder).to_dict()
     for path, value in changes.items():
         section, entry, key = path.split(".")
@@ -120,7 +120,7 @@ def test_what_does_not_fit_is_named(folder: Path, changes: dict[str, Any], messa
             data[section][entry].pop(key)
         else:
             data[section][entry][key] = value
-    with pytest.raises(InputError, match=message):
+    with rejects(InputError, about):
         set_up(Case.from_mapping(data))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from own_cases import EXAMPLE, QUICK, mesh_case, parts_deck
 from sentences import rejects
 from stickslip.case.case import Case, load_case
 from stickslip.cli.main import app
-from stickslip.core.errors import InputError
+from stickslip.core.errors import ImportFileError, InputError, StudyFileError
 from stickslip.model.model import build_model, load_joint, set_up
 from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
@@ -136,27 +137,30 @@ def test_two_materials_meet_in_the_reduced_modulus() -> None:
 
 
 WRONG = {
-    "set that is not there": ({"interfaces.sole.second": "beam_tip"}, r"interfaces\.sole: .*beam_tip.*beam_top"),
-    "faces that do not meet": ({"interfaces.sole.second": "tip"}, r"interfaces\.sole: .*meet nowhere"),
-    "fixed set that is not there": ({"structure.fixed": ["foot"]}, r"structure\.fixed: .*'foot'.*root"),
-    "unknown body": ({"bodies.lamper.density": 1}, r"no \[bodies\.lamper\]"),
-    "force on a clamped set": ({"forces.push.set": "root", "forces.push.spread": "equal"}, r"forces\.push: .*held"),
-    "contact on a clamped face": ({"structure.fixed": ["beam_top"]}, r"interfaces\.sole: node .* held by a constraint"),
-    "point far away": ({"responses.block.point": [50, 5, 14]}, r"responses\.block: the nearest node .* mm away"),
-    "unit of length": ({"structure.length_unit": "furlong"}, "length_unit is 'furlong'"),
-    "ground with search": ({"interfaces.lid.search_distance": "1 mm"}, r"interfaces\.lid: search_distance"),
-    "ground with adjust": ({"interfaces.lid.adjust": "closed"}, r"interfaces\.lid: adjust serves two faces"),
+    "set that is not there": ({"interfaces.sole.second": "beam_tip"}, (InputError, "interfaces.sole.second")),
+    "faces that do not meet": (
+        {"interfaces.sole.second": "tip"},
+        (InputError, "interfaces.sole.first", "interfaces.sole.second"),
+    ),
+    "fixed set that is not there": ({"structure.fixed": ["foot"]}, (InputError, "structure.fixed")),
+    "unknown body": ({"bodies.lamper.density": 1}, (StudyFileError, "bodies.lamper.density")),
+    "force on a clamped set": ({"forces.push.set": "root", "forces.push.spread": "equal"}, (InputError, "forces.push")),
+    "contact on a clamped face": ({"structure.fixed": ["beam_top"]}, (InputError, "interfaces.sole")),
+    "point far away": ({"responses.block.point": [50, 5, 14]}, (InputError, "responses.block.point")),
+    "unit of length": ({"structure.length_unit": "furlong"}, (InputError, "structure.length_unit")),
+    "ground with search": ({"interfaces.lid.search_distance": "1 mm"}, (InputError, "interfaces.lid.search_distance")),
+    "ground with adjust": ({"interfaces.lid.adjust": "closed"}, (InputError, "interfaces.lid.adjust")),
     "units that explain it": (
         {"structure.length_unit": "m"},
-        r"^body 'beam' has the density .* Check the unit system\. Most likely because of that: responses\.block: ",
+        (InputError, "responses.block"),
     ),
-    "file that is not there": ({"structure.file": "nowhere.inp"}, r"nowhere\.inp: there is no such file"),
+    "file that is not there": ({"structure.file": "nowhere.inp"}, (ImportFileError, "structure.file")),
 }
 
 
-@pytest.mark.parametrize(("changes", "message"), WRONG.values(), ids=WRONG.keys())
-def test_what_does_not_fit_is_named(changes: dict[str, object], message: str) -> None:
-    with pytest.raises(InputError, match=message):
+@pytest.mark.parametrize(("changes", "expected"), WRONG.values(), ids=WRONG.keys())
+def test_what_does_not_fit_is_named(changes: dict[str, object], expected: tuple[Any, ...]) -> None:
+    with rejects(*expected):
         set_up(mesh_case().replace(changes))
 
 
@@ -182,11 +186,8 @@ def test_the_name_of_a_body_is_refused_as_such(entry: str) -> None:
     assert set_up(case).layout.face_names == ("joint",)
     changes: dict[str, object] = {entry: ["upper"] if entry == "structure.fixed" else "upper"}
     changes |= {"responses.top.node": None} if entry.startswith("responses") else {}
-    with pytest.raises(
-        InputError, match=r"'upper' is the name of a body, no .* the mesh has: SPC 1, contact, opp"
-    ) as told:
+    with rejects(InputError, entry):
         set_up(case.replace(changes))
-    assert str(told.value).startswith(entry.removesuffix(".set").removesuffix(".first"))
 
 
 def test_missing_material_is_named(tmp_path: Path) -> None:
@@ -284,16 +285,16 @@ def test_a_sweep_varies_a_body_whose_name_has_a_dot(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "message"),
+    ("old", "new", "expected"),
     [
-        ('[bodies."Block.1"]', "[bodies.Block.1]", r'line \d+: \[bodies\.Block\.1\] is not .*\[bodies\."Block\.1"\]'),
-        ('[bodies."Block.1"]', '[bodies."Block.2"]', r'\[bodies\."Block\.2"\] names no body of .*: Beam-1, Block\.1\.'),
-        ('"Beam-1.beam_top"', '"Beam-1.top"', r"interfaces\.Beam-1\.sole: .*Beam-1\.top.*Beam-1\.beam_top"),
-        ('"Block.1.damper_top"', '"Beam-1.root"', r"node Beam-1\.\d+ of the file is held by a constraint"),
+        ('[bodies."Block.1"]', "[bodies.Block.1]", (StudyFileError, "bodies.Block.1")),
+        ('[bodies."Block.1"]', '[bodies."Block.2"]', (InputError, "bodies.Block.2")),
+        ('"Beam-1.beam_top"', '"Beam-1.top"', (InputError, "interfaces.Beam-1.sole.second")),
+        ('"Block.1.damper_top"', '"Beam-1.root"', (InputError, "interfaces.lid")),
     ],
 )
-def test_names_with_dots_in_messages(tmp_path: Path, old: str, new: str, message: str) -> None:
-    with pytest.raises(InputError, match=message):
+def test_names_with_dots_in_messages(tmp_path: Path, old: str, new: str, expected: tuple[Any, ...]) -> None:
+    with rejects(*expected):
         set_up(load_case(dotted_study(tmp_path, (old, new))))
 
 

@@ -278,5 +278,6 @@ def _check_samples(samples: int, least: int, subject: str) -> None:
     if samples < least:
         raise InputError(
             f"{subject} {samples} samples a period, but at least {least} are needed (2 * harmonics + 1, and 8). "
-            "Friction has kinks: take 256, or 512 and more with separation."
+            "Friction has kinks: take 256, or 512 and more with separation.",
+            arguments=[subject],
         )

@@ -147,13 +147,15 @@ def _checked_load(load: ArrayLike, superelement: Superelement, pairs: ContactPai
         )
     if pairs.operator.shape[1] != superelement.size:
         raise InputError(
-            f"operator has {pairs.operator.shape[1]} columns, but the superelement has {superelement.size} unknowns."
+            f"operator has {pairs.operator.shape[1]} columns, but the superelement has {superelement.size} unknowns.",
+            arguments=["operator"],
         )
     springs = pairs.coulomb.tangential_springs
     unequal = np.flatnonzero(springs[:, 0] != springs[:, 1])
     if unequal.size:
         raise InputError(
             f"tangential_stiffness[{unequal[0]}] differs along t1 and t2; a static load ramp takes pairs that are "
-            "equally stiff in both directions."
+            "equally stiff in both directions.",
+            arguments=["tangential_stiffness"],
         )
     return force

@@ -147,7 +147,8 @@ def _periodic_load(force_cos: ArrayLike, force_sin: ArrayLike, n: int, steps_per
         if amplitude.ndim != 2 or amplitude.shape[0] != n:
             raise InputError(
                 f"{name} must have shape ({n},), or ({n}, n_harmonics) for several harmonics, one row for each unknown "
-                f"of the superelement; found shape {np.shape(value)}."
+                f"of the superelement; found shape {np.shape(value)}.",
+                arguments=[name],
             )
         order = np.arange(1, amplitude.shape[1] + 1)
         load += function(angle[:, None] * order) @ amplitude.T
@@ -184,7 +185,8 @@ def _check_settings(
     if pairs.operator.shape[1] != superelement.size:
         raise InputError(
             f"the operator of the contact pairs has {pairs.operator.shape[1]} columns, but the superelement has "
-            f"{superelement.size} unknowns; both must be equal."
+            f"{superelement.size} unknowns; both must be equal.",
+            arguments=["operator"],
         )
     springs = pairs.coulomb.tangential_springs
     if (springs[:, 0] != springs[:, 1]).any():
@@ -192,7 +194,8 @@ def _check_settings(
         raise InputError(
             f"tangential_stiffness[{pair}] is {springs[pair, 0]:g} N/m along t1 and {springs[pair, 1]:g} N/m along t2; "
             "time integration takes pairs that are equally stiff in both directions. "
-            "Use forced_response for others, or set both to one value."
+            "Use forced_response for others, or set both to one value.",
+            arguments=["tangential_stiffness"],
         )
     positive_number("frequency_hz", frequency_hz, "Hz")
     positive_number("tolerance", tolerance)
