@@ -184,12 +184,11 @@ def test_units_package_is_loaded_for_units_only() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "letter"),
-    [("a\\u0000b", "U+0000"), ("two\\nlines", "U+000A"), ("\\u001b[31mred", "U+001B"), ("\\u0085", "U+0085")],
+    "text",
+    ["a\\u0000b", "two\\nlines", "\\u001b[31mred", "\\u0085"],
 )
-def test_a_title_is_one_line_that_can_be_shown(text: str, letter: str) -> None:
+def test_a_title_is_one_line_that_can_be_shown(text: str) -> None:
     """NetCDF ends a text at U+0000, which was met after everything was solved."""
-    with rejects(StudyFileError, "study.title") as error:
+    with rejects(StudyFileError, "study.title"):
         Case.from_text(f'[study]\ntitle = "{text}"\n')
-    assert letter in str(error.value)
     assert Case.from_mapping({"study": {"title": "Schaufel \u2013 \u00b5m, 100 %"}})

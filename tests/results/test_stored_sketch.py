@@ -137,8 +137,8 @@ def test_no_group_where_there_is_no_sketch(study: StudyRecord, tmp_path: Path) -
         ({"points": np.zeros((16, 2))}, ()),
         ({"points": np.full((16, 3), np.nan)}, ()),
         ({"sides": np.empty((0, 4), dtype=int)}, ()),
-        ({"sides": np.full((12, 4), 16)}, ()),
-        ({"body": np.full(12, 2)}, ()),
+        ({"sides": np.full((12, 4), 16)}, ("sides",)),
+        ({"body": np.full(12, 2)}, ("body",)),
         ({"body": np.zeros(11, dtype=int)}, ("body",)),
         ({"held": np.zeros(3, dtype=bool)}, ("held",)),
         ({"loads": np.zeros((2, 3))}, ("loads",)),
@@ -155,7 +155,7 @@ def test_what_does_not_fit_is_refused(change: dict, keys: tuple[str, ...]) -> No
 
 @pytest.mark.parametrize("face", [-2, 2])
 def test_a_face_that_the_record_does_not_have_is_refused(study: StudyRecord, face: int) -> None:
-    with rejects(InputError):
+    with rejects(InputError, "face"):
         dataclasses.replace(study, sketch=stacked_boxes(face=np.full(12, face)))
 
 

@@ -194,7 +194,7 @@ def contact_cycle(displacement: ArrayLike, pairs: CoulombConstants, update: Upda
             f"each pair at each sample; found shape {motion.shape}.",
             arguments=["displacement"],
         )
-    _check_samples(motion.shape[0], MIN_SAMPLES, "displacement has")
+    _check_samples(motion.shape[0], MIN_SAMPLES, "displacement", "has")
     springs = pairs.tangential_springs
     tangential = motion[:, :, :2]
     origin = tangential.mean(axis=0) if pairs.released else -pairs.resting_traction / springs
@@ -270,14 +270,14 @@ def _coefficients(coefficients: ArrayLike, n_pairs: int, samples: int) -> FloatA
             f"shape {array.shape}.",
             arguments=["coefficients"],
         )
-    _check_samples(samples, max(MIN_SAMPLES, array.shape[2]), "samples is")
+    _check_samples(samples, max(MIN_SAMPLES, array.shape[2]), "samples", "is")
     return array
 
 
-def _check_samples(samples: int, least: int, subject: str) -> None:
+def _check_samples(samples: int, least: int, argument: str, verb: str) -> None:
     if samples < least:
         raise InputError(
-            f"{subject} {samples} samples a period, but at least {least} are needed (2 * harmonics + 1, and 8). "
-            "Friction has kinks: take 256, or 512 and more with separation.",
-            arguments=[subject],
+            f"{argument} {verb} {samples} samples a period, but at least {least} are needed (2 * harmonics + 1, and "
+            "8). Friction has kinks: take 256, or 512 and more with separation.",
+            arguments=[argument],
         )
