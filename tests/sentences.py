@@ -39,6 +39,7 @@ _VARYING = (
     (re.compile(r"\btmp[a-z0-9_]{8}\b"), "<name>"),
     (re.compile(r"\b0x[0-9a-f]{8,}"), "<address>"),
     (re.compile(r"\b[0-9a-f]{32,}\b"), "<digest>"),
+    (re.compile(r"[\w.+]+ \(code [0-9a-f]{12}\)"), "<version>"),
     (re.compile(rf"\bstickslip {re.escape(stickslip.__version__)}\b"), "stickslip <version>"),
 )
 

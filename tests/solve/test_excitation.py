@@ -115,10 +115,10 @@ def test_words_and_arrays_as_before() -> None:
         ),
         (lambda: ss.Excitation.unbalance(ROW, ROW, 0.0), ("mass_times_radius",)),
         (lambda: ss.Excitation.force([[[1.0]]]), ("force_cos",)),
-        (lambda: ss.Excitation.force(ROW, [1.0]), ()),
-        (lambda: response_to(ss.Excitation.force([1.0])), ()),
-        (lambda: response_to(ss.Excitation.force(np.ones((3, 2)))), ()),
-        (lambda: response_to(ss.Excitation.force(0.0 * ROW)), ()),
+        (lambda: ss.Excitation.force(ROW, [1.0]), ("force_sin",)),
+        (lambda: response_to(ss.Excitation.force([1.0])), ("force_cos",)),
+        (lambda: response_to(ss.Excitation.force(np.ones((3, 2)))), ("force_cos",)),
+        (lambda: response_to(ss.Excitation.force(0.0 * ROW)), ("force_cos", "force_sin")),
     ],
 )
 def test_what_is_no_excitation_is_refused(make: object, keys: tuple[str, ...]) -> None:

@@ -90,7 +90,7 @@ def test_labels_and_shown_numbers_are_in_the_unit_of_engineers() -> None:
     ],
 )
 def test_what_cannot_be_read_is_said(name: str, given: object) -> None:
-    with rejects(InputError):
+    with rejects(InputError, name):
         swept_keys({name: given})
 
 

@@ -139,13 +139,13 @@ def test_body_without_any_contact_is_refused() -> None:
 
 
 def test_two_kinds_of_damping_are_refused(blade: Blade) -> None:
-    with rejects(InputError):
+    with rejects(InputError, "modal_damping_ratio"):
         stuck_structure(blade.superelement, blade.pairs, 100.0, 0.01)
 
 
 def test_operator_of_another_size_is_refused(blade: Blade) -> None:
     pairs = ContactPairs(np.eye(3, 5), 1e6, 8e5, 0.3, 10.0)
-    with rejects(InputError):
+    with rejects(InputError, "operator"):
         stuck_structure(blade.superelement, pairs, 100.0, None)
 
 

@@ -55,7 +55,7 @@ def test_stiffness_proportional_to_the_stuck_matrix_is_diagonal_and_a_dashpot_is
 
 
 def test_negative_rayleigh_factor_is_refused(blade: Blade) -> None:
-    with rejects(InputError):
+    with rejects(InputError, "mass_factor", "stiffness_factor"):
         rayleigh_damping_matrix(blade.superelement, -1.0, 0.0)
 
 
