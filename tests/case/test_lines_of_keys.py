@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 from own_cases import EXAMPLE, MATRIX_STUDY, mesh_case, write_matrices
 from sentences import printed_sentence, rejects
+from stickslip.case.toml_text import KeyPlaces
 from stickslip.cli.main import app
 from stickslip.core.errors import ImportFileError, InputError, concerning, keys_of_section
 
@@ -220,3 +221,18 @@ def test_the_closest_keys_win_and_the_kind_of_error_stays() -> None:
     assert (type(again), again.keys, str(again)) == (ImportFileError, ("interfaces.joint.first",), "in words: no set")
     with rejects(InputError, "geometry"), concerning("geometry"), keys_of_section("geometry"):
         raise InputError("inverted")
+
+
+def test_arguments_of_a_function_are_no_keys_of_the_study_file() -> None:
+    """A section has the name of an argument by chance; who calls the function knows the key."""
+    error = InputError("preload is -1, but it must be above 0.", arguments=["preload"])
+    places = KeyPlaces("study.toml", {"preload": {"values": [-1.0]}}, {("preload",): 3})
+    assert places.sentence(error) == f"study.toml: {error}"
+    assert places.sentence(InputError("it is -1.", ["preload"])) == "study.toml, line 3 (preload): it is -1."
+    again = error.reworded("in words")
+    assert (again.keys, again.are_arguments) == (("preload",), True)
+    with rejects(InputError, "preload"), keys_of_section("structure"):
+        raise error
+    with rejects(InputError, "preload.values") as caught, concerning("preload.values"):
+        raise error
+    assert places.sentence(caught.value) == f"study.toml, line 3 (preload.values): {error}"

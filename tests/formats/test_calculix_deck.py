@@ -153,7 +153,7 @@ def test_deck_names_sets_supports_ties_and_step(tmp_path):
     [
         ({"element": "C3D20"}, ("element",)),
         ({"step": "static"}, ("step",)),
-        ({"materials": [Material()]}, ()),
+        ({"materials": [Material()]}, ("materials",)),
         ({"path": "deck.txt"}, ()),
     ],
 )
