@@ -39,7 +39,7 @@ _VARYING = (
     (re.compile(r"\btmp[a-z0-9_]{8}\b"), "<name>"),
     (re.compile(r"\b0x[0-9a-f]{8,}"), "<address>"),
     (re.compile(r"\b[0-9a-f]{32,}\b"), "<digest>"),
-    (re.compile(r"[\w.+]+ \(code [0-9a-f]{12}\)"), "<version>"),
+    (re.compile(r"[\w.+]+ \(code [0-9a-f]{8,}\)"), "<version>"),
     (re.compile(rf"\bstickslip {re.escape(stickslip.__version__)}\b"), "stickslip <version>"),
 )
 
@@ -95,8 +95,9 @@ def _without_words_of_others(error: BaseException) -> str:
     while following := cause.__cause__ or cause.__context__:
         cause = following
         words = getattr(cause, "strerror", None) or str(cause)
-        if len(words) > 3 and not _is_own(cause):
-            text = text.replace(words, f"<words of {type(cause).__name__}>")
+        for part in (words, " ".join(words.split())):
+            if len(part) > 3 and not _is_own(cause):
+                text = text.replace(part, f"<words of {type(cause).__name__}>")
     return text
 
 
