@@ -256,7 +256,10 @@ def test_full_file_of_ansys(tmp_path):
     damaged = tmp_path / "damaged.full"
     content = Path(examples.fullfile).read_bytes()
     damaged.write_bytes(content[: len(content) // 2])
-    refused(damaged, damaged)
+    # the reader of that package dies of something else each time, so its words are in no snapshot
+    with pytest.raises(ImportFileError, match="could not be read as an Ansys") as caught:
+        read_matrices(damaged, damaged)
+    assert caught.value.keys == ("stiffness",)
 
 
 def test_both_triangles_of_calculix_coordinates_are_the_same_model(tmp_path, small):
