@@ -9,7 +9,7 @@ import pytest
 
 from helpers import Blade
 
-pytest_plugins = ("structure_fixtures",)
+pytest_plugins = ("pytester", "sentences", "structure_fixtures")
 
 
 @pytest.fixture(scope="session", autouse=True)

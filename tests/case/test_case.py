@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
+from sentences import rejects
 from stickslip.case.case import Case, load_case
 from stickslip.core.errors import StudyFileError
 
@@ -125,9 +126,9 @@ def test_replace_validates_and_leaves_the_original() -> None:
     other = case.replace({"preload.centrifugal_force": "300 N", "solver.samples": 512})
     assert (other.preload.centrifugal_force, other.solver.samples) == (300.0, 512)
     assert case.preload.centrifugal_force == 500.0
-    with pytest.raises(StudyFileError, match=r"preload\.centrifugal_force = -1"):
+    with rejects(StudyFileError, "preload.centrifugal_force"):
         case.replace({"preload.centrifugal_force": -1})
-    with pytest.raises(StudyFileError, match="Did you mean centrifugal_force"):
+    with rejects(StudyFileError, "preload.centrifugal"):
         case.replace({"preload.centrifugal": 1})
 
 
@@ -158,13 +159,11 @@ def test_reference_area_belongs_to_the_pressure() -> None:
     assert 'reference_area = "25 mm^2"' in case.to_text()
     assert Case.from_text(case.to_text()) == case == Case.from_mapping(case.to_dict())
     assert '\n# reference_area = "180 mm^2"' in Case().to_text()
-    with pytest.raises(
-        StudyFileError, match=r'line 2: roughness.reference_area .*allocation is "area".*take the key out'
-    ):
+    with rejects(StudyFileError, "roughness.reference_area"):
         Case.from_text(text)
-    with pytest.raises(StudyFileError, match=r"reference_area.*an area is needed"):
+    with rejects(StudyFileError, "roughness.reference_area"):
         Case.from_text(text.replace("mm^2", "mm") + 'allocation = "pressure"\n')
-    with pytest.raises(StudyFileError, match=r"reference_area.*a value above 0 m"):
+    with rejects(StudyFileError, "roughness.reference_area"):
         case.replace({"roughness.reference_area": "0 mm^2"})
 
 
@@ -196,12 +195,11 @@ def test_units_package_is_loaded_for_units_only() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "letter"),
-    [("a\\u0000b", "U+0000"), ("two\\nlines", "U+000A"), ("\\u001b[31mred", "U+001B"), ("\\u0085", "U+0085")],
+    "text",
+    ["a\\u0000b", "two\\nlines", "\\u001b[31mred", "\\u0085"],
 )
-def test_a_title_is_one_line_that_can_be_shown(text: str, letter: str) -> None:
+def test_a_title_is_one_line_that_can_be_shown(text: str) -> None:
     """NetCDF ends a text at U+0000, which was met after everything was solved."""
-    with pytest.raises(StudyFileError, match=r"line 2: study\.title = .* holds the control character") as error:
+    with rejects(StudyFileError, "study.title"):
         Case.from_text(f'[study]\ntitle = "{text}"\n')
-    assert letter in str(error.value)
     assert Case.from_mapping({"study": {"title": "Schaufel \u2013 \u00b5m, 100 %"}})

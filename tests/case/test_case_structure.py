@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from own_cases import EXAMPLE, mesh_case
+from sentences import printed_sentence, rejects
 from stickslip.case.case import Case, MeshCase, TwoBladeCase, load_case
 from stickslip.case.examples import EXAMPLES
 from stickslip.cli.main import app
@@ -61,9 +62,9 @@ def test_a_key_of_a_named_entry_is_replaced_and_swept() -> None:
     assert case.interfaces["lid"] == mesh_case().interfaces["lid"]
     (key,) = swept_keys({"interfaces.sole.normal_load": "10:40:3"})
     assert (key.values, key.unit) == ((10.0, 25.0, 40.0), "N")
-    with pytest.raises(StudyFileError, match=r"no \[interfaces\.soul\].*sole, lid"):
+    with rejects(StudyFileError, "interfaces.soul.friction"):
         case.replace({"interfaces.soul.friction": 0.5})
-    with pytest.raises(InputError, match=r"interfaces\.friction is not a key.*friction\.|NAME"):
+    with rejects(InputError, "interfaces.friction"):
         swept_keys({"interfaces.friction": "0.1,0.2"})
 
 
@@ -87,60 +88,77 @@ def test_hashes_tell_what_changes_the_structure(tmp_path: Path) -> None:
 
 
 WRONG = {
-    "kind": (MESH.replace('kind = "mesh"', 'kind = "mash"'), ['structure.kind = "mash"', 'Did you mean "mesh"?']),
-    "two-blade section": (MESH + '[geometry]\nwidth = "1 mm"\n', ["geometry does not belong", '"mesh"', "two-blade"]),
-    "own section of two blades": ('[interfaces.a]\nfirst = "x"\nsecond = "y"\n', ["interfaces does not belong"]),
-    "file of two blades": ('[structure]\nfile = "x.inp"\n', ["line 2", 'kind "two-blade"']),
-    "no unit of length": (MESH.replace('length_unit = "mm"', ""), ["structure.length_unit is missing"]),
-    "no file": (MESH.replace('file = "beam_and_block.inp"', ""), ["structure.file is missing"]),
-    "near key": (MESH.replace("normal_load =", "normal_laod =", 1), ["interfaces.sole.normal_laod", "normal_load?"]),
-    "range": (MESH.replace("friction = 0.2", "friction = -1"), ["line 18", "interfaces.sole.friction = -1", "above 0"]),
-    "unit": (MESH.replace('"0.2 N"', '"0.2 mm"'), ["forces.push.amplitude", "a unit of length", "force is needed"]),
+    "kind": (MESH.replace('kind = "mesh"', 'kind = "mash"'), ("structure.kind",)),
+    "two-blade section": (MESH + '[geometry]\nwidth = "1 mm"\n', ("geometry",)),
+    "own section of two blades": ('[interfaces.a]\nfirst = "x"\nsecond = "y"\n', ("interfaces",)),
+    "file of two blades": ('[structure]\nfile = "x.inp"\n', ("structure.file",)),
+    "no unit of length": (MESH.replace('length_unit = "mm"', ""), ("structure.length_unit",)),
+    "no file": (MESH.replace('file = "beam_and_block.inp"', ""), ("structure.file",)),
+    "near key": (MESH.replace("normal_load =", "normal_laod =", 1), ("interfaces.sole.normal_laod",)),
+    "range": (MESH.replace("friction = 0.2", "friction = -1"), ("interfaces.sole.friction",)),
+    "unit": (MESH.replace('"0.2 N"', '"0.2 mm"'), ("forces.push.amplitude",)),
     "no direction": (
         MESH.replace("direction = [0, 0, 1]", "", 1),
-        ["forces.push.direction is missing", "[forces.push]"],
+        ("forces.push.direction",),
     ),
-    "two places": (MESH.replace('spread = "area"', "node = 3"), ["line 27", "forces.push", "set and node"]),
-    "no interface": (MESH.replace("[interfaces.", "[static_loads."), ["static_loads.sole"]),
-    "no side": (MESH.replace('second = "ground"', ""), ["interfaces.lid.second is missing", "ground"]),
-    "no load": (MESH.replace('normal_load = "40 N"', "", 1), ["interfaces.sole.normal_load is missing"]),
+    "two places": (MESH.replace('spread = "area"', "node = 3"), ("forces.push",)),
+    "no interface": (
+        MESH.replace("[interfaces.", "[static_loads."),
+        (
+            "static_loads.sole.direction",
+            "static_loads.sole.force",
+            "static_loads.sole.first",
+            "static_loads.sole.second",
+            "static_loads.sole.normal_load",
+            "static_loads.sole.friction",
+            "static_loads.lid.direction",
+            "static_loads.lid.force",
+            "static_loads.lid.first",
+            "static_loads.lid.second",
+            "static_loads.lid.normal_load",
+            "static_loads.lid.normal_stiffness",
+            "static_loads.lid.tangential_stiffness",
+        ),
+    ),
+    "no side": (MESH.replace('second = "ground"', ""), ("interfaces.lid.second",)),
+    "no load": (MESH.replace('normal_load = "40 N"', "", 1), ("interfaces.sole.normal_load",)),
     "one stiffness": (
         MESH.replace('tangential_stiffness = "8e5 N/m"', ""),
-        ["interfaces.lid.tangential_stiffness is missing"],
+        ("interfaces.lid.tangential_stiffness",),
     ),
-    "wedge": (MESH + "[preload]\ncentrifugal_force = 5\n", ["preload.centrifugal_force", "normal_load"]),
-    "half a material": (MESH + "[material]\ndensity = 7800\n", ["material.young_modulus is missing"]),
-    "area of a mesh": (MESH.replace("friction = 0.2", 'area = "1 mm^2"'), ["interfaces.sole.area belongs to matrices"]),
-    "entry without name": (MESH + "[bodies]\ndensity = 3\n", ["bodies"]),
-    "speed": (MESH + '[rotation]\nspeed = "50 Hz"\naxis = [0, 0, 1]\n', ["rotation.speed", "rpm"]),
+    "wedge": (MESH + "[preload]\ncentrifugal_force = 5\n", ("preload.centrifugal_force",)),
+    "half a material": (MESH + "[material]\ndensity = 7800\n", ("material.young_modulus", "material.poisson_ratio")),
+    "area of a mesh": (MESH.replace("friction = 0.2", 'area = "1 mm^2"'), ("interfaces.sole.area",)),
+    "entry without name": (MESH + "[bodies]\ndensity = 3\n", ("bodies.density",)),
+    "speed": (MESH + '[rotation]\nspeed = "50 Hz"\naxis = [0, 0, 1]\n', ("rotation.speed",)),
     "matrices without units": (
         '[structure]\nkind = "matrices"\nstiffness = "k.mtx"\nmass = "m.mtx"\n',
-        ["structure.length_unit is missing"],
+        ("structure.length_unit",),
     ),
     "matrices without normal": (
         '[structure]\nkind = "matrices"\nfile = "a.npz"\n[interfaces.a]\nfirst = "x"\nsecond = "ground"\n'
         "normal_load = 3\n",
-        ["interfaces.a.normal is missing"],
+        ("interfaces.a.normal", "interfaces.a.area"),
     ),
     "two sources of the load": (
         MESH + "\n[preload]\nvalues = [1.0, 2.0]\n",
-        ["interfaces.sole.normal_load and preload.values are both given"],
+        ("interfaces.sole.normal_load",),
     ),
     "friction of the wedge": (
         MESH + "\n[preload]\nfriction_coefficient_at_assembly = 0.2\n",
-        ["friction_coefficient_at_assembly is the wedge damper's"],
+        ("preload.friction_coefficient_at_assembly",),
     ),
 }
 
 
-@pytest.mark.parametrize(("text", "parts"), WRONG.values(), ids=WRONG.keys())
-def test_wrong_study_file(text: str, parts: list[str], tmp_path: Path) -> None:
+@pytest.mark.parametrize(("text", "keys"), WRONG.values(), ids=WRONG.keys())
+def test_wrong_study_file(text: str, keys: tuple[str, ...], tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     path.write_text(text, encoding="utf-8")
+    with rejects(StudyFileError, *keys) as caught:
+        load_case(path)
     result = CliRunner().invoke(app, ["check", str(path)])
-    assert result.exit_code == 2
-    assert "Traceback" not in result.stderr
-    assert [part for part in parts if part not in result.stderr] == []
+    assert (result.exit_code, result.stderr) == (2, f"Error: {caught.value}\n")
 
 
 @pytest.mark.parametrize(
@@ -150,9 +168,12 @@ def test_wrong_study_file(text: str, parts: list[str], tmp_path: Path) -> None:
 def test_names_that_files_and_keys_cannot_take_are_refused(section: str, name: str) -> None:
     """A slash was met when the table of a solved sweep was written."""
     entries = {"interfaces": {"first": "a", "second": "b"}}.get(section, {"set": "a", "direction": [1.0, 0.0, 0.0]})
-    with pytest.raises(StudyFileError, match="is not a name: letters, digits, blanks and") as error:
-        Case.from_mapping({"structure": {"kind": "mesh", "file": "a.inp"}, section: {name: entries}})
-    assert f"[{section}." in str(error.value)
+    structure = {"kind": "mesh", "file": "a.inp", "length_unit": "mm"}
+    with pytest.raises(StudyFileError) as caught:
+        Case.from_mapping({"structure": structure, section: {name: entries}})
+    assert f"{section}.{name}" in caught.value.keys
+    line = next(line for line in str(caught.value).splitlines() if f"[{section}." in line)
+    printed_sentence(line)
 
 
 @pytest.mark.parametrize("name", ["block-beam", "Gelenk links", "face 1.2 (top)", "_a", "N1"])
@@ -164,15 +185,13 @@ def test_usual_names_pass(name: str) -> None:
 
 def test_bodies_are_called_as_in_the_mesh_and_texts_can_be_shown() -> None:
     data = {"structure": {"kind": "mesh", "file": "a.inp"}, "bodies": {"Part/Body:1": {"density": 7800.0}}}
-    with pytest.raises(StudyFileError) as error:  # it lacks interfaces and more
+    with rejects(StudyFileError, "structure.length_unit") as error:  # it lacks interfaces and more
         Case.from_mapping(data)
     assert "Part/Body" not in str(error.value)
     data["bodies"] = {"a\x1b[2Jb": {"density": 7800.0}}
     data["structure"]["fixed"] = ["root\x07"]  # type: ignore[assignment]
-    with pytest.raises(StudyFileError) as error:
+    with rejects(StudyFileError, "structure.length_unit", "structure.fixed", "bodies.a\u001b[2Jb"):
         Case.from_mapping(data)
-    assert 'bodies."a\\u001b[2Jb"] holds the control character U+001B' in str(error.value)
-    assert 'structure.fixed = ["root\\u0007"] holds the control character U+0007' in str(error.value)
 
 
 def test_each_kind_is_a_class_with_its_sections() -> None:
@@ -183,7 +202,16 @@ def test_each_kind_is_a_class_with_its_sections() -> None:
     assert not hasattr(two_blade, "interfaces")
     assert not hasattr(mesh, "geometry")
     assert Case.model_validate(mesh.to_dict()) == mesh
-    with pytest.raises(StudyFileError, match=r"structure\.kind = \"mesh\" is not allowed: it must be 'two-blade'"):
+    with rejects(
+        StudyFileError,
+        "structure.kind",
+        "structure.file",
+        "structure.length_unit",
+        "bodies",
+        "interfaces",
+        "forces",
+        "responses",
+    ):
         TwoBladeCase.from_mapping(mesh.to_dict())
 
 
@@ -191,11 +219,8 @@ def test_what_belongs_to_another_kind_is_judged_by_its_value_first() -> None:
     data = mesh_case().to_dict()
     data["interfaces"]["sole"]["area"] = "3 mm"
     data["geometry"] = {"width": "4 kg"}
-    with pytest.raises(StudyFileError) as error:
+    with rejects(StudyFileError, "interfaces.sole.area", "geometry.width"):
         Case.from_mapping(data)
-    assert 'interfaces.sole.area = "3 mm" has "mm", a unit of length' in str(error.value)
-    assert 'geometry.width = "4 kg" has "kg"' in str(error.value)
-    assert "does not belong" not in str(error.value)
 
 
 def test_foreign_keys_that_say_nothing_are_read() -> None:
@@ -207,5 +232,5 @@ def test_foreign_keys_that_say_nothing_are_read() -> None:
 
 def test_the_kind_of_analysis_is_a_choice() -> None:
     assert Case.from_text('[analysis]\nkind = "forced"\n') == Case()
-    with pytest.raises(StudyFileError, match=r"line 2: analysis\.kind = \"modes\" is not allowed: it must be 'forced'"):
+    with rejects(StudyFileError, "analysis.kind"):
         Case.from_text('[analysis]\nkind = "modes"\n')

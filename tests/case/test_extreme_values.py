@@ -14,6 +14,7 @@ import pytest
 from pydantic.fields import FieldInfo
 
 from own_cases import EXAMPLE, mesh_case, write_matrices
+from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
 from stickslip.case.sections import SolverSection
 from stickslip.contact.law.coulomb_harmonics import MIN_SAMPLES
@@ -93,6 +94,11 @@ def with_value(base: dict[str, Any], section: str, key: str, value: Any) -> dict
     return data
 
 
+def entry_key(data: dict[str, Any], section: str, key: str) -> str:
+    """The key that :func:`with_value` changed."""
+    return ".".join([section, *list(data[section])[:1], key] if section in Case.named_sections() else [section, key])
+
+
 def as_typed(limits: tuple[Quantity | Count, ...], key: str, value: float | int) -> Any:
     """A value as a study file has it: a list of it for places and lists, a text where the unit is required."""
     first = limits[0]
@@ -124,12 +130,10 @@ def test_values_that_no_computer_can_use_are_refused_by_their_key(
     section: str, key: str, limits: tuple[Quantity | Count, ...], kind: str, bases: dict[str, dict[str, Any]]
 ) -> None:
     for value in (*EXTREME, 10**400):
-        with pytest.raises(StudyFileError) as caught:
-            Case.from_mapping(with_value(bases[kind], section, key, as_typed(limits, key, value)))
-        assert key in str(caught.value)
-        assert any(
-            words in str(caught.value) for words in ("is not allowed", "whole number", "finite", "so near to zero")
-        )
+        data = with_value(bases[kind], section, key, as_typed(limits, key, value))
+        with pytest.raises(StudyFileError) as caught:  # limits and sentences of each key are in tests of its kind
+            Case.from_mapping(data)
+        assert entry_key(data, section, key) in caught.value.keys
 
 
 def test_every_quantity_has_two_limits() -> None:
@@ -156,8 +160,11 @@ def test_every_key_with_a_number_was_found() -> None:
 @pytest.mark.parametrize(("section", "key"), DIRECTIONS)
 def test_directions(section: str, key: str, value: list[float], bases: dict[str, dict[str, Any]]) -> None:
     kind = "two-blade" if section == "excitation" else "mesh"
-    with pytest.raises(StudyFileError, match=key):
-        Case.from_mapping(with_value(bases[kind], section, key, value))
+    data = with_value(bases[kind], section, key, value)
+    with pytest.raises(StudyFileError) as caught:  # a new section lacks other keys as well
+        Case.from_mapping(data)
+    assert entry_key(data, section, key) in caught.value.keys
+    printed_sentence(str(caught.value))
 
 
 @pytest.mark.slow
@@ -186,7 +193,7 @@ def test_the_limits_themselves_end_in_finite_numbers_or_a_sentence(kind: str, ba
 def test_the_check_of_a_study_ends_at_its_limits() -> None:
     """The soft end of Young's modulus beside stiff contact: the eigenvalues end after a bounded number of restarts."""
     case = Case.from_mapping({"mesh": {"chordwise": 2, "airfoil_rows": 4}, "material": {"young_modulus": "1 kPa"}})
-    with pytest.raises(InputError, match=r"^the material has Young's modulus 1e\+03 Pa, .*Most likely because of that"):
+    with rejects(InputError, "material.young_modulus"):
         check(case)
 
 
@@ -194,27 +201,26 @@ def test_check_and_run_agree_on_the_fewest_samples() -> None:
     (limit,) = limits_of(SolverSection.model_fields["samples"])
     assert limit.at_least == MIN_SAMPLES
     for samples in range(3, MIN_SAMPLES):
-        with pytest.raises(StudyFileError, match="at least 8"):
+        with rejects(StudyFileError, "solver.samples"):
             Case.from_mapping({"solver": {"harmonics": 1, "samples": samples}})
 
 
 WRONG_UNITS = {
     "Pa for GPa": (
         {"material": {"young_modulus": 197}},
-        ["material.young_modulus = 197", "at least 1000", '"197 GPa"'],
+        "material.young_modulus",
     ),
-    "hardness in GPa": ({"roughness": {"hardness": 3}}, ["roughness.hardness = 3", "at least 10000", '"3 GPa"']),
-    "t/mm^3": ({"material": {"density": 7.8e-9}}, ["material.density = 7.8e-09", "kg/m^3"]),
-    "blade in mm": ({"geometry": {"blade_length": "145 m"}}, ["geometry.blade_length", "at most 3 m"]),
-    "no wave so short": ({"roughness": {"shortest_length": 1e-12}}, ["roughness.shortest_length", "at least 1e-10"]),
+    "hardness in GPa": ({"roughness": {"hardness": 3}}, "roughness.hardness"),
+    "t/mm^3": ({"material": {"density": 7.8e-9}}, "material.density"),
+    "blade in mm": ({"geometry": {"blade_length": "145 m"}}, "geometry.blade_length"),
+    "no wave so short": ({"roughness": {"shortest_length": 1e-12}}, "roughness.shortest_length"),
 }
 
 
-@pytest.mark.parametrize(("data", "words"), WRONG_UNITS.values(), ids=WRONG_UNITS)
-def test_values_that_only_a_wrong_unit_explains_are_refused(data: dict[str, Any], words: list[str]) -> None:
-    with pytest.raises(StudyFileError) as caught:
+@pytest.mark.parametrize(("data", "key"), WRONG_UNITS.values(), ids=WRONG_UNITS)
+def test_values_that_only_a_wrong_unit_explains_are_refused(data: dict[str, Any], key: str) -> None:
+    with rejects(StudyFileError, key):
         Case.from_mapping(data)
-    assert [word for word in words if word not in str(caught.value)] == []
 
 
 ODD = {
@@ -254,31 +260,37 @@ def test_the_default_study_has_no_odd_value() -> None:
 
 def test_more_elements_than_memory_are_refused_before_the_mesh_is_made() -> None:
     case = Case.from_mapping({"mesh": {"chordwise": 1000, "airfoil_rows": 1000}})
-    with pytest.raises(InputError, match=r"the counts of \[mesh\] make up to \d+ elements, but at most 2000000"):
+    with rejects(InputError, "mesh"):
         set_up(case)
 
 
 @pytest.mark.parametrize(
-    ("data", "words"),
+    ("data", "keys"),
     [
-        ({"study": {"title": "nul \0 title"}}, r"study\.title = .* holds the control character U\+0000"),
-        ({"study": {"title": "clear \x1b[2J"}}, r"study\.title = .* holds the control character U\+001B"),
-        ({"structure": {"kind": "mesh", "file": "a\0.inp", "length_unit": "mm"}}, r"structure\.file = .* U\+0000"),
+        ({"study": {"title": "nul \0 title"}}, ("study.title",)),
+        ({"study": {"title": "clear \x1b[2J"}}, ("study.title",)),
+        (
+            {"structure": {"kind": "mesh", "file": "a\0.inp", "length_unit": "mm"}},
+            (
+                "study.title",
+                "structure.file",
+            ),
+        ),
         (
             {"structure": {"kind": "mesh", "file": "a.inp", "length_unit": "mm", "fixed": ["a\x9b"]}},
-            r"structure\.fixed = .* U\+009B",
+            ("structure.fixed",),
         ),
     ],
 )
-def test_control_characters_in_texts_are_refused(data: dict[str, Any], words: str) -> None:
+def test_control_characters_in_texts_are_refused(data: dict[str, Any], keys: tuple[str, ...]) -> None:
     """NUL in a title lost a solved run: results files end a text there."""
-    with pytest.raises(StudyFileError, match=words):
+    with rejects(StudyFileError, *keys):
         Case.from_mapping(data)
 
 
 def test_control_characters_in_names_of_entries_are_refused(bases: dict[str, dict[str, Any]]) -> None:
     data = copy.deepcopy(bases["mesh"])
     data["interfaces"]["so\0le"] = data["interfaces"].pop("sole")
-    with pytest.raises(StudyFileError, match=r"interfaces.*u0000.* is not a name"):
+    with rejects(StudyFileError, "interfaces.so\u0000le"):
         Case.from_mapping(data)
     Case.from_mapping({"study": {"title": "Dämpfer – 2 \N{GREEK SMALL LETTER MU}m"}})

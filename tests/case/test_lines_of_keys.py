@@ -11,6 +11,8 @@ import pytest
 from typer.testing import CliRunner
 
 from own_cases import EXAMPLE, MATRIX_STUDY, mesh_case, write_matrices
+from sentences import printed_sentence, rejects
+from stickslip.case.toml_text import KeyPlaces
 from stickslip.cli.main import app
 from stickslip.core.errors import ImportFileError, InputError, concerning, keys_of_section
 
@@ -31,25 +33,25 @@ centrifugal_force = "500 N"
 # What stands in the file, what is put in its place, and the beginning of the message after the file's name.
 BLADES_WRONG = {
     "a default beside a key": (
-        '"28 mm"', '"29 mm"', "line 3 (geometry.damper_length), geometry.width (not in the file: default): damper",
+        '"28 mm"', '"29 mm"', "line 3 (geometry.damper_length), geometry.width (not in the file: default)",
     ),
     "two defaults": (
         '"3.67 mm"',
         '"40 mm"',
-        "line 4 (geometry.excitation_height), geometry.underside_height_at_shank (not in the file: default): excit",
+        "line 4 (geometry.excitation_height), geometry.underside_height_at_shank (not in the file: default)",
     ),
     "five keys": (
         'damper_length = "28 mm"',
         'blade_length = "44 mm"\nplatform_edge_thickness = "5 mm"',
         "geometry.underside_height_at_shank (not in the file: default), geometry.contact_face_width (not in the file: "
         "default), line 2 (geometry.platform_angle), line 4 (geometry.platform_edge_thickness), line 3 "
-        "(geometry.blade_length): platform_top_height",
+        "(geometry.blade_length)",
     ),
-    "preload of another mesh": ('centrifugal_force = "500 N"', "values = [1.0, 2.0]", "line 11: preload.values has 2"),
+    "preload of another mesh": ('centrifugal_force = "500 N"', "values = [1.0, 2.0]", "line 11"),
     "no contact left": (
         'centrifugal_force = "500 N"',
         'centrifugal_force = "0.5 mN"\n[roughness]\nfractal_roughness = "1e-7 m"',
-        "line 12 (roughness), line 11 (preload.centrifugal_force): 15 of 15 contact pairs",
+        "line 12 (roughness), line 11 (preload.centrifugal_force)",
     ),
 }  # fmt: skip
 
@@ -79,22 +81,22 @@ direction = [1, 0, 0]
 """
 
 MESH_WRONG = {
-    "no such file": ("beam_and_block.inp", "beam.inp", "line 3 (structure.file): "),
-    "unit of length": ('"mm"', '"furlong"', "line 4 (structure.length_unit): length_unit is 'furlong'"),
-    "no such face": ("damper_bottom", "bottom", "line 8 (interfaces.sole.first): interfaces.sole: the mesh has no"),
-    "second face": ('"beam_top"', '"top"', "line 9 (interfaces.sole.second): interfaces.sole: the mesh has no"),
+    "no such file": ("beam_and_block.inp", "beam.inp", "line 3 (structure.file)"),
+    "unit of length": ('"mm"', '"furlong"', "line 4 (structure.length_unit)"),
+    "no such face": ("damper_bottom", "bottom", "line 8 (interfaces.sole.first)"),
+    "second face": ('"beam_top"', '"top"', "line 9 (interfaces.sole.second)"),
     "one face twice": (
-        '"damper_bottom"', '"beam_top"', "line 8 (interfaces.sole.first), line 9 (interfaces.sole.second): interf",
+        '"damper_bottom"', '"beam_top"', "line 8 (interfaces.sole.first), line 9 (interfaces.sole.second)",
     ),
-    "gap of two faces": ("friction = 0.2", 'gap = "1 um"', "line 11 (interfaces.sole.gap): interfaces.sole: gap bel"),
+    "gap of two faces": ("friction = 0.2", 'gap = "1 um"', "line 11 (interfaces.sole.gap)"),
     "search of the ground": (
         'second = "ground"',
         'second = "ground"\nsearch_distance = "1 mm"',
-        "line 15 (interfaces.lid.search_distance): interfaces.lid: search_distance",
+        "line 15 (interfaces.lid.search_distance)",
     ),
-    "force on no set": ('set = "tip"', 'set = "toe"', "line 17 (forces.push.set): forces.push: the mesh has no node"),
-    "far point": ('"48 mm"', '"4.8 m"', "line 21 (responses.block.point): responses.block: the nearest node"),
-    "unknown body": ("[bodies.damper]", "[bodies.dampr]", "line 5: [bodies.dampr] names no body"),
+    "force on no set": ('set = "tip"', 'set = "toe"', "line 17 (forces.push.set)"),
+    "far point": ('"48 mm"', '"4.8 m"', "line 21 (responses.block.point)"),
+    "unknown body": ("[bodies.damper]", "[bodies.dampr]", "line 5"),
 }  # fmt: skip
 
 
@@ -103,7 +105,9 @@ def refused(*arguments: object) -> str:
     result = CliRunner().invoke(app, [str(each) for each in arguments])
     assert result.exit_code == 2, result.output
     assert "Traceback" not in result.stderr
-    return next(line for line in result.stderr.splitlines() if line.startswith("Error: ")).removeprefix("Error: ")
+    sentence = next(line for line in result.stderr.splitlines() if line.startswith("Error: "))
+    printed_sentence(sentence)
+    return sentence.removeprefix("Error: ")
 
 
 @pytest.mark.parametrize(("found", "put", "start"), BLADES_WRONG.values(), ids=BLADES_WRONG)
@@ -111,7 +115,7 @@ def test_two_blades(found: str, put: str, start: str, tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     assert BLADES.count(found) == 1
     path.write_text(BLADES.replace(found, put), encoding="utf-8")
-    assert refused("check", path).startswith(f"{path}, {start}")
+    assert refused("check", path).startswith(f"{path}, {start}: ")
 
 
 @pytest.mark.parametrize(("found", "put", "start"), MESH_WRONG.values(), ids=MESH_WRONG)
@@ -119,23 +123,23 @@ def test_own_mesh(found: str, put: str, start: str, tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     assert MESH.count(found) == 1
     path.write_text(MESH.replace(found, put), encoding="utf-8")
-    assert refused("check", path).startswith(f"{path}, {start}")
+    assert refused("check", path).startswith(f"{path}, {start}: ")
 
 
 @pytest.mark.parametrize(
     ("found", "put", "start"),
     [
-        ('first = "lid"', 'first = "led"', "line 5: interfaces.lid.first: the matrices have no node set 'led'"),
-        ('"superelement.npz"', '"none.npz"', "line 3 (structure.file): "),
-        ('set = "lid"', "node = 999999", "line 13: forces.push.node: the matrices have no node 999999"),
-        ('"48 mm"', '"4.8 m"', "line 17: responses.block.point: the nearest node is"),
+        ('first = "lid"', 'first = "led"', "line 5"),
+        ('"superelement.npz"', '"none.npz"', "line 3 (structure.file)"),
+        ('set = "lid"', "node = 999999", "line 13"),
+        ('"48 mm"', '"4.8 m"', "line 17"),
     ],
 )
 def test_matrices(found: str, put: str, start: str, matrices: Path) -> None:
     path = matrices / "study.toml"
     assert found in MATRIX_STUDY
     path.write_text(MATRIX_STUDY.replace(found, put), encoding="utf-8")
-    assert refused("check", path).startswith(f"{path}, {start}")
+    assert refused("check", path).startswith(f"{path}, {start}: ")
 
 
 @pytest.fixture(scope="module")
@@ -164,7 +168,7 @@ def test_what_a_run_finds_out_late(tmp_path: Path) -> None:
     path.write_text(text, encoding="utf-8")
     line = 1 + text[: text.index("modes")].count("\n")
     said = refused("run", path, "--out", tmp_path / "out")
-    assert said.startswith(f"{path}, line {line} (reduction.modes): n_modes is 2000")
+    assert said.startswith(f"{path}, line {line} (reduction.modes): ")
 
 
 def test_a_sweep_names_the_option_instead_of_a_line(tmp_path: Path) -> None:
@@ -172,10 +176,7 @@ def test_a_sweep_names_the_option_instead_of_a_line(tmp_path: Path) -> None:
     path.write_text(BLADES, encoding="utf-8")
     vary = "geometry.damper_length=29 mm,30 mm"
     said = refused("sweep", path, "--vary", vary, "--out", tmp_path / "out", "--workers", 1)
-    assert said.startswith(
-        f"{path}, --vary geometry.damper_length, geometry.width (not in the file: default): none of the 2 cases can be "
-        "solved. The first: damper_length is 29 mm"
-    )
+    assert said.startswith(f"{path}, --vary geometry.damper_length, geometry.width (not in the file: default): ")
 
 
 def test_a_key_without_a_line_of_its_own_has_that_around_it(tmp_path: Path) -> None:
@@ -183,13 +184,13 @@ def test_a_key_without_a_line_of_its_own_has_that_around_it(tmp_path: Path) -> N
     head, _, _ = MESH.partition("[responses.block]")
     table = '[responses]\nblock = {point = ["4.8 m", "0 m", "0 m"], direction = [1, 0, 0]}\n'
     path.write_text(head + table, encoding="utf-8")
-    assert refused("check", path).startswith(f"{path}, line 21 (responses.block.point): responses.block: the nearest")
+    assert refused("check", path).startswith(f"{path}, line 21 (responses.block.point): ")
 
 
 def test_a_dotted_key_is_not_called_a_default(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     path.write_text('geometry.damper_length = "29 mm"\ngeometry.width = "28 mm"\n', encoding="utf-8")
-    assert refused("check", path).startswith(f"{path}, geometry.damper_length, geometry.width: damper_length is 29 mm")
+    assert refused("check", path).startswith(f"{path}, geometry.damper_length, geometry.width: ")
 
 
 @pytest.mark.slow
@@ -210,10 +211,28 @@ def test_a_real_process_says_one_sentence(tmp_path: Path) -> None:
 
 
 def test_the_closest_keys_win_and_the_kind_of_error_stays() -> None:
-    with pytest.raises(InputError) as caught, concerning("interfaces.joint"), keys_of_section("interfaces.joint"):
+    with (
+        rejects(ImportFileError, "interfaces.joint.first") as caught,
+        concerning("interfaces.joint"),
+        keys_of_section("interfaces.joint"),
+    ):
         raise ImportFileError("no set", ["first"])
     again = caught.value.reworded("in words: no set")
     assert (type(again), again.keys, str(again)) == (ImportFileError, ("interfaces.joint.first",), "in words: no set")
-    with pytest.raises(InputError) as caught, concerning("geometry"), keys_of_section("geometry"):
+    with rejects(InputError, "geometry"), concerning("geometry"), keys_of_section("geometry"):
         raise InputError("inverted")
-    assert caught.value.keys == ("geometry",)
+
+
+def test_arguments_of_a_function_are_no_keys_of_the_study_file() -> None:
+    """A section has the name of an argument by chance; who calls the function knows the key."""
+    error = InputError("preload is -1, but it must be above 0.", arguments=["preload"])
+    places = KeyPlaces("study.toml", {"preload": {"values": [-1.0]}}, {("preload",): 3})
+    assert places.sentence(error) == f"study.toml: {error}"
+    assert places.sentence(InputError("it is -1.", ["preload"])) == "study.toml, line 3 (preload): it is -1."
+    again = error.reworded("in words")
+    assert (again.keys, again.are_arguments) == (("preload",), True)
+    with rejects(InputError, "preload"), keys_of_section("structure"):
+        raise error
+    with rejects(InputError, "preload.values") as caught, concerning("preload.values"):
+        raise error
+    assert places.sentence(caught.value) == f"study.toml, line 3 (preload.values): {error}"

@@ -7,6 +7,7 @@ from math import cos, pi, radians, sin
 import numpy as np
 import pytest
 
+from sentences import rejects
 from stickslip.contact.preload import area_share, prescribed_preload, uniform_preload
 from stickslip.core.errors import InputError
 
@@ -38,25 +39,25 @@ def test_area_share_adds_up_on_each_face() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    ("changes", "key"),
     [
-        ({"centrifugal_force": 0.0}, r"centrifugal_force is 0, but it must be above 0 N \(total over both ends\)"),
-        ({"centrifugal_force": float("inf")}, "centrifugal_force is inf"),
-        ({"platform_angle": 30.0}, "platform_angle is 30, .*radians"),
+        ({"centrifugal_force": 0.0}, "centrifugal_force"),
+        ({"centrifugal_force": float("inf")}, "centrifugal_force"),
+        ({"platform_angle": 30.0}, "platform_angle"),
         ({"platform_angle": pi / 2}, "platform_angle"),
         ({"platform_angle": -0.1}, "platform_angle"),
-        ({"friction_coefficient": -0.1}, r"friction_coefficient is -0\.1"),
-        ({"friction_coefficient": float("nan")}, "friction_coefficient is nan"),
-        ({"area": [1.0, 1.0, 1.0, 0.0, 1.0]}, r"area\[3\] is 0"),
-        ({"area": []}, "area must have the shape"),
-        ({"area": AREA.reshape(1, 5)}, "area must have the shape"),
-        ({"face": [0, 1]}, "face must be one number or an array of shape"),
-        ({"face": [0, 0, 1, 1, 1.5]}, r"face\[4\] is 1\.5"),
+        ({"friction_coefficient": -0.1}, "friction_coefficient"),
+        ({"friction_coefficient": float("nan")}, "friction_coefficient"),
+        ({"area": [1.0, 1.0, 1.0, 0.0, 1.0]}, "area"),
+        ({"area": []}, "area"),
+        ({"area": AREA.reshape(1, 5)}, "area"),
+        ({"face": [0, 1]}, "face"),
+        ({"face": [0, 0, 1, 1, 1.5]}, "face"),
     ],
 )
-def test_values_out_of_range(changes: dict[str, object], words: str) -> None:
+def test_values_out_of_range(changes: dict[str, object], key: str) -> None:
     arguments = {"centrifugal_force": 500.0, "platform_angle": 0.5, "area": AREA, "face": FACE}
-    with pytest.raises(InputError, match=words):
+    with rejects(InputError, key):
         uniform_preload(**(arguments | changes))
 
 
@@ -68,14 +69,9 @@ def test_prescribed_preload_is_a_checked_copy() -> None:
 
 
 @pytest.mark.parametrize(
-    ("values", "words"),
-    [
-        ((1.0, 2.0), r"shape \(2,\), but it must be \(3,\)"),
-        (5.0, r"shape \(\), but it must be \(3,\)"),
-        ((1.0, float("nan"), 2.0), r"preload\[1\] is nan"),
-        (("a", 1.0, 2.0), "real numbers"),
-    ],
+    "values",
+    [(1.0, 2.0), 5.0, (1.0, float("nan"), 2.0), ("a", 1.0, 2.0)],
 )
-def test_prescribed_preload_of_the_wrong_form(values: object, words: str) -> None:
-    with pytest.raises(InputError, match=words):
+def test_prescribed_preload_of_the_wrong_form(values: object) -> None:
+    with rejects(InputError, "preload"):
         prescribed_preload(values, 3)

@@ -12,6 +12,7 @@ import pytest
 import scipy.io
 
 from bombs import flat_memory
+from sentences import rejects
 from stickslip.case.case import load_case
 from stickslip.core import input_files
 from stickslip.core.errors import ImportFileError, InputError, ResultsFileError, StudyFileError
@@ -32,13 +33,19 @@ READERS = {
     "study.toml": load_case,
     "profile.txt": lambda path: read_profile(path, "mm", "um"),
 }
+KINDS = {"results.nc": ResultsFileError, "study.toml": StudyFileError, "profile.txt": InputError}
+
+
+def rejects_file(name):
+    """The error of the reader of ``name``; matrices are all read as the stiffness."""
+    return rejects(KINDS.get(name, ImportFileError), *(["stiffness"] if name.startswith("k.") else []))
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
 @pytest.mark.parametrize("name", READERS)
 def test_a_named_pipe_is_refused_at_once(tmp_path, name):
     os.mkfifo(tmp_path / name)
-    with pytest.raises(InputError, match=rf"{name}.*named pipe; only regular files are read"):
+    with rejects_file(name):
         READERS[name](tmp_path / name)
 
 
@@ -46,14 +53,14 @@ def test_a_named_pipe_is_refused_at_once(tmp_path, name):
 @pytest.mark.parametrize("name", READERS)
 def test_a_device_is_refused_at_once(tmp_path, name):
     (tmp_path / name).symlink_to("/dev/zero")
-    with pytest.raises(InputError, match=rf"{name}.*a device; only regular files are read"):
+    with rejects_file(name):
         READERS[name](tmp_path / name)
 
 
 @pytest.mark.parametrize("name", READERS)
 def test_a_folder_is_refused(tmp_path, name):
     (tmp_path / name).mkdir()
-    with pytest.raises(InputError, match=name):
+    with rejects_file(name):
         READERS[name](tmp_path / name)
 
 
@@ -62,7 +69,7 @@ def test_a_huge_file_is_refused_before_it_is_read(tmp_path, name):
     """A sparse file takes no room on the disk. Own results may have any size."""
     with (tmp_path / name).open("wb") as stream:
         stream.truncate(input_files.LARGEST_FILE + 1)
-    with flat_memory(), pytest.raises(InputError, match=rf"{name}.*it has 2 GB; at most \d+ (M|G)B are read"):
+    with flat_memory(), rejects_file(name):
         READERS[name](tmp_path / name)
 
 
@@ -152,17 +159,17 @@ def test_a_packed_bomb_is_refused(tmp_path, monkeypatch, name):
     assert path.stat().st_size < 5_000_000
     with (
         flat_memory(700_000_000),
-        pytest.raises(ImportFileError, match=rf"{name}.* unpacks to .*B; at most 200 MB are unpacked"),
+        rejects_file(name),
     ):
         READERS[name](path)
 
 
 def test_a_packed_bomb_in_results_and_in_matlab_73(tmp_path):
     hdf5_of_zeros(tmp_path / "results.nc", "frequency")
-    with flat_memory(), pytest.raises(ResultsFileError, match="unpacks to 3 GB; at most 1 GB"):
+    with flat_memory(), rejects(ResultsFileError):
         load_results(tmp_path / "results.nc")
     hdf5_of_zeros(tmp_path / "k.mat")
-    with flat_memory(), pytest.raises(ImportFileError, match="unpacks to 3 GB; at most 1 GB"):
+    with flat_memory(), rejects(ImportFileError, "stiffness"):
         read_matrices(tmp_path / "k.mat", tmp_path / "k.mat")
 
 
@@ -175,7 +182,7 @@ def test_what_is_packed_well_is_read(tmp_path, monkeypatch):
         assert read_matrices(tmp_path / name, tmp_path / name).size == 200
     monkeypatch.setattr(input_files, "LARGEST_UNPACKED", 100_000)
     for name in ("k.npz", "k.mat"):
-        with pytest.raises(ImportFileError, match="at most 100 kB are unpacked"):
+        with rejects(ImportFileError, "stiffness"):
             read_matrices(tmp_path / name, tmp_path / name)
 
 
@@ -183,7 +190,7 @@ def test_entities_of_xml_do_not_grow(tmp_path):
     """A billion laughs: the parser stops."""
     levels = "".join(f'<!ENTITY e{n} "{f"&e{n - 1};" * 10}">' for n in range(1, 12))
     (tmp_path / "m.vtu").write_text(f'<!DOCTYPE v [<!ENTITY e0 "lol">{levels}]><VTKFile>&e11;</VTKFile>')
-    with flat_memory(), pytest.raises(ImportFileError, match=r"m\.vtu"):
+    with flat_memory(), rejects(ImportFileError):
         read_model(tmp_path / "m.vtu", "mm")
 
 
@@ -213,9 +220,7 @@ def test_hdf5_files_that_read_other_files_are_refused(tmp_path, name, make):
         inner = file.create_group("a/b")
         inner["loop"] = file  # groups may hold each other
         make(inner, secret)
-    with pytest.raises(
-        InputError, match=rf"{name}.*'/a/b/K' .*Other files are not read through an HDF5 file"
-    ) as caught:
+    with rejects_file(name) as caught:
         READERS[name](tmp_path / name)
     assert "password" not in str(caught.value)
 
@@ -226,18 +231,18 @@ def test_an_error_shows_no_line_of_a_file_that_is_another_one(tmp_path):
     np.save(tmp_path / "k.npy", np.eye(6))
     for keys in ({"unknown_map": "passwd"}, {"node_positions": "passwd"}):
         files = {key: tmp_path / name for key, name in keys.items()}
-        with pytest.raises(ImportFileError, match="passwd") as caught:
+        with rejects(ImportFileError, *keys) as caught:
             read_matrices(tmp_path / "k.npy", tmp_path / "k.npy", **files)
         assert "root:" not in str(caught.value)
         assert "secret" not in str(caught.value)
     for ending in ("mtx", "sti", "hb", "op4"):
         path = tmp_path / f"k.{ending}"
         path.write_text("root:x:0:0:root\n" * 9)
-        with pytest.raises(ImportFileError, match=f"k.{ending}") as caught:
+        with rejects(ImportFileError, "stiffness") as caught:
             read_matrices(path, path)
         assert "root:" not in str(caught.value)
 
 
 def test_a_study_file_may_not_be_a_device():
-    with pytest.raises(StudyFileError, match="cannot be read"):
+    with rejects(StudyFileError):
         load_case(os.devnull)

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from sentences import rejects
 from stickslip.cli.main import app
 from stickslip.core.errors import InputError, StudyFileError
 from stickslip.core.input_files import read_input
@@ -45,12 +46,10 @@ def test_what_is_no_file_is_refused_at_once(kind: str, command: str, tmp_path: P
 def test_a_file_has_a_largest_size(tmp_path: Path) -> None:
     (tmp_path / "file").write_bytes(b"x" * 11)
     assert read_input(tmp_path / "file", "", 11) == b"x" * 11
-    with pytest.raises(
-        StudyFileError, match=r"it has 11 bytes; at most 10 bytes are read of such a file\)\. Give less\."
-    ):
+    with rejects(StudyFileError):
         read_input(tmp_path / "file", "Give less.", 10, StudyFileError)
 
 
 def test_a_name_with_nul_is_refused() -> None:
-    with pytest.raises(InputError, match="cannot be read"):
+    with rejects(InputError):
         read_input("a\0b", "", 10)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from damage import damaged
+from sentences import rejects
 from stickslip.core import seal as seal_module
 from stickslip.core.errors import ResultsFileError
 from stickslip.core.seal import require_seal, seal
@@ -34,23 +35,21 @@ def test_every_changed_byte_every_cut_and_every_addition_is_noticed() -> None:
         for bit in range(8):
             changed = bytearray(whole)
             changed[place] ^= 1 << bit
-            with pytest.raises(ResultsFileError, match="digest"):
+            with rejects(ResultsFileError):
                 require_seal(io.BytesIO(changed), "case 1")
-        with pytest.raises(ResultsFileError, match="digest"):
+        with rejects(ResultsFileError):
             require_seal(io.BytesIO(whole[:place]), "case 1")
     for _, content in damaged(whole, 0):
-        with pytest.raises(ResultsFileError, match="digest"):
+        with rejects(ResultsFileError):
             require_seal(io.BytesIO(content), "case 1")
 
 
 def test_another_subject_and_a_file_without_seal_are_told_apart() -> None:
     for other in ("case 2", "case 10", ""):
-        with pytest.raises(ResultsFileError, match="belongs to other inputs or another version"):
+        with rejects(ResultsFileError):
             require_seal(io.BytesIO(sealed(CONTENT, "case 1")), other)
     for content in (b"", CONTENT):
-        with pytest.raises(
-            ResultsFileError, match="has no digest: it is damaged, was cut, or an older version wrote it"
-        ):
+        with rejects(ResultsFileError):
             require_seal(io.BytesIO(content), "case 1")
 
 

@@ -6,6 +6,7 @@ import threading
 
 import pytest
 
+from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.core.thread_variables import require_thread_variables
 from stickslip.core.threads import (
@@ -29,7 +30,7 @@ def test_the_argument_wins_over_the_environment(monkeypatch: pytest.MonkeyPatch)
 @pytest.mark.parametrize("text", ["0", "-1", "two", "1.5"])
 def test_an_environment_that_makes_no_sense_is_refused(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("STICKSLIP_THREADS", text)
-    with pytest.raises(InputError, match=f"STICKSLIP_THREADS is '{text}', but it must be a whole number"):
+    with rejects(InputError):
         thread_count()
 
 
@@ -37,7 +38,7 @@ def test_an_environment_that_makes_no_sense_is_refused(text: str, monkeypatch: p
 @pytest.mark.parametrize("text", ["0", "-1", "two", "1.5", "1025", "9" * 5000, "1,2,0"])
 def test_every_variable_of_threads_is_checked(variable: str, text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(variable, text)
-    with pytest.raises(InputError, match=f"{variable} is '.*', but it must be a whole number from 1 to 1024") as error:
+    with rejects(InputError) as error:
         require_thread_variables()
     assert len(str(error.value)) < 250
 
@@ -51,7 +52,7 @@ def test_usual_variables_pass(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("threads", [0, -2, 1.5, True, 1025, 10**9])
 def test_a_count_that_makes_no_sense_is_refused(threads: int) -> None:
-    with pytest.raises(InputError, match="threads is"):
+    with rejects(InputError, "threads"):
         thread_count(threads)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from sentences import rejects
 from stickslip.contact.law.closed_forms import mindlin_stiffness
 from stickslip.core.errors import InputError
 from stickslip.core.threads import thread_count
@@ -25,29 +26,29 @@ from stickslip.structure.elasticity import Material
 @pytest.mark.parametrize("value", ["2.4", "1e-8 m", None, True, 1j, [2.4], np.array([2.4, 2.5]), 10**400])
 def test_what_is_no_number_is_named(value: object) -> None:
     for check in (real_number, positive_number):
-        with pytest.raises(InputError, match=r"^some_name is .*must be one number, without a unit"):
+        with rejects(InputError, "some_name"):
             check("some_name", value)
     assert real_number("some_name", np.float32(2.5)) == 2.5
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -np.inf])
 def test_numbers_are_finite(value: float) -> None:
-    with pytest.raises(InputError, match=rf"^some_name is {value}, but it must be a finite number\.$"):
+    with rejects(InputError, "some_name"):
         positive_number("some_name", value, "m")
 
 
 def test_positive_numbers_are_above_zero() -> None:
     assert positive_number("load", np.int64(3), "N") == 3.0
     for value in (0, -0.5):
-        with pytest.raises(InputError, match=rf"^load is {value}, but it must be above 0 N\.$"):
+        with rejects(InputError, "load"):
             positive_number("load", value, "N")
-        with pytest.raises(InputError, match=rf"^ratio is {value}, but it must be above 0\.$"):
+        with rejects(InputError, "ratio"):
             positive_number("ratio", value)
 
 
 @pytest.mark.parametrize("value", [0, -3, 2.0, 2.5, True, "2", None, np.float64(2.0)])
 def test_whole_numbers_have_a_least(value: object) -> None:
-    with pytest.raises(InputError, match=r"^steps is .*, but it must be a whole number of at least 1\.$"):
+    with rejects(InputError, "steps"):
         whole_number("steps", value, 1)
 
 
@@ -60,42 +61,42 @@ def test_whole_numbers_become_integers() -> None:
 def test_choices_are_listed() -> None:
     require_choice("mode", "paper", ("consistent", "paper"))
     for value in ("Paper", None, ["paper"]):
-        with pytest.raises(InputError, match=r"^mode is .*, but it must be one of: consistent, paper\.$"):
+        with rejects(InputError, "mode"):
             require_choice("mode", value, ("consistent", "paper"))  # type: ignore[arg-type]
 
 
 def test_the_allowed_range_is_said() -> None:
     require_allowed("angle", 45.0, True, "between 0 and 90 degrees")
-    with pytest.raises(InputError, match=r"^angle is 95, but it must be between 0 and 90 degrees\.$"):
+    with rejects(InputError, "angle"):
         require_allowed("angle", 95.0, False, "between 0 and 90 degrees")
 
 
 @pytest.mark.parametrize(
-    ("call", "words"),
+    ("call", "key"),
     [
-        (lambda: Material(young_modulus=0.0), "young_modulus is 0, but it must be above 0 Pa"),
-        (lambda: Material(density=[7800.0, 7800.0]), "density is .*one number"),
-        (lambda: Material(poisson_ratio=0.5), r"poisson_ratio is 0\.5, but it must be between -1 and 0\.5"),
-        (lambda: BladePairElements(chordwise=2.5), r"chordwise is 2\.5, but it must be a whole number"),
-        (lambda: thread_count("two"), "threads is 'two', but it must be a whole number"),
+        (lambda: Material(young_modulus=0.0), "young_modulus"),
+        (lambda: Material(density=[7800.0, 7800.0]), "density"),
+        (lambda: Material(poisson_ratio=0.5), "poisson_ratio"),
+        (lambda: BladePairElements(chordwise=2.5), "chordwise"),
+        (lambda: thread_count("two"), "threads"),
         (
             lambda: mindlin_stiffness(1e-3, 1e11, 0.6),
-            r"poisson_ratio is 0\.6, but it must be above -1 and at most 0\.5",
+            "poisson_ratio",
         ),
-        (lambda: mindlin_stiffness(0.0, 1e11, 0.3), r"contact_radius is 0, but it must be above 0"),
+        (lambda: mindlin_stiffness(0.0, 1e11, 0.3), "contact_radius"),
     ],
 )
-def test_modules_use_them(call: Callable[[], object], words: str) -> None:
-    with pytest.raises(InputError, match=words):
+def test_modules_use_them(call: Callable[[], object], key: str) -> None:
+    with rejects(InputError, key):
         call()
 
 
 def test_a_number_alone_must_be_finite_too() -> None:
-    with pytest.raises(InputError, match=r"^x is nan; every entry"):
+    with rejects(InputError, "x"):
         finite_array("x", np.nan)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 def test_a_single_number_that_is_not_finite_is_refused_as_an_entry_of_an_array_is(value: float) -> None:
-    with pytest.raises(InputError, match=f"^height is {value}; every entry"):
+    with rejects(InputError, "height"):
         finite_array("height", value)

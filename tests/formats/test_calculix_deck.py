@@ -8,6 +8,7 @@ import pytest
 import scipy.sparse.linalg
 
 from calculix import COARSE, ELEMENTS, blades, frequencies, our_structure, run_calculix, tied
+from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.formats.calculix_deck import write_calculix_deck
 from stickslip.formats.matrices.read import read_matrices
@@ -149,19 +150,19 @@ def test_deck_names_sets_supports_ties_and_step(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("options", "fragment"),
+    ("options", "keys"),
     [
-        ({"element": "C3D20"}, "'C3D20'.*C3D8I, C3D8"),
-        ({"step": "static"}, "'static', but it must be one of: frequency, matrices"),
-        ({"materials": [Material()]}, "1 entries.*3 bodies"),
-        ({"path": "deck.txt"}, r"deck\.txt.*\.inp"),
+        ({"element": "C3D20"}, ("element",)),
+        ({"step": "static"}, ("step",)),
+        ({"materials": [Material()]}, ("materials",)),
+        ({"path": "deck.txt"}, ()),
     ],
 )
-def test_bad_options(tmp_path, options, fragment):
+def test_bad_options(tmp_path, options, keys):
     mesh, _ = blades("hexahedron", COARSE)
     arguments = {"path": "deck.inp", "mesh": mesh, "materials": Material()} | options
     arguments["path"] = tmp_path / arguments["path"]
-    with pytest.raises(InputError, match=fragment):
+    with rejects(InputError, *keys):
         write_calculix_deck(**arguments)
 
 

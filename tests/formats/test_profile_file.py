@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.formats.profile_file import read_profile
 
@@ -52,56 +53,55 @@ def test_rounded_positions_are_equal_distances(tmp_path: Path) -> None:
 
 
 WRONG = {
-    "no unit": ("1 2\n2 3\n", None, ["unit of the position is not stated", "--unit um", "not guessed"]),
-    "one unit in the heading": ("# x [mm] z\n1 2\n2 3\n", None, ["unit of the position"]),
-    "another unit than the file's": ("# x [mm], z [um]\n1 2\n2 3\n", "um", ["position in mm, but um"]),
-    "unknown unit": ("1 2\n2 3\n", "mmm", ['"mmm"', "unknown unit"]),
-    "unit of force": ("1 2\n2 3\n", "N", ["unit of force", "length is needed"]),
-    "a word": ("1 2\n2 three\n", "um", ["line 2", 'height "three" is not a number']),
-    "a word first": ("1 2\n\ntwo 3\n", "um", ["line 3", 'position "two"']),
-    "damaged first line": ("O.5 2\n1 3\n2 3\n", "um", ["line 1", 'position "O.5"']),
-    "NaN": ("1 2\n2 nan\n", "um", ["line 2", "the height is nan", "gaps"]),
-    "infinite": ("1 2\ninf 3\n", "um", ["line 2", "the position is inf"]),
-    "one column": ("1\n2\n", "um", ["line 1", "has 1 columns"]),
-    "three columns": ("1 2\n2 3 4\n", "um", ["line 2", "has 3 columns"]),
-    "decimal comma": ("0,5;1,5\n1,0;2,5\n", "um", ["line 1", "4 columns", "not a comma"]),
-    "names twice": ("x z\nmm um\n1 2\n2 3\n", "um", ["line 2", "second line of column names"]),
-    "unequal": ("0 1\n1 2\n2 3\n3.5 4\n", "um", ["line 4", "1.5 after", "equal distances"]),
-    "backward": ("0 1\n1 2\n0.5 3\n", "um", ["line 3", "0.5 is not above"]),
-    "repeated": ("0 1\n1 2\n1 3\n", "um", ["line 3", "must increase"]),
-    "empty": ("", "um", ["0 lines of numbers"]),
-    "comments only": ("# x [mm], z [um]\n", None, ["0 lines of numbers"]),
+    "no unit": ("1 2\n2 3\n", None),
+    "one unit in the heading": ("# x [mm] z\n1 2\n2 3\n", None),
+    "another unit than the file's": ("# x [mm], z [um]\n1 2\n2 3\n", "um"),
+    "unknown unit": ("1 2\n2 3\n", "mmm"),
+    "unit of force": ("1 2\n2 3\n", "N"),
+    "a word": ("1 2\n2 three\n", "um"),
+    "a word first": ("1 2\n\ntwo 3\n", "um"),
+    "damaged first line": ("O.5 2\n1 3\n2 3\n", "um"),
+    "NaN": ("1 2\n2 nan\n", "um"),
+    "infinite": ("1 2\ninf 3\n", "um"),
+    "one column": ("1\n2\n", "um"),
+    "three columns": ("1 2\n2 3 4\n", "um"),
+    "decimal comma": ("0,5;1,5\n1,0;2,5\n", "um"),
+    "names twice": ("x z\nmm um\n1 2\n2 3\n", "um"),
+    "unequal": ("0 1\n1 2\n2 3\n3.5 4\n", "um"),
+    "backward": ("0 1\n1 2\n0.5 3\n", "um"),
+    "repeated": ("0 1\n1 2\n1 3\n", "um"),
+    "empty": ("", "um"),
+    "comments only": ("# x [mm], z [um]\n", None),
 }
 
 
 @pytest.mark.parametrize("name", WRONG)
 def test_wrong_file(tmp_path: Path, name: str) -> None:
-    text, unit, words = WRONG[name]
+    text, unit = WRONG[name]
     path = written(tmp_path, text)
-    with pytest.raises(InputError) as caught:
+    with rejects(InputError):
         read_profile(path, unit, unit)
-    assert all(word in str(caught.value) for word in words), str(caught.value)
 
 
 def test_missing_and_binary_file(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="there is no such file"):
+    with rejects(InputError):
         read_profile(tmp_path / "none.txt", "um", "um")
     path = tmp_path / "binary"
     path.write_bytes(b"\xff\xfe\x00\x81")
-    with pytest.raises(InputError, match="UTF-8"):
+    with rejects(InputError):
         read_profile(path, "um", "um")
 
 
 @pytest.mark.parametrize(
-    ("rows", "words"),
+    "rows",
     [
-        (["0, 0", "1e300, 1"], r"line 2: the position is 1e\+300 um, but it must lie within"),
-        (["0, 1e308", "1, 1"], r"line 1: the height is 1e\+308 um, but it must lie within 1e\+10 um"),
-        (["0, 0", "5e-324, 1"], r"the points are 0 m apart|not above that"),
-        (["0, 0", "1e-12, 1"], r"the points are 1e-18 m apart, but a profile has distances from 1e-12 to"),
+        ["0, 0", "1e300, 1"],
+        ["0, 1e308", "1, 1"],
+        ["0, 0", "5e-324, 1"],
+        ["0, 0", "1e-12, 1"],
     ],
 )
-def test_numbers_of_no_surface(rows: list[str], words: str, tmp_path: Path) -> None:
+def test_numbers_of_no_surface(rows: list[str], tmp_path: Path) -> None:
     (tmp_path / "profile.csv").write_text("\n".join(rows), encoding="utf-8")
-    with pytest.raises(InputError, match=words):
+    with rejects(InputError):
         read_profile(tmp_path / "profile.csv", "um", "um")

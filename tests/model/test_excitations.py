@@ -10,6 +10,7 @@ import pytest
 
 import stickslip as ss
 from own_cases import EXAMPLE, mesh_case
+from sentences import rejects
 from stickslip.core.errors import StudyFileError
 from stickslip.model.model import kind_of, set_up
 
@@ -37,7 +38,7 @@ def test_forces_in_several_harmonics() -> None:
     expected = np.zeros_like(force)
     expected[2], expected[5] = 2.0 * row, 5.0 * row
     np.testing.assert_allclose(force, expected, atol=1e-12 * np.abs(force).max())
-    with pytest.raises(StudyFileError, match=r"forces\.third\.harmonic is 3, but only solver\.harmonics = 1"):
+    with rejects(StudyFileError, "forces.third.harmonic"):
         case.replace({"solver.harmonics": 1})
 
 
@@ -67,19 +68,19 @@ def test_base_motion_needs_nodes_that_are_held(tmp_path: Path) -> None:
     deck.write_text(text[: text.index("*BOUNDARY")], encoding="utf-8")
     case = with_sections(base_motion={"direction": [1, 0, 0], "amplitude": "1 m/s^2"})
     assert kind_of(case).description(case).startswith("Base acceleration 1 m/s^2. ")
-    with pytest.raises(ss.InputError, match=r"\[base_motion\] moves the nodes that are held, but neither"):
+    with rejects(ss.InputError, "base_motion"):
         ss.build_model(case.replace({"structure.file": str(deck)}))
 
 
 def test_base_motion_is_an_acceleration_or_a_displacement_of_a_mesh() -> None:
     motion = {"direction": [1, 0, 0], "amplitude": "1 m/s^2"}
     case = with_sections(base_motion=motion)
-    with pytest.raises(StudyFileError, match=r"base_motion\.kind = \"speed\" .* 'acceleration' or 'displacement'"):
+    with rejects(StudyFileError, "base_motion.kind"):
         case.replace({"base_motion.kind": "speed"})
-    with pytest.raises(StudyFileError, match=r"base_motion\.amplitude = .* a unit of acceleration, but a length"):
+    with rejects(StudyFileError, "base_motion.amplitude"):
         case.replace({"base_motion.kind": "displacement"})
     matrices = {"structure": {"kind": "matrices", "file": "a.npz"}, "base_motion": motion}
-    with pytest.raises(StudyFileError, match=r'base_motion does not belong to a structure of kind "matrices"'):
+    with rejects(StudyFileError, "base_motion"):
         ss.Case.from_mapping(matrices)
 
 

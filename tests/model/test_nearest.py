@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.model.nearest import nearest_node
 
@@ -22,10 +23,10 @@ def test_one_place_is_a_fraction_of_the_size(scale: float) -> None:
     near = np.vstack([LINE, LINE[1] + [1e-5, 0.0, 0.0]])
     assert nearest_node(scale * near, scale * np.array([0.0999, 0.0, 0.0])) == 1
     same = np.vstack([LINE, LINE[1] + [1e-8, 0.0, 0.0]])
-    with pytest.raises(InputError, match="two nodes lie at"):
+    with rejects(InputError):
         nearest_node(scale * same, scale * np.array([0.0999, 0.0, 0.0]))
 
 
 def test_a_far_point_is_refused() -> None:
-    with pytest.raises(InputError, match=r"nearest node is 50 mm away, at \(200, 0, 0\) mm; at most 10 mm"):
+    with rejects(InputError):
         nearest_node(LINE, np.array([0.25, 0.0, 0.0]))

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from own_cases import mesh_case
+from sentences import rejects
 from stickslip.case.case import Case
 from stickslip.core.errors import InputError
 from stickslip.model.model import Model, build_model, load_joint, set_up
@@ -138,7 +139,7 @@ def test_a_body_that_open_pairs_leave_free_moves_at_0_hz() -> None:
     frequencies = dict(sections["Would run"])["first natural frequencies, contact stuck (pairs closed at rest)"]
     assert frequencies == "0.00, 0.00, 0.00, 0.00 Hz"
     assert "a body that moves freely: the pairs closed at rest do not hold it" in sections["Warnings"][0][1]
-    with pytest.raises(InputError, match="at 48 of 48 pairs, and the others do not hold every body"):
+    with rejects(InputError, "preload"):
         solve(case, found)
 
 

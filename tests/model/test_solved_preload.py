@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sentences import rejects
 from stickslip.case.case import Case
 from stickslip.contact.stiffness.asperities import fully_plastic_load
 from stickslip.contact.stiffness.fractal import contact_stiffness
@@ -136,15 +137,15 @@ def test_rotation_loads_the_damper_with_its_mass() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    ("changes", "key"),
     [
-        ({"preload.method": "guessed"}, "preload.method.*prescribed.*solved"),
-        ({"preload.residual_traction": "kept"}, 'belongs to method = "solved"'),
-        ({"preload.normal_law": "pressure-gap"}, 'belongs to method = "solved"'),
-        ({"rotation.speed": "3000 rpm", "rotation.axis": [0, 1, 0]}, 'rotation is used by preload.method = "solved"'),
+        ({"preload.method": "guessed"}, "preload.method"),
+        ({"preload.residual_traction": "kept"}, "preload.residual_traction"),
+        ({"preload.normal_law": "pressure-gap"}, "preload.normal_law"),
+        ({"rotation.speed": "3000 rpm", "rotation.axis": [0, 1, 0]}, "rotation"),
         (
             {"preload.method": "solved", "preload.friction_coefficient_at_assembly": 0.2},
-            r"takes \[friction\]",
+            "preload.friction_coefficient_at_assembly",
         ),
         (
             {
@@ -153,13 +154,13 @@ def test_rotation_loads_the_damper_with_its_mass() -> None:
                 "rotation.speed": "3000 rpm",
                 "rotation.axis": [0, 1, 0],
             },
-            "would load the damper twice",
+            "preload.centrifugal_force",
         ),
-        ({"preload.method": "solved", "preload.values": [1.0]}, 'are what method = "solved" finds'),
+        ({"preload.method": "solved", "preload.values": [1.0]}, "preload.values"),
     ],
 )
-def test_what_does_not_fit_is_refused_in_the_file(changes: dict[str, object], words: str) -> None:
-    with pytest.raises(StudyFileError, match=words):
+def test_what_does_not_fit_is_refused_in_the_file(changes: dict[str, object], key: str) -> None:
+    with rejects(StudyFileError, key):
         Case().replace(changes)
 
 

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.results.response import ForcedResponse, periodic_amplitude
@@ -74,28 +75,28 @@ def test_equality_looks_at_every_entry(response):
 
 
 @pytest.mark.parametrize(
-    ("change", "sentence"),
+    ("change", "key"),
     [
-        ({"residual": np.zeros(3)}, r"residual must have shape \(20,\)"),
-        ({"displacement": np.zeros((20, N_UNKNOWNS, 5))}, "displacement must have shape"),
-        ({"input_energy": np.full(20, np.nan)}, "input_energy.0. is nan"),
-        ({"contact_state": np.full((20, 24), 3)}, "0 .stuck., 1 .stick-slip. or 2"),
-        ({"frequency_hz": np.empty(0)}, "at least one point"),
+        ({"residual": np.zeros(3)}, "residual"),
+        ({"displacement": np.zeros((20, N_UNKNOWNS, 5))}, "displacement"),
+        ({"input_energy": np.full(20, np.nan)}, "input_energy"),
+        ({"contact_state": np.full((20, 24), 3)}, "contact_state"),
+        ({"frequency_hz": np.empty(0)}, "frequency_hz"),
     ],
 )
-def test_wrong_arrays_are_refused(response, change, sentence):
-    with pytest.raises(InputError, match=sentence):
+def test_wrong_arrays_are_refused(response, change, key):
+    with rejects(InputError, key):
         dataclasses.replace(response, **change)
 
 
 def test_wrong_questions_are_refused(response):
-    with pytest.raises(InputError, match="output must have shape"):
+    with rejects(InputError, "output"):
         response.amplitude(np.ones(3))
-    with pytest.raises(InputError, match="harmonics 0 to 3"):
+    with rejects(InputError, "harmonic"):
         response.harmonic_amplitude(np.ones(N_UNKNOWNS), 4)
-    with pytest.raises(InputError, match="has 20 points"):
+    with rejects(InputError, "point"):
         response.signal(np.ones(N_UNKNOWNS), 20, 16)
-    with pytest.raises(InputError, match="one of: stuck, free"):
+    with rejects(InputError, "limit"):
         response.linear_amplitude(np.ones(N_UNKNOWNS), "tied")
 
 
@@ -110,7 +111,7 @@ def test_the_curve_is_drawn_in_hz_and_um_zero_to_peak(response: ForcedResponse) 
     assert axes.get_xlabel() == "Excitation frequency, Hz"
     assert axes.get_ylabel() == "Amplitude, 0-to-peak, µm\ntip $x$"
     assert response.plot(row).axes[0].get_ylabel() == "Amplitude, 0-to-peak, µm"
-    with pytest.raises(InputError, match="output must have shape"):
+    with rejects(InputError, "output"):
         response.plot(np.ones(3))
 
 

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import xarray
 
+from sentences import rejects
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.results.groups import FORMAT_VERSION
@@ -60,16 +61,19 @@ def test_a_file_without_a_rough_face_is_read(response, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "words"),
+    ("change", "keys"),
     [
-        ({"height": np.zeros(5)}, "(n_across, n_along)"),
-        ({"height": np.zeros((1, 5))}, "2 or more"),
-        ({"height": np.full((3, 3), np.nan)}, "finite"),
-        ({"length": 0.0}, "above 0 m"),
+        ({"height": np.zeros(5)}, ("height",)),
+        ({"height": np.zeros((1, 5))}, ("height",)),
+        ({"height": np.full((3, 3), np.nan)}, ("height",)),
+        (
+            {"length": 0.0},
+            ("length", "width"),
+        ),
     ],
 )
-def test_a_rough_face_that_is_no_grid_is_refused(change, words):
-    with pytest.raises(InputError, match=re.escape(words)):
+def test_a_rough_face_that_is_no_grid_is_refused(change, keys):
+    with rejects(InputError, *keys):
         dataclasses.replace(synthetic_study(4, 3).rough_patch, **change)  # type: ignore[type-var]
 
 
@@ -114,30 +118,28 @@ def test_file_is_labelled_for_other_readers(response, saved):
 
 
 def test_missing_file(tmp_path):
-    with pytest.raises(ResultsFileError, match=r"could not be opened: there is no such file.*stickslip run"):
+    with rejects(ResultsFileError):
         load_results(tmp_path / "none.nc")
 
 
 def test_file_that_is_not_netcdf(tmp_path):
     path = tmp_path / "text.nc"
     path.write_text("frequency,amplitude\n")
-    with pytest.raises(ResultsFileError, match="not a NetCDF-4 file"):
+    with rejects(ResultsFileError):
         load_results(path)
 
 
 def test_netcdf_of_another_program(tmp_path):
     with h5netcdf.File(tmp_path / "other.nc", "w") as file:
         file.dimensions = {"x": 3}
-    with pytest.raises(ResultsFileError, match="not one of stickslip"):
+    with rejects(ResultsFileError):
         load_results(tmp_path / "other.nc")
 
 
 def test_file_of_another_version(saved):
     with h5py.File(saved, "r+") as file:
         file.attrs["stickslip_format"] = FORMAT_VERSION + 1
-    with pytest.raises(
-        ResultsFileError, match=f"has format {FORMAT_VERSION + 1}, but .* reads format {FORMAT_VERSION}"
-    ):
+    with rejects(ResultsFileError):
         load_results(saved)
 
 
@@ -146,7 +148,7 @@ def test_file_of_another_version(saved):
 def test_truncated_file(saved, share):
     whole = saved.read_bytes()
     saved.write_bytes(whole[: int(share * len(whole))])
-    with pytest.raises(ResultsFileError, match="damaged or incomplete"):
+    with rejects(ResultsFileError):
         load_results(saved)
 
 
@@ -156,14 +158,14 @@ def test_flipped_bits_in_the_data_are_noticed(saved):
     data = bytearray(saved.read_bytes())
     data[chunk.byte_offset + chunk.size // 2] ^= 0x10
     saved.write_bytes(data)
-    with pytest.raises(ResultsFileError, match="damaged or incomplete"):
+    with rejects(ResultsFileError):
         load_results(saved)
 
 
 def test_missing_variable_is_damage(saved):
     with h5py.File(saved, "r+") as file:
         del file["message"]
-    with pytest.raises(ResultsFileError, match=r"damaged or incomplete.*message"):
+    with rejects(ResultsFileError):
         load_results(saved)
 
 
@@ -174,7 +176,7 @@ def test_failed_save_leaves_the_old_file_and_no_other(response, saved, monkeypat
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "replace", full)
-    with pytest.raises(ResultsFileError, match="No space left on device"):
+    with rejects(ResultsFileError):
         save_results(saved, response)
     assert saved.read_bytes() == before
     assert os.listdir(saved.parent) == ["results.nc"]
@@ -209,35 +211,35 @@ save_results(Path(sys.argv[1]) / "results.nc", response, study)
 @pytest.mark.skipif(not Path("/proc/self/mem").exists(), reason="only Linux has a file that no disk can read")
 def test_a_disk_that_fails_while_it_is_read_is_told(tmp_path):
     (tmp_path / "results.nc").symlink_to("/proc/self/mem")
-    with pytest.raises(ResultsFileError, match="could not be opened: Input/output error"):
+    with rejects(ResultsFileError):
         load_results(tmp_path / "results.nc")
 
 
 def test_folder_that_does_not_exist(response, tmp_path):
-    with pytest.raises(ResultsFileError, match="could not be written"):
+    with rejects(ResultsFileError):
         save_results(tmp_path / "none" / "results.nc", response)
 
 
 def test_study_of_another_run_is_refused(response, tmp_path):
-    with pytest.raises(InputError, match="belong to different runs"):
+    with rejects(InputError):
         save_results(tmp_path / "results.nc", response, synthetic_study(11, 5))
 
 
 @pytest.mark.parametrize(
-    ("change", "sentence"),
+    ("change", "key"),
     [
-        ({"outputs": {}}, "outputs is empty"),
-        ({"outputs": {"a": np.ones(3), "b": np.ones(4)}, "signal_groups": {}}, "rows .n,. of one length"),
-        ({"signal_groups": {"Damper": ("nowhere",)}}, 'names the output "nowhere"'),
-        ({"pair_area": np.ones(3)}, "must agree"),
-        ({"face_names": ("only one",)}, "must number the faces 0 to 0"),
-        ({"mode_table": ({"freq": 1.0},)}, 'has the key "freq"'),
-        ({"mode_reference": ""}, "mode_reference does not say where"),
-        ({"mode_table": ({"reference_hz": 0.0},)}, "has the reference_hz 0.0"),
+        ({"outputs": {}}, "outputs"),
+        ({"outputs": {"a": np.ones(3), "b": np.ones(4)}, "signal_groups": {}}, "outputs"),
+        ({"signal_groups": {"Damper": ("nowhere",)}}, "signal_groups"),
+        ({"pair_area": np.ones(3)}, "pair_face"),
+        ({"face_names": ("only one",)}, "pair_face"),
+        ({"mode_table": ({"freq": 1.0},)}, "mode_table"),
+        ({"mode_reference": ""}, "mode_reference"),
+        ({"mode_table": ({"reference_hz": 0.0},)}, "mode_table"),
     ],
 )
-def test_wrong_study_records_are_refused(change, sentence):
-    with pytest.raises(InputError, match=sentence):
+def test_wrong_study_records_are_refused(change, key):
+    with rejects(InputError, key):
         dataclasses.replace(synthetic_study(4, 3), **change)
 
 
@@ -268,7 +270,7 @@ def test_absurd_attributes_get_a_sentence(saved, name, value):
         del file.attrs[name]
         if value is not None:
             file.attrs[name] = value
-    with pytest.raises(ResultsFileError) as caught:
+    with rejects(ResultsFileError) as caught:
         load_results(saved)
     assert name in str(caught.value)
     assert not re.search("Error|object|dtype|<class|Traceback", str(caught.value))
@@ -297,7 +299,7 @@ def test_texts_that_no_run_writes_get_a_sentence(saved, text):
         with h5py.File(saved, "r+") as file:
             kept = file[place][()]
             file[place][()] = text
-        with pytest.raises(ResultsFileError, match=place.rpartition("/")[2]):
+        with rejects(ResultsFileError):
             load_results(saved)
         with h5py.File(saved, "r+") as file:
             file[place][()] = kept
@@ -311,7 +313,7 @@ def test_values_that_no_run_writes_get_a_sentence(saved, value):
         with h5py.File(saved, "r+") as file:
             kept = file[place][()]
             file[place][(0,) * kept.ndim] = value
-        with pytest.raises(ResultsFileError, match=f'"{place.rpartition("/")[2]}" holds values that are not finite or'):
+        with rejects(ResultsFileError):
             load_results(saved)
         with h5py.File(saved, "r+") as file:
             file[place][()] = kept
@@ -326,26 +328,20 @@ def replaced(path, name, make):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("make", "words"),
+    "make",
     [
-        (lambda file: file.create_dataset("residual", 20, "f8", external=[("/etc/passwd", 0, 160)]), "another file"),
-        (
-            lambda file: file.__setitem__("residual", h5py.ExternalLink("other.nc", "/residual")),
-            "link to another file",
-        ),
-        (lambda file: file.__setitem__("residual", h5py.SoftLink("/residual")), "link to another"),
-        (
-            lambda file: file.create_dataset("residual", (10**12,), "f8", chunks=(1000,)),
-            "but unpacks to",
-        ),
-        (lambda file: file.create_group("residual"), "not a variable"),
-        (lambda file: file.create_dataset("residual", data="text"), "numbers of the kind"),
-        (lambda file: file.create_dataset("residual", data=np.zeros(3)), "must have shape"),
+        lambda file: file.create_dataset("residual", 20, "f8", external=[("/etc/passwd", 0, 160)]),
+        lambda file: file.__setitem__("residual", h5py.ExternalLink("other.nc", "/residual")),
+        lambda file: file.__setitem__("residual", h5py.SoftLink("/residual")),
+        lambda file: file.create_dataset("residual", (10**12,), "f8", chunks=(1000,)),
+        lambda file: file.create_group("residual"),
+        lambda file: file.create_dataset("residual", data="text"),
+        lambda file: file.create_dataset("residual", data=np.zeros(3)),
     ],
 )
-def test_variables_from_elsewhere_and_of_other_kinds_are_refused(saved, make, words):
+def test_variables_from_elsewhere_and_of_other_kinds_are_refused(saved, make):
     replaced(saved, "residual", make)
-    with pytest.raises(ResultsFileError, match=words):
+    with rejects(ResultsFileError):
         load_results(saved)
 
 
@@ -354,7 +350,7 @@ def test_a_contact_state_beyond_a_byte_is_not_taken_for_another(saved):
         file.create_dataset("contact_state", data=np.full((20, 24), 256, dtype=np.int32))
 
     replaced(saved, "contact_state", make)
-    with pytest.raises(ResultsFileError, match="contact_state must hold 0"):
+    with rejects(ResultsFileError):
         load_results(saved)
 
 
@@ -363,7 +359,7 @@ def test_a_record_of_another_run_is_noticed_when_read(saved):
         rows = file["study/output_rows"][()]
         del file["study/output_rows"]
         file["study"].create_dataset("output_rows", data=rows[:, :-1])
-    with pytest.raises(ResultsFileError, match="belong to different runs"):
+    with rejects(ResultsFileError):
         load_results(saved)
 
 

@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 import pytest
 
+from sentences import rejects
 from sketches import shaken, sketch_of_boxes, stacked_boxes
 from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.results.record import StudyRecord
@@ -85,44 +86,44 @@ def test_a_file_without_a_motion_is_read_as_one(study: StudyRecord, tmp_path: Pa
 
 
 @pytest.mark.parametrize(
-    ("change", "sentence"),
+    ("change", "keys"),
     [
-        ({"points": np.zeros((16, 3, 4))}, r"motion of the points must have the shape \(count, 3, 2H\+1\)"),
-        ({"points": np.zeros((16, 2, 5))}, r"motion of the points must .* found \(16, 2, 5\)"),
-        ({"loads": np.zeros((1, 3, 3))}, r"motion of the loads must .* found \(1, 3, 3\)"),
-        ({"responses": np.full((1, 3, 5), np.inf)}, "motion of the responses.* is inf"),
-        ({"responses": np.zeros((2, 3, 5))}, "16 points, 1 loads and 2 responses, but the sketch has 16, 1 and 1"),
+        ({"points": np.zeros((16, 3, 4))}, ()),
+        ({"points": np.zeros((16, 2, 5))}, ()),
+        ({"loads": np.zeros((1, 3, 3))}, ()),
+        ({"responses": np.full((1, 3, 5), np.inf)}, ()),
+        ({"responses": np.zeros((2, 3, 5))}, ("motion",)),
     ],
 )
-def test_a_motion_that_does_not_fit_is_rejected(change: dict, sentence: str) -> None:
+def test_a_motion_that_does_not_fit_is_rejected(change: dict, keys: tuple[str, ...]) -> None:
     parts = {"points": np.zeros((16, 3, 5)), "loads": np.zeros((1, 3, 5)), "responses": np.zeros((1, 3, 5))}
-    with pytest.raises(InputError, match=sentence):
+    with rejects(InputError, *keys):
         stacked_boxes(motion=Motion(**parts | change, frequency_hz=400.0))
 
 
 def test_a_motion_of_another_run_is_rejected(study: StudyRecord, tmp_path: Path) -> None:
     other = dataclasses.replace(study, sketch=shaken(stacked_boxes(), harmonics=2))
-    with pytest.raises(InputError, match="motion of the sketch has 2 harmonics, but the response has 3"):
+    with rejects(InputError):
         stored(tmp_path, other)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("damaged", "words"),
+    "damaged",
     [
-        ({"motion_frequency": np.zeros(2)}, "frequency of the motion is .* must be one number"),
-        ({"motion_of_loads_sine": np.zeros((1, 3, 4))}, 'parts of "motion_of_loads" do not have shapes that fit'),
-        ({"motion_of_points_mean": None}, '"motion_of_points_mean" is missing'),
+        {"motion_frequency": np.zeros(2)},
+        {"motion_of_loads_sine": np.zeros((1, 3, 4))},
+        {"motion_of_points_mean": None},
     ],
 )
-def test_a_damaged_motion_is_told(study: StudyRecord, tmp_path: Path, damaged: dict, words: str) -> None:
+def test_a_damaged_motion_is_told(study: StudyRecord, tmp_path: Path, damaged: dict) -> None:
     path = stored(tmp_path, dataclasses.replace(study, sketch=shaken(stacked_boxes())))
     with h5py.File(path, "r+") as file:
         for name, values in damaged.items():
             del file["sketch"][name]
             if values is not None:
                 file["sketch"].create_dataset(name, data=values)
-    with pytest.raises(ResultsFileError, match=words):
+    with rejects(ResultsFileError):
         load_results(path)
 
 
@@ -133,30 +134,30 @@ def test_no_group_where_there_is_no_sketch(study: StudyRecord, tmp_path: Path) -
 
 
 @pytest.mark.parametrize(
-    ("change", "sentence"),
+    ("change", "keys"),
     [
-        ({"points": np.zeros((16, 2))}, r"points \(n, 3\) and at least one of its sides"),
-        ({"points": np.full((16, 3), np.nan)}, "sketch points.* is nan"),
-        ({"sides": np.empty((0, 4), dtype=int)}, "at least one of its sides"),
-        ({"sides": np.full((12, 4), 16)}, "sides of the sketch must hold numbers from 0 to 15"),
-        ({"body": np.full(12, 2)}, "body of the sketch must hold numbers from 0 to 1"),
-        ({"body": np.zeros(11, dtype=int)}, r"body of the sketch must have shape \(12,\); found \(11,\)"),
-        ({"held": np.zeros(3, dtype=bool)}, "held of the sketch"),
-        ({"loads": np.zeros((2, 3))}, r"loads of the sketch must have shape \(1, 3\)"),
-        ({"constant": np.zeros(2, dtype=bool)}, "constant of the sketch"),
-        ({"response_names": ()}, r"response_places of the sketch must have shape \(0, 3\)"),
-        ({"loads": np.zeros((1, 3))}, "a load of 0 N, which has no direction"),
-        ({"mesh_sides": 11}, "it cannot have more"),
+        ({"points": np.zeros((16, 2))}, ()),
+        ({"points": np.full((16, 3), np.nan)}, ()),
+        ({"sides": np.empty((0, 4), dtype=int)}, ()),
+        ({"sides": np.full((12, 4), 16)}, ("sides",)),
+        ({"body": np.full(12, 2)}, ("body",)),
+        ({"body": np.zeros(11, dtype=int)}, ("body",)),
+        ({"held": np.zeros(3, dtype=bool)}, ("held",)),
+        ({"loads": np.zeros((2, 3))}, ("loads",)),
+        ({"constant": np.zeros(2, dtype=bool)}, ("constant",)),
+        ({"response_names": ()}, ("response_places",)),
+        ({"loads": np.zeros((1, 3))}, ("loads",)),
+        ({"mesh_sides": 11}, ("mesh_sides",)),
     ],
 )
-def test_what_does_not_fit_is_refused(change: dict, sentence: str) -> None:
-    with pytest.raises(InputError, match=sentence):
+def test_what_does_not_fit_is_refused(change: dict, keys: tuple[str, ...]) -> None:
+    with rejects(InputError, *keys):
         stacked_boxes(**change)
 
 
 @pytest.mark.parametrize("face", [-2, 2])
 def test_a_face_that_the_record_does_not_have_is_refused(study: StudyRecord, face: int) -> None:
-    with pytest.raises(InputError, match="face of the sketch must be -1 or a face from 0 to 1"):
+    with rejects(InputError, "face"):
         dataclasses.replace(study, sketch=stacked_boxes(face=np.full(12, face)))
 
 

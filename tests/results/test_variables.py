@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 import pytest
 
+from sentences import rejects
 from sketches import shaken, stacked_boxes
 from stickslip.contact.law import registry as laws
 from stickslip.contact.law.contact_pairs import ContactPairs
@@ -166,20 +167,18 @@ def test_pairs_of_any_law_come_back(mixed: ForcedResponse, tmp_path: Path) -> No
 def test_a_law_that_is_not_known_here_is_named(mixed: ForcedResponse, tmp_path: Path) -> None:
     mixed.save(tmp_path / "mixed.nc")
     del laws._LAWS._makers[_Springs.name]
-    with pytest.raises(ResultsFileError, match=r'law "springs of a test", which is not known here. Install'):
+    with rejects(ResultsFileError):
         load_results(tmp_path / "mixed.nc")
 
 
 @pytest.mark.parametrize(
-    ("constant", "words"),
-    [({"label": ("a", "b")}, '"label", which is of the kind list'), ({"exponent": np.inf}, "inf")],
+    "constant",
+    [{"label": ("a", "b")}, {"exponent": np.inf}],
 )
-def test_a_constant_that_no_file_can_hold_is_refused(
-    mixed: ForcedResponse, tmp_path: Path, constant: Any, words: str
-) -> None:
+def test_a_constant_that_no_file_can_hold_is_refused(mixed: ForcedResponse, tmp_path: Path, constant: Any) -> None:
     changed = dataclasses.replace(mixed.pairs.laws[1], **constant)  # type: ignore[type-var]
     pairs = ContactPairs.with_laws(mixed.pairs.operator, [mixed.pairs.laws[0], changed], mixed.pairs.members)
-    with pytest.raises(InputError, match=words):
+    with rejects(InputError):
         dataclasses.replace(mixed, pairs=pairs).save(tmp_path / "mixed.nc")
     assert not list(tmp_path.iterdir())
 
@@ -188,7 +187,7 @@ def test_damage_to_the_pairs_of_a_law_is_noticed(mixed: ForcedResponse, tmp_path
     mixed.save(tmp_path / "mixed.nc")
     with h5py.File(tmp_path / "mixed.nc", "r+") as file:
         file["pairs/law_1/members"][0] = 0
-    with pytest.raises(ResultsFileError, match="each pair needs exactly one law"):
+    with rejects(ResultsFileError):
         load_results(tmp_path / "mixed.nc")
 
 
@@ -203,7 +202,7 @@ def test_a_new_number_is_one_line() -> None:
     dataset = made.to_dataset()
     assert dataset["heat"].attrs == {"units": "W", "long_name": "heat at each point"}
     assert set(dataset.variables) == {"count", "heat"}
-    with pytest.raises(InputError, match=r"heat must have shape \(3,\)"):
+    with rejects(InputError, "heat"):
         made._require_sizes({"point": 3})
     assert made == Made(3, np.array([1.0, 2.0])) != Made(3, np.array([1.0, 2.5]))
 
@@ -215,7 +214,7 @@ def test_a_count_that_is_a_list_is_damage(tmp_path: Path, response: ForcedRespon
     with h5py.File(tmp_path / "a.nc", "r+") as file:
         del file["sketch/mesh_sides"]
         file["sketch"].create_dataset("mesh_sides", data=[12, 1])
-    with pytest.raises(ResultsFileError, match='"mesh_sides" is not one whole number') as caught:
+    with rejects(ResultsFileError) as caught:
         load_results(tmp_path / "a.nc")
     assert isinstance(caught.value.__cause__, UnreadableError)
 

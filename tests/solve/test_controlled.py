@@ -8,6 +8,7 @@ import scipy.optimize
 
 import stickslip as ss
 from helpers import Blade
+from sentences import rejects
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.compliance import stuck_structure
 from stickslip.solve.harmonic.curves import ControlledCurve, Held
@@ -120,13 +121,13 @@ def test_what_cannot_be_held_is_refused(blade: Blade) -> None:
         row = blade.tip if output is None else output
         ss.controlled_response(blade.superelement, blade.pairs, excitation, row, frequency_hz=(650.0, 700.0), **options)  # type: ignore[arg-type]
 
-    with pytest.raises(ss.InputError, match="either amplitude or phase_deg"):
+    with rejects(ss.InputError, "amplitude", "phase_deg"):
         call()
-    with pytest.raises(ss.InputError, match="either amplitude or phase_deg"):
+    with rejects(ss.InputError, "amplitude", "phase_deg"):
         call(amplitude=1e-5, phase_deg=90.0)
-    with pytest.raises(ss.InputError, match="amplitude"):
+    with rejects(ss.InputError, "amplitude"):
         call(amplitude=-1e-5)
-    with pytest.raises(ss.InputError, match="output must have shape"):
+    with rejects(ss.InputError, "output"):
         call(output=np.zeros(3), amplitude=1e-5)
 
 
@@ -161,7 +162,7 @@ def test_the_opposite_of_a_held_phase_is_not_taken_for_it(phase_deg: float) -> N
         )
 
     if phase_deg > 0:
-        with pytest.raises(ss.ConvergenceError, match="no response with this phase"):
+        with rejects(ss.ConvergenceError):
             start()
     else:
         coefficients = start().coefficients([0.0, 1.0, 0.0, 0.0, 0.0])[0]

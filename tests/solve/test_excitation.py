@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from sentences import rejects
 
 MASS, STIFFNESS, DASHPOT = 2.0, 5e5, 40.0
 ROW = np.array([1.0, 0.0, 0.0])
@@ -103,20 +104,23 @@ def test_words_and_arrays_as_before() -> None:
 
 
 @pytest.mark.parametrize(
-    ("make", "sentence"),
+    ("make", "keys"),
     [
-        (lambda: ss.Excitation.base_motion(ROW, -1.0), "amplitude"),
-        (lambda: ss.Excitation.base_motion(ROW, 1.0, kind="jerk"), "kind"),
-        (lambda: ss.Excitation.base_motion(np.ones((3, 2)), 1.0), "direction must have shape"),
-        (lambda: ss.Excitation.unbalance(ROW, [1.0], 1.0), "same shape"),
-        (lambda: ss.Excitation.unbalance(ROW, ROW, 0.0), "mass_times_radius"),
-        (lambda: ss.Excitation.force([[[1.0]]]), "force_cos must have shape"),
-        (lambda: ss.Excitation.force(ROW, [1.0]), "force_sin has 1 rows"),
-        (lambda: response_to(ss.Excitation.force([1.0])), "must have shape \\(3,\\)"),
-        (lambda: response_to(ss.Excitation.force(np.ones((3, 2)))), "Raise harmonics"),
-        (lambda: response_to(ss.Excitation.force(0.0 * ROW)), "zero everywhere"),
+        (lambda: ss.Excitation.base_motion(ROW, -1.0), ("amplitude",)),
+        (lambda: ss.Excitation.base_motion(ROW, 1.0, kind="jerk"), ("kind",)),
+        (lambda: ss.Excitation.base_motion(np.ones((3, 2)), 1.0), ("direction",)),
+        (
+            lambda: ss.Excitation.unbalance(ROW, [1.0], 1.0),
+            ("first", "second"),
+        ),
+        (lambda: ss.Excitation.unbalance(ROW, ROW, 0.0), ("mass_times_radius",)),
+        (lambda: ss.Excitation.force([[[1.0]]]), ("force_cos",)),
+        (lambda: ss.Excitation.force(ROW, [1.0]), ("force_sin",)),
+        (lambda: response_to(ss.Excitation.force([1.0])), ("force_cos",)),
+        (lambda: response_to(ss.Excitation.force(np.ones((3, 2)))), ("force_cos",)),
+        (lambda: response_to(ss.Excitation.force(0.0 * ROW)), ("force_cos", "force_sin")),
     ],
 )
-def test_what_is_no_excitation_is_refused(make: object, sentence: str) -> None:
-    with pytest.raises(ss.InputError, match=sentence):
+def test_what_is_no_excitation_is_refused(make: object, keys: tuple[str, ...]) -> None:
+    with rejects(ss.InputError, *keys):
         make()  # type: ignore[operator]

@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 from helpers import Blade
+from sentences import rejects
 from stickslip.contact.law.closed_forms import jenkins_loop
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import ConvergenceError, InputError
@@ -204,9 +205,7 @@ def test_a_joint_too_stiff_for_the_arithmetic_is_told() -> None:
     assert "Contact many orders stiffer" in sentence
     assert "drifts" not in sentence
     superelement, pairs = two_bodies(1e12, 0.01)
-    with pytest.raises(
-        ConvergenceError, match=r"There is no curve: at 150.000 Hz .* met only to .*Contact many orders"
-    ):
+    with rejects(ConvergenceError):
         forced_response(superelement, pairs, [50.0, 0, 0, 0, 0, 0], frequency_hz=(150.0, 175.0), harmonics=3)
 
 
@@ -270,7 +269,7 @@ def test_an_unfinished_branch_keeps_its_points_and_says_why(blade: Blade) -> Non
 
 @pytest.mark.slow
 def test_no_first_point_raises_with_every_attempt(blade: Blade) -> None:
-    with pytest.raises(ConvergenceError, match=r"amplitude ramp.*from 1 harmonic"):
+    with rejects(ConvergenceError):
         forced_response(
             blade.superelement,
             blade.pairs,
@@ -319,26 +318,26 @@ def test_iterations_of_newton_are_told_at_the_start_and_along_the_curve(blade: B
 
 
 BAD = {
-    "zero width": ({"frequency_hz": (600.0, 600.0)}, "zero width"),
-    "negative frequency": ({"frequency_hz": (-1.0, 600.0)}, "above 0 Hz"),
-    "one frequency": ({"frequency_hz": (1.0,)}, r"must be \(start, stop\)"),
-    "few samples": ({"samples": 10, "harmonics": 5}, r"samples is 10.*at least 11.*Take 256"),
-    "no harmonics": ({"harmonics": 0}, "harmonics is 0"),
-    "update": ({"update": "magic"}, "update is 'magic', but it must be one of: tractrix, radial"),
-    "damping": ({"modal_damping_ratio": -0.1}, "modal_damping_ratio is -0.1"),
-    "threads": ({"threads": 0}, "threads is 0"),
-    "force shape": ({"force_cos": np.ones(3)}, r"force_cos must have shape \(38,\)"),
-    "force harmonics": ({"force_cos": np.ones((38, 4)), "harmonics": 3}, "4 harmonics, but only harmonics = 3"),
-    "no force": ({"force_cos": np.zeros(38)}, "zero everywhere"),
-    "nan force": ({"force_cos": np.full(38, np.nan)}, r"force_cos\[0\] is nan"),
+    "zero width": ({"frequency_hz": (600.0, 600.0)}, "frequency_hz"),
+    "negative frequency": ({"frequency_hz": (-1.0, 600.0)}, "frequency_hz"),
+    "one frequency": ({"frequency_hz": (1.0,)}, "frequency_hz"),
+    "few samples": ({"samples": 10, "harmonics": 5}, "samples"),
+    "no harmonics": ({"harmonics": 0}, "harmonics"),
+    "update": ({"update": "magic"}, "update"),
+    "damping": ({"modal_damping_ratio": -0.1}, "modal_damping_ratio"),
+    "threads": ({"threads": 0}, "threads"),
+    "force shape": ({"force_cos": np.ones(3)}, "force_cos"),
+    "force harmonics": ({"force_cos": np.ones((38, 4)), "harmonics": 3}, "force_cos"),
+    "no force": ({"force_cos": np.zeros(38)}, "force_cos", "force_sin"),
+    "nan force": ({"force_cos": np.full(38, np.nan)}, "force_cos"),
 }
 
 
 @pytest.mark.parametrize("case", BAD)
 def test_bad_input_gets_a_sentence(blade: Blade, case: str) -> None:
-    changes, sentence = BAD[case]
+    changes, *keys = BAD[case]
     arguments = {"force_cos": blade.force_cos, "frequency_hz": (600.0, 610.0), **changes}
-    with pytest.raises(InputError, match=sentence):
+    with rejects(InputError, *keys):
         forced_response(blade.superelement, blade.pairs, **arguments)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from sentences import rejects
 from stickslip.solve.curve_result import LARGEST_UNBALANCE
 
 
@@ -44,7 +45,7 @@ def test_an_undamped_resonance_ends_the_curve(mass: float) -> None:
 @pytest.mark.parametrize("stiffness", [1e14, 1e16, 1e18])
 def test_contact_beyond_the_arithmetic_is_refused(stiffness: float) -> None:
     """The residual was 1e11."""
-    with pytest.raises(ss.InputError, match=r"the contact stiffness of pair 0 is 1e\+1[468] N/m, but the structure"):
+    with rejects(ss.InputError):
         two_masses(stiffness, 0.01)
 
 

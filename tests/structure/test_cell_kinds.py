@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from sentences import rejects
 from solid_cells import PARTS, require_constant_strain
 from stickslip.core.errors import InputError
 from stickslip.structure.cell_kinds import CELL_KINDS
@@ -142,11 +143,11 @@ def test_several_materials_and_single_held_directions(make_block):
     np.testing.assert_array_equal(structure.fixed_unknowns, [0, 1, 2, 16])
     whole = assemble_bodies(mesh, [SOFT, heavy])
     assert whole.mass[::3, ::3].sum() == pytest.approx(2.0 + 10.0)
-    with pytest.raises(InputError, match="node 5 is held along y"):
+    with rejects(InputError, "nodes"):
         structure.unknowns_of([4, 5])
-    with pytest.raises(InputError, match="node 0 is fixed"):
+    with rejects(InputError, "nodes"):
         structure.unknowns_of([0])
-    with pytest.raises(InputError, match="materials has 1 entries, but the mesh has 2 bodies: left, right"):
+    with rejects(InputError, "materials"):
         assemble_bodies(mesh, [SOFT])
-    with pytest.raises(InputError, match="fixed_unknowns must lie between 0 and 35"):
+    with rejects(InputError, "fixed_unknowns"):
         assemble_bodies(mesh, [SOFT, heavy], fixed_unknowns=[36])

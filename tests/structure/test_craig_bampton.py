@@ -5,6 +5,7 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from calculix import cut_bricks
+from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.structure import cache
 from stickslip.structure.craig_bampton import craig_bampton, reduction_table
@@ -78,30 +79,30 @@ def test_matrices_are_the_projection_of_the_full_ones(held_block):
 
 
 @pytest.mark.parametrize(
-    ("nodes", "n_modes", "fragment"),
+    ("nodes", "n_modes", "keys"),
     [
-        ([], 5, "at least one"),
-        ([20.5], 5, "integers"),
-        ([20, 45], 5, "0 to 44"),
-        ([20, 20], 5, "node 20 2 times"),
-        ([20, 3], 5, "node 3 is fixed"),
-        ([20], -1, "n_modes is -1"),
-        ([20], 105, "n_modes is 105"),
+        ([], 5, ("boundary_nodes",)),
+        ([20.5], 5, ("boundary_nodes",)),
+        ([20, 45], 5, ("nodes",)),
+        ([20, 20], 5, ("boundary_nodes",)),
+        ([20, 3], 5, ("nodes",)),
+        ([20], -1, ("n_modes",)),
+        ([20], 105, ("n_modes",)),
     ],
 )
-def test_a_bad_boundary_or_mode_count_is_refused(held_block, nodes, n_modes, fragment):
-    with pytest.raises(InputError, match=fragment):
+def test_a_bad_boundary_or_mode_count_is_refused(held_block, nodes, n_modes, keys):
+    with rejects(InputError, *keys):
         craig_bampton(held_block, nodes, n_modes)
 
 
 @pytest.mark.slow
 def test_a_boundary_that_leaves_the_damper_free_is_refused(blade_mesh, blade_structure):
-    with pytest.raises(InputError, match=r"singular.*boundary nodes"):
+    with rejects(InputError):
         craig_bampton(blade_structure, blade_mesh.node_set("left_face"))
 
 
 def test_table_needs_a_recovery(blade_mesh, blade_structure, pairs_of):
-    with pytest.raises(InputError, match="recovery"):
+    with rejects(InputError):
         reduction_table(blade_structure, Superelement(np.eye(3), np.eye(3)), pairs_of(blade_mesh))
 
 

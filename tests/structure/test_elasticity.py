@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 import scipy.sparse.linalg
 
+from sentences import rejects
 from solid_cells import require_constant_strain
 from stickslip.core.errors import InputError
 from stickslip.structure.elasticity import Material, assemble, natural_frequencies
@@ -127,38 +128,38 @@ def test_fixed_nodes_come_from_the_set_or_from_the_caller(blade_mesh, blade_stru
     assert assemble(block, SOFT).stiffness.shape == (24, 24)
     held = assemble(block, SOFT, fixed_nodes=[2])
     np.testing.assert_array_equal(held.expand(np.ones(21)).reshape(-1, 3).sum(axis=1), [3, 3, 0, 3, 3, 3, 3, 3])
-    with pytest.raises(InputError, match="node 2 is fixed"):
+    with rejects(InputError, "nodes"):
         held.unknowns_of([1, 2])
-    with pytest.raises(InputError, match="fixed_nodes must lie between 0 and 7"):
+    with rejects(InputError, "fixed_nodes"):
         assemble(block, SOFT, fixed_nodes=[8])
 
 
 @pytest.mark.parametrize(
-    ("change", "fragment"),
+    ("change", "key"),
     [
         ({"young_modulus": 0.0}, "young_modulus"),
         ({"young_modulus": np.nan}, "young_modulus"),
         ({"density": -7800.0}, "density"),
-        ({"poisson_ratio": 0.5}, "poisson_ratio is 0.5"),
+        ({"poisson_ratio": 0.5}, "poisson_ratio"),
         ({"poisson_ratio": np.inf}, "poisson_ratio"),
     ],
 )
-def test_a_bad_material_is_named(change, fragment):
-    with pytest.raises(InputError, match=fragment):
+def test_a_bad_material_is_named(change, key):
+    with rejects(InputError, key):
         Material(**change)
 
 
 def test_an_element_that_does_not_suit_is_refused(make_block):
     block = make_block((1, 1, 1), (1.0, 1.0, 1.0))
-    with pytest.raises(InputError, match="incompatible, trilinear, serendipity"):
+    with rejects(InputError, "element"):
         assemble(block, SOFT, "hexahedron")
-    with pytest.raises(InputError, match="8-node cells"):
+    with rejects(InputError, "element"):
         assemble(block.quadratic(), SOFT, "trilinear")
 
 
 def test_negative_stiffness_and_bad_counts_are_refused(make_block):
     structure = assemble(make_block((1, 1, 1), (1.0, 1.0, 1.0)), SOFT, fixed_nodes=[0, 1, 2, 3])
-    with pytest.raises(InputError, match="count is 12"):
+    with rejects(InputError, "count"):
         natural_frequencies(structure.stiffness, structure.mass, 12)
-    with pytest.raises(InputError, match="negative eigenvalue"):
+    with rejects(InputError):
         natural_frequencies(-structure.stiffness.toarray(), structure.mass.toarray(), 1)

@@ -7,6 +7,7 @@ import pytest
 from meshio._mesh import topological_dimension
 
 from calculix import cut_bricks
+from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.structure import export
 from stickslip.structure.export import write_deflected_period, write_mode_shapes
@@ -71,7 +72,7 @@ def test_a_write_that_fails_leaves_the_old_files(tmp_path, block, modes, monkeyp
         path.write_text("half")
 
     monkeypatch.setattr(export, "_write_vtu", full_disk)
-    with pytest.raises(InputError, match="No space left"):
+    with rejects(InputError):
         write_deflected_period(tmp_path / "peak.pvd", block, coefficients, 6)
     assert (tmp_path / "peak.pvd").read_text() == before
     assert len(list((tmp_path / "peak_frames").iterdir())) == 4
@@ -79,19 +80,19 @@ def test_a_write_that_fails_leaves_the_old_files(tmp_path, block, modes, monkeyp
 
 
 def test_what_cannot_be_written_gets_a_sentence(tmp_path, block, modes):
-    with pytest.raises(InputError, match=r"must end in \.vtu"):
+    with rejects(InputError):
         write_mode_shapes(tmp_path / "modes.vtk", block, modes, [1.0, 2.0])
-    with pytest.raises(InputError, match="a folder that exists"):
+    with rejects(InputError):
         write_mode_shapes(tmp_path / "nowhere" / "modes.vtu", block, modes, [1.0, 2.0])
-    with pytest.raises(InputError, match=r"modes must have shape \(36, k\)"):
+    with rejects(InputError, "modes"):
         write_mode_shapes(tmp_path / "modes.vtu", block, modes[:-3], [1.0, 2.0])
-    with pytest.raises(InputError, match="frequency_hz"):
+    with rejects(InputError, "frequency_hz"):
         write_mode_shapes(tmp_path / "modes.vtu", block, modes, [1.0])
-    with pytest.raises(InputError, match=r"modes\[:, 1\] is zero"):
+    with rejects(InputError, "modes"):
         write_mode_shapes(tmp_path / "modes.vtu", block, modes * [1.0, 0.0], [1.0, 2.0])
-    with pytest.raises(InputError, match=r"2H \+ 1 columns"):
+    with rejects(InputError, "coefficients"):
         write_deflected_period(tmp_path / "peak.pvd", block, modes)
-    with pytest.raises(InputError, match="n_frames is 2"):
+    with rejects(InputError, "n_frames"):
         write_deflected_period(tmp_path / "peak.pvd", block, np.hstack([modes, modes[:, :1]]), 2)
     assert not list(tmp_path.iterdir())
 

@@ -6,7 +6,8 @@ import pytest
 import scipy.sparse
 
 from helpers import absent_tool
-from stickslip.core.errors import ConvergenceError, InputError, MissingPackageError
+from sentences import rejects
+from stickslip.core.errors import ConvergenceError, InputError, MissingPackageError, SingularMatrixError
 from stickslip.structure import factor as factor_module
 from stickslip.structure.elasticity import Material, assemble
 from stickslip.structure.factor import PARDISO_SIZE, best_backend, factor_forecast, factorize
@@ -32,36 +33,36 @@ def test_sparse_right_hand_sides(stiffness):
 
 
 def test_a_free_body_is_singular_and_told_so(make_block):
-    with pytest.raises(InputError, match=r"singular.*fix more nodes"):
+    with rejects(SingularMatrixError):
         factorize(assemble(make_block((2, 2, 2), (1.0, 1.0, 1.0)), Material()).stiffness)
 
 
 def test_a_zero_row_is_singular():
-    with pytest.raises(InputError, match="singular"):
+    with rejects(SingularMatrixError):
         factorize(scipy.sparse.diags([1.0, 0.0, 2.0]))
 
 
 @pytest.mark.parametrize("shape", [(2, 3), (0, 0)])
 def test_a_matrix_that_is_not_square_is_refused(shape):
-    with pytest.raises(InputError, match="square"):
+    with rejects(InputError):
         factorize(scipy.sparse.csr_matrix(shape))
 
 
 def test_a_factor_with_a_large_residual_is_refused(stiffness, monkeypatch):
     sound = factor_module._superlu
     monkeypatch.setattr(factor_module, "_superlu", lambda matrix: lambda b: sound(matrix)(b) * (1.0 + 1e-6))
-    with pytest.raises(ConvergenceError, match="residual"):
+    with rejects(ConvergenceError):
         factorize(stiffness)
 
 
 def test_an_unknown_backend_is_refused(stiffness):
-    with pytest.raises(InputError, match="one of: superlu, pardiso"):
+    with rejects(InputError, "backend"):
         factorize(stiffness, backend="cholmod")
 
 
 def test_missing_pardiso_names_the_extra(stiffness, monkeypatch):
     monkeypatch.setitem(sys.modules, "pypardiso", None)
-    with pytest.raises(MissingPackageError, match=r"stickslip\[pardiso\]"):
+    with rejects(MissingPackageError):
         factorize(stiffness, backend="pardiso")
 
 

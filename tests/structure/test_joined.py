@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.structure.joined import joined_modes, tie_matrix
 
@@ -19,7 +20,7 @@ def test_a_tied_unknown_may_follow_several_or_none():
 
 @pytest.mark.parametrize(("leaders", "followers"), [([0, 1], [2, 2]), ([0, 2], [2, 3])])
 def test_unknowns_that_cannot_be_tied_one_to_one_are_refused(leaders, followers):
-    with pytest.raises(InputError, match="more than one contact pair"):
+    with rejects(InputError):
         tie_matrix(np.array(followers), np.array(leaders)[:, None], np.ones((2, 1)), 5)
 
 
@@ -34,7 +35,7 @@ def test_very_stiff_springs_come_to_the_tied_frequencies(blade_mesh, blade_super
 
 
 def test_springs_of_the_wrong_number_are_refused(blade_mesh, blade_superelement, pairs_of):
-    with pytest.raises(InputError, match=r"springs must have shape \(330,\)"):
+    with rejects(InputError, "springs"):
         joined_modes(blade_superelement, pairs_of(blade_mesh), 2, np.ones(110))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.sparse
 
+from sentences import rejects
 from stickslip.core.errors import ConvergenceError
 from stickslip.structure import lanczos
 from stickslip.structure.factor import factorize
@@ -26,7 +27,5 @@ def test_values_of_a_chain() -> None:
 
 def test_no_convergence_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(lanczos, "MOST_RESTARTS", 1)
-    with pytest.raises(
-        ConvergenceError, match=r"only \d+ of 30 eigenvalues of a matrix with 5000 unknowns converged in 1"
-    ):
+    with rejects(ConvergenceError):
         eigenpairs_near(chain(5000), 30, 2.9, factorize(chain(5000) - 2.9 * scipy.sparse.identity(5000)))

@@ -3,6 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from sentences import rejects
 from solid_cells import CORNERS
 from stickslip.core.errors import InputError
 from stickslip.structure.craig_bampton import craig_bampton
@@ -15,34 +16,34 @@ CELL = np.arange(8)[None]
 
 
 @pytest.mark.parametrize(
-    ("points", "cells", "fragment"),
+    ("points", "cells", "keys"),
     [
-        (CUBE[:, :2], CELL, r"shape \(n, 3\)"),
-        (np.where(CUBE == 1, np.nan, CUBE), CELL, "points.*nan"),
-        (CUBE, CELL[:, :7], r"shape \(m, k\)"),
-        (CUBE, CELL[:, [0, 1, 2, 4, 5, 6]], "node 3 belongs to no cell"),
-        (CUBE, CELL.astype(float), "integers"),
-        (CUBE, CELL + 1, "node 8"),
-        (CUBE, CELL[:, [1, 0, 3, 2, 5, 4, 7, 6]], "inverted"),
-        (CUBE * [1, 1, 0], CELL, "inverted or flat"),
+        (CUBE[:, :2], CELL, ("points",)),
+        (np.where(CUBE == 1, np.nan, CUBE), CELL, ("points",)),
+        (CUBE, CELL[:, :7], ("cells",)),
+        (CUBE, CELL[:, [0, 1, 2, 4, 5, 6]], ("cells",)),
+        (CUBE, CELL.astype(float), ("cells",)),
+        (CUBE, CELL + 1, ("cells",)),
+        (CUBE, CELL[:, [1, 0, 3, 2, 5, 4, 7, 6]], ()),
+        (CUBE * [1, 1, 0], CELL, ()),
     ],
 )
-def test_unusable_mesh_is_refused(points, cells, fragment):
-    with pytest.raises(InputError, match=fragment):
+def test_unusable_mesh_is_refused(points, cells, keys):
+    with rejects(InputError, *keys):
         Mesh(points, cells)
 
 
 def test_one_collapsed_corner_is_found():
     points = CUBE.copy()
     points[6] = [0.2, 0.2, 0.2]
-    with pytest.raises(InputError, match="cell 0"):
+    with rejects(InputError):
         Mesh(points, CELL)
 
 
 def test_body_and_sets_are_checked():
-    with pytest.raises(InputError, match="body"):
+    with rejects(InputError, "body"):
         Mesh(CUBE, CELL, body=np.zeros(2, dtype=int))
-    with pytest.raises(InputError, match="node set 'top' names node 99"):
+    with rejects(InputError):
         Mesh(CUBE, CELL, node_sets={"top": np.array([99])})
 
 
@@ -68,9 +69,9 @@ def test_one_class_holds_bricks_and_cells_of_several_kinds():
 
 def test_missing_and_empty_set_name_what_exists():
     mesh = Mesh(CUBE, CELL, node_sets={"top": np.arange(4, 8), "none": np.array([], dtype=int)})
-    with pytest.raises(InputError, match=r"no node set 'bottom'; it has: none, top"):
+    with rejects(InputError):
         mesh.node_set("bottom")
-    with pytest.raises(InputError, match="node set 'none' is empty"):
+    with rejects(InputError):
         mesh.node_set("none")
 
 
@@ -96,7 +97,7 @@ def test_sides_inside_a_body_are_left_out(make_block):
 
 def test_a_set_without_a_whole_side_is_refused():
     mesh = Mesh(CUBE, CELL, node_sets={"edge": np.array([0, 1])})
-    with pytest.raises(InputError, match="no side of a cell"):
+    with rejects(InputError):
         mesh.sides("edge")
 
 

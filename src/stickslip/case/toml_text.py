@@ -81,7 +81,9 @@ class KeyPlaces:
 
     def sentence(self, error: InputError) -> str:
         """The sentence of an error after the file's name and the place of each key that it is about."""
-        if len(error.keys) == 1 and error.keys[0] in str(error) and self._line(error.keys[0]):
+        if error.are_arguments:  # of a function, and the file may have a key of that name for something else
+            where = []
+        elif len(error.keys) == 1 and error.keys[0] in str(error) and self._line(error.keys[0]):
             where = [f"line {self._line(error.keys[0])}"]  # the sentence names the key itself
         else:
             where = [self._place(key) for key in error.keys]
@@ -133,8 +135,8 @@ def report(
     known: Mapping[str, Sequence[str]],
     lines: Mapping[tuple[str, ...], int],
     named: Sequence[str] = (),
-) -> str:
-    """The message of a StudyFileError: one line for each of pydantic's errors, in the order of the file.
+) -> StudyFileError:
+    """One line for each of pydantic's errors, in the order of the file, about all their keys.
 
     ``known`` holds the keys of every section, ``lines`` the line of every key that the file has; the entries of the
     sections ``named`` have names of their own.
@@ -144,15 +146,18 @@ def report(
         path = tuple(str(part) for part in details["loc"])
         if not path:  # the file as a whole: its error says which entry it means
             path = getattr(details["ctx"]["error"], "path", ())
-            sentence = f"{'.'.join(path)} {details['ctx']['error']}"
+            key = ".".join(path)
+            sentence = f"{key} {details['ctx']['error']}"
         else:
-            sentence = _sentence(_Entry(path, path[0] in named), details, data, known)
+            entry = _Entry(path, path[0] in named)
+            key, sentence = entry.key, _sentence(entry, details, data, known)
         line = next((lines[path[:depth]] for depth in (4, 3, 2, 1) if path[:depth] in lines), 0)
         where = f"line {line}: " if line else ""
-        numbered.append((line, f"  {where}{_LONG_WORD.sub(_shortened, sentence)}"))
+        numbered.append((line, key, f"  {where}{_LONG_WORD.sub(_shortened, sentence)}"))
     numbered.sort(key=lambda entry: entry[0])
     count = "1 error" if len(numbered) == 1 else f"{len(numbered)} errors"
-    return "\n".join([f"{source}: {count}.", *(text for _, text in numbered)])
+    keys = dict.fromkeys(key for _, key, _ in numbered)
+    return StudyFileError("\n".join([f"{source}: {count}.", *(text for *_, text in numbered)]), tuple(keys))
 
 
 def _shortened(word: re.Match[str]) -> str:
@@ -177,6 +182,11 @@ class _Entry:
     def section(self) -> str:
         """The section as it stands in brackets."""
         return ".".join(self.path[: self.depth - 1])
+
+    @property
+    def key(self) -> str:
+        """The key, or the section or entry of a section where the error is about that as a whole."""
+        return ".".join(part for part in self.path[: self.depth] if part != _OF_THE_NAME)
 
     def __str__(self) -> str:
         below = (f"[{part}]" if part.isdecimal() else f".{part}" for part in self.path[self.depth :])

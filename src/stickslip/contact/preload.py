@@ -53,7 +53,8 @@ def prescribed_preload(values: ArrayLike, n_pairs: int) -> FloatArray:
     array = finite_array("preload", values)
     if array.shape != (n_pairs,):
         raise InputError(
-            f"preload has the shape {array.shape}, but it must be ({n_pairs},): one value in N for each contact pair."
+            f"preload has the shape {array.shape}, but it must be ({n_pairs},): one value in N for each contact pair.",
+            arguments=["preload"],
         )
     return array.copy()
 
@@ -71,7 +72,10 @@ def checked_area(area: ArrayLike) -> FloatArray:
     """``area`` as an array (n_pairs,) in m2. Raises InputError unless every entry is above zero."""
     areas = finite_array("area", area)
     if areas.ndim != 1 or areas.size == 0:
-        raise InputError(f"area must have the shape (n_pairs,), one area in m2 for each pair; found {areas.shape}.")
+        raise InputError(
+            f"area must have the shape (n_pairs,), one area in m2 for each pair; found {areas.shape}.",
+            arguments=["area"],
+        )
     require_positive("area", areas, "A pair stands for a part of the contact face; look for faces of zero size.")
     return areas
 
@@ -81,7 +85,10 @@ def face_index(face: ArrayLike, n_pairs: int) -> NDArray[np.intp]:
     labels = per_pair("face", face, n_pairs)
     bad = np.flatnonzero(labels != np.round(labels))
     if bad.size:
-        raise InputError(f"face[{bad[0]}] is {labels[bad[0]]:g}, but it must be an integer: the number of the face.")
+        raise InputError(
+            f"face[{bad[0]}] is {labels[bad[0]]:g}, but it must be an integer: the number of the face.",
+            arguments=["face"],
+        )
     return np.unique(labels, return_inverse=True)[1]
 
 

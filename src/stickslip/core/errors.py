@@ -47,18 +47,25 @@ class InputError(StickslipError, ValueError):
     """The input is not usable: a key, an array, a matrix or a file is wrong.
 
     ``keys`` says what the sentence is about where that is known: keys or sections of a study file, such as
-    "geometry.width" or "interfaces.joint", or arguments of a class that is used without a study file.
+    "geometry.width" or "interfaces.joint", or arguments of a class that is used without a study file. Where the keys
+    are ``arguments`` of the function or class that raised the error, ``are_arguments`` is true: a study file need not
+    have a key of that name, so callers who know the key replace them (:func:`concerning`), and no line is named.
     """
 
-    def __init__(self, sentence: str, keys: Sequence[str] = ()) -> None:
+    def __init__(self, sentence: str, keys: Sequence[str] = (), *, arguments: Sequence[str] = ()) -> None:
         super().__init__(sentence)
-        self.keys = tuple(keys)
+        self.keys = tuple(keys or arguments)
+        self.are_arguments = bool(arguments and not keys)
 
     def reworded(self, sentence: str) -> Self:
         """An error of the same kind about the same keys with another sentence."""
         other = type(self)(sentence)
-        other.keys = self.keys
+        other.keys, other.are_arguments = self.keys, self.are_arguments
         return other
+
+    def concern(self, *keys: str) -> None:
+        """From now on the error is about ``keys`` of the study file."""
+        self.keys, self.are_arguments = keys, False
 
 
 @contextmanager
@@ -70,7 +77,8 @@ def keys_of_section(section: str, renamed: Mapping[str, str] | None = None) -> I
     try:
         yield
     except InputError as error:
-        error.keys = tuple(f"{section}.{(renamed or {}).get(name, name)}" for name in error.keys)
+        if not error.are_arguments:
+            error.concern(*(f"{section}.{(renamed or {}).get(name, name)}" for name in error.keys))
         raise
 
 
@@ -80,7 +88,8 @@ def concerning(*keys: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        error.keys = error.keys or keys
+        if error.are_arguments or not error.keys:
+            error.concern(*keys)
         raise
 
 

@@ -45,5 +45,5 @@ def suspecting(odd: Sequence[OddValue]) -> Iterator[None]:
         sentence = f"{first.sentence} Most likely because of that: {error}"
         told = error.reworded(sentence) if isinstance(error, InputError) else InputError(sentence)
         if first.key:
-            told.keys = (first.key,)
+            told.concern(first.key)
         raise told from error

@@ -15,6 +15,13 @@ from stickslip.core.errors import InputError
 FloatArray = NDArray[np.float64]
 
 
+def argument_error(name: str, sentence: str) -> InputError:
+    """The error about the argument ``name``. Callers may name an entry of it, "outputs[0]", or use words instead, which
+    are no argument's name."""
+    argument = name.partition("[")[0]
+    return InputError(sentence, arguments=[argument] if argument.isidentifier() else [])
+
+
 def real_number(name: str, value: Any) -> float:
     """``value`` as a float. Raises InputError unless it is one finite number."""
     try:
@@ -22,9 +29,9 @@ def real_number(name: str, value: Any) -> float:
             raise TypeError("text and truth values are no numbers here, even where float() would read them")
         number = float(value)
     except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{name} is {value!r}, but it must be one number, without a unit.") from error
+        raise argument_error(name, f"{name} is {value!r}, but it must be one number, without a unit.") from error
     if not isfinite(number):
-        raise InputError(f"{name} is {number:g}, but it must be a finite number.")
+        raise argument_error(name, f"{name} is {number:g}, but it must be a finite number.")
     return number
 
 
@@ -38,20 +45,20 @@ def positive_number(name: str, value: Any, unit: str = "") -> float:
 def whole_number(name: str, value: Any, at_least: int) -> int:
     """``value`` as an int. Raises InputError unless it is a whole number, not below ``at_least``."""
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < at_least:
-        raise InputError(f"{name} is {value!r}, but it must be a whole number of at least {at_least}.")
+        raise argument_error(name, f"{name} is {value!r}, but it must be a whole number of at least {at_least}.")
     return int(value)
 
 
 def require_allowed(name: str, value: float, is_allowed: bool, allowed: str) -> None:
     """Raise InputError unless ``is_allowed``; the sentence says which values are ``allowed``, "between 0 and 1"."""
     if not is_allowed:
-        raise InputError(f"{name} is {value:g}, but it must be {allowed}.")
+        raise argument_error(name, f"{name} is {value:g}, but it must be {allowed}.")
 
 
 def require_choice(name: str, value: str, allowed: Iterable[str]) -> None:
     """Raise InputError unless ``value`` is one of the ``allowed`` names."""
     if value not in (names := tuple(allowed)):
-        raise InputError(f"{name} is {value!r}, but it must be one of: {', '.join(names)}.")
+        raise argument_error(name, f"{name} is {value!r}, but it must be one of: {', '.join(names)}.")
 
 
 def finite_array(name: str, value: ArrayLike) -> FloatArray:
@@ -60,20 +67,24 @@ def finite_array(name: str, value: ArrayLike) -> FloatArray:
     Raises InputError that names the array and the first bad entry.
     """
     if np.iscomplexobj(value):
-        raise InputError(
-            f"{name} must hold real numbers, but it is complex. Give structural damping as a viscous damping matrix."
+        raise argument_error(
+            name,
+            f"{name} must hold real numbers, but it is complex. Give structural damping as a viscous damping matrix.",
         )
     try:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError) as error:
-        raise InputError(f"{name} must hold real numbers, but it could not be read as such: {error}.") from error
+        raise argument_error(
+            name, f"{name} must hold real numbers, but it could not be read as such: {error}."
+        ) from error
     bad = np.argwhere(~np.isfinite(array))
     if len(bad):  # a number alone has no index, so bad has no columns
         where = f"[{', '.join(str(i) for i in bad[0])}]" if array.ndim else ""
         found = array[tuple(bad[0])]
-        raise InputError(
+        raise argument_error(
+            name,
             f"{name}{where} is {found}; every entry must be a finite number ({len(bad)} of {array.size} are not). "
-            "Look for a division by zero or an empty cell where the array was made."
+            "Look for a division by zero or an empty cell where the array was made.",
         )
     return array
 
@@ -83,16 +94,17 @@ def symmetric_matrix(name: str, value: Any, tolerance: float = 1e-8) -> FloatArr
     dense = value.toarray() if scipy.sparse.issparse(value) else value
     matrix = finite_array(name, dense)
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
-        raise InputError(f"{name} must be a square matrix, but its shape is {matrix.shape}.")
+        raise argument_error(name, f"{name} must be a square matrix, but its shape is {matrix.shape}.")
     largest = float(np.abs(matrix).max(initial=0.0))
     asymmetry = float(np.abs(matrix - matrix.T).max(initial=0.0))
     if asymmetry > tolerance * largest:
         i, j = np.unravel_index(int(np.abs(matrix - matrix.T).argmax()), matrix.shape)
-        raise InputError(
+        raise argument_error(
+            name,
             f"{name} must be symmetric, but entry [{i}, {j}] = {matrix[i, j]:.6g} and entry [{j}, {i}] = "
             f"{matrix[j, i]:.6g} "
             f"differ by {asymmetry / largest:.1e} of the largest entry (allowed: {tolerance:.0e}). "
-            f"If the difference is round-off, pass 0.5 * ({name} + {name}.T)."
+            f"If the difference is round-off, pass 0.5 * ({name} + {name}.T).",
         )
     return 0.5 * (matrix + matrix.T)
 
@@ -103,9 +115,10 @@ def per_pair(name: str, value: ArrayLike, n_pairs: int) -> FloatArray:
     if array.ndim == 0:
         return np.full(n_pairs, float(array))
     if array.shape != (n_pairs,):
-        raise InputError(
+        raise argument_error(
+            name,
             f"{name} must be one number or an array of shape ({n_pairs},), one entry for each pair, "
-            f"but its shape is {array.shape}."
+            f"but its shape is {array.shape}.",
         )
     return array.copy()
 
@@ -115,7 +128,8 @@ def require_positive(name: str, array: FloatArray, advice: str) -> None:
     bad = np.flatnonzero(~(array > 0))
     if bad.size:
         where = f"[{bad[0]}]" if array.ndim else ""
-        raise InputError(
+        raise argument_error(
+            name,
             f"{name}{where} is {array.flat[bad[0]]:g}, but it must be above 0 ({bad.size} of {array.size} entries are "
-            f"not). {advice}"
+            f"not). {advice}",
         )

@@ -80,7 +80,10 @@ def write_calculix_deck(
     n_bodies = int(mesh.body.max()) + 1
     each = [materials] * n_bodies if isinstance(materials, Material) else list(materials)
     if len(each) != n_bodies:
-        raise InputError(f"materials has {len(each)} entries, but the mesh has {n_bodies} bodies; give one for each.")
+        raise InputError(
+            f"materials has {len(each)} entries, but the mesh has {n_bodies} bodies; give one for each.",
+            arguments=["materials"],
+        )
     if fixed_nodes is None:
         fixed_nodes = mesh.node_sets.get("fixed", ())
     fixed = np.unique(np.asarray(fixed_nodes, dtype=np.int64))

@@ -101,7 +101,9 @@ def hysteresis_loop(
     at = view.point if point is None else point
     which = view.pair if pair is None else pair
     if not 0 <= which < response.pairs.n_pairs:
-        raise InputError(f"pair is {which}, but the pairs are numbered 0 to {response.pairs.n_pairs - 1}.")
+        raise InputError(
+            f"pair is {which}, but the pairs are numbered 0 to {response.pairs.n_pairs - 1}.", arguments=["pair"]
+        )
     force = response.pair_cycle(at).force[:, which, :2]
     motion = MICRO * response.pair_displacement(at, response.samples)[:, which, :2]
     motion = motion - motion.mean(axis=0)

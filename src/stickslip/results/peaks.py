@@ -50,10 +50,14 @@ def peaks(frequency_hz: ArrayLike, amplitude: ArrayLike) -> list[Peak]:
     if frequency.ndim != 1 or frequency.shape != height.shape or not frequency.size:
         raise InputError(
             f"frequency_hz and amplitude must be two lists of one length, but their shapes are {frequency.shape} and "
-            f"{height.shape}."
+            f"{height.shape}.",
+            arguments=["frequency_hz", "amplitude"],
         )
     if height.min() < 0:
-        raise InputError("amplitude must not be negative: a 0-to-peak amplitude is the largest absolute value.")
+        raise InputError(
+            "amplitude must not be negative: a 0-to-peak amplitude is the largest absolute value.",
+            arguments=["amplitude"],
+        )
     inside = np.flatnonzero((height[1:-1] >= height[:-2]) & (height[1:-1] > height[2:])) + 1
     found = [_interpolated_peak(frequency, height, int(i)) for i in inside]
     top = int(height.argmax())

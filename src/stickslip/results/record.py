@@ -125,25 +125,38 @@ class StudyRecord(Labelled):
 
     def __post_init__(self) -> None:
         if not self.outputs:
-            raise InputError("outputs is empty; give at least the row of the response that the curve shows.")
+            raise InputError(
+                "outputs is empty; give at least the row of the response that the curve shows.", arguments=["outputs"]
+            )
         rows = {name: finite_array(f'outputs["{name}"]', row) for name, row in self.outputs.items()}
         if any(row.ndim != 1 or row.shape != next(iter(rows.values())).shape for row in rows.values()):
             shapes = ", ".join(f"{name} {row.shape}" for name, row in rows.items())
-            raise InputError(f"outputs must all be rows (n,) of one length, but the shapes are {shapes}.")
+            raise InputError(
+                f"outputs must all be rows (n,) of one length, but the shapes are {shapes}.", arguments=["outputs"]
+            )
         missing = sorted({name for group in self.signal_groups.values() for name in group} - set(rows))
         if missing:
-            raise InputError(f'signal_groups names the output "{missing[0]}", but outputs has only {", ".join(rows)}.')
+            raise InputError(
+                f'signal_groups names the output "{missing[0]}", but outputs has only {", ".join(rows)}.',
+                arguments=["signal_groups"],
+            )
         face = np.asarray(self.pair_face)
         position, area = finite_array("pair_position", self.pair_position), finite_array("pair_area", self.pair_area)
         if face.ndim != 1 or position.shape != (face.size, 2) or area.shape != face.shape:
             raise InputError(
                 "pair_face (n_pairs,), pair_position (n_pairs, 2) and pair_area (n_pairs,) must agree, but their "
-                f"shapes are {face.shape}, {position.shape} and {area.shape}."
+                f"shapes are {face.shape}, {position.shape} and {area.shape}.",
+                arguments=["pair_face"],
             )
         if not np.isin(face, np.arange(len(self.face_names))).all():
-            raise InputError(f"pair_face must number the faces 0 to {len(self.face_names) - 1} of face_names.")
+            raise InputError(
+                f"pair_face must number the faces 0 to {len(self.face_names) - 1} of face_names.",
+                arguments=["pair_face"],
+            )
         if self.sketch is not None and not np.isin(self.sketch.face, np.arange(-1, len(self.face_names))).all():
-            raise InputError(f"face of the sketch must be -1 or a face from 0 to {len(self.face_names) - 1}.")
+            raise InputError(
+                f"face of the sketch must be -1 or a face from 0 to {len(self.face_names) - 1}.", arguments=["face"]
+            )
         mode_table, mode_reference = _with_reference(self.mode_table, self.mode_reference)
         object.__setattr__(self, "outputs", rows)
         object.__setattr__(self, "signal_groups", {key: tuple(names) for key, names in self.signal_groups.items()})

@@ -163,12 +163,17 @@ class ForcedResponse(Labelled):
     def __post_init__(self) -> None:
         points = np.shape(self.frequency_hz)
         if len(points) != 1 or not points[0]:
-            raise InputError(f"frequency_hz must be a list of at least one point, but its shape is {points}.")
+            raise InputError(
+                f"frequency_hz must be a list of at least one point, but its shape is {points}.",
+                arguments=["frequency_hz"],
+            )
         if np.shape(self.load_factor) == (1,):
             object.__setattr__(self, "load_factor", np.repeat(self.load_factor, points[0]))
         if not np.isin(self.contact_state, list(ContactState)).all():
             states = [f"{state:d} ({state.label})" for state in ContactState]
-            raise InputError(f"contact_state must hold {', '.join(states[:-1])} or {states[-1]} only.")
+            raise InputError(
+                f"contact_state must hold {', '.join(states[:-1])} or {states[-1]} only.", arguments=["contact_state"]
+            )
         sizes = {
             "point": points[0],
             "pair": self.pairs.n_pairs,
@@ -280,7 +285,8 @@ class ForcedResponse(Labelled):
         if not 0 <= harmonic <= self.harmonics:
             raise InputError(
                 f"harmonic is {harmonic}, but this response holds harmonics 0 to {self.harmonics}. "
-                "Solve with more harmonics to see higher ones."
+                "Solve with more harmonics to see higher ones.",
+                arguments=["harmonic"],
             )
         coefficients = self.coefficients(output)
         if harmonic == 0:
@@ -334,7 +340,9 @@ class ForcedResponse(Labelled):
 
     def _point(self, point: int) -> int:
         if not -self.n_points <= point < self.n_points:
-            raise InputError(f"point is {point}, but this response has {self.n_points} points, numbered from 0.")
+            raise InputError(
+                f"point is {point}, but this response has {self.n_points} points, numbered from 0.", arguments=["point"]
+            )
         return point
 
 

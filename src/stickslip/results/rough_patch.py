@@ -49,9 +49,15 @@ class RoughPatch(Labelled):
     def __post_init__(self) -> None:
         height = finite_array("height", self.height)
         if height.ndim != 2 or min(height.shape) < 2:
-            raise InputError(f"height must have shape (n_across, n_along), both 2 or more; found {height.shape}.")
+            raise InputError(
+                f"height must have shape (n_across, n_along), both 2 or more; found {height.shape}.",
+                arguments=["height"],
+            )
         if not (self.length > 0.0 and self.width > 0.0):
-            raise InputError(f"length and width must be above 0 m; found {self.length:g} and {self.width:g} m.")
+            raise InputError(
+                f"length and width must be above 0 m; found {self.length:g} and {self.width:g} m.",
+                arguments=["length", "width"],
+            )
         object.__setattr__(self, "height", height)
 
     def __repr__(self) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, finite_array, real_number
+from stickslip.core.validation import FloatArray, argument_error, finite_array, real_number
 from stickslip.results.variables import (
     Among,
     Coefficients,
@@ -153,17 +153,25 @@ class Sketch(Labelled):
         body = np.asarray(self.body, dtype=np.int64)
         for name, numbers, count in (("sides", sides, len(points)), ("body", body, len(self.body_names))):
             if numbers.min() < 0 or numbers.max() >= count:
-                raise InputError(f"{name} of the sketch must hold numbers from 0 to {count - 1}; found others.")
+                raise InputError(
+                    f"{name} of the sketch must hold numbers from 0 to {count - 1}; found others.", arguments=[name]
+                )
         if not np.any(self.loads, axis=1).all():
-            raise InputError("loads of the sketch has a load of 0 N, which has no direction; leave it out.")
+            raise InputError(
+                "loads of the sketch has a load of 0 N, which has no direction; leave it out.", arguments=["loads"]
+            )
         if self.mesh_sides < m:
-            raise InputError(f"mesh_sides is {self.mesh_sides}, but the sketch has {m} sides; it cannot have more.")
+            raise InputError(
+                f"mesh_sides is {self.mesh_sides}, but the sketch has {m} sides; it cannot have more.",
+                arguments=["mesh_sides"],
+            )
         if self.motion is not None:
             shapes = (self.motion.points.shape[0], self.motion.loads.shape[0], self.motion.responses.shape[0])
             if shapes != (len(points), k, r):
                 raise InputError(
                     f"motion of the sketch has {shapes[0]} points, {shapes[1]} loads and {shapes[2]} responses, but "
-                    f"the sketch has {len(points)}, {k} and {r}."
+                    f"the sketch has {len(points)}, {k} and {r}.",
+                    arguments=["motion"],
                 )
         changed: dict[str, Any] = {
             "points": points,
@@ -185,7 +193,7 @@ class Sketch(Labelled):
     def _require_shape(self, name: str, shape: tuple[int, ...]) -> None:
         found = np.shape(getattr(self, name))
         if found != shape:
-            raise InputError(f"{name} of the sketch must have shape {shape}; found {found}.")
+            raise argument_error(name, f"{name} of the sketch must have shape {shape}; found {found}.")
 
     def __repr__(self) -> str:
         return f"Sketch({len(self.sides)} of {self.mesh_sides} outer sides of {', '.join(self.body_names)})"

@@ -16,9 +16,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
-from stickslip.core.errors import InputError
 from stickslip.core.plain_data import plain, same_content
-from stickslip.core.validation import FloatArray, finite_array
+from stickslip.core.validation import FloatArray, argument_error, finite_array
 from stickslip.results.stored import StoredGroup, UnreadableError
 
 if TYPE_CHECKING:
@@ -377,7 +376,7 @@ def json_text(value: Any, long_name: str) -> tuple[Any, ...]:
 def require_shape(name: str, array: Any, shape: tuple[int, ...]) -> None:
     """Raise InputError for an array of another shape."""
     if array.shape != shape:
-        raise InputError(f"{name} must have shape {shape}, but its shape is {array.shape}.")
+        raise argument_error(name, f"{name} must have shape {shape}, but its shape is {array.shape}.")
 
 
 def _entries(kind: Any) -> Iterator[tuple[str, Entry]]:

@@ -86,7 +86,9 @@ def controlled_response(
     held, target = _checked_target(amplitude, phase_deg)
     row = finite_array("output", output)
     if row.shape != (superelement.size,) or not row.any():
-        raise InputError(f"output must have shape ({superelement.size},) with an entry that is not zero.")
+        raise InputError(
+            f"output must have shape ({superelement.size},) with an entry that is not zero.", arguments=["output"]
+        )
     threads = thread_count(threads)
     newton = newton or NewtonSettings()
     report = StageReport(progress)
@@ -113,7 +115,9 @@ def controlled_response(
 def _checked_target(amplitude: float | None, phase_deg: float | None) -> tuple[Held, float]:
     """What is held, and its value in SI units."""
     if (amplitude is None) == (phase_deg is None):
-        raise InputError("give either amplitude or phase_deg: one of them is held.")
+        raise InputError(
+            "give either amplitude or phase_deg: one of them is held.", arguments=["amplitude", "phase_deg"]
+        )
     if amplitude is not None:
         return "amplitude", positive_number("amplitude", amplitude, "of the output")
     # An output that lags by an angle has the complex amplitude |o| exp(-i angle).
@@ -130,7 +134,10 @@ def _first_point(
     cosine, sine = (float(row @ modes) for row in balance.load_amplitude(omega)[:2])
     size = math.hypot(cosine, sine)
     if size == 0.0:
-        raise InputError("the excitation does not move the output, so nothing can be held there. Take another output.")
+        raise InputError(
+            "the excitation does not move the output, so nothing can be held there. Take another output.",
+            arguments=["output"],
+        )
 
     def solved(goal: float, unknowns: FloatArray, load: float) -> BalancePoint | None:
         curve = ControlledCurve(balance, output, held, goal)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, finite_array, positive_number, require_choice
+from stickslip.core.validation import FloatArray, argument_error, finite_array, positive_number, require_choice
 from stickslip.structure.superelement import Superelement
 
 BaseMotion = Literal["acceleration", "displacement"]
@@ -91,7 +91,8 @@ class Excitation:
         if sine is not None and sine.shape[0] != cosine.shape[0]:
             raise InputError(
                 f"force_sin has {sine.shape[0]} rows and force_cos {cosine.shape[0]}; both must have shape (n,) or "
-                "(n, n_harmonics)."
+                "(n, n_harmonics).",
+                arguments=["force_sin"],
             )
         return cls((_Part(0, cosine, np.zeros((len(cosine), 1)) if sine is None else sine, False, "harmonic force"),))
 
@@ -134,7 +135,8 @@ class Excitation:
         rows = _columns("first", first), _columns("second", second)
         if rows[0].shape != rows[1].shape or rows[0].shape[1] != 1:
             raise InputError(
-                f"first and second must have the same shape (n,); found {rows[0].shape} and {rows[1].shape}."
+                f"first and second must have the same shape (n,); found {rows[0].shape} and {rows[1].shape}.",
+                arguments=["first", "second"],
             )
         return cls((_Part(2, size * rows[0], size * rows[1], False, f"unbalance of {size:g} kg m"),))
 
@@ -161,18 +163,21 @@ class Excitation:
                 if columns.shape[0] != size:
                     raise InputError(
                         f"{name} must have shape ({size},) for the first harmonic or ({size}, n_harmonics) for "
-                        f"several, but its shape is {columns.shape}."
+                        f"several, but its shape is {columns.shape}.",
+                        arguments=[name],
                     )
                 if columns.shape[1] > harmonics:
                     raise InputError(
                         f"{name} has {columns.shape[1]} harmonics, but only harmonics = {harmonics} are kept. Raise "
-                        "harmonics."
+                        "harmonics.",
+                        arguments=[name],
                     )
                 force = -(superelement.mass @ columns) if part.inertial else columns
                 target[offset : offset + 2 * columns.shape[1] : 2] += force.T
         if not any(array.any() for array in terms.values()):
             raise InputError(
-                "force_cos and force_sin are zero everywhere; without a force there is no forced response."
+                "force_cos and force_sin are zero everywhere; without a force there is no forced response.",
+                arguments=["force_cos", "force_sin"],
             )
         return ExcitationForce(tuple(sorted(terms.items(), key=lambda term: term[0])))
 
@@ -184,7 +189,7 @@ def _base_part(name: str, vector: ArrayLike, amplitude: float, kind: BaseMotion,
     size = positive_number("amplitude", amplitude, unit)
     column = size * _columns(name, vector)
     if column.shape[1] != 1:
-        raise InputError(f"{name} must have shape (n,), one entry for each unknown; found {column.shape}.")
+        raise argument_error(name, f"{name} must have shape (n,), one entry for each unknown; found {column.shape}.")
     # A displacement X cos(w t) is an acceleration -w^2 X cos(w t).
     power, sign = (0, 1.0) if kind == "acceleration" else (2, -1.0)
     return _Part(power, sign * column, np.zeros_like(column), inertial, f"base {kind} of {size:g} {unit}")
@@ -195,5 +200,5 @@ def _columns(name: str, value: ArrayLike) -> FloatArray:
     array = finite_array(name, value)
     columns = array[:, None] if array.ndim == 1 else array
     if columns.ndim != 2:
-        raise InputError(f"{name} must have shape (n,) or (n, n_harmonics), but its shape is {array.shape}.")
+        raise argument_error(name, f"{name} must have shape (n,) or (n, n_harmonics), but its shape is {array.shape}.")
     return columns.copy()

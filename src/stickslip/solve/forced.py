@@ -120,7 +120,10 @@ def as_excitation(
     """An excitation as it is, or that of arrays of force. Raises InputError where both are given, or none."""
     if isinstance(excitation, Excitation):
         if force_sin is not None or force_cos is not None:
-            raise InputError("force_cos and force_sin belong to a force given as arrays; the excitation has its own.")
+            raise InputError(
+                "force_cos and force_sin belong to a force given as arrays; the excitation has its own.",
+                arguments=["force_cos", "force_sin"],
+            )
         return excitation
     cosine = force_cos if excitation is None else excitation
     if cosine is None or (excitation is not None and force_cos is not None):

@@ -111,14 +111,19 @@ def checked_window(frequency_hz: tuple[float, float]) -> tuple[float, float]:
     """(start, stop) in Hz. Raises InputError unless both are above zero and differ."""
     values = finite_array("frequency_hz", frequency_hz)
     if values.shape != (2,):
-        raise InputError(f"frequency_hz must be (start, stop), but its shape is {values.shape}.")
+        raise InputError(
+            f"frequency_hz must be (start, stop), but its shape is {values.shape}.", arguments=["frequency_hz"]
+        )
     start, stop = float(values[0]), float(values[1])
     if start <= 0 or stop <= 0:
-        raise InputError(f"frequency_hz is ({start:g}, {stop:g}); both ends must be above 0 Hz.")
+        raise InputError(
+            f"frequency_hz is ({start:g}, {stop:g}); both ends must be above 0 Hz.", arguments=["frequency_hz"]
+        )
     if start == stop:
         raise InputError(
             f"frequency_hz is ({start:g}, {stop:g}), a range of zero width. Give two different frequencies; "
-            "a start above the stop sweeps downward."
+            "a start above the stop sweeps downward.",
+            arguments=["frequency_hz"],
         )
     return start, stop
 
@@ -129,5 +134,6 @@ def _check_counts(harmonics: int, samples: int) -> None:
     if samples < 2 * harmonics + 1:
         raise InputError(
             f"samples is {samples}, but {harmonics} harmonics need at least {2 * harmonics + 1} samples a period. "
-            "Take 256 (512 with much separation): friction has kinks that few samples miss."
+            "Take 256 (512 with much separation): friction has kinks that few samples miss.",
+            arguments=["samples"],
         )

@@ -164,10 +164,15 @@ def _boundary(boundary_nodes: ArrayLike) -> IntArray:
     """Boundary nodes as integers after checking that they come once; raises InputError."""
     nodes = np.asarray(boundary_nodes).ravel()
     if not nodes.size or not np.issubdtype(nodes.dtype, np.integer):
-        raise InputError("boundary_nodes must be node numbers (integers), and at least one.")
+        raise InputError(
+            "boundary_nodes must be node numbers (integers), and at least one.", arguments=["boundary_nodes"]
+        )
     unique, count = np.unique(nodes, return_counts=True)
     if count.max() > 1:
-        raise InputError(f"boundary_nodes names node {unique[count.argmax()]} {count.max()} times; name it once.")
+        raise InputError(
+            f"boundary_nodes names node {unique[count.argmax()]} {count.max()} times; name it once.",
+            arguments=["boundary_nodes"],
+        )
     return nodes.astype(np.int64)
 
 

@@ -12,7 +12,14 @@ import scipy.sparse
 from numpy.typing import ArrayLike
 
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, positive_number, real_number, require_allowed, require_choice
+from stickslip.core.validation import (
+    FloatArray,
+    argument_error,
+    positive_number,
+    real_number,
+    require_allowed,
+    require_choice,
+)
 from stickslip.structure.factor import Factor, factorize
 from stickslip.structure.incompatible_brick import incompatible_stiffness
 from stickslip.structure.lanczos import eigenpairs_near
@@ -115,18 +122,24 @@ class Structure:
         wanted = np.asarray(nodes, dtype=np.int64)
         if wanted.size and (wanted.min() < 0 or wanted.max() >= self.mesh.n_nodes):
             raise InputError(
-                f"nodes run from {wanted.min()} to {wanted.max()}, but the mesh has nodes 0 to {self.mesh.n_nodes - 1}."
+                f"nodes run from {wanted.min()} to {wanted.max()}, but the mesh has nodes 0 to "
+                f"{self.mesh.n_nodes - 1}.",
+                arguments=["nodes"],
             )
         held = np.intersect1d(wanted, self.fixed_nodes)
         if held.size:
-            raise InputError(f"node {held[0]} is fixed, so it has no unknowns ({held.size} of {wanted.size} are).")
+            raise InputError(
+                f"node {held[0]} is fixed, so it has no unknowns ({held.size} of {wanted.size} are).",
+                arguments=["nodes"],
+            )
         held = np.intersect1d(wanted, self.fixed_unknowns // 3)
         if held.size:
             axes = ", ".join("xyz"[unknown % 3] for unknown in self.fixed_unknowns if unknown // 3 == held[0])
             raise InputError(
                 f"node {held[0]} is held along {axes}, so it has no three unknowns ({held.size} of {wanted.size} nodes "
                 "are held in part); contact, force and output nodes must be free. Take such nodes out of the "
-                "constraint, or out of the set."
+                "constraint, or out of the set.",
+                arguments=["nodes"],
             )
         position = np.full(3 * self.mesh.n_nodes, -1, dtype=np.int64)
         position[self.free_unknowns] = np.arange(len(self.free_unknowns))
@@ -164,7 +177,10 @@ def assemble(
     if element == "serendipity":
         mesh = mesh.quadratic()
     elif mesh.bricks().shape[1] != 8:
-        raise InputError(f"element {element!r} needs 8-node cells, but the mesh has 20-node cells; use 'serendipity'.")
+        raise InputError(
+            f"element {element!r} needs 8-node cells, but the mesh has 20-node cells; use 'serendipity'.",
+            arguments=["element"],
+        )
     if fixed_nodes is None:
         fixed_nodes = mesh.node_sets.get("fixed", np.empty(0, dtype=np.int64))
     incompatible = element == "incompatible"
@@ -202,7 +218,8 @@ def assemble_bodies(
     if len(materials) != len(mesh.body_names):
         raise InputError(
             f"materials has {len(materials)} entries, but the mesh has {len(mesh.body_names)} bodies: "
-            f"{', '.join(mesh.body_names)}. Give one material for each body, in this order."
+            f"{', '.join(mesh.body_names)}. Give one material for each body, in this order.",
+            arguments=["materials"],
         )
     groups = [
         (block.cells[block.body == body], materials[body]) for block in mesh.blocks for body in np.unique(block.body)
@@ -243,7 +260,9 @@ def _existing(name: str, value: ArrayLike, size: int) -> IntArray:
     """``value`` as sorted integers from 0 to ``size - 1``, each once; raises InputError for others."""
     numbers = np.unique(np.asarray(value, dtype=np.int64))
     if numbers.size and (numbers[0] < 0 or numbers[-1] >= size):
-        raise InputError(f"{name} must lie between 0 and {size - 1}, but found {numbers[0]} to {numbers[-1]}.")
+        raise argument_error(
+            name, f"{name} must lie between 0 and {size - 1}, but found {numbers[0]} to {numbers[-1]}."
+        )
     return numbers
 
 
@@ -275,7 +294,9 @@ def natural_frequencies(
     """
     size = stiffness.shape[0]
     if not 1 <= count < size:
-        raise InputError(f"count is {count}; with {size} unknowns it must lie between 1 and {size - 1}.")
+        raise InputError(
+            f"count is {count}; with {size} unknowns it must lie between 1 and {size - 1}.", arguments=["count"]
+        )
     scale = float(stiffness.diagonal().sum() / mass.diagonal().sum())
     if scipy.sparse.issparse(stiffness):
         centre = -1e-8 * scale if shift is None else shift

@@ -11,7 +11,7 @@ import numpy as np
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file, work_folder
 from stickslip.core.fourier import synthesis_matrix
-from stickslip.core.validation import FloatArray, finite_array
+from stickslip.core.validation import FloatArray, argument_error, finite_array
 from stickslip.structure.mesh import Mesh
 from stickslip.structure.meshio_cells import complete_meshio
 
@@ -37,10 +37,15 @@ def write_mode_shapes(path: str | Path, mesh: Mesh, modes: FloatArray, frequency
     shapes = _displacement("modes", modes, mesh)
     frequency = finite_array("frequency_hz", frequency_hz)
     if frequency.shape != (shapes.shape[2],):
-        raise InputError(f"frequency_hz must have shape ({shapes.shape[2]},), one a mode; found {frequency.shape}.")
+        raise InputError(
+            f"frequency_hz must have shape ({shapes.shape[2]},), one a mode; found {frequency.shape}.",
+            arguments=["frequency_hz"],
+        )
     largest = np.linalg.norm(shapes, axis=1).max(axis=0)
     if not largest.all():
-        raise InputError(f"modes[:, {int(largest.argmin())}] is zero everywhere, so it has no shape to draw.")
+        raise InputError(
+            f"modes[:, {int(largest.argmin())}] is zero everywhere, so it has no shape to draw.", arguments=["modes"]
+        )
     fields = {f"mode {k + 1:02d}, {frequency[k]:.1f} Hz": shapes[:, :, k] / largest[k] for k in range(len(frequency))}
     with whole_file(target, "mode shapes", InputError) as part:
         _write_vtu(part, mesh, fields)
@@ -68,11 +73,15 @@ def write_deflected_period(path: str | Path, mesh: Mesh, coefficients: FloatArra
     series = _displacement("coefficients", coefficients, mesh)
     n_coefficients = series.shape[2]
     if n_coefficients % 2 == 0:
-        raise InputError(f"coefficients must have 2H + 1 columns (mean, cos 1, sin 1, ...); found {n_coefficients}.")
+        raise InputError(
+            f"coefficients must have 2H + 1 columns (mean, cos 1, sin 1, ...); found {n_coefficients}.",
+            arguments=["coefficients"],
+        )
     if n_frames < n_coefficients:
         raise InputError(
             f"n_frames is {n_frames}; {(n_coefficients - 1) // 2} harmonics need {n_coefficients} frames or more, and "
-            "36 make a smooth film."
+            "36 make a smooth film.",
+            arguments=["n_frames"],
         )
     synthesis = synthesis_matrix((n_coefficients - 1) // 2, n_frames)
     frames = target.with_name(f"{target.stem}_frames")
@@ -125,9 +134,10 @@ def _displacement(name: str, value: FloatArray, mesh: Mesh) -> FloatArray:
     """Return ``value`` (3 * n_nodes, k) as (n_nodes, 3, k); raises InputError for another shape."""
     array = finite_array(name, value)
     if array.ndim != 2 or array.shape[0] != 3 * mesh.n_nodes or not array.shape[1]:
-        raise InputError(
+        raise argument_error(
+            name,
             f"{name} must have shape ({3 * mesh.n_nodes}, k), three displacements for each of {mesh.n_nodes} nodes; "
-            f"found shape {array.shape}."
+            f"found shape {array.shape}.",
         )
     return array.reshape(mesh.n_nodes, 3, -1)
 

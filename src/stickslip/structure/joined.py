@@ -124,7 +124,8 @@ def joined_modes(
             operator = pairs.operator(model)
         if np.shape(springs) != (operator.shape[0],):
             raise InputError(
-                f"springs must have shape ({operator.shape[0]},), t1, t2, n of each pair; found {np.shape(springs)}."
+                f"springs must have shape ({operator.shape[0]},), t1, t2, n of each pair; found {np.shape(springs)}.",
+                arguments=["springs"],
             )
         stiffness = model.stiffness + operator.T @ (scipy.sparse.diags(springs) @ operator)
         frequency_hz, modes = natural_frequencies(stiffness, model.mass, count)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, finite_array
+from stickslip.core.validation import FloatArray, argument_error, finite_array
 from stickslip.structure.cell_kinds import (
     CELL_KINDS,
     CORNERS_OF_SIDE,
@@ -80,7 +80,10 @@ class Mesh:
     def __post_init__(self) -> None:
         points = finite_array("points", self.points)
         if points.ndim != 2 or points.shape[1] != 3:
-            raise InputError(f"points must have shape (n, 3), x, y, z of each node; found shape {points.shape}.")
+            raise InputError(
+                f"points must have shape (n, 3), x, y, z of each node; found shape {points.shape}.",
+                arguments=["points"],
+            )
         object.__setattr__(self, "points", points)
         groups = _checked_cells(points, self.cells if isinstance(self.cells, tuple) else (self.cells,))
         object.__setattr__(self, "cells", groups if len(groups) > 1 else groups[0])
@@ -278,12 +281,12 @@ def node_numbers(name: str, value: ArrayLike, n_nodes: int) -> IntArray:
     """Return ``value`` as integers after checking that each is the number of a node; raises InputError."""
     array = np.asarray(value)
     if array.size and not np.issubdtype(array.dtype, np.integer):
-        raise InputError(f"{name} must hold node numbers (integers), but its type is {array.dtype}.")
+        raise argument_error(name, f"{name} must hold node numbers (integers), but its type is {array.dtype}.")
     array = array.astype(np.int64)
     bad = array[(array < 0) | (array >= n_nodes)]
     if bad.size:
-        raise InputError(
-            f"{name} names node {bad[0]}, but the mesh has nodes 0 to {n_nodes - 1}; numbers count from 0."
+        raise argument_error(
+            name, f"{name} names node {bad[0]}, but the mesh has nodes 0 to {n_nodes - 1}; numbers count from 0."
         )
     return array
 

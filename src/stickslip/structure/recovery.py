@@ -121,6 +121,7 @@ def reduced_load(superelement: Superelement, load: FloatArray) -> FloatArray:
         raise InputError("reduced_load needs a superelement with a recovery, as craig_bampton makes it.")
     if np.shape(load)[0] != recovery.shape[0]:
         raise InputError(
-            f"load has {np.shape(load)[0]} rows, but the mesh has {recovery.shape[0]} displacements (3 of each node)."
+            f"load has {np.shape(load)[0]} rows, but the mesh has {recovery.shape[0]} displacements (3 of each node).",
+            arguments=["load"],
         )
     return recovery.project(load)

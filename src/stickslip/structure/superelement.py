@@ -64,7 +64,8 @@ class Superelement:
             if matrix.shape != mass.shape:
                 raise InputError(
                     f"{name} has shape {matrix.shape}, but mass has shape {mass.shape}; all matrices of one "
-                    "superelement must have the same size."
+                    "superelement must have the same size.",
+                    arguments=[name],
                 )
             object.__setattr__(self, name, matrix)
         object.__setattr__(self, "mass", mass)
@@ -83,17 +84,22 @@ class Superelement:
         if 3 * nodes.size > self.size:
             raise InputError(
                 f"boundary_nodes has {nodes.size} nodes, which own {3 * nodes.size} unknowns, but the matrices have "
-                f"{self.size}; each boundary node owns three of them."
+                f"{self.size}; each boundary node owns three of them.",
+                arguments=["boundary_nodes"],
             )
         unique, count = np.unique(nodes, return_counts=True)
         if (count > 1).any():
-            raise InputError(f"boundary_nodes names node {unique[count.argmax()]} {count.max()} times; name it once.")
+            raise InputError(
+                f"boundary_nodes names node {unique[count.argmax()]} {count.max()} times; name it once.",
+                arguments=["boundary_nodes"],
+            )
         if self.positions is not None:
             positions = finite_array("positions", self.positions)
             if positions.shape != (nodes.size, 3):
                 raise InputError(
                     f"positions must have shape ({nodes.size}, 3), x, y, z in m of each boundary node; found shape "
-                    f"{positions.shape}."
+                    f"{positions.shape}.",
+                    arguments=["positions"],
                 )
             object.__setattr__(self, "positions", positions)
         for name, members in self.node_sets.items():
@@ -113,7 +119,9 @@ class Superelement:
         """The three unknowns (x, y, z) of a boundary node given by its number in the mesh. Raises InputError."""
         position = np.flatnonzero(self.boundary_nodes == node)
         if position.size != 1:
-            raise InputError(f"node {node} is not one of the {self.boundary_nodes.size} boundary nodes.")
+            raise InputError(
+                f"node {node} is not one of the {self.boundary_nodes.size} boundary nodes.", arguments=["node"]
+            )
         return np.asarray(3 * position[0] + np.arange(3), dtype=np.int64)
 
     def selector(self, node: int, direction: tuple[float, float, float] | FloatArray) -> FloatArray:

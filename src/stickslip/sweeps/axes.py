@@ -62,10 +62,12 @@ def _swept_key(name: str, values: str | Sequence[Value], case: Case | None) -> S
     else:
         parsed = [_single(name, kind, value) for value in values]
     if not parsed:
-        raise InputError(f"{name} has no values. Give at least one.")
+        raise InputError(f"{name} has no values. Give at least one.", arguments=[name])
     for place, value in enumerate(parsed):
         if value in parsed[:place]:
-            raise InputError(f"{name} has the value {_label(kind, value)} twice. Give each value once.")
+            raise InputError(
+                f"{name} has the value {_label(kind, value)} twice. Give each value once.", arguments=[name]
+            )
     shown = tuple(_shown(kind, value)[0] for value in parsed if not isinstance(value, str))
     labels = tuple(_label(kind, value) for value in parsed)
     unit = kind.si_unit if isinstance(kind, Quantity) else ""
@@ -86,9 +88,13 @@ def _kind(name: str, case: Case | None) -> Quantity | Count | tuple[str, ...]:
         homes = [full for full in everything if full.partition(".")[2] == name.split(".")[-1]]
         nearest = homes or difflib.get_close_matches(name, everything, n=1)
         advice = f"Did you mean {nearest[0]}?" if nearest else '"stickslip new FILE" writes a file with every key.'
-        raise InputError(f"{name} is not a key of a study file (section.key or section.NAME.key). {advice}")
+        raise InputError(
+            f"{name} is not a key of a study file (section.key or section.NAME.key). {advice}", arguments=[name]
+        )
     if section in UNSWEPT_SECTIONS:
-        raise InputError(f"{name} does not change the answer of a case, so there is nothing to vary. Leave it out.")
+        raise InputError(
+            f"{name} does not change the answer of a case, so there is nothing to vary. Leave it out.", arguments=[name]
+        )
     model, field = Case.field_of(section, key)
     quantity, annotation, metadata = quantity_of(model, key), field.annotation, field.metadata
     count = next((entry for entry in metadata if isinstance(entry, Count)), None)
@@ -101,7 +107,10 @@ def _kind(name: str, case: Case | None) -> Quantity | Count | tuple[str, ...]:
     if count is not None:
         return count
     words = "a text" if held is str else "the number of a node" if held is int else "a list of values"
-    raise InputError(f"{name} holds {words}; a sweep varies keys that hold a quantity, a count or one of some choices.")
+    raise InputError(
+        f"{name} holds {words}; a sweep varies keys that hold a quantity, a count or one of some choices.",
+        arguments=[name],
+    )
 
 
 def _constant_kind(name: str, case: Case | None) -> Quantity:
@@ -131,7 +140,9 @@ def _is_union(kind: object) -> bool:
 def _item(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> list[Value]:
     """The values of one item between commas."""
     if not item:
-        raise InputError(f"{name} has an empty value between commas. Write for example {name}=100,300,500.")
+        raise InputError(
+            f"{name} has an empty value between commas. Write for example {name}=100,300,500.", arguments=[name]
+        )
     if ":" in item:
         return _range(name, kind, item)
     return [_single(name, kind, _number_or_text(item))]
@@ -144,12 +155,14 @@ def _single(name: str, kind: Quantity | Count | tuple[str, ...], value: Value) -
         if value not in kind:
             nearest = difflib.get_close_matches(str(value).lower(), kind, n=1)
             advice = f' Did you mean "{nearest[0]}"?' if nearest else ""
-            raise InputError(f"{name} = {value} is not allowed: it must be one of {', '.join(kind)}.{advice}")
+            raise InputError(
+                f"{name} = {value} is not allowed: it must be one of {', '.join(kind)}.{advice}", arguments=[name]
+            )
         return value
     try:
         return kind.parse(value.item() if isinstance(value, np.generic) else value)
     except InputError as error:
-        raise InputError(f"{name} = {value} {error}") from error
+        raise InputError(f"{name} = {value} {error}", arguments=[name]) from error
 
 
 def _respelled(name: str, value: Value) -> Value:
@@ -163,19 +176,27 @@ def _range(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> li
     found = f'{name} has the range "{item}"'
     parts = [part.strip() for part in item.split(":")]
     if isinstance(kind, tuple):
-        raise InputError(f"{found}, but it holds a choice: {', '.join(kind)}. Give a list of these words.")
+        raise InputError(
+            f"{found}, but it holds a choice: {', '.join(kind)}. Give a list of these words.", arguments=[name]
+        )
     if len(parts) not in (3, 4) or not all(parts) or (len(parts) == 4 and parts[3] != "log"):
-        raise InputError(f"{found}, which cannot be read. {_RANGE}")
+        raise InputError(f"{found}, which cannot be read. {_RANGE}", arguments=[name])
     start, stop = (float(_single(name, kind, _number_or_text(part))) for part in parts[:2])
     if not parts[2].isdecimal() or not 2 <= int(parts[2]) <= LARGEST_COUNT:
-        raise InputError(f"{found}, whose count is {parts[2]}: it must be a whole number from 2 to 10000. {_RANGE}")
+        raise InputError(
+            f"{found}, whose count is {parts[2]}: it must be a whole number from 2 to 10000. {_RANGE}", arguments=[name]
+        )
     if not stop > start:
         raise InputError(
-            f"{found}, whose stop is not above its start. The third number is the count, no step. {_RANGE}"
+            f"{found}, whose stop is not above its start. The third number is the count, no step. {_RANGE}",
+            arguments=[name],
         )
     count, logarithmic = int(parts[2]), len(parts) == 4
     if logarithmic and not start > 0:
-        raise InputError(f"{found}, but a logarithmic range must start above zero. Start it above zero, or drop :log.")
+        raise InputError(
+            f"{found}, but a logarithmic range must start above zero. Start it above zero, or drop :log.",
+            arguments=[name],
+        )
     spaced = np.geomspace(start, stop, count) if logarithmic else np.linspace(start, stop, count)
     # 15 digits, so that 0.1:0.3:3 holds 0.2 and not 0.19999999999999998; the ends stay as they were given
     values = [start, *(float(f"{value:.15g}") for value in spaced[1:-1]), stop]
@@ -185,7 +206,8 @@ def _range(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> li
     if broken is not None:
         raise InputError(
             f"{found}, which holds {broken:g}, but this key takes whole numbers. Choose a count that divides "
-            f"{stop - start:g} evenly, or list the numbers: {name}=1,3,5."
+            f"{stop - start:g} evenly, or list the numbers: {name}=1,3,5.",
+            arguments=[name],
         )
     return [int(value) for value in values]
 

@@ -7,6 +7,7 @@ import pytest
 import scipy.integrate
 
 import stickslip as ss
+from sentences import rejects
 
 MASS, SAMPLES = 1.0, 1024
 ROW = np.array([1.0, 0.0, 0.0])
@@ -192,28 +193,34 @@ def test_the_curve_of_an_iwan_joint_dissipates_as_its_closed_form() -> None:
 
 
 @pytest.mark.parametrize(
-    ("make", "sentence"),
+    ("make", "keys"),
     [
-        (lambda: ss.CubicSpring(-1.0, 1.0), "stiffness is -1"),
-        (lambda: ss.CubicSpring([1.0, 2.0], np.ones((3, 3))), r"are for \[2, 3\] pairs"),
-        (lambda: ss.ElasticStop(1e6, 0.0), "gap"),
-        (lambda: ss.ElasticStop(0.0, 1e-6), "stiffness"),
-        (lambda: ss.ElasticStop(1e6, 1e-6, two_sided=1), "true or false"),  # type: ignore[arg-type]
-        (lambda: ss.JenkinsElement(1e6, 0.0), "friction_limit"),
-        (lambda: ss.JenkinsElement(-1e6, 1.0), "tangential_stiffness"),
-        (lambda: ss.IwanJoint(1e6, 1.0, -1.0, 0.0), "above -1 and at most 0"),
-        (lambda: ss.IwanJoint(1e6, 1.0, 0.2, 0.0), "above -1 and at most 0"),
-        (lambda: ss.IwanJoint(1e6, 1.0, -0.2, -0.1), "ratio"),
-        (lambda: ss.IwanJoint(1e6, 0.0, -0.2, 0.1), "slip_force"),
-        (lambda: ss.IwanJoint(1e6, np.nan, -0.2, 0.1), "slip_force"),
-        (lambda: ss.CoulombLaw([1.0], [1.0], [0.3], [1.0], [1.0]), "give one of the two"),
-        (lambda: ss.CoulombLaw([1.0], [1.0], [0.3], [-1.0], [0.0]), r"normal_load\[0\] is -1 N"),
-        (lambda: ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3), "normal_load is missing"),
-        (lambda: ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3, 5.0, gap=0.0), "stands for normal_load and gap"),
+        (lambda: ss.CubicSpring(-1.0, 1.0), ("stiffness",)),
+        (lambda: ss.CubicSpring([1.0, 2.0], np.ones((3, 3))), ()),
+        (lambda: ss.ElasticStop(1e6, 0.0), ("gap",)),
+        (lambda: ss.ElasticStop(0.0, 1e-6), ("stiffness",)),
+        (lambda: ss.ElasticStop(1e6, 1e-6, two_sided=1), ("two_sided",)),  # type: ignore[arg-type]
+        (lambda: ss.JenkinsElement(1e6, 0.0), ("friction_limit",)),
+        (lambda: ss.JenkinsElement(-1e6, 1.0), ("tangential_stiffness",)),
+        (lambda: ss.IwanJoint(1e6, 1.0, -1.0, 0.0), ("exponent",)),
+        (lambda: ss.IwanJoint(1e6, 1.0, 0.2, 0.0), ("exponent",)),
+        (lambda: ss.IwanJoint(1e6, 1.0, -0.2, -0.1), ("ratio",)),
+        (lambda: ss.IwanJoint(1e6, 0.0, -0.2, 0.1), ("slip_force",)),
+        (lambda: ss.IwanJoint(1e6, np.nan, -0.2, 0.1), ("slip_force",)),
+        (
+            lambda: ss.CoulombLaw([1.0], [1.0], [0.3], [1.0], [1.0]),
+            ("normal_load", "gap"),
+        ),
+        (lambda: ss.CoulombLaw([1.0], [1.0], [0.3], [-1.0], [0.0]), ("normal_load",)),
+        (lambda: ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3), ("normal_load",)),
+        (
+            lambda: ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3, 5.0, gap=0.0),
+            ("preload", "normal_load"),
+        ),
     ],
 )
-def test_constants_out_of_range_are_refused(make: object, sentence: str) -> None:
-    with pytest.raises(ss.InputError, match=sentence):
+def test_constants_out_of_range_are_refused(make: object, keys: tuple[str, ...]) -> None:
+    with rejects(ss.InputError, *keys):
         make()  # type: ignore[operator]
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from friction_cases import make_pairs, near_shakedown, random_case, sampled
 
+from sentences import rejects
 from stickslip.contact.law.closed_forms import (
     FrictionLoop,
     circular_force,
@@ -360,19 +361,19 @@ def test_kept_traction_shakes_down_to_the_limit() -> None:
 def test_bad_input_gets_a_sentence() -> None:
     pairs = make_pairs(2)
     good = np.zeros((16, 2, 3))
-    with pytest.raises(InputError, match=r"n_samples, 2, 3.*found shape \(16, 3, 3\)"):
+    with rejects(InputError, "displacement"):
         contact_cycle(np.zeros((16, 3, 3)), pairs)
-    with pytest.raises(InputError, match="at least 8"):
+    with rejects(InputError, "displacement"):
         contact_cycle(good[:7], pairs)
     bad = good.copy()
     bad[3, 1, 2] = np.nan
-    with pytest.raises(InputError, match=r"displacement\[3, 1, 2\] is nan"):
+    with rejects(InputError, "displacement"):
         contact_cycle(bad, pairs)
-    with pytest.raises(InputError, match="update is 'exact', but it must be one of: tractrix, radial"):
+    with rejects(InputError, "update"):
         contact_cycle(good, pairs, "exact")  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="odd number"):
+    with rejects(InputError, "coefficients"):
         harmonic_force(np.zeros((2, 3, 6)), pairs, 64)
-    with pytest.raises(InputError, match="at least 11"):
+    with rejects(InputError, "samples"):
         harmonic_force(np.zeros((2, 3, 11)), pairs, 10)
-    with pytest.raises(InputError, match="'exact'"):
+    with rejects(InputError, "update"):
         harmonic_tangent(np.zeros((2, 3, 7)), pairs, 64, [0], "exact")  # type: ignore[arg-type]

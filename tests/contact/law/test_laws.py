@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from sentences import rejects
 from stickslip.contact.law.law import ContactLaw
 from stickslip.contact.law.registry import contact_law, contact_law_names, law_constants
 from stickslip.results.storage import load_results, save_results
@@ -161,20 +162,20 @@ def test_the_largest_slip_force_of_an_iwan_joint_is_that_of_its_stronger_directi
 
 def test_each_pair_has_exactly_one_law() -> None:
     law = LAWS["cubic"]
-    with pytest.raises(ss.InputError, match="for 2 pairs, but the operator has 3"):
+    with rejects(ss.InputError):
         ss.ContactPairs.with_laws(np.eye(9), [law])
-    with pytest.raises(ss.InputError, match="exactly one law"):
+    with rejects(ss.InputError):
         ss.ContactPairs.with_laws(np.eye(12), [law, law], [[0, 1], [1, 2]])
-    with pytest.raises(ss.InputError, match="in their order"):
+    with rejects(ss.InputError):
         ss.ContactPairs.with_laws(np.eye(6), [law], [[1, 0]])
-    with pytest.raises(ss.InputError, match="works for Coulomb friction alone"):
+    with rejects(ss.InputError):
         _ = ss.ContactPairs.with_laws(np.eye(6), [law]).tangential_stiffness
 
 
 def test_a_name_is_given_once() -> None:
-    with pytest.raises(ss.InputError, match='there is a contact law "iwan" already'):
+    with rejects(ss.InputError):
         ss.register_contact_law("iwan", ss.CubicSpring)
-    with pytest.raises(ss.InputError, match='there is no contact law "glue"; there are: coulomb, cubic'):
+    with rejects(ss.InputError):
         contact_law("glue")
 
 

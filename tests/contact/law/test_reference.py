@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from sentences import rejects
 from stickslip.contact.law.closed_forms import (
     FrictionLoop,
     circular_force,
@@ -102,22 +103,22 @@ def test_signal_is_continuous(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("build", "arguments", "word"),
+    ("build", "arguments", "keys"),
     [
-        (jenkins_loop, (3.0, 0.4, 2.0, 0.2), "larger amplitude"),
-        (jenkins_loop, (-3.0, 0.4, 2.0, 1.1), "stiffness"),
-        (jenkins_loop, (3.0, math.nan, 2.0, 1.1), "friction_coefficient"),
-        (in_phase_loop, (3.0, 0.4, 2.0, -2.5, 1.1), "normal_amplitude"),
-        (in_phase_loop, (3.0, 0.4, 2.0, 9.0, 1.1), "normal_amplitude"),
-        (quadrature_loop, (3.0, 0.4, 2.0, 2.5, 1.1), "normal_amplitude"),
-        (quadrature_loop, (3.0, 0.4, 2.0, 1.1, 0.1), "larger amplitude"),
-        (circular_force, (3.0, 0.4, 2.0, 0.2), "larger amplitude"),
-        (hertz_sphere, (0.0, 1.0, 1.0), "load"),
-        (mindlin_stiffness, (1.0, 1.0, 0.6), "poisson_ratio"),
+        (jenkins_loop, (3.0, 0.4, 2.0, 0.2), ()),
+        (jenkins_loop, (-3.0, 0.4, 2.0, 1.1), ("stiffness",)),
+        (jenkins_loop, (3.0, math.nan, 2.0, 1.1), ("friction_coefficient",)),
+        (in_phase_loop, (3.0, 0.4, 2.0, -2.5, 1.1), ()),
+        (in_phase_loop, (3.0, 0.4, 2.0, 9.0, 1.1), ()),
+        (quadrature_loop, (3.0, 0.4, 2.0, 2.5, 1.1), ()),
+        (quadrature_loop, (3.0, 0.4, 2.0, 1.1, 0.1), ()),
+        (circular_force, (3.0, 0.4, 2.0, 0.2), ()),
+        (hertz_sphere, (0.0, 1.0, 1.0), ("load",)),
+        (mindlin_stiffness, (1.0, 1.0, 0.6), ("poisson_ratio",)),
     ],
 )
-def test_outside_the_closed_form_is_refused(build: object, arguments: tuple[float, ...], word: str) -> None:
-    with pytest.raises(InputError, match=word):
+def test_outside_the_closed_form_is_refused(build: object, arguments: tuple[float, ...], keys: tuple[str, ...]) -> None:
+    with rejects(InputError, *keys):
         build(*arguments)  # type: ignore[operator]
 
 

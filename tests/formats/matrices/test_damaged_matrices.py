@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from matrix_writers import MAPS, WRITERS
+from sentences import rejects
 from stickslip.core.errors import ImportFileError
 from stickslip.formats.matrices.exchange import read_superelement, write_superelement
 from stickslip.formats.matrices.read import read_matrices
@@ -83,7 +84,7 @@ def test_damaged_maps(tmp_path, small, good, name):
     cuts = [content[:at] for at in range(0, len(content) - 1, 7)]
     for damaged in cuts:
         path.write_bytes(damaged)
-        with pytest.raises(ImportFileError, match=name):
+        with rejects(ImportFileError, "unknown_map"):
             read_matrices(tmp_path / "k.npy", good[0], unknown_map=path)
     for damaged in damaged_versions(content, seed=1):
         path.write_bytes(damaged)
@@ -98,7 +99,7 @@ def test_a_damaged_superelement(tmp_path):
     content = path.read_bytes()
     for at in range(0, len(content) - 1, 37):
         path.write_bytes(content[:at])
-        with pytest.raises(ImportFileError, match=r"part\.npz"):
+        with rejects(ImportFileError):
             read_superelement(path)
     for damaged in damaged_versions(content, seed=2):
         path.write_bytes(damaged)

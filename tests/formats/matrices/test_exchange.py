@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from sentences import rejects
 from stickslip.core.errors import ImportFileError, InputError
 from stickslip.formats.matrices.exchange import read_superelement, write_superelement
 from stickslip.formats.matrices.model import MatrixModel
@@ -50,57 +51,56 @@ def test_rows_in_any_order_come_out_node_by_node(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("changed", "parts"),
+    "changed",
     [
-        ({"format": None}, ["format", "stickslip superelement"]),
-        ({"format_version": np.array(2)}, ["format_version 2", "reads 1"]),
-        ({"mass": None}, ['lacks the array "mass"', "stiffness"]),
-        ({"mass": np.eye(3)}, ["mass", "(3, 3)", "7 rows"]),
-        ({"mass": np.full((7, 7), np.nan)}, ["mass[0, 0] is nan"]),
-        ({"stiffness": np.ones(7)}, ["(7,)"]),
-        ({"damping": np.triu(np.ones((7, 7))) + 2 * np.tril(np.ones((7, 7)))}, ["damping", "symmetric"]),
-        ({"node": np.zeros(7)}, ["node", "whole numbers", "float64"]),
-        ({"node": np.array([9, 9, 9, 9, 4, 4, -1])}, ["node 9", "x in 2 rows"]),
-        ({"direction": np.array([0, 1, 2, 0, 1, 7, 6])}, ["direction[5] is 7"]),
-        ({"position": np.ones((2, 3))}, ["position", "node_labels"]),
-        ({"position": np.ones((1, 3)), "node_labels": np.array([9])}, ["position of node 4"]),
-        ({"position": np.ones((2, 2)), "node_labels": np.array([9, 4])}, ["position", "(2, 2)"]),
-        ({"set_tip": np.array([5])}, ["'tip'", "node 5"]),
+        {"format": None},
+        {"format_version": np.array(2)},
+        {"mass": None},
+        {"mass": np.eye(3)},
+        {"mass": np.full((7, 7), np.nan)},
+        {"stiffness": np.ones(7)},
+        {"damping": np.triu(np.ones((7, 7))) + 2 * np.tril(np.ones((7, 7)))},
+        {"node": np.zeros(7)},
+        {"node": np.array([9, 9, 9, 9, 4, 4, -1])},
+        {"direction": np.array([0, 1, 2, 0, 1, 7, 6])},
+        {"position": np.ones((2, 3))},
+        {"position": np.ones((1, 3)), "node_labels": np.array([9])},
+        {"position": np.ones((2, 2)), "node_labels": np.array([9, 4])},
+        {"set_tip": np.array([5])},
     ],
 )
-def test_wrong_arrays(tmp_path, changed, parts):
+def test_wrong_arrays(tmp_path, changed):
     path = tmp_path / "bad.npz"
     np.savez(path, **arrays(**changed))
-    with pytest.raises(ImportFileError) as caught:
+    with rejects(ImportFileError):
         read_superelement(path)
-    assert [part for part in ["bad.npz", *parts] if part not in str(caught.value)] == []
 
 
 def test_no_file_and_no_folder(tmp_path):
-    with pytest.raises(ImportFileError, match=r"none\.npz.*could not be opened"):
+    with rejects(ImportFileError):
         read_superelement(tmp_path / "none.npz")
-    with pytest.raises(ImportFileError, match="could not be written"):
+    with rejects(ImportFileError):
         write_superelement(tmp_path / "no" / "such.npz", Superelement(np.eye(3), np.eye(3)))
 
 
 @pytest.mark.parametrize(
-    ("options", "fragment"),
+    ("options", "keys"),
     [
-        ({"boundary_nodes": np.array([1, 2, 3])}, "9 unknowns, but the matrices have 6"),
-        ({"boundary_nodes": np.array([1, 1])}, "node 1 2 times"),
-        ({"boundary_nodes": np.array([1, 2]), "positions": np.ones((1, 3))}, r"positions must have shape \(2, 3\)"),
-        ({"boundary_nodes": np.array([1]), "node_sets": {"a": np.array([2])}}, "'a' names node 2"),
+        ({"boundary_nodes": np.array([1, 2, 3])}, ("boundary_nodes",)),
+        ({"boundary_nodes": np.array([1, 1])}, ("boundary_nodes",)),
+        ({"boundary_nodes": np.array([1, 2]), "positions": np.ones((1, 3))}, ("positions",)),
+        ({"boundary_nodes": np.array([1]), "node_sets": {"a": np.array([2])}}, ()),
     ],
 )
-def test_nodes_that_do_not_fit_a_superelement(options, fragment):
-    with pytest.raises(InputError, match=fragment):
+def test_nodes_that_do_not_fit_a_superelement(options, keys):
+    with rejects(InputError, *keys):
         Superelement(np.eye(6), np.eye(6), **options)
 
 
 def test_a_model_finds_the_unknowns_of_its_nodes():
     model = MatrixModel(np.eye(4), np.eye(4), node=np.array([7, 7, 7, 2]), direction=np.array([2, 0, 1, 0]))
     np.testing.assert_array_equal(model.unknowns_of([7]), [[1, 2, 0]])
-    with pytest.raises(InputError, match="node 2 must have unknowns along x, y and z, but it has x"):
+    with rejects(InputError):
         model.unknowns_of([7, 2])
-    with pytest.raises(InputError, match=r"node 3 .* no unknowns"):
+    with rejects(InputError):
         model.unknowns_of([3])

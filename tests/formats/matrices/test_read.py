@@ -10,6 +10,7 @@ import scipy.sparse
 
 from helpers import absent_tool
 from matrix_writers import MAPS, NODES, WRITERS, coordinates, write_calculix, write_harwell_boeing, write_op4_text
+from sentences import rejects
 from stickslip.core.errors import ImportFileError, InputError, MissingPackageError
 from stickslip.formats.matrices.read import read_matrices
 
@@ -82,74 +83,61 @@ def test_rotations_keep_their_energy_when_lengths_change_unit(tmp_path):
 
 
 BAD_CALCULIX = {
-    "word": ("2 2 1.0\n1 x 3\n", ["line 2", '"x"', "number"]),
-    "columns": ("1 1 1.0\n2 2\n", ["line 2", "2 words"]),
-    "zero": ("0 0 1.0\n0 1 0.5\n1 1 1.0\n", ["line 1", "count from 1"]),
-    "fraction": ("1.5 1 1.0\n", ["line 1", "whole"]),
-    "twice": ("1 1 1.0\n2 2 1.0\n\n1 1 1.0\n", ["1, 1 stands twice", "lines 1 and 4"]),
-    "both sides": ("1 1 1.0\n1 2 0.1\n2 1 0.1\n2 2 1.0\n", ["both sides", "2, 1", "1, 2"]),
-    "no diagonal": ("1 1 1.0\n1 2 0.1\n", ["lacks the diagonal entry 2, 2"]),
-    "infinite": ("1 1 inf\n", ["stiffness[0, 0] is inf"]),
-    "negative": ("1 1 1.0\n2 2 -1.0\n", ["stiffness[1, 1]", "-1", "above 0"]),
-    "minor": ("1 1 1.0\n2 2 1.0\n1 2 1.5\n", ["positive semidefinite", "[0, 1]", "1.5"]),
-    "eigenvalue": (
-        "1 1 1.0\n2 2 1.0\n3 3 1.0\n1 2 0.9\n1 3 0.9\n2 3 -0.9\n",
-        ["positive semidefinite", "eigenvalue -0.8"],
-    ),
-    "cut": ("1 1 1.0\n2 2 1.", ["middle of line 2"]),
-    "blank": ("\n\n", ["no entries"]),
-    "empty": ("", ["empty"]),
-    "binary": ("1 1 1\0\n", ["no text file"]),
+    "word": "2 2 1.0\n1 x 3\n",
+    "columns": "1 1 1.0\n2 2\n",
+    "zero": "0 0 1.0\n0 1 0.5\n1 1 1.0\n",
+    "fraction": "1.5 1 1.0\n",
+    "twice": "1 1 1.0\n2 2 1.0\n\n1 1 1.0\n",
+    "both sides": "1 1 1.0\n1 2 0.1\n2 1 0.1\n2 2 1.0\n",
+    "no diagonal": "1 1 1.0\n1 2 0.1\n",
+    "infinite": "1 1 inf\n",
+    "negative": "1 1 1.0\n2 2 -1.0\n",
+    "minor": "1 1 1.0\n2 2 1.0\n1 2 1.5\n",
+    "eigenvalue": "1 1 1.0\n2 2 1.0\n3 3 1.0\n1 2 0.9\n1 3 0.9\n2 3 -0.9\n",
+    "cut": "1 1 1.0\n2 2 1.",
+    "blank": "\n\n",
+    "empty": "",
+    "binary": "1 1 1\0\n",
 }
 
 
 @pytest.mark.parametrize("name", BAD_CALCULIX)
 def test_bad_storage_of_calculix(tmp_path, name):
-    text, parts = BAD_CALCULIX[name]
     path = tmp_path / "bad.sti"
-    path.write_text(text)
-    refused(parts, path, path, path)
+    path.write_text(BAD_CALCULIX[name])
+    refused(path, path)
 
 
 BAD_MARKET = {
-    "kind": ("%%MatrixMarket matrix coordinate complex symmetric\n1 1 1\n1 1 1 0\n", ["line 1", "complex"]),
-    "skew": ("%%MatrixMarket matrix coordinate real skew-symmetric\n2 2 1\n2 1 1\n", ["line 1", "skew"]),
-    "count": ("%%MatrixMarket matrix coordinate real general\n2 2 3\n1 1 1\n2 2 1\n", ["promises 3", "has 2"]),
-    "shape": ("%%MatrixMarket matrix coordinate real general\n2 3 1\n1 1 1\n", ["line 2", "square"]),
-    "range": ("%%MatrixMarket matrix coordinate real general\n% c\n2 2 2\n1 1 1\n3 3 1\n", ["line 5", "1 to 2"]),
-    "size": ("%%MatrixMarket matrix coordinate real general\n99999999 99999999 1\n1 1 1\n", ["damaged"]),
-    "no size": ("%%MatrixMarket matrix coordinate real general\n", ["size"]),
-    "symmetric": (
-        "%%MatrixMarket matrix coordinate real symmetric\n2 2 4\n1 1 2\n1 2 1\n2 1 1\n2 2 2\n",
-        ["both sides"],
-    ),
-    "array": ("%%MatrixMarket matrix array real general\n2 2\n1\n2\n3\n", ["promises 4", "has 3"]),
-    "unsymmetric": (
-        "%%MatrixMarket matrix array real general\n2 2\n2\n1\n0.5\n2\n",
-        ["[0, 1] = 0.5", "[1, 0] = 1", "symmetric"],
-    ),
+    "kind": "%%MatrixMarket matrix coordinate complex symmetric\n1 1 1\n1 1 1 0\n",
+    "skew": "%%MatrixMarket matrix coordinate real skew-symmetric\n2 2 1\n2 1 1\n",
+    "count": "%%MatrixMarket matrix coordinate real general\n2 2 3\n1 1 1\n2 2 1\n",
+    "shape": "%%MatrixMarket matrix coordinate real general\n2 3 1\n1 1 1\n",
+    "range": "%%MatrixMarket matrix coordinate real general\n% c\n2 2 2\n1 1 1\n3 3 1\n",
+    "size": "%%MatrixMarket matrix coordinate real general\n99999999 99999999 1\n1 1 1\n",
+    "no size": "%%MatrixMarket matrix coordinate real general\n",
+    "symmetric": "%%MatrixMarket matrix coordinate real symmetric\n2 2 4\n1 1 2\n1 2 1\n2 1 1\n2 2 2\n",
+    "array": "%%MatrixMarket matrix array real general\n2 2\n1\n2\n3\n",
+    "unsymmetric": "%%MatrixMarket matrix array real general\n2 2\n2\n1\n0.5\n2\n",
 }
 
 
 @pytest.mark.parametrize("name", BAD_MARKET)
 def test_bad_matrix_market(tmp_path, name):
-    text, parts = BAD_MARKET[name]
     path = tmp_path / "bad.mtx"
-    path.write_text(text)
-    refused(parts, path, path, path)
+    path.write_text(BAD_MARKET[name])
+    refused(path, path)
 
 
-def refused(parts, path, *arguments, **options):
-    with pytest.raises(ImportFileError) as caught:
+def refused(*arguments, keys=("stiffness",), **options):
+    with rejects(ImportFileError, *keys):
         read_matrices(*arguments, **options)
-    message = str(caught.value)
-    assert [part for part in [path.name, *parts] if part not in message] == [], message
 
 
 def test_a_mass_with_the_wrong_sign_names_the_file_of_the_mass(tmp_path, small):
     np.save(tmp_path / "k.npy", small[0])
     np.save(tmp_path / "m.npy", -small[1])
-    refused(["mass[0, 0]", "0 or above"], tmp_path / "m.npy", tmp_path / "k.npy", tmp_path / "m.npy")
+    refused(tmp_path / "k.npy", tmp_path / "m.npy", keys=["mass"])
 
 
 def test_sizes_names_and_suffixes(tmp_path, small):
@@ -159,97 +147,96 @@ def test_sizes_names_and_suffixes(tmp_path, small):
     np.savez(tmp_path / "cut.npz", M=small[1])
     np.save(tmp_path / "complex.npy", 1j * small[0])
     k = tmp_path / "k.npy"
-    refused(["mass", "(3, 3)", "36 rows"], tmp_path / "small.npy", k, tmp_path / "small.npy")
-    refused(["stiffness", "(3,)"], tmp_path / "line.npy", tmp_path / "line.npy", k)
-    refused(["stiffness", "one (36, 36), two (36, 36)", "#K"], tmp_path / "two.npz", tmp_path / "two.npz", k)
-    refused(["stiffness", "M (36, 36)"], tmp_path / "cut.npz", tmp_path / "cut.npz", k)
-    refused(["real numbers", "complex"], tmp_path / "complex.npy", tmp_path / "complex.npy", k)
-    refused([".abc", ".mtx"], tmp_path / "k.abc", tmp_path / "k.abc", k)
-    refused(["could not be opened"], tmp_path / "none.npy", tmp_path / "none.npy", k)
-    with pytest.raises(InputError, match="length_unit is 'km'"):
+    refused(k, tmp_path / "small.npy", keys=["mass", "stiffness"])
+    refused(tmp_path / "line.npy", k)
+    refused(tmp_path / "two.npz", k)
+    refused(tmp_path / "cut.npz", k)
+    refused(tmp_path / "complex.npy", k)
+    refused(tmp_path / "k.abc", k)
+    refused(tmp_path / "none.npy", k)
+    with rejects(InputError, "length_unit"):
         read_matrices(k, k, length_unit="km")
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "parts"),
+    ("name", "text", "key"),
     [
-        ("map.dof", "3.1\n3.7\n", ["line 2", "node.direction"]),
-        ("map.dof", "3.2\n3.1\n", ["line 2", "out of order"]),
-        ("map.dof", "3.1\n3.2\n", ["2 unknowns", "36 rows"]),
-        ("map.mapping", "1 3 UX\n3 3 UY\n", ["line 2", "row 2"]),
-        ("map.csv", "3, x\n3, sideways\n", ["line 2", "sideways", "rx"]),
-        ("map.csv", "node, direction\n", ["names no unknown"]),
-        ("map.csv", "3, x\n" * 36, ["node 3", "x in 36 rows"]),
+        ("map.dof", "3.1\n3.7\n", "unknown_map"),
+        ("map.dof", "3.2\n3.1\n", "unknown_map"),
+        ("map.dof", "3.1\n3.2\n", "unknown_map"),
+        ("map.mapping", "1 3 UX\n3 3 UY\n", "unknown_map"),
+        ("map.csv", "3, x\n3, sideways\n", "unknown_map"),
+        ("map.csv", "node, direction\n", "unknown_map"),
+        ("map.csv", "3, x\n" * 36, "stiffness"),
     ],
 )
-def test_bad_maps(tmp_path, small, name, text, parts):
+def test_bad_maps(tmp_path, small, name, text, key):
     path = tmp_path / name
     path.write_text(text)
-    with pytest.raises(ImportFileError) as caught:
+    with rejects(ImportFileError, key):
         read_matrices(*written(tmp_path, small, "npy"), unknown_map=path)
-    assert [part for part in parts if part not in str(caught.value)] == []
 
 
 @pytest.mark.parametrize(
-    ("text", "parts"),
+    "text",
     [
-        ("3, 0, 0, 0\n3, 1, 0, 0\n", ["node 3 stands twice", "lines 1 and 2"]),
-        ("3, 0, 0\n", ["line 1", "three coordinates"]),
-        ("3, 0, 0, nan\n", ["line 1", "three coordinates"]),
-        ("node, x, y, z\n", ["names no node"]),
+        "3, 0, 0, 0\n3, 1, 0, 0\n",
+        "3, 0, 0\n",
+        "3, 0, 0, nan\n",
+        "node, x, y, z\n",
     ],
 )
-def test_bad_node_positions(tmp_path, small, text, parts):
+def test_bad_node_positions(tmp_path, small, text):
     path = tmp_path / "nodes.csv"
     path.write_text(text)
-    refused(parts, path, *written(tmp_path, small, "npy"), node_positions=path)
+    refused(*written(tmp_path, small, "npy"), keys=["node_positions"], node_positions=path)
 
 
 def test_bad_harwell_boeing(tmp_path, small):
     path = tmp_path / "k.matrix"
     write_harwell_boeing(path, small[0])
     lines = path.read_text().splitlines()
-    for row, old, new, parts in (
-        (2, "RSA", "CSA", ["line 3", '"CSA"', "RSA"]),
-        (3, "(8I10)", "(8X10)", ["line 4", "Fortran format"]),
-        (5, "         1", "         2", ["column pointers", "from 2"]),
-        (5, "        ", "  wrong ", ["line 6", "column pointers", "(8I10)"]),
+    for row, old, new in (
+        (2, "RSA", "CSA"),
+        (3, "(8I10)", "(8X10)"),
+        (5, "         1", "         2"),
+        (5, "        ", "  wrong "),
     ):
         changed = [line.replace(old, new, 1) if i == row else line for i, line in enumerate(lines)]
         path.write_text("\n".join(changed) + "\n")
-        refused(parts, path, path, path)
+        refused(path, path)
     path.write_text("\n".join(lines[:-60]) + "\n")
-    refused(["ends in line"], path, path, path)
+    refused(path, path)
 
 
 def test_bad_output4(tmp_path, small):
     path = tmp_path / "k.op4"
     write_op4_text(path, small[0])
     lines = path.read_text().splitlines()
-    for row, new, parts in (
-        (0, f"{36:8d}{36:8d}{6:8d}{7:8d}KRED    1P,3E23.16", ["line 1", "type 7"]),
-        (0, f"{36:8d}{36:8d}{6:8d}{2:8d}KRED    1P,3X23.16", ["line 1", "1P,5E16.9"]),
-        (1, f"{1:8d}{2:8d}{36:8d}", ["column 1", "rows 2 to 37"]),
-        (14, f"{1:8d}{1:8d}{36:8d}", ["stands twice"]),
-        (2, "nothing", ["lines 3 to 14", "KRED"]),
+    for row, new in (
+        (0, f"{36:8d}{36:8d}{6:8d}{7:8d}KRED    1P,3E23.16"),
+        (0, f"{36:8d}{36:8d}{6:8d}{2:8d}KRED    1P,3X23.16"),
+        (1, f"{1:8d}{2:8d}{36:8d}"),
+        (14, f"{1:8d}{1:8d}{36:8d}"),
+        (2, "nothing"),
     ):
         path.write_text("\n".join([*lines[:row], new, *lines[row + 1 :]]) + "\n")
-        refused(parts, path, path, path)
+        refused(path, path)
     path.write_text("\n".join(lines + lines) + "\n")
-    refused(["two matrices", "KRED"], path, path, path)
+    refused(path, path)
 
 
 def test_sparse_npz_with_an_index_out_of_range_is_refused(tmp_path):
     path = tmp_path / "k.npz"
     np.savez(path, format=b"csr", shape=(2, 2), data=np.ones(2), indices=np.array([0, 9]), indptr=np.array([0, 1, 2]))
-    refused(["SciPy sparse"], path, path, path)
+    refused(path, path)
 
 
 def test_full_file_without_the_extra_names_it(tmp_path, monkeypatch):
     monkeypatch.setattr("stickslip.formats.matrices.ansys_full.find_spec", lambda name: None)
     path = tmp_path / "file.full"
     path.write_bytes(b"\0" * 100)
-    with pytest.raises(MissingPackageError, match=r"file\.full.*stickslip\[ansys\].*HBMAT"):
+    with rejects(MissingPackageError):
         read_matrices(path, path)
 
 
@@ -269,7 +256,10 @@ def test_full_file_of_ansys(tmp_path):
     damaged = tmp_path / "damaged.full"
     content = Path(examples.fullfile).read_bytes()
     damaged.write_bytes(content[: len(content) // 2])
-    refused(["full"], damaged, damaged, damaged)
+    # the reader of that package dies of something else each time, so its words are in no snapshot
+    with pytest.raises(ImportFileError, match="could not be read as an Ansys") as caught:
+        read_matrices(damaged, damaged)
+    assert caught.value.keys == ("stiffness",)
 
 
 def test_both_triangles_of_calculix_coordinates_are_the_same_model(tmp_path, small):
@@ -289,5 +279,5 @@ def test_a_map_may_lack_its_last_line_end_but_nothing_else(tmp_path, small, name
     path.write_text(whole)
     np.testing.assert_array_equal(read_matrices(*files, unknown_map=path).node, np.repeat(NODES, 3))
     path.write_text(whole[:-1])
-    with pytest.raises(ImportFileError, match=name):
+    with rejects(ImportFileError, "unknown_map"):
         read_matrices(*files, unknown_map=path)

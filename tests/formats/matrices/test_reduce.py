@@ -7,6 +7,7 @@ import pytest
 import scipy.sparse
 
 from matrix_writers import NODES
+from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.formats.matrices.model import MatrixModel
 from stickslip.formats.matrices.reduce import reduce_matrices
@@ -109,17 +110,15 @@ def test_free_bodies_with_contact_are_accepted(make_block):
 
 def test_a_body_without_contact_is_named(make_block):
     model, n = two_blocks(make_block)
-    with pytest.raises(
-        InputError, match=r"singular.*1 of 2 connected parts float.*36 nodes \(37, 38, 39, \.\.\.\).*6 motions"
-    ):
+    with rejects(InputError):
         reduce_matrices(model, corners(n, 0), 4)
-    with pytest.raises(InputError, match=r"37, 38, 39.*6 ways without strain.*no contact"):
+    with rejects(InputError):
         reduce_matrices(model, corners(n, 0), 1000)
 
 
 def test_one_contact_node_does_not_hold_a_body(make_block):
     model, n = two_blocks(make_block)
-    with pytest.raises(InputError, match=r"singular.*2 of 2 connected parts float.*3 motions.*boundary nodes"):
+    with rejects(InputError):
         reduce_matrices(model, [3, 3 + n], 4)
 
 
@@ -127,14 +126,14 @@ def test_one_contact_node_does_not_hold_a_body(make_block):
 def test_a_hinge_is_a_mechanism(make_block, n_modes):
     model, n = two_blocks(make_block, shared=2)
     nodes = np.concatenate([corners(n, 0), np.array([5, 9, n]) + n])
-    with pytest.raises(InputError, match=r"singular.*connected part.*7 ways without strain.*6.*mechanism"):
+    with rejects(InputError):
         reduce_matrices(model, nodes, n_modes)
 
 
 def test_positions_of_another_model_do_not_explain_rigid_motions(make_block):
     model, n = two_blocks(make_block)
     wrong = replace(model, position=model.position * [5.0, 1.0, 1.0])
-    with pytest.raises(InputError, match="not as a rigid body"):
+    with rejects(InputError):
         reduce_matrices(wrong, corners(n, 0, 1), 4)
 
 
@@ -142,12 +141,12 @@ def test_contact_bodies_of_a_superelement(small):
     stiffness, mass, points = small
     element = Superelement(mass, stiffness, boundary_nodes=NODES, positions=points)
     require_contact_bodies(element, NODES[:4])
-    with pytest.raises(InputError, match="no contact"):
+    with rejects(InputError):
         require_contact_bodies(element, np.array([999]))
     held = Superelement(mass, stiffness + 1e9 * np.eye(36), boundary_nodes=NODES)
     require_contact_bodies(held, np.array([999]))
 
 
 def test_without_a_map_nothing_can_be_kept(small):
-    with pytest.raises(InputError, match="unknown map"):
+    with rejects(InputError):
         reduce_matrices(MatrixModel(*small[:2]), [3], 4)

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sentences import rejects
 from stickslip.core.errors import ImportFileError
 from stickslip.formats.meshes.read import read_model
 from stickslip.structure.model_facts import body_volumes
@@ -173,9 +174,9 @@ def test_included_rubbish_is_told_or_harmless(folder, stem):
         files = {name: content if name == stem else text for name, text in sound.items()}
         top = files.pop("deck")
         require_sentence_or_model(folder / "deck.bdf", top, **files)
-    for content, words in ((b"", "the file is empty"), (whole + b"\0", "this is a binary file")):
+    for content in (b"", whole + b"\0"):  # empty, binary
         path = write_deck(folder, sound | {stem: content})
-        with pytest.raises(ImportFileError, match=rf"{stem}\.bdf: {words}"):
+        with rejects(ImportFileError):
             read_model(path, "mm")
 
 
@@ -184,5 +185,5 @@ def test_rubbish(folder, suffix):
     path = folder / f"rubbish{suffix}"
     for content in (b"", b"\n\n", b"\0", b"hello\n", bytes(range(256)) * 20, random.Random(1).randbytes(3000)):
         path.write_bytes(content)
-        with time_limit(), pytest.raises(ImportFileError, match=f"rubbish{suffix}"):
+        with time_limit(), rejects(ImportFileError):
             read_model(path, "mm")

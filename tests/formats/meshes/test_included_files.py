@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bombs import flat_memory
+from sentences import rejects
 from stickslip.core.errors import ImportFileError
 from stickslip.formats.meshes import included_files, raw_model
 from stickslip.formats.meshes.read import read_model
@@ -41,7 +42,7 @@ def test_files_outside_of_the_folder_are_refused(deck, tmp_path, ending, how):
     path = deck(ending, names[how])
     if how == "link":
         (path.parent / "inner").symlink_to(secret)
-    with pytest.raises(ImportFileError, match=rf"deck.{ending}, line 1: INCLUDE names .* outside of .*--includes-out"):
+    with rejects(ImportFileError):
         read_model(path, "mm")
 
 
@@ -93,7 +94,7 @@ def test_a_fan_of_files_ends_early(deck, monkeypatch, ending):
     for level in range(4):
         (path.parent / f"level{level}").write_text(FORMATS[ending].format(f"level{level + 1}") * 30)
     (path.parent / "level4").write_text({"inp": "*HEADING\n", "bdf": "$\n"}[ending])
-    with pytest.raises(ImportFileError, match=r"level3, line 21: .*level4 more than 20 times"):
+    with rejects(ImportFileError):
         read_model(path, "mm")
     assert len(read) == 24
 
@@ -106,10 +107,10 @@ def test_the_number_and_the_size_of_all_files_have_limits(deck, monkeypatch, end
     (path.parent / "part").write_text("".join(FORMATS[ending].format(f"p{n}") for n in range(1001)))
     for number in range(1001):
         (path.parent / f"p{number}").write_text(line)
-    with pytest.raises(ImportFileError, match=r"part, line 1000: .*more than 1000 files"):
+    with rejects(ImportFileError):
         read_model(path, "mm")
     monkeypatch.setattr(included_files, "LARGEST_FILE", 20_000)
-    with pytest.raises(ImportFileError, match=r"line \d+: .* the included files have more than 20 kB in total"):
+    with rejects(ImportFileError):
         read_model(path, "mm")
 
 
@@ -181,7 +182,7 @@ def test_ranges_of_nastran_have_a_limit(tmp_path):
     text = (MODELS / "cubes.bdf").read_text(encoding="utf-8")
     path = tmp_path / "deck.bdf"
     path.write_text(text.replace("ENDDATA", "SET1,5,1,THRU,40000\n" * 500 + "ENDDATA"))
-    with flat_memory(600_000_000), pytest.raises(ImportFileError, match=r"SET1: .*THRU.* in total"):
+    with flat_memory(600_000_000), rejects(ImportFileError):
         read_model(path, "mm")
 
 
@@ -200,6 +201,6 @@ def test_a_pipe_in_a_deck(deck, tmp_path):
         path = deck(ending, "pipe")
         if not (path.parent / "pipe").exists():
             os.mkfifo(path.parent / "pipe")
-        with pytest.raises(ImportFileError, match=r"pipe: the file cannot be read \(it is a named pipe"):
+        with rejects(ImportFileError):
             read_model(path, "mm")
     assert raw_model.read_text(MODELS / "cubes.inp")

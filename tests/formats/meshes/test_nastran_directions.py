@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sentences import rejects
 from stickslip.core.errors import ImportFileError
 from stickslip.formats.meshes.read import read_model
 
@@ -51,27 +52,21 @@ def test_forces_in_a_system(tmp_path, system, label, force, wanted):
 
 
 @pytest.mark.parametrize(
-    ("cards", "words"),
+    "cards",
     [
-        ("FORCE,3,16,5,2.,1.\n", r"cubes.bdf, line 39: FORCE: there is no coordinate system 5"),
-        (f"FORCE,3,99,5,2.,1.\n{CYLINDER}", "line 39: FORCE: grid 99, on which it acts, is not defined"),
-        (
-            f"FORCE,3,13,5,2.,1.\n{CYLINDER}",
-            "line 39: FORCE: grid 13 is on the axis of the system 5, .* components 1, 2",
-        ),
-        (f"FORCE,3,13,5,2.,,1.\n{SPHERE}", "FORCE: grid 13 is on the axis of the system 5, .* components 2, 3"),
-        (f"FORCE,3,1,5,2.,1.\n{SPHERE}", "FORCE: grid 1 is on the axis of the system 5, .* components 1, 2, 3"),
-        (f"FORCE,3,16,5,1+200,1+200\n{CYLINDER}", "line 39: the force on node 16 is too large for a number"),
+        "FORCE,3,16,5,2.,1.\n",
+        f"FORCE,3,99,5,2.,1.\n{CYLINDER}",
+        f"FORCE,3,13,5,2.,1.\n{CYLINDER}",
+        f"FORCE,3,13,5,2.,,1.\n{SPHERE}",
+        f"FORCE,3,1,5,2.,1.\n{SPHERE}",
+        f"FORCE,3,16,5,1+200,1+200\n{CYLINDER}",
         # no warning of numpy on the way to a sentence
-        (
-            f"FORCE,3,99,5,1.,1.\nGRID,99,,1+200,1.,0.\n{SPHERE}",
-            r"line 40: node 99 has the coordinates 1e\+200, .*finite",
-        ),
-        (f"FORCE,3,99,5,1.,1.\nGRID,99,5,1+308,45.,0.\n{SPHERE}", r"line 40: node 99 has the coordinates .*finite"),
+        f"FORCE,3,99,5,1.,1.\nGRID,99,,1+200,1.,0.\n{SPHERE}",
+        f"FORCE,3,99,5,1.,1.\nGRID,99,5,1+308,45.,0.\n{SPHERE}",
     ],
 )
-def test_forces_that_have_no_direction(tmp_path, cards, words):
-    with pytest.raises(ImportFileError, match=words):
+def test_forces_that_have_no_direction(tmp_path, cards):
+    with rejects(ImportFileError):
         cubes(tmp_path, cards)
 
 
@@ -106,44 +101,39 @@ def test_constraints_that_hold_basic_directions(tmp_path, system, grids, constra
 
 
 @pytest.mark.parametrize(
-    ("system", "grids", "constraints", "words"),
+    ("system", "grids", "constraints"),
     [
         (
             CYLINDER,
             {3: 5},
             "$\nSPC1,1,1,3\n",
-            r"cubes.bdf, line 7: GRID: grid 3 has its displacements in the system 5 \(CD\), and the constraint in "
-            r"line 35 holds component 1 of them, not along x, y or z .* Hold 1, 2 and 3",
         ),
         (
             CYLINDER,
             {3: 5},
             "SPC1,1,1,3\nSPC1,1,3,3\n",
-            r"line 7: GRID: grid 3 .*line 34 holds components 1 and 3 of them",
         ),
-        (CYLINDER, {5: 5}, "SPC1,1,2,5\n", r"line 9: GRID: grid 5 .* holds component 2"),  # on the axis
-        (SPHERE, {5: 5}, "SPC1,1,13,5\n", r"line 9: GRID: grid 5 .* holds components 1 and 3"),
-        (SPHERE, {1: 5}, "SPC1,1,12,1\n", r"line 5: GRID: grid 1 .* holds components 1 and 2"),
-        (SPHERE, {8: 5}, "SPC1,1,1,8\n", r"line 12: GRID: grid 8 .* holds component 1"),
-        (TURNED.format(1e-8), {3: 5}, "SPC1,1,1,3\n", r"line 7: GRID: grid 3"),
+        (CYLINDER, {5: 5}, "SPC1,1,2,5\n"),  # on the axis
+        (SPHERE, {5: 5}, "SPC1,1,13,5\n"),
+        (SPHERE, {1: 5}, "SPC1,1,12,1\n"),
+        (SPHERE, {8: 5}, "SPC1,1,1,8\n"),
+        (TURNED.format(1e-8), {3: 5}, "SPC1,1,1,3\n"),
         (
             TURNED.format(0.3),
             {3: "5,1"},
             "SPC1,1,2,2\n",
-            r"line 7: GRID: grid 3 .*constraint in line 7 holds component 1",
         ),
         (
             "GRDSET,,,,,,5\n" + CYLINDER,
             {},
             "SPC1,1,1,3\n",
-            r"line 7: GRID: grid 3 has its displacements in the system 5",
         ),
-        ("", {16: 5}, "SPC1,1,1,3\n", r"line 20: GRID: there is no coordinate system 5"),
-        ("", {16: "x"}, "SPC1,1,1,3\n", r'line 20: GRID: field 7 is "x"'),
+        ("", {16: 5}, "SPC1,1,1,3\n"),
+        ("", {16: "x"}, "SPC1,1,1,3\n"),
     ],
 )
-def test_constraints_in_other_directions_are_refused(tmp_path, system, grids, constraints, words):
-    with pytest.raises(ImportFileError, match=words):
+def test_constraints_in_other_directions_are_refused(tmp_path, system, grids, constraints):
+    with rejects(ImportFileError):
         cubes(tmp_path, system, grids, constraints)
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from model_writers import write_bdf
+from sentences import rejects
 from stickslip.core.errors import ImportFileError
 from stickslip.formats.meshes.nastran_frames import BASIC, Frame
 from stickslip.formats.meshes.read import read_model, read_raw
@@ -95,40 +96,31 @@ def test_directions_are_those_in_which_the_coordinates_grow(kind):
 
 
 @pytest.mark.parametrize(
-    ("text", "words"),
+    "text",
     [
-        (
-            "GRID,1,5,0.,0.,0.\n",
-            r"deck.bdf, line 1: GRID: there is no coordinate system 5. Read are CORD1R, CORD1C, CO",
-        ),
-        ("GRID,1,,0.,0.,0.\nGRDSET,,5\n", "deck.bdf, line 2: GRDSET: there is no coordinate system 5"),
-        ("GRDSET,,5\nGRDSET,,5\n", "deck.bdf, line 2: GRDSET: there is another one in line 1"),
-        ("GRDSET,,x\nGRID,1,,0.,0.,0.\n", 'line 1: GRDSET: field 3 is "x", not a whole number'),
-        ("GRDSET,,,,,,,8\nGRID,1,,0.,0.,0.\n", "line 1: GRDSET: it needs components out of 1 to 6"),
-        (f"GRID,1,6,0.,0.,0.\n{NESTED}", "line 2: CORD2R: there is no coordinate system 5"),
-        ("GRID,1,5,0.,0.,0.\nCORD1C,5,1,2,3\n", "line 1: GRID: the system 5 is given in itself"),
-        ("GRID,1,5,0.,0.,0.\nCORD1C,5,2,3,4\n", "line 2: CORD1C: grid 2, one of its three, is not defined"),
-        ("GRID,1,,0.,0.,0.\nGRID,2,5,0.,0.,0.\nCORD1S,5,1,1,1\n", "line 3: CORD1S: its three points lie in one line"),
-        (
-            "GRID,1,5,0.,0.,0.\nCORD2C,5,6,0.,0.,0.,0.,0.,1.,+\n+,1.\nCORD2S,6,7,0.,0.,0.,0.,0.,1.,+\n+,1.\n"
-            "CORD2R,7,5,0.,0.,0.,0.,0.,1.,+\n+,1.\n",
-            "line 6: CORD2R: the system 5 is given in itself, by way of 6, 7",
-        ),
-        (
-            "GRID,1,5,0.,0.,0.\nCORD2C,5,,1.,0.,0.,2.,0.,0.,+\n+,3.,0.,0.\n",
-            "line 2: CORD2C: its three points lie in one",
-        ),
-        ("GRID,1,5,0.,0.,0.\nCORD2S,5,,0.,0.,0.,1+200,0.,0.,+\n+,0.,1+200\n", "line 2: CORD2S: its three points lie"),
-        ("CORD2C,5,,1.,0.,0.,2.,0.,1.\n", "line 1: CORD2C: its second line, with the third place, is missing"),
-        ("CORD2C,0,,1.,0.,0.,2.,0.,1.,+\n+,1.\n", "line 1: CORD2C: 0 is the basic system"),
-        ("CORD1R,5,1,2,3,5,1,2,3\n", r"line 1: CORD1R: system 5 is defined twice \(first in line 1\)"),
-        (f"{CYLINDER}CORD1R,5,1,2,3\n", r"line 3: CORD1R: system 5 is defined twice \(first in line 1\)"),
-        ("CORD1R,5,1,2\n", 'line 1: CORD1R: field 5 is "", not a whole number'),
-        ("CORD2R,5,,a,0.,0.,2.,0.,1.,+\n+,1.\n", 'line 1: CORD2R: field 4 is "a", not a number'),
+        "GRID,1,5,0.,0.,0.\n",
+        "GRID,1,,0.,0.,0.\nGRDSET,,5\n",
+        "GRDSET,,5\nGRDSET,,5\n",
+        "GRDSET,,x\nGRID,1,,0.,0.,0.\n",
+        "GRDSET,,,,,,,8\nGRID,1,,0.,0.,0.\n",
+        f"GRID,1,6,0.,0.,0.\n{NESTED}",
+        "GRID,1,5,0.,0.,0.\nCORD1C,5,1,2,3\n",
+        "GRID,1,5,0.,0.,0.\nCORD1C,5,2,3,4\n",
+        "GRID,1,,0.,0.,0.\nGRID,2,5,0.,0.,0.\nCORD1S,5,1,1,1\n",
+        "GRID,1,5,0.,0.,0.\nCORD2C,5,6,0.,0.,0.,0.,0.,1.,+\n+,1.\nCORD2S,6,7,0.,0.,0.,0.,0.,1.,+\n+,1.\n"
+        "CORD2R,7,5,0.,0.,0.,0.,0.,1.,+\n+,1.\n",
+        "GRID,1,5,0.,0.,0.\nCORD2C,5,,1.,0.,0.,2.,0.,0.,+\n+,3.,0.,0.\n",
+        "GRID,1,5,0.,0.,0.\nCORD2S,5,,0.,0.,0.,1+200,0.,0.,+\n+,0.,1+200\n",
+        "CORD2C,5,,1.,0.,0.,2.,0.,1.\n",
+        "CORD2C,0,,1.,0.,0.,2.,0.,1.,+\n+,1.\n",
+        "CORD1R,5,1,2,3,5,1,2,3\n",
+        f"{CYLINDER}CORD1R,5,1,2,3\n",
+        "CORD1R,5,1,2\n",
+        "CORD2R,5,,a,0.,0.,2.,0.,1.,+\n+,1.\n",
     ],
 )
-def test_systems_that_are_wrong(tmp_path, text, words):
-    with pytest.raises(ImportFileError, match=words):
+def test_systems_that_are_wrong(tmp_path, text):
+    with rejects(ImportFileError):
         places(tmp_path, text)
 
 

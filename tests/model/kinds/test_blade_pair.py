@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.model.kinds.two_blade_mesh import BladePairElements, BladePairGeometry, blade_pair_mesh
 from stickslip.structure.elasticity import Material
@@ -76,32 +77,62 @@ def test_excitation_height_moves_to_the_nearest_node(asked, found):
 @pytest.mark.parametrize("name", [item.name for item in fields(BladePairGeometry)])
 @pytest.mark.parametrize("value", [0.0, -1.0e-3, np.nan, np.inf, "28 mm", True])
 def test_a_bad_dimension_is_named(name, value):
-    with pytest.raises(InputError, match=name):
+    with rejects(InputError, name):
         BladePairGeometry(**{name: value})
 
 
 @pytest.mark.parametrize("name", [item.name for item in fields(BladePairElements)])
 @pytest.mark.parametrize("value", [0, -2, 1.5, True])
 def test_a_bad_element_count_is_named(name, value):
-    with pytest.raises(InputError, match=name):
+    with rejects(InputError, name):
         BladePairElements(**{name: value})
 
 
+UNDER_PLATFORM = (
+    "underside_height_at_shank",
+    "contact_face_width",
+    "platform_angle_deg",
+    "platform_edge_thickness",
+    "blade_length",
+)
+
+
 @pytest.mark.parametrize(
-    ("change", "fragment"),
+    ("change", "keys"),
     [
-        ({"platform_angle_deg": 90.0}, "platform_angle_deg is 90"),
-        ({"damper_length": 29.0e-3}, "damper_length is 29 mm.*does not fit"),
-        ({"damper_flank_height": 40.0e-3}, "damper_flank_height is 40 mm.*does not fit"),
-        ({"airfoil_thickness": 26.0e-3}, "airfoil_thickness is 26 mm"),
-        ({"shank_thickness_at_base": 400.0e-3}, "shank_thickness_at_base.*does not fit"),
-        ({"blade_length": 40.0e-3}, "blade_length"),
-        ({"platform_edge_thickness": 200.0e-3}, "platform_edge_thickness"),
-        ({"excitation_height": 100.0e-3}, "excitation_height is 100 mm"),
+        ({"platform_angle_deg": 90.0}, ("platform_angle_deg",)),
+        (
+            {"damper_length": 29.0e-3},
+            ("damper_length", "width"),
+        ),
+        (
+            {"damper_flank_height": 40.0e-3},
+            ("damper_flank_height", "underside_height_at_shank"),
+        ),
+        (
+            {"airfoil_thickness": 26.0e-3},
+            ("airfoil_thickness", "shank_thickness_at_platform", "inner_overhang"),
+        ),
+        (
+            {"shank_thickness_at_base": 400.0e-3},
+            ("shank_thickness_at_base", "shank_thickness_at_platform", "inner_overhang"),
+        ),
+        (
+            {"blade_length": 40.0e-3},
+            UNDER_PLATFORM,
+        ),
+        (
+            {"platform_edge_thickness": 200.0e-3},
+            UNDER_PLATFORM,
+        ),
+        (
+            {"excitation_height": 100.0e-3},
+            ("excitation_height", "underside_height_at_shank"),
+        ),
     ],
 )
-def test_parts_that_do_not_fit_are_named(change, fragment):
-    with pytest.raises(InputError, match=fragment):
+def test_parts_that_do_not_fit_are_named(change, keys):
+    with rejects(InputError, *keys):
         BladePairGeometry(**change)
 
 

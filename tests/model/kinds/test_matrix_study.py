@@ -13,9 +13,10 @@ import scipy.sparse
 from typer.testing import CliRunner
 
 from own_cases import MATRIX_STUDY, QUICK, mesh_case, write_matrices
+from sentences import rejects
 from stickslip.case.case import Case, load_case
 from stickslip.cli.main import app
-from stickslip.core.errors import InputError
+from stickslip.core.errors import ImportFileError, InputError
 from stickslip.formats.matrices.exchange import read_superelement, write_superelement
 from stickslip.model.model import build_model, load_joint, set_up
 from stickslip.reporting.page import page
@@ -118,19 +119,19 @@ def test_separate_files_and_a_list_of_pairs_give_the_same_frequencies(folder: Pa
     assert not one.second_weights.any()
     assert any("do not say where their nodes are" in words for words in setup.layout.messages)
     (tmp_path / "pairs.csv").write_text("1, 2\n3\n", encoding="utf-8")
-    with pytest.raises(InputError, match=r"interfaces\.lid\.pairs: .*pairs\.csv, line [12]"):
+    with rejects(ImportFileError, "interfaces.lid.pairs"):
         set_up(load_case(tmp_path / "study.toml"))
 
 
 WRONG = {
-    "set": ({"interfaces.lid.first": "sole"}, r"interfaces\.lid\.first: .*no node set 'sole'.*lid"),
-    "node": ({"forces.push.set": None, "forces.push.node": 1_000_000}, r"forces\.push\.node: .*no node 1000000"),
-    "point": ({"responses.block.point": [9, 9, 9]}, r"responses\.block\.point: the nearest node is .* mm away"),
+    "set": ({"interfaces.lid.first": "sole"}, "interfaces.lid.first"),
+    "node": ({"forces.push.set": None, "forces.push.node": 1_000_000}, "forces.push.node"),
+    "point": ({"responses.block.point": [9, 9, 9]}, "responses.block.point"),
 }
 
 
-@pytest.mark.parametrize(("changes", "message"), WRONG.values(), ids=WRONG.keys())
-def test_what_does_not_fit_is_named(folder: Path, changes: dict[str, Any], message: str) -> None:
+@pytest.mark.parametrize(("changes", "about"), WRONG.values(), ids=WRONG.keys())
+def test_what_does_not_fit_is_named(folder: Path, changes: dict[str, Any], about: str) -> None:
     data = changed(folder).to_dict()
     for path, value in changes.items():
         section, entry, key = path.split(".")
@@ -138,7 +139,7 @@ def test_what_does_not_fit_is_named(folder: Path, changes: dict[str, Any], messa
             data[section][entry].pop(key)
         else:
             data[section][entry][key] = value
-    with pytest.raises(InputError, match=message):
+    with rejects(InputError, about):
         set_up(Case.from_mapping(data))
 
 
@@ -146,7 +147,7 @@ def test_roughness_needs_a_material(folder: Path) -> None:
     data = changed(folder).to_dict()
     for key in ("normal_stiffness", "tangential_stiffness"):
         data["interfaces"]["lid"].pop(key)
-    with pytest.raises(InputError, match=r"no section \[material\]"):
+    with rejects(InputError):
         set_up(Case.from_mapping(data))
 
 
@@ -156,7 +157,7 @@ def test_damping_of_the_files_is_taken_and_never_doubled(folder: Path, tmp_path:
     damped = replace(found, damping=2e-7 * found.stiffness)
     write_superelement(tmp_path, damped)
     case = changed(folder, structure__file=str(tmp_path / "superelement.npz"))
-    with pytest.raises(InputError, match=r"modal_damping_ratio = 0\.001 cannot come on top.*rayleigh_alpha = 0"):
+    with rejects(InputError, "damping.modal_damping_ratio"):
         set_up(case)
     data = case.to_dict()
     data["damping"] = {"rayleigh_alpha": 3}
@@ -201,7 +202,7 @@ def test_a_pair_that_stands_twice_in_a_list_is_refused(folder: Path, tmp_path: P
     lid = data["interfaces"]["lid"]
     data["interfaces"]["lid"] = {key: lid[key] for key in lid if key not in ("first", "second")}
     data["interfaces"]["lid"]["pairs"] = str(tmp_path / "pairs.csv")
-    with pytest.raises(InputError, match=rf"has the pair {nodes[0]} in 2 lines"):
+    with rejects(ImportFileError, "interfaces.lid.pairs"):
         set_up(Case.from_mapping(data))
     (tmp_path / "pairs.csv").write_text(f"{nodes[0]}\n{nodes[1]}", encoding="utf-8")
     assert set_up(Case.from_mapping(data)).layout.face_pairs.n_pairs == 2
@@ -210,18 +211,18 @@ def test_a_pair_that_stands_twice_in_a_list_is_refused(folder: Path, tmp_path: P
 def test_a_joint_that_stands_twice_is_refused(folder: Path) -> None:
     data = changed(folder).to_dict()
     data["interfaces"]["again"] = {**data["interfaces"]["lid"], "normal": [0, 0, -1]}
-    with pytest.raises(InputError, match=r"interfaces\.lid and interfaces\.again join the same \d+ node pairs"):
+    with rejects(InputError, "interfaces.lid", "interfaces.again"):
         set_up(Case.from_mapping(data))
 
 
 def test_a_file_of_another_kind_and_a_missing_map_are_told(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "model.inp").write_text("*NODE\n", encoding="utf-8")
-    with pytest.raises(InputError, match=r'model\.inp" is no superelement.*structure\.kind = "mesh"'):
+    with rejects(ImportFileError, "structure.file"):
         set_up(changed(folder, structure__file=str(tmp_path / "model.inp")))
     found = read_superelement(folder)
     for name in ("stiffness", "mass"):
         scipy.io.mmwrite(tmp_path / f"{name}.mtx", scipy.sparse.coo_matrix(getattr(found, name)), precision=17)
     files = 'stiffness = "stiffness.mtx"\nmass = "mass.mtx"\nlength_unit = "m"'
     (tmp_path / "study.toml").write_text(MATRIX_STUDY.replace('file = "superelement.npz"', files), encoding="utf-8")
-    with pytest.raises(InputError, match=r"structure\.unknown_map: no node of the matrices has unknowns along"):
+    with rejects(InputError, "structure.unknown_map"):
         set_up(load_case(tmp_path / "study.toml"))

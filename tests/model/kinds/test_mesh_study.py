@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import html
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from own_cases import EXAMPLE, QUICK, mesh_case, parts_deck
+from sentences import rejects
 from stickslip.case.case import Case, load_case
 from stickslip.cli.main import app
-from stickslip.core.errors import InputError
+from stickslip.core.errors import ImportFileError, InputError, StudyFileError
 from stickslip.model.model import build_model, load_joint, set_up
 from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
@@ -115,7 +117,7 @@ def test_forces_loads_and_outputs_of_sets() -> None:
 
 def test_a_pair_across_a_gap_is_open_by_its_gap() -> None:
     case = mesh_case(interfaces__lid__gap="0.01 mm")
-    with pytest.raises(InputError, match=r"interfaces\.lid: the normal load cannot rest .* 0\.01 mm"):
+    with rejects(InputError, "interfaces.lid.normal_load"):
         load_joint(case, set_up(case).layout)
     count = set_up(case).layout.face_pairs.n_pairs
     values = case.to_dict() | {"preload": {"values": [2.0] * (count // 2) + [0.0] * (count // 2)}}
@@ -136,27 +138,30 @@ def test_two_materials_meet_in_the_reduced_modulus() -> None:
 
 
 WRONG = {
-    "set that is not there": ({"interfaces.sole.second": "beam_tip"}, r"interfaces\.sole: .*beam_tip.*beam_top"),
-    "faces that do not meet": ({"interfaces.sole.second": "tip"}, r"interfaces\.sole: .*meet nowhere"),
-    "fixed set that is not there": ({"structure.fixed": ["foot"]}, r"structure\.fixed: .*'foot'.*root"),
-    "unknown body": ({"bodies.lamper.density": 1}, r"no \[bodies\.lamper\]"),
-    "force on a clamped set": ({"forces.push.set": "root", "forces.push.spread": "equal"}, r"forces\.push: .*held"),
-    "contact on a clamped face": ({"structure.fixed": ["beam_top"]}, r"interfaces\.sole: node .* held by a constraint"),
-    "point far away": ({"responses.block.point": [50, 5, 14]}, r"responses\.block: the nearest node .* mm away"),
-    "unit of length": ({"structure.length_unit": "furlong"}, "length_unit is 'furlong'"),
-    "ground with search": ({"interfaces.lid.search_distance": "1 mm"}, r"interfaces\.lid: search_distance"),
-    "ground with adjust": ({"interfaces.lid.adjust": "closed"}, r"interfaces\.lid: adjust serves two faces"),
+    "set that is not there": ({"interfaces.sole.second": "beam_tip"}, (InputError, "interfaces.sole.second")),
+    "faces that do not meet": (
+        {"interfaces.sole.second": "tip"},
+        (InputError, "interfaces.sole.first", "interfaces.sole.second"),
+    ),
+    "fixed set that is not there": ({"structure.fixed": ["foot"]}, (InputError, "structure.fixed")),
+    "unknown body": ({"bodies.lamper.density": 1}, (StudyFileError, "bodies.lamper.density")),
+    "force on a clamped set": ({"forces.push.set": "root", "forces.push.spread": "equal"}, (InputError, "forces.push")),
+    "contact on a clamped face": ({"structure.fixed": ["beam_top"]}, (InputError, "interfaces.sole")),
+    "point far away": ({"responses.block.point": [50, 5, 14]}, (InputError, "responses.block.point")),
+    "unit of length": ({"structure.length_unit": "furlong"}, (InputError, "structure.length_unit")),
+    "ground with search": ({"interfaces.lid.search_distance": "1 mm"}, (InputError, "interfaces.lid.search_distance")),
+    "ground with adjust": ({"interfaces.lid.adjust": "closed"}, (InputError, "interfaces.lid.adjust")),
     "units that explain it": (
         {"structure.length_unit": "m"},
-        r"^body 'beam' has the density .* Check the unit system\. Most likely because of that: responses\.block: ",
+        (InputError, "responses.block"),
     ),
-    "file that is not there": ({"structure.file": "nowhere.inp"}, r"nowhere\.inp: there is no such file"),
+    "file that is not there": ({"structure.file": "nowhere.inp"}, (ImportFileError, "structure.file")),
 }
 
 
-@pytest.mark.parametrize(("changes", "message"), WRONG.values(), ids=WRONG.keys())
-def test_what_does_not_fit_is_named(changes: dict[str, object], message: str) -> None:
-    with pytest.raises(InputError, match=message):
+@pytest.mark.parametrize(("changes", "expected"), WRONG.values(), ids=WRONG.keys())
+def test_what_does_not_fit_is_named(changes: dict[str, object], expected: tuple[Any, ...]) -> None:
+    with rejects(*expected):
         set_up(mesh_case().replace(changes))
 
 
@@ -182,19 +187,15 @@ def test_the_name_of_a_body_is_refused_as_such(entry: str) -> None:
     assert set_up(case).layout.face_names == ("joint",)
     changes: dict[str, object] = {entry: ["upper"] if entry == "structure.fixed" else "upper"}
     changes |= {"responses.top.node": None} if entry.startswith("responses") else {}
-    with pytest.raises(
-        InputError, match=r"'upper' is the name of a body, no .* the mesh has: SPC 1, contact, opp"
-    ) as told:
+    with rejects(InputError, entry):
         set_up(case.replace(changes))
-    assert str(told.value).startswith(entry.removesuffix(".set").removesuffix(".first"))
 
 
 def test_missing_material_is_named(tmp_path: Path) -> None:
     deck = (EXAMPLE / "beam_and_block.inp").read_text(encoding="utf-8")
     (tmp_path / "bare.inp").write_text(deck.replace("*DENSITY\n7.85e-09\n", ""), encoding="utf-8")
     case = mesh_case().replace({"structure.file": str(tmp_path / "bare.inp")})
-    words = r"body 'beam' has no young_modulus, no .* In the file, material 'STEEL' has no density.*\[bodies\.beam\]"
-    with pytest.raises(InputError, match=words):
+    with rejects(InputError, "structure.file"):
         set_up(case)
 
 
@@ -202,7 +203,7 @@ def test_missing_material_is_named(tmp_path: Path) -> None:
 def test_a_joint_that_stands_twice_is_refused(sides: tuple[str, str]) -> None:
     data = mesh_case().to_dict()
     data["interfaces"]["again"] = {**data["interfaces"]["sole"], "first": sides[0], "second": sides[1]}
-    with pytest.raises(InputError, match=r"interfaces\.sole and interfaces\.again join the same \d+ element sides"):
+    with rejects(InputError, "interfaces.sole", "interfaces.again"):
         set_up(Case.from_mapping(data))
 
 
@@ -210,7 +211,7 @@ def test_a_body_that_nothing_holds_is_refused() -> None:
     data = mesh_case().to_dict()
     sole = data["interfaces"].pop("sole")
     data["interfaces"] = {"other": {**sole, "first": "tip", "second": "ground"}}
-    with pytest.raises(InputError, match=r"\(damper\) can move freely \(6 rigid-body motions\)"):
+    with rejects(InputError, "structure.fixed"):
         set_up(Case.from_mapping(data))
 
 
@@ -285,16 +286,16 @@ def test_a_sweep_varies_a_body_whose_name_has_a_dot(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "message"),
+    ("old", "new", "expected"),
     [
-        ('[bodies."Block.1"]', "[bodies.Block.1]", r'line \d+: \[bodies\.Block\.1\] is not .*\[bodies\."Block\.1"\]'),
-        ('[bodies."Block.1"]', '[bodies."Block.2"]', r'\[bodies\."Block\.2"\] names no body of .*: Beam-1, Block\.1\.'),
-        ('"Beam-1.beam_top"', '"Beam-1.top"', r"interfaces\.Beam-1\.sole: .*Beam-1\.top.*Beam-1\.beam_top"),
-        ('"Block.1.damper_top"', '"Beam-1.root"', r"node Beam-1\.\d+ of the file is held by a constraint"),
+        ('[bodies."Block.1"]', "[bodies.Block.1]", (StudyFileError, "bodies.Block.1")),
+        ('[bodies."Block.1"]', '[bodies."Block.2"]', (InputError, "bodies.Block.2")),
+        ('"Beam-1.beam_top"', '"Beam-1.top"', (InputError, "interfaces.Beam-1.sole.second")),
+        ('"Block.1.damper_top"', '"Beam-1.root"', (InputError, "interfaces.lid")),
     ],
 )
-def test_names_with_dots_in_messages(tmp_path: Path, old: str, new: str, message: str) -> None:
-    with pytest.raises(InputError, match=message):
+def test_names_with_dots_in_messages(tmp_path: Path, old: str, new: str, expected: tuple[Any, ...]) -> None:
+    with rejects(*expected):
         set_up(load_case(dotted_study(tmp_path, (old, new))))
 
 
@@ -304,9 +305,9 @@ def test_a_material_that_is_missing_asks_for_a_name_in_quotes(tmp_path: Path) ->
     assert "*DENSITY\n7.85e-09\n" in deck
     (tmp_path / "parts.inp").write_text(deck.replace("*DENSITY\n7.85e-09\n", ""), encoding="utf-8")
     case = load_case(study_file).replace({"bodies.Block.1.density": "8200 kg/m^3"})
-    with pytest.raises(InputError, match=r"body 'Beam-1' has no young_modulus.* Give a section \[bodies\.Beam-1\]"):
+    with rejects(InputError, "structure.file"):
         set_up(case)
     complete = {"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": "7850 kg/m^3"}
     only_beam = case.to_dict() | {"bodies": {"Beam-1": complete}}
-    with pytest.raises(InputError, match=r'body \'Block\.1\' .* Give a section \[bodies\."Block\.1"\] for'):
+    with rejects(InputError, "structure.file"):
         set_up(Case.from_mapping(only_beam))

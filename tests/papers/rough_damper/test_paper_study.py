@@ -14,6 +14,7 @@ import xarray
 from typer.testing import CliRunner
 
 from paper_scope import coarse_scope
+from sentences import rejects
 from stickslip.cli import main as cli
 from stickslip.core.errors import ConvergenceError, StudyFileError
 from stickslip.papers.rough_damper import compute as computing
@@ -137,13 +138,13 @@ def test_a_curve_that_fails_is_told_and_without_any_curve_there_is_no_page(tmp_p
     plastic = replace(
         coarse_scope(), dimensions=(2.2,), scales=(1e-8,), dimension=2.2, scale=1e-8, choices=(), extra=()
     )
-    with pytest.raises(ConvergenceError, match="none of 3 curves has a result"):
+    with rejects(ConvergenceError):
         paper_study(tmp_path, workers=1, scope=plastic)
     assert not (tmp_path / "paper.html").exists()
 
 
 def test_wrong_changes_are_refused_before_anything_is_made(tmp_path: Path) -> None:
-    with pytest.raises(StudyFileError, match="samples"):
+    with rejects(StudyFileError, "solver.samples"):
         paper_study(tmp_path / "out", scope=Scope(changes={"solver.samples": 2}))
     assert not (tmp_path / "out").exists()
 

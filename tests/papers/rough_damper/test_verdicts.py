@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.papers.rough_damper.verdicts import Answer, Verdict, falls, judge, rises, rises_then_falls
 
@@ -82,9 +83,9 @@ def test_trends(values: tuple[float, ...], fall: bool | None, rise: bool | None,
 
 
 def test_trends_refuse_what_is_no_series() -> None:
-    with pytest.raises(InputError, match="two values or more"):
+    with rejects(InputError):
         falls([1.0])
-    with pytest.raises(InputError, match="none below 0"):
+    with rejects(InputError):
         rises([1.0, -1.0])
-    with pytest.raises(InputError, match="three values or more"):
+    with rejects(InputError):
         rises_then_falls([1.0, 2.0])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from helpers import Blade
+from sentences import rejects
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
 from stickslip.solve.harmonic.compliance import MEAN_RESTRAINT, stuck_structure
@@ -133,25 +134,25 @@ def test_free_mean_position_gets_the_restraint() -> None:
 def test_body_without_any_contact_is_refused() -> None:
     superelement = Superelement(np.eye(4), np.zeros((4, 4)))
     pairs = ContactPairs(np.eye(3, 4), 1e6, 8e5, 0.3, 10.0)
-    with pytest.raises(InputError, match="can move freely"):
+    with rejects(InputError):
         stuck_structure(superelement, pairs, 100.0, 0.01)
 
 
 def test_two_kinds_of_damping_are_refused(blade: Blade) -> None:
-    with pytest.raises(InputError, match="not both"):
+    with rejects(InputError, "modal_damping_ratio"):
         stuck_structure(blade.superelement, blade.pairs, 100.0, 0.01)
 
 
 def test_operator_of_another_size_is_refused(blade: Blade) -> None:
     pairs = ContactPairs(np.eye(3, 5), 1e6, 8e5, 0.3, 10.0)
-    with pytest.raises(InputError, match="operator has 5 columns, but the superelement has 38"):
+    with rejects(InputError, "operator"):
         stuck_structure(blade.superelement, pairs, 100.0, None)
 
 
 def test_a_body_that_only_gaps_could_hold_is_refused() -> None:
     superelement = Superelement(np.eye(3), np.zeros((3, 3)))
     pairs = ContactPairs(np.eye(3), 1e6, 8e5, 0.3, -10.0)
-    with pytest.raises(InputError, match="a gap\\) at 1 of 1 pairs, and the others do not hold every body"):
+    with rejects(InputError, "preload"):
         stuck_structure(superelement, pairs, 100.0, 0.01)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from helpers import Blade
+from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.solve.harmonic.damping import (
     diagonal_modal_damping,
@@ -54,12 +55,12 @@ def test_stiffness_proportional_to_the_stuck_matrix_is_diagonal_and_a_dashpot_is
 
 
 def test_negative_rayleigh_factor_is_refused(blade: Blade) -> None:
-    with pytest.raises(InputError, match="mass_factor = -1"):
+    with rejects(InputError, "mass_factor", "stiffness_factor"):
         rayleigh_damping_matrix(blade.superelement, -1.0, 0.0)
 
 
 def test_indefinite_matrices_are_refused() -> None:
-    with pytest.raises(InputError, match="not positive definite"):
+    with rejects(InputError):
         modal_basis(np.diag([1.0, 0.0]), np.eye(2))
-    with pytest.raises(InputError, match="negative eigenvalue"):
+    with rejects(InputError):
         modal_basis(np.eye(2), np.diag([1.0, -1.0]))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from helpers import Blade
+from sentences import rejects
 from stickslip.core.errors import ConvergenceError
 from stickslip.solve.excitation import ExcitationForce
 from stickslip.solve.harmonic import start as start_module
@@ -59,7 +60,7 @@ def test_walks_in_from_outside_when_the_ramp_folds(blade: Blade) -> None:
     def walk(point: BalancePoint) -> Branch[BalancePoint]:
         return Branch(newton, point, OMEGA, ContinuationSettings())
 
-    with pytest.raises(ConvergenceError, match=r"amplitude ramp: stopped at 77\.\d %"):
+    with rejects(ConvergenceError):
         first_point(newton, curve, OMEGA)
     point, how = first_point(newton, curve, OMEGA, walk=walk)
     assert "where it converged" in how

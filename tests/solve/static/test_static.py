@@ -10,6 +10,7 @@ import pytest
 import scipy.optimize
 
 from helpers import Blade
+from sentences import rejects
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import harmonic_force
 from stickslip.contact.law.normal_law import PressureGapLaw, SpringLaw
@@ -53,11 +54,11 @@ def test_wedge_slips_up_and_friction_carries_part_of_the_load() -> None:
 def test_a_load_that_nothing_holds_has_no_state() -> None:
     superelement, pairs = wedge()
     sideways = np.array([0.0, 300.0, 500.0])  # along the damper: more than friction carries
-    with pytest.raises(ConvergenceError, match=r"beyond .* % of the static load"):
+    with rejects(ConvergenceError):
         static_preload(superelement, pairs, sideways)
-    with pytest.raises(ConvergenceError, match="without friction the static load pushes a body"):
+    with rejects(ConvergenceError):
         static_preload(superelement, pairs, np.array([0.0, 10.0, 500.0]), friction=False)
-    with pytest.raises(ConvergenceError, match=r"beyond 0\.00 %"):
+    with rejects(ConvergenceError):
         static_preload(superelement, pairs, np.array([0.0, 0.0, -500.0]))
 
 
@@ -190,7 +191,7 @@ def test_a_bent_path_takes_more_steps_and_says_so(blade: Blade) -> None:
     state = static_preload(superelement, pairs, load, normal_law=law, steps=1)
     assert state.steps >= 4
     assert "of the largest friction limit" in state.message
-    with pytest.raises(InputError, match=r"steps is 2\.5"):
+    with rejects(InputError, "steps"):
         static_preload(superelement, pairs, load, steps=2.5)  # type: ignore[arg-type]
 
 
@@ -275,16 +276,16 @@ def dense_residual(
 
 def test_bad_input_gets_a_sentence(blade: Blade) -> None:
     superelement, pairs, load = pressed(blade)
-    with pytest.raises(InputError, match="load is zero everywhere"):
+    with rejects(InputError, "load"):
         static_preload(superelement, pairs, np.zeros_like(load))
-    with pytest.raises(InputError, match="load must have shape"):
+    with rejects(InputError, "load"):
         static_preload(superelement, pairs, load[:-1])
-    with pytest.raises(InputError, match="steps is 0"):
+    with rejects(InputError, "steps"):
         static_preload(superelement, pairs, load, steps=0)
     unequal = ContactPairs(pairs.operator, 1e6, np.array([[1e6, 2e6]] * pairs.n_pairs), 0.3, 0.0)
-    with pytest.raises(InputError, match="differs along t1 and t2"):
+    with rejects(InputError, "tangential_stiffness"):
         static_preload(superelement, unequal, load)
-    with pytest.raises(InputError, match="start at 0 and rise"):
+    with rejects(InputError, "pressure"):
         PressureGapLaw(np.ones(1), np.array([0.0, 1.0]), np.array([1.0, 2.0]))
     assert SpringLaw(np.ones(2)).force(np.ones(2))[0].tolist() == [1.0, 1.0]
 

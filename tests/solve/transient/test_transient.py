@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from helpers import Blade
+from sentences import rejects
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
@@ -289,23 +290,23 @@ def test_blade_error_falls_with_the_step_and_energy_balances(blade: Blade, balan
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("change", "keys"),
     [
-        ({"frequency_hz": 0.0}, "frequency_hz is 0, but it must be above 0 Hz"),
-        ({"steps_per_period": 5}, "steps_per_period is 5, but it must be 20 or above"),
-        ({"max_periods": 0}, "max_periods is 0, but it must be a whole number of at least 1"),
-        ({"tolerance": -1.0}, "tolerance is -1, but it must be above 0"),
-        ({"spectral_radius": 1.5}, "spectral_radius is 1.5, but it must be between 0"),
-        ({"force_cos": np.ones(4)}, r"force_cos must have shape \(3,\)"),
-        ({"force_sin": np.array([1.0, np.nan, 0.0])}, r"force_sin\[1\] is nan"),
-        ({"initial_displacement": np.zeros(2)}, r"initial_displacement must have shape \(3,\)"),
-        ({"initial_slider": np.zeros((2, 2))}, r"initial_slider must have shape \(1, 2\)"),
-        ({"pairs": ContactPairs(np.eye(3, 4), 1.0, 1.0, 0.3, 1.0)}, "4 columns"),
-        ({"pairs": ContactPairs(np.eye(3), 1.0, np.array([[1.0, 2.0]]), 0.3, 1.0)}, "equally stiff in both directions"),
-        ({"superelement": Superelement(np.diag([1.0, 1.0, 0.0]), np.eye(3))}, "mass matrix is not positive definite"),
+        ({"frequency_hz": 0.0}, ("frequency_hz",)),
+        ({"steps_per_period": 5}, ("steps_per_period",)),
+        ({"max_periods": 0}, ("max_periods",)),
+        ({"tolerance": -1.0}, ("tolerance",)),
+        ({"spectral_radius": 1.5}, ("spectral_radius",)),
+        ({"force_cos": np.ones(4)}, ("force_cos",)),
+        ({"force_sin": np.array([1.0, np.nan, 0.0])}, ("force_sin",)),
+        ({"initial_displacement": np.zeros(2)}, ("initial_displacement",)),
+        ({"initial_slider": np.zeros((2, 2))}, ("initial_slider",)),
+        ({"pairs": ContactPairs(np.eye(3, 4), 1.0, 1.0, 0.3, 1.0)}, ("operator",)),
+        ({"pairs": ContactPairs(np.eye(3), 1.0, np.array([[1.0, 2.0]]), 0.3, 1.0)}, ("tangential_stiffness",)),
+        ({"superelement": Superelement(np.diag([1.0, 1.0, 0.0]), np.eye(3))}, ()),
     ],
 )
-def test_bad_input_gets_a_sentence(change: dict[str, object], message: str) -> None:
+def test_bad_input_gets_a_sentence(change: dict[str, object], keys: tuple[str, ...]) -> None:
     arguments: dict[str, object] = {
         "superelement": POINT_MASS,
         "pairs": spring_pair(0.3, 1.0),
@@ -313,11 +314,11 @@ def test_bad_input_gets_a_sentence(change: dict[str, object], message: str) -> N
         "force_sin": np.zeros(3),
         "frequency_hz": 0.3,
     }
-    with pytest.raises(InputError, match=message):
+    with rejects(InputError, *keys):
         integrate_to_steady_state(**(arguments | change))  # type: ignore[arg-type]
 
 
 @pytest.mark.slow
 def test_a_point_beyond_the_curve_gets_a_sentence(balance: ForcedResponse) -> None:
-    with pytest.raises(InputError, match="point must lie between 0 and"):
+    with rejects(InputError, "point"):
         start_from_response(balance, balance.frequency_hz.size)

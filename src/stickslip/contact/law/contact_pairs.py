@@ -75,9 +75,14 @@ class ContactPairs:
         matrix = _checked_operator(operator)
         n_pairs = matrix.shape[0] // 3
         if preload is None and normal_load is None and gap is None:
-            raise InputError("normal_load is missing: give it in N, or a gap in m, for the state at rest.")
+            raise InputError(
+                "normal_load is missing: give it in N, or a gap in m, for the state at rest.", arguments=["normal_load"]
+            )
         if preload is not None and (normal_load is not None or gap is not None):
-            raise InputError("preload stands for normal_load and gap together; give either it or these two.")
+            raise InputError(
+                "preload stands for normal_load and gap together; give either it or these two.",
+                arguments=["preload", "normal_load"],
+            )
         law = CoulombLaw.with_preload(
             n_pairs, normal_stiffness, tangential_stiffness, friction_coefficient, 0.0 if preload is None else preload
         )
@@ -354,6 +359,7 @@ def _checked_operator(operator: Any) -> FloatArray:
     matrix = finite_array("operator", operator.toarray() if scipy.sparse.issparse(operator) else operator)
     if matrix.ndim != 2 or matrix.shape[0] % 3 or matrix.shape[0] == 0:
         raise InputError(
-            f"operator must have shape (3 * n_pairs, n): rows t1, t2, n for each pair; found shape {matrix.shape}."
+            f"operator must have shape (3 * n_pairs, n): rows t1, t2, n for each pair; found shape {matrix.shape}.",
+            arguments=["operator"],
         )
     return matrix

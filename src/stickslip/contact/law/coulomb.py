@@ -123,7 +123,8 @@ class CoulombLaw:
         if kept.shape != (self.n_pairs, 2):
             raise InputError(
                 f"residual_traction must have shape ({self.n_pairs}, 2), N along t1 and t2 of each pair; found "
-                f"{kept.shape}."
+                f"{kept.shape}.",
+                arguments=["residual_traction"],
             )
         size, limit = np.hypot(kept[:, 0], kept[:, 1]), self.largest_slip_force
         beyond = np.flatnonzero(size > limit * (1.0 + 1e-6))
@@ -132,7 +133,8 @@ class CoulombLaw:
             raise InputError(
                 f"residual_traction[{pair}] is {size[pair]:.4g} N, but friction holds only {limit[pair]:.4g} N at rest "
                 f"(friction_coefficient * preload; {beyond.size} of {self.n_pairs} pairs are above). Take it from a "
-                "static solution with friction, such as static_preload gives."
+                "static solution with friction, such as static_preload gives.",
+                arguments=["residual_traction"],
             )
         return np.asarray(kept * np.where(size > limit, limit / np.where(size > 0.0, size, 1.0), 1.0)[:, None])
 

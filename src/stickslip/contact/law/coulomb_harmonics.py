@@ -191,9 +191,10 @@ def contact_cycle(displacement: ArrayLike, pairs: CoulombConstants, update: Upda
     if motion.ndim != 3 or motion.shape[1:] != (pairs.n_pairs, 3):
         raise InputError(
             f"displacement must have shape (n_samples, n_pairs, 3) = (n_samples, {pairs.n_pairs}, 3): t1, t2, n of "
-            f"each pair at each sample; found shape {motion.shape}."
+            f"each pair at each sample; found shape {motion.shape}.",
+            arguments=["displacement"],
         )
-    _check_samples(motion.shape[0], MIN_SAMPLES, "displacement has")
+    _check_samples(motion.shape[0], MIN_SAMPLES, "displacement", "has")
     springs = pairs.tangential_springs
     tangential = motion[:, :, :2]
     origin = tangential.mean(axis=0) if pairs.released else -pairs.resting_traction / springs
@@ -266,15 +267,17 @@ def _coefficients(coefficients: ArrayLike, n_pairs: int, samples: int) -> FloatA
     if array.ndim != 3 or array.shape[:2] != (n_pairs, 3) or array.shape[2] % 2 == 0 or array.shape[2] < 3:
         raise InputError(
             f"coefficients must have shape (n_pairs, 3, 2 * harmonics + 1) = ({n_pairs}, 3, odd number above 1); found "
-            f"shape {array.shape}."
+            f"shape {array.shape}.",
+            arguments=["coefficients"],
         )
-    _check_samples(samples, max(MIN_SAMPLES, array.shape[2]), "samples is")
+    _check_samples(samples, max(MIN_SAMPLES, array.shape[2]), "samples", "is")
     return array
 
 
-def _check_samples(samples: int, least: int, subject: str) -> None:
+def _check_samples(samples: int, least: int, argument: str, verb: str) -> None:
     if samples < least:
         raise InputError(
-            f"{subject} {samples} samples a period, but at least {least} are needed (2 * harmonics + 1, and 8). "
-            "Friction has kinks: take 256, or 512 and more with separation."
+            f"{argument} {verb} {samples} samples a period, but at least {least} are needed (2 * harmonics + 1, and "
+            "8). Friction has kinks: take 256, or 512 and more with separation.",
+            arguments=[argument],
         )

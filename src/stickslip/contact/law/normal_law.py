@@ -82,13 +82,15 @@ class PressureGapLaw:
             if table.ndim != 1 or table.size < 2 or table[0] != 0.0 or not (np.diff(table) > 0.0).all():
                 raise InputError(
                     f"{name} of a pressure-gap law must be (n_points,) values in {unit} that start at 0 and rise, at "
-                    f"least two of them; found shape {table.shape} from {table.flat[0]:g} to {table.flat[-1]:g}."
+                    f"least two of them; found shape {table.shape} from {table.flat[0]:g} to {table.flat[-1]:g}.",
+                    arguments=[name],
                 )
             object.__setattr__(self, name, table)
         if self.closure.size != self.pressure.size:
             raise InputError(
                 f"closure has {self.closure.size} entries and pressure {self.pressure.size}; a pressure-gap law needs "
-                "one pressure for each closure."
+                "one pressure for each closure.",
+                arguments=["closure"],
             )
 
     @classmethod

@@ -76,13 +76,18 @@ class FacePairs:
             ("face_position", (n_pairs, 2)),
         ):  # fmt: skip
             if finite_array(name, getattr(self, name)).shape != shape:
-                raise InputError(f"{name} must have shape {shape}; found {np.shape(getattr(self, name))}.")
+                raise InputError(
+                    f"{name} must have shape {shape}; found {np.shape(getattr(self, name))}.", arguments=[name]
+                )
         require_positive("area", self.area, "It is the part of the face in m2 that a pair stands for.")
         self._require_weights()
         directions = self._directions()
         product = directions @ directions.swapaxes(1, 2)
         if np.abs(product - np.eye(3)).max(initial=0.0) > _ROUND_OFF:
-            raise InputError("normal, tangent1 and tangent2 of each pair must be unit vectors at right angles.")
+            raise InputError(
+                "normal, tangent1 and tangent2 of each pair must be unit vectors at right angles.",
+                arguments=["normal", "tangent1", "tangent2"],
+            )
 
     def _require_weights(self) -> None:
         for side, sums in (("first", (1.0,)), ("second", (0.0, 1.0))):
@@ -90,14 +95,16 @@ class FacePairs:
             if weights.ndim != 2 or len(weights) != self.n_pairs or np.shape(nodes) != weights.shape:
                 raise InputError(
                     f"{side}_nodes and {side}_weights must both have shape ({self.n_pairs}, k), the nodes of each pair "
-                    f"and their weights; found {np.shape(nodes)} and {weights.shape}."
+                    f"and their weights; found {np.shape(nodes)} and {weights.shape}.",
+                    arguments=[f"{side}_nodes", f"{side}_weights"],
                 )
             total = weights.sum(axis=1)
             wrong = np.flatnonzero(np.min([np.abs(total - allowed) for allowed in sums], axis=0) > _ROUND_OFF)
             if wrong.size:
                 allowed = " or, on the ground, 0" if side == "second" else ""
                 raise InputError(
-                    f"{side}_weights of pair {wrong[0]} sum to {total[wrong[0]]:g}; they must sum to 1{allowed}."
+                    f"{side}_weights of pair {wrong[0]} sum to {total[wrong[0]]:g}; they must sum to 1{allowed}.",
+                    arguments=[f"{side}_weights"],
                 )
 
     def _weights(self, side: str) -> FloatArray:

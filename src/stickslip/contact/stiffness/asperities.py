@@ -59,13 +59,15 @@ class Roughness:
         if longest is not None and shortest is not None and not shortest < longest:
             raise InputError(
                 f"shortest_length is {shortest:g} m, but it must be below sample_length, {longest:g} m: the surface "
-                "has its waves between the two."
+                "has its waves between the two.",
+                arguments=["shortest_length"],
             )
         if abs(log_critical_area(self)) > LOG_LARGEST_NUMBER:
             raise RoughnessError(
                 f"fractal_dimension {dimension:g} with fractal_roughness {self.fractal_roughness:g} m puts the "
                 f"critical area of the spots at 1e{log_critical_area(self) / log(10):.0f} m2, which no computer number "
-                "can hold. Its exponent is 2 / (D - 2): take D farther from 2, or check the unit of G."
+                "can hold. Its exponent is 2 / (D - 2): take D farther from 2, or check the unit of G.",
+                arguments=["fractal_dimension"],
             )
 
     @property

@@ -143,7 +143,8 @@ def _log_smallest_area(roughness: Roughness, mode: StiffnessMode) -> float:
         raise InputError(
             'mode "unloading" needs roughness.shortest_length (m), which sets the smallest contact spot, '
             "a_s' = pi (Ls/2)^2; without it the stiffness of the plastic spots has no bound. Give the shortest wave of "
-            "the surface, for example 1e-6 m."
+            "the surface, for example 1e-6 m.",
+            arguments=["mode"],
         )
     return _log_disc(roughness.shortest_length)
 

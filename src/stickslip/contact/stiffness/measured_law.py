@@ -52,7 +52,8 @@ class MeasuredStiffness:
         if len(lengths) > 1:
             raise InputError(
                 f"pressure has {self.pressure.size} entries, normal_stiffness {self.normal_stiffness.size} and "
-                f"tangential_stiffness {self.tangential_stiffness.size}; give one row for each pressure."
+                f"tangential_stiffness {self.tangential_stiffness.size}; give one row for each pressure.",
+                arguments=["pressure"],
             )
         if not (np.diff(self.pressure) > 0.0).all():
             first = int(np.flatnonzero(np.diff(self.pressure) <= 0.0)[0]) + 1

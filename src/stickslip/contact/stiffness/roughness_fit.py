@@ -113,12 +113,15 @@ class _Part:
 def _line_sets(heights: FloatArray, spacing: float | Sequence[float]) -> tuple[_Part, ...]:
     """The lines along x, and for a map along y as well where there are enough points. Raises InputError."""
     if heights.ndim not in (1, 2):
-        raise InputError(f"heights must be a line (n,) or a map (n_y, n_x), but its shape is {heights.shape}.")
+        raise InputError(
+            f"heights must be a line (n,) or a map (n_y, n_x), but its shape is {heights.shape}.", arguments=["heights"]
+        )
     grid = heights[None] if heights.ndim == 1 else heights
     if max(grid.shape) > MOST_POINTS:
         raise InputError(
             f"heights has {max(grid.shape)} points on a line, but {MOST_POINTS} is the most that simulated surfaces "
-            "follow. Give a part of it, or every second or third point."
+            "follow. Give a part of it, or every second or third point.",
+            arguments=["heights"],
         )
     steps = _spacings(spacing, heights.ndim)
     parts = []
@@ -131,7 +134,8 @@ def _line_sets(heights: FloatArray, spacing: float | Sequence[float]) -> tuple[_
     if not parts:
         raise InputError(
             f"heights has {max(grid.shape)} points on a line, but a fit of D and G needs {FEWEST_POINTS} or more. "
-            "Measure a longer line or with a smaller spacing."
+            "Measure a longer line or with a smaller spacing.",
+            arguments=["heights"],
         )
     return tuple(parts)
 
@@ -153,7 +157,7 @@ def _spacings(spacing: float | Sequence[float], dimensions: int) -> tuple[float,
     values = np.atleast_1d(finite_array("spacing", spacing))
     if values.shape not in {(1,), (dimensions,)} or not np.all(values > 0):
         allowed = "one length above 0 m" + (" or two, (along y, along x)" if dimensions == 2 else "")
-        raise InputError(f"spacing is {spacing!r}, but it must be {allowed}.")
+        raise InputError(f"spacing is {spacing!r}, but it must be {allowed}.", arguments=["spacing"])
     return float(values[0]), float(values[-1])
 
 
@@ -177,7 +181,8 @@ def _scales(scales: Interval | None, parts: tuple[_Part, ...]) -> Interval:
     if values.shape != (2,) or not step <= values[0] < values[1] <= 0.5 * length:
         raise InputError(
             f"scales is {scales!r}, but it must be a shortest and a longest lag, between the spacing, {step:g} m, and "
-            f"half the length, {0.5 * length:g} m."
+            f"half the length, {0.5 * length:g} m.",
+            arguments=["scales"],
         )
     return float(values[0]), float(values[1])
 

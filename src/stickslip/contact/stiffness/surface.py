@@ -49,11 +49,15 @@ def fractal_surface(
     whole_number("ridges", ridges, 1)
     x_points, y_points, angles = finite_array("x", x), finite_array("y", y), finite_array("phases", phases)
     if x_points.shape != y_points.shape:
-        raise InputError(f"x and y must have the same shape, but they have {x_points.shape} and {y_points.shape}.")
+        raise InputError(
+            f"x and y must have the same shape, but they have {x_points.shape} and {y_points.shape}.",
+            arguments=["x", "y"],
+        )
     if angles.ndim != 2 or angles.shape[0] != ridges or angles.shape[1] == 0:
         raise InputError(
             f"phases must have the shape (ridges, n_max + 1) = ({ridges}, ...), but it has {angles.shape}; "
-            "draw_phases(seed, ridges, n_max) makes them."
+            "draw_phases(seed, ridges, n_max) makes them.",
+            arguments=["phases"],
         )
     direction = pi * np.arange(1, ridges + 1) / ridges
     growth = np.asarray(float(ratio) ** np.arange(angles.shape[1]), dtype=float)

@@ -101,7 +101,7 @@ def read_matrices(
             raise ImportFileError(
                 f'the {name} in "{files[name]}" has shape {matrix.shape}, but the stiffness in "{stiffness}" has '
                 f"{size} rows; all must be square and of one size.",
-                (name, "stiffness"),
+                tuple(dict.fromkeys((name, "stiffness"))),
             )
     with concerning("stiffness" if unknown_map is None else "unknown_map"):
         node, direction = _unknowns(source, unknown_map, size, contents)

@@ -294,10 +294,14 @@ def stuck_structure(
     if pairs.operator.shape[1] != n:
         raise InputError(
             f"operator has {pairs.operator.shape[1]} columns, but the superelement has {n} unknowns; "
-            "operator must have shape (3 * n_pairs, n)."
+            "operator must have shape (3 * n_pairs, n).",
+            arguments=["operator"],
         )
     if modal_damping_ratio is not None and superelement.damping is not None:
-        raise InputError("give either a damping matrix in the superelement or modal_damping_ratio, not both.")
+        raise InputError(
+            "give either a damping matrix in the superelement or modal_damping_ratio, not both.",
+            arguments=["modal_damping_ratio"],
+        )
     _require_held_at_rest(superelement, pairs)
     mean, restraint = mean_factor(superelement, pairs)
     frequency, modes = modal_basis(superelement.mass, stuck_stiffness_matrix(superelement, pairs))

@@ -66,7 +66,8 @@ def rayleigh_damping_matrix(superelement: Superelement, mass_factor: float, stif
     if (factors < 0).any():
         raise InputError(
             f"Rayleigh damping factors must not be negative, found mass_factor = {mass_factor:g} 1/s and "
-            f"stiffness_factor = {stiffness_factor:g} s."
+            f"stiffness_factor = {stiffness_factor:g} s.",
+            arguments=["mass_factor", "stiffness_factor"],
         )
     return mass_factor * superelement.mass + stiffness_factor * superelement.stiffness
 

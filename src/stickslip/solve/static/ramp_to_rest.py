@@ -162,12 +162,17 @@ def _settled(ramp: LoadRamp, pairs: ContactPairs, state: StaticState, steps: int
 def _checked_load(load: ArrayLike, superelement: Superelement, pairs: ContactPairs) -> FloatArray:
     force = finite_array("load", load)
     if force.shape != (superelement.size,):
-        raise InputError(f"load must have shape ({superelement.size},), N on each unknown; found {force.shape}.")
+        raise InputError(
+            f"load must have shape ({superelement.size},), N on each unknown; found {force.shape}.", arguments=["load"]
+        )
     if not force.any() and not (_gap(pairs) < 0.0).any():
-        raise InputError("load is zero everywhere, so nothing presses the pairs together. Give a static load.")
+        raise InputError(
+            "load is zero everywhere, so nothing presses the pairs together. Give a static load.", arguments=["load"]
+        )
     if pairs.operator.shape[1] != superelement.size:
         raise InputError(
-            f"operator has {pairs.operator.shape[1]} columns, but the superelement has {superelement.size} unknowns."
+            f"operator has {pairs.operator.shape[1]} columns, but the superelement has {superelement.size} unknowns.",
+            arguments=["operator"],
         )
     if not pairs.released:
         raise InputError(
@@ -179,6 +184,7 @@ def _checked_load(load: ArrayLike, superelement: Superelement, pairs: ContactPai
     if unequal.size:
         raise InputError(
             f"tangential_stiffness[{unequal[0]}] differs along t1 and t2; a static load ramp takes pairs that are "
-            "equally stiff in both directions."
+            "equally stiff in both directions.",
+            arguments=["tangential_stiffness"],
         )
     return force

@@ -19,6 +19,7 @@ from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.validation import (
     FloatArray,
+    argument_error,
     finite_array,
     positive_number,
     real_number,
@@ -85,7 +86,8 @@ def _periodic_load(force_cos: ArrayLike, force_sin: ArrayLike, n: int, steps_per
         if amplitude.ndim != 2 or amplitude.shape[0] != n:
             raise InputError(
                 f"{name} must have shape ({n},), or ({n}, n_harmonics) for several harmonics, one row for each unknown "
-                f"of the superelement; found shape {np.shape(value)}."
+                f"of the superelement; found shape {np.shape(value)}.",
+                arguments=[name],
             )
         order = np.arange(1, amplitude.shape[1] + 1)
         load += function(angle[:, None] * order) @ amplitude.T
@@ -111,7 +113,7 @@ def _start_vector(name: str, value: ArrayLike | None, shape: tuple[int, ...]) ->
         return np.zeros(shape)
     array = finite_array(name, value)
     if array.shape != shape:
-        raise InputError(f"{name} must have shape {shape}, but its shape is {array.shape}.")
+        raise argument_error(name, f"{name} must have shape {shape}, but its shape is {array.shape}.")
     return array.copy()
 
 
@@ -128,7 +130,8 @@ def _check_settings(
     if pairs.operator.shape[1] != superelement.size:
         raise InputError(
             f"the operator of the contact pairs has {pairs.operator.shape[1]} columns, but the superelement has "
-            f"{superelement.size} unknowns; both must be equal."
+            f"{superelement.size} unknowns; both must be equal.",
+            arguments=["operator"],
         )
     springs = pairs.tangential_springs
     unequal = np.flatnonzero((springs[:, 0] != springs[:, 1]) & ~np.isnan(springs[:, 0]))
@@ -137,7 +140,8 @@ def _check_settings(
         raise InputError(
             f"tangential_stiffness[{pair}] is {springs[pair, 0]:g} N/m along t1 and {springs[pair, 1]:g} N/m along t2; "
             "time integration takes pairs that are equally stiff in both directions. "
-            "Use forced_response for others, or set both to one value."
+            "Use forced_response for others, or set both to one value.",
+            arguments=["tangential_stiffness"],
         )
     positive_number("frequency_hz", frequency_hz, "Hz")
     positive_number("tolerance", tolerance)
@@ -194,7 +198,9 @@ def start_from_response(response: ForcedResponse, point: int) -> dict[str, Float
     """
     n_points = response.frequency_hz.size
     if not 0 <= point < n_points:
-        raise InputError(f"point must lie between 0 and {n_points - 1}, the points of the curve; found {point}.")
+        raise InputError(
+            f"point must lie between 0 and {n_points - 1}, the points of the curve; found {point}.", arguments=["point"]
+        )
     coefficients = response.displacement[point]
     rate = 2.0 * np.pi * response.frequency_hz[point] * np.arange(1, response.harmonics + 1)
     start = {
