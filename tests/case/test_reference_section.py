@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from sentences import rejects
 from stickslip.case.case import Case
 from stickslip.case.reference import MODE_COUNT
 from stickslip.cli.main import app
@@ -33,23 +34,22 @@ def test_a_new_study_file_has_none_and_shows_how_to_give_them() -> None:
 
 
 WRONG = {
-    "too many": ("mode_frequencies", f"[{', '.join(['500'] * (MODE_COUNT + 1))}]", "has 11 frequencies, but the mode"),
-    "none": ("mode_frequencies", "[]", "has no frequency above 0"),
-    "all zero": ("mode_frequencies", "[0, 0]", "has no frequency above 0"),
-    "a length": ("mode_frequencies", '["412 mm"]', r'mode_frequencies\[0\] = "412 mm" has "mm", a unit of length'),
-    "negative": ("mode_frequencies", "[412, -530]", r"mode_frequencies\[1\] = -530 is not allowed"),
-    "one number": ("mode_frequencies", "412", "must be a list in square brackets"),
-    "no source": ("source", '" "', "is empty. Say where"),
+    "too many": ("mode_frequencies", f"[{', '.join(['500'] * (MODE_COUNT + 1))}]"),
+    "none": ("mode_frequencies", "[]"),
+    "all zero": ("mode_frequencies", "[0, 0]"),
+    "a length": ("mode_frequencies", '["412 mm"]'),
+    "negative": ("mode_frequencies", "[412, -530]"),
+    "one number": ("mode_frequencies", "412"),
+    "no source": ("source", '" "'),
 }
 
 
 @pytest.mark.parametrize("wrong", WRONG.values(), ids=WRONG.keys())
-def test_wrong_values_get_a_sentence_with_their_key(wrong: tuple[str, str, str]) -> None:
-    key, value, sentence = wrong
+def test_wrong_values_get_a_sentence_with_their_key(wrong: tuple[str, str]) -> None:
+    key, value = wrong
     lines = [f"{key} = {value}" if line.startswith(key) else line for line in GIVEN.splitlines()]
-    with pytest.raises(StudyFileError, match=sentence) as caught:
+    with rejects(StudyFileError, f"reference.{key}"):
         Case.from_text("\n".join(lines))
-    assert f"reference.{key}" in str(caught.value)
 
 
 def test_a_reference_without_source_ends_the_command_before_anything_runs(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ import pytest
 
 import stickslip as ss
 from law_studies import JOINT, REST, interface_text, write_masses, write_study
+from sentences import rejects
 from stickslip.results.storage import load_results
 from stickslip.study.check import check
 
@@ -174,7 +175,7 @@ def test_a_sweep_of_a_constant(outcome: Any, tmp_path: Path) -> None:
 def test_what_only_the_joint_knows_is_rejected_before_anything_is_solved(tmp_path: Path) -> None:
     write_masses(tmp_path)
     text = interface_text("joint", "elastic-stop").replace('gap = "0.3 mm"\n', "")
-    with pytest.raises(ss.InputError, match=r"interfaces\.joint\.gap: gap\[0\] is 0") as error:
+    with rejects(ss.InputError, "interfaces.joint.gap") as error:
         ss.build_model(ss.load_case(write_study(tmp_path, text)))
     assert error.value.keys == ("interfaces.joint.gap",)
 
@@ -188,5 +189,5 @@ def test_a_prescribed_load_of_a_pair_that_takes_none_is_rejected(tmp_path: Path)
         if found:
             assert ss.build_model(case).pairs.normal_load.tolist() == values
             continue
-        with pytest.raises(ss.InputError, match=r"preload\.values\[1\] is 1 N, but interfaces\.mass2 follows the law"):
+        with rejects(ss.InputError, "preload.values"):
             ss.build_model(case)

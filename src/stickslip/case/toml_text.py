@@ -186,7 +186,8 @@ class _Entry:
     @property
     def key(self) -> str:
         """The key, or the section or entry of a section where the error is about that as a whole."""
-        return ".".join(part for part in self.path[: self.depth] if part != _OF_THE_NAME)
+        below = (part for part in self.path[self.depth :] if not part.isdecimal())
+        return ".".join(part for part in (*self.path[: self.depth], *below) if part != _OF_THE_NAME)
 
     def __str__(self) -> str:
         below = (f"[{part}]" if part.isdecimal() else f".{part}" for part in self.path[self.depth :])

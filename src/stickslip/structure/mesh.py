@@ -217,7 +217,9 @@ class Mesh:
         body = np.asarray(self.body, dtype=np.int64)
         body = body if body.size else np.zeros(n_cells, dtype=np.int64)
         if body.shape != (n_cells,):
-            raise InputError(f"body must have shape ({n_cells},), one number a cell; found shape {body.shape}.")
+            raise InputError(
+                f"body must have shape ({n_cells},), one number a cell; found shape {body.shape}.", arguments=["body"]
+            )
         count = int(body.max()) + 1
         names = tuple(self.body_names) or (("body",) if count == 1 else tuple(f"body {at}" for at in range(count)))
         if body.min() < 0 or count > len(names):
@@ -227,10 +229,13 @@ class Mesh:
             )
         empty = np.setdiff1d(np.arange(len(names)), body)
         if self.body_names and empty.size:
-            raise InputError(f"body '{names[empty[0]]}' has no cells; leave it out.")
+            raise InputError(f"body '{names[empty[0]]}' has no cells; leave it out.", arguments=["body"])
         lone = np.setdiff1d(np.arange(self.n_nodes), np.concatenate([cells.ravel() for cells in arrays]))
         if lone.size:
-            raise InputError(f"node {lone[0]} belongs to no cell ({lone.size} nodes do not); leave such nodes out.")
+            raise InputError(
+                f"node {lone[0]} belongs to no cell ({lone.size} nodes do not); leave such nodes out.",
+                arguments=["cells"],
+            )
         object.__setattr__(self, "body", body)
         object.__setattr__(self, "body_names", names)
 
@@ -248,7 +253,10 @@ def _checked_cells(points: FloatArray, groups: tuple[IntArray, ...]) -> tuple[In
         cells = node_numbers("cells", group, len(points))
         if cells.ndim != 2 or cells.shape[1] not in KIND_OF_SIZE:
             kinds = ", ".join(f"{size} {kind.name}" for size, kind in KIND_OF_SIZE.items())
-            raise InputError(f"cells must have shape (m, k) with k nodes each: {kinds}; found shape {cells.shape}.")
+            raise InputError(
+                f"cells must have shape (m, k) with k nodes each: {kinds}; found shape {cells.shape}.",
+                arguments=["cells"],
+            )
         require_upright(KIND_OF_SIZE[cells.shape[1]], points, cells, sum(map(len, checked)))
         if len(cells):
             checked.append(cells)

@@ -315,7 +315,7 @@ def test_what_lacks_a_member_is_no_law() -> None:
     class Half:
         name, n_pairs = "half", 1
 
-    with pytest.raises(ss.InputError, match=r"Half is no contact law: it has no about, cycle, .* step"):
+    with rejects(ss.InputError):
         ss.ContactPairs.with_laws(np.eye(3), [Half()])  # type: ignore[list-item]
 
 
@@ -327,13 +327,13 @@ def test_a_law_with_springs_of_its_own_has_no_state_under_load() -> None:
         def resting_springs(self) -> np.ndarray:
             return self.stiffness
 
-    with pytest.raises(ss.InputError, match="gives resting springs of its own"):
+    with rejects(ss.InputError):
         Stubborn(1e6, 1e17).about(REST[:1], None)
 
 
 def test_a_hysteretic_law_that_cannot_keep_its_traction_says_so() -> None:
     law = LAWS["jenkins"]
-    with pytest.raises(ss.InputError, match="no form that keeps a traction at rest"):
+    with rejects(ss.InputError):
         ss.HystereticLaw.keeping(law, law.memory_at_rest())  # type: ignore[type-var]
 
 

@@ -10,6 +10,7 @@ import pytest
 
 import stickslip as ss
 from law_makers import coulomb, cubic, iwan, jenkins, stop
+from sentences import rejects
 
 IWAN = iwan(1.5e7, 4000.0, -0.6, 0.02)
 SLIDES = float(IWAN.macroslip_displacement[0, 0])
@@ -37,7 +38,7 @@ def test_a_jenkins_element_that_keeps_a_traction_has_that_much_less_to_go() -> N
     law = jenkins(1e6, 4.0, kept=[[3.0, -1.0]])
     assert forces(law, 0, [0.5e-6, 2e-6, 1e-6, -9e-6]) == pytest.approx([0.5, 1.0, 0.0, -7.0])
     assert not law.undetermined().any()
-    with pytest.raises(ss.InputError, match="within the friction limit"):
+    with rejects(ss.InputError, "residual_traction"):
         jenkins(1e6, 4.0, kept=[[5.0, 0.0]])
 
 
@@ -117,7 +118,7 @@ def test_a_kept_iwan_joint_ends_in_the_state_of_its_jenkins_elements() -> None:
 
 
 def test_a_path_to_rest_of_another_shape_gets_a_sentence() -> None:
-    with pytest.raises(ss.InputError, match=r"path_to_rest must have shape \(1, 2, m\)"):
+    with rejects(ss.InputError, "path_to_rest"):
         replace(IWAN, path_to_rest=np.zeros((1, 2)))
 
 
@@ -141,7 +142,7 @@ def test_elastic_laws_about_a_load_feel_the_slope_there() -> None:
     closed = stop(4e6, 3e-6, 1e5).about(np.full((1, 3), x0), None)
     assert closed.resting_springs()[0].tolist() == [0.0, 0.0, 4.1e6]
     assert forces(closed, 2, [1e-6, -3e-6]) == pytest.approx([4.1, -4e6 * 1e-6 - 1e5 * 3e-6], rel=1e-12)
-    with pytest.raises(ss.InputError, match="rest_displacement must be a number, or have shape"):
+    with rejects(ss.InputError, "rest_displacement"):
         cubic([1e5, 1e5], 1e16, rest=np.zeros(3))
 
 

@@ -9,6 +9,7 @@ import scipy.optimize
 
 import stickslip as ss
 from law_makers import coulomb, cubic, iwan, jenkins, stop
+from sentences import rejects
 
 K = 1e6  # N/m of the structure in each direction
 STRUCTURE = ss.Superelement(np.eye(3), K * np.eye(3), 60.0 * np.eye(3))
@@ -57,7 +58,7 @@ def test_a_spring_that_softens_too_far_has_no_state() -> None:
     largest = 2.0 / 3.0 * (K + 2e5) * np.sqrt((K + 2e5) / 3e15)
     pairs = joint(cubic(2e5, -1e15))
     assert ss.static_preload(STRUCTURE, pairs, 0.97 * largest * ALONG_N).residual < 1e-9
-    with pytest.raises(ss.ConvergenceError, match="the static state is unstable"):
+    with rejects(ss.ConvergenceError):
         ss.static_preload(STRUCTURE, pairs, 1.05 * largest * ALONG_N)
 
 
@@ -111,13 +112,13 @@ def test_kept_and_released_do_not_mix() -> None:
     pairs = joint(jenkins(K, 2.0, 3e5))
     with_friction = ss.static_preload(STRUCTURE, pairs, 10.0 * ALONG_T1)
     without = ss.static_preload(STRUCTURE, pairs, 10.0 * ALONG_T1, friction=False)
-    with pytest.raises(ss.InputError, match="without them it is not in equilibrium"):
+    with rejects(ss.InputError):
         with_friction.about(pairs, keep_traction=False)
-    with pytest.raises(ss.InputError, match="there is no traction to keep"):
+    with rejects(ss.InputError):
         without.about(pairs, keep_traction=True)
-    with pytest.raises(ss.InputError, match=r"take about\(pairs, keep_traction\)"):
+    with rejects(ss.InputError):
         with_friction.pairs(pairs.operator, 0.3, keep_traction=True)
-    with pytest.raises(ss.InputError, match="works for Coulomb friction alone"):
+    with rejects(ss.InputError):
         ss.static_preload(STRUCTURE, pairs, 10.0 * ALONG_T1, local_stiffness=lambda force: (force, force))
 
 
@@ -125,7 +126,7 @@ def test_a_traction_that_pairs_keep_already_is_no_start_of_a_load() -> None:
     """It was left out without a word."""
     pressed = ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3, 10.0, residual_traction=[[1.0, 0.0]])
     for pairs in (pressed, joint(jenkins(K, 2.0, kept=[[1.0, 0.0]]))):
-        with pytest.raises(ss.InputError, match="keep a traction at rest already"):
+        with rejects(ss.InputError):
             ss.static_preload(STRUCTURE, pairs, 10.0 * ALONG_T1)
 
 
@@ -133,7 +134,7 @@ def test_what_only_a_hysteretic_joint_would_hold_needs_its_friction() -> None:
     loose = ss.Superelement(np.eye(3), np.diag([0.0, K, K]))
     pairs = joint(jenkins(K, 20.0, 3e5))
     assert ss.static_preload(loose, pairs, 10.0 * ALONG_T1).traction[0, 0] == pytest.approx(10.0)
-    with pytest.raises(ss.ConvergenceError, match="pushes a body along a direction in which nothing holds it"):
+    with rejects(ss.ConvergenceError):
         ss.static_preload(loose, pairs, 10.0 * ALONG_T1, friction=False)
 
 

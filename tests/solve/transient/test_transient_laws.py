@@ -7,6 +7,7 @@ import pytest
 
 import stickslip as ss
 from law_makers import coulomb, cubic, iwan, jenkins, stop
+from sentences import rejects
 from stickslip.solve.transient.integrate import TransientResponse
 
 STRUCTURE = ss.Superelement(np.eye(3), 4e5 * np.eye(3), 60.0 * np.eye(3))
@@ -153,12 +154,10 @@ def test_a_start_that_the_laws_do_not_take_gets_a_sentence() -> None:
     elements = ss.ContactPairs.with_laws(np.eye(3), [LAWS["jenkins"][0]])
     pressed = ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3, 5.0)
     arguments = (np.ones(3), np.zeros(3), 100.0, 50, 2)
-    with pytest.raises(
-        ss.InputError, match="initial_slider is for joints of Coulomb pairs alone, and these follow jenk"
-    ):
+    with rejects(ss.InputError, "initial_slider"):
         ss.integrate_to_steady_state(STRUCTURE, elements, *arguments, initial_slider=np.zeros((1, 2)))
     for wrong in (np.zeros((8, 2, 3)), np.zeros((0, 1, 3)), np.zeros(())):
-        with pytest.raises(ss.InputError, match=r"initial_cycle must have shape \(n_samples, 1, 3\)"):
+        with rejects(ss.InputError, "initial_cycle"):
             ss.integrate_to_steady_state(STRUCTURE, elements, *arguments, initial_cycle=wrong)
-    with pytest.raises(ss.InputError, match="initial_cycle is for joints with other laws"):
+    with rejects(ss.InputError, "initial_cycle"):
         ss.integrate_to_steady_state(STRUCTURE, pressed, *arguments, initial_cycle=np.zeros((8, 1, 3)))

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.contact.law.law import BoolArray, CodeArray, ContactCycle, ContactState, IndexArray, LawPeriod, LawStep
-from stickslip.core.errors import InputError, concerning
+from stickslip.core.errors import InputError
 from stickslip.core.fourier import analysis_matrix, synthesis_matrix
-from stickslip.core.validation import FloatArray, finite_array, require_positive
+from stickslip.core.validation import FloatArray, finite_array
 
 # Along which of t1, t2, n a law acts, in the words of its constants.
 COMPONENTS = 3
@@ -44,12 +44,6 @@ def require_at_least_zero(name: str, values: FloatArray) -> None:
     """Raise InputError for an entry below zero."""
     if (values < 0.0).any():
         raise InputError(f"{name} is {values.min():g} somewhere, but it must be 0 or above.", (name,))
-
-
-def require_above_zero(name: str, values: FloatArray, advice: str) -> None:
-    """Raise InputError about a constant for an entry that is not above zero; ``advice`` ends the sentence."""
-    with concerning(name):
-        require_positive(name, values, advice)
 
 
 @dataclass(frozen=True)

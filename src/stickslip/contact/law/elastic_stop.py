@@ -9,10 +9,10 @@ from typing import ClassVar
 import numpy as np
 
 from stickslip.contact.constants import constant
-from stickslip.contact.law.component_law import ElasticLaw, pairs_in, require_above_zero, require_at_least_zero
+from stickslip.contact.law.component_law import ElasticLaw, pairs_in, require_at_least_zero
 from stickslip.contact.law.law import CodeArray, ContactState
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, per_pair
+from stickslip.core.validation import FloatArray, per_pair, require_positive
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,8 @@ class ElasticStop(ElasticLaw):
         count = pairs_in(self.name, self.stiffness, self.gap, self.spring)
         for name in ("stiffness", "gap", "spring"):
             object.__setattr__(self, name, per_pair(name, getattr(self, name), count))
-        require_above_zero("stiffness", self.stiffness, "A stop without stiffness is none.")
-        require_above_zero("gap", self.gap, "A stop that touches at rest is a contact with a normal load of 0.")
+        require_positive("stiffness", self.stiffness, "A stop without stiffness is none.")
+        require_positive("gap", self.gap, "A stop that touches at rest is a contact with a normal load of 0.")
         require_at_least_zero("spring", self.spring)
         if not isinstance(self.two_sided, bool | np.bool_):
             raise InputError(f"two_sided is {self.two_sided!r}, but it must be true or false.", ("two_sided",))

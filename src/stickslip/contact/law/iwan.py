@@ -17,13 +17,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.contact.constants import constant
-from stickslip.contact.law.component_law import pairs_in, per_component, require_above_zero, require_at_least_zero
+from stickslip.contact.law.component_law import pairs_in, per_component, require_at_least_zero
 from stickslip.contact.law.hysteretic_law import HystereticLaw, TangentialStep
 from stickslip.contact.law.iwan_path import PathMemory, backbone_force, follow_from_rest, loop_energy, step_along
 from stickslip.contact.law.law import BoolArray, ContactState, IndexArray
 from stickslip.core.compiled import njit
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, finite_array, per_pair
+from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class IwanJoint(HystereticLaw):
             object.__setattr__(self, name, per_pair(name, getattr(self, name), count))
         for name in ("tangential_stiffness", "slip_force"):
             values = per_component(name, getattr(self, name), count, 2)
-            require_above_zero(name, values, "An Iwan joint has a stiffness and slides at some force.")
+            require_positive(name, values, "An Iwan joint has a stiffness and slides at some force.")
             object.__setattr__(self, name, values)
         if not ((self.exponent > -1.0) & (self.exponent <= 0.0)).all():
             raise InputError(

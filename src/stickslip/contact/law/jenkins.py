@@ -9,12 +9,12 @@ from typing import ClassVar
 import numpy as np
 
 from stickslip.contact.constants import constant
-from stickslip.contact.law.component_law import pairs_in, per_component, require_above_zero, require_at_least_zero
+from stickslip.contact.law.component_law import pairs_in, per_component, require_at_least_zero
 from stickslip.contact.law.hysteretic_law import HystereticLaw, TangentialStep
 from stickslip.contact.law.law import BoolArray, ContactState, IndexArray
 from stickslip.core.compiled import njit
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray, finite_array, per_pair
+from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive
 
 # A trial force beyond the limit by this share of it is the round-off of an element that shakes down to its limit.
 ROUND_OFF = 1e-13
@@ -74,7 +74,7 @@ class JenkinsElement(HystereticLaw):
         object.__setattr__(self, "normal_stiffness", per_pair("normal_stiffness", self.normal_stiffness, count))
         require_at_least_zero("tangential_stiffness", self.tangential_stiffness)
         require_at_least_zero("normal_stiffness", self.normal_stiffness)
-        require_above_zero("friction_limit", self.friction_limit, "Without friction there is no element.")
+        require_positive("friction_limit", self.friction_limit, "Without friction there is no element.")
         if self.residual_traction is not None:
             object.__setattr__(self, "residual_traction", self._admissible(self.residual_traction))
 

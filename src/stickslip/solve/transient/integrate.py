@@ -168,7 +168,10 @@ def _march(
     """The contacts at the start. Raises InputError for a start that the laws do not take."""
     if _coulomb_alone(pairs):
         if initial_cycle is not None:
-            raise InputError("initial_cycle is for joints with other laws; give Coulomb pairs initial_slider.")
+            raise InputError(
+                "initial_cycle is for joints with other laws; give Coulomb pairs initial_slider.",
+                arguments=["initial_cycle"],
+            )
         at_rest = -pairs.resting_traction / pairs.tangential_springs
         shape = (pairs.n_pairs, 2)
         slider = at_rest if initial_slider is None else _start_vector("initial_slider", initial_slider, shape)
@@ -176,7 +179,8 @@ def _march(
     if initial_slider is not None:
         raise InputError(
             f"initial_slider is for joints of Coulomb pairs alone, and these follow {', '.join(pairs.law_names)}; give "
-            "initial_cycle, a period of the relative motion before the start."
+            "initial_cycle, a period of the relative motion before the start.",
+            arguments=["initial_slider"],
         )
     if initial_cycle is None:
         return LawMarch(scheme, pairs, relative, None)
@@ -184,7 +188,8 @@ def _march(
     if cycle.ndim != 3 or cycle.shape[1:] != (pairs.n_pairs, 3) or not len(cycle):
         raise InputError(
             f"initial_cycle must have shape (n_samples, {pairs.n_pairs}, 3), t1, t2, n of each pair in m; found "
-            f"{cycle.shape}."
+            f"{cycle.shape}.",
+            arguments=["initial_cycle"],
         )
     return LawMarch(scheme, pairs, relative, cycle)
 
