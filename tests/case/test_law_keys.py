@@ -136,13 +136,21 @@ def test_a_gap_between_matrices_is_for_laws_that_have_one() -> None:
         case_of(text)
 
 
-def test_a_static_load_is_solved_with_coulomb_friction_only() -> None:
+def test_a_solved_preload_and_a_law_that_needs_another_load() -> None:
+    """Beside another law no stiffness may follow from the pressure that is solved for."""
     load = {
         "preload": {"method": "solved"},
         "static_loads": {"pull": {"node": 1, "direction": [0, 0, 1], "force": 3.0}},
     }
+    Case.from_mapping(IWAN.to_dict() | load)
+    pressed: dict[str, Any] = (
+        case_of(interface_text("joint", "iwan"), interface_text("rough", "coulomb")).to_dict() | load
+    )
+    for key in ("normal_load", "normal_stiffness", "tangential_stiffness"):
+        del pressed["interfaces"]["rough"][key]
+    pressed["roughness"] = {}
     with rejects(ss.StudyFileError, "preload.method"):
-        Case.from_mapping(IWAN.to_dict() | load)
+        Case.from_mapping(pressed)
 
 
 def test_the_message_names_the_line_of_a_constant() -> None:

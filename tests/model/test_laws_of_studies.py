@@ -10,6 +10,7 @@ import pytest
 import stickslip as ss
 from law_studies import JOINT, REST, SETTINGS, STUDIES, WINDOW_HZ, interface_text, law_of, write_masses, write_study
 from stickslip.contact.law.registry import law_constants
+from stickslip.study.facts import resting_state
 
 
 @pytest.mark.slow
@@ -91,3 +92,41 @@ def test_coulomb_by_name_is_the_joint_that_a_study_without_a_law_has(tmp_path: P
     assert named.joint.laws == ()
     for key, value in law_constants(plain.pairs.coulomb).items():
         np.testing.assert_array_equal(getattr(named.pairs.coulomb, key), value)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("traction", ["kept", "released"])
+def test_laws_of_a_study_under_a_solved_preload_are_those_of_python(traction: str, tmp_path: Path) -> None:
+    """Each of three masses on a joint of its own is pulled aside and pressed, then excited about this state."""
+    names = ("coulomb", "elastic-stop", "jenkins")
+    masses = write_masses(tmp_path, 3)
+    joints = [
+        interface_text(name.replace("-", ""), name, f"mass{at + 1}").replace('normal_load = "3 N"\n', "")
+        for at, name in enumerate(names)
+    ]
+    pull = "".join(
+        f'[static_loads.{name}{at}]\nnode = {at + 1}\ndirection = {direction}\nforce = "{force} N"\n'
+        for at in range(3)
+        for name, direction, force in (("press", [0, 0, 1], 9.0), ("pull", [1, 0, 0], 0.5))
+    )
+    solved = f'[preload]\nmethod = "solved"\nresidual_traction = "{traction}"\n'
+    solution = ss.solve_case(ss.load_case(write_study(tmp_path, *joints, pull, solved)))
+    model = solution.model
+    assert model.preload is not None
+    load = np.tile([0.5, 0.0, 9.0], 3)
+    assert np.array_equal(model.static_load, load)
+    parts = [law_of(name) for name in names]
+    parts[0] = ss.CoulombLaw.with_preload(1, 1e4, 8e3, parts[0].friction_coefficient, 0.0)
+    pairs = ss.ContactPairs.with_laws(model.pairs.operator, parts)
+    state = ss.static_preload(masses, pairs, load, friction=traction == "kept")
+    np.testing.assert_allclose(model.preload.state.displacement, state.displacement, rtol=1e-12)
+    about = state.about(pairs, keep_traction=traction == "kept")
+    curve = ss.forced_response(masses, about, model.excitation, frequency_hz=WINDOW_HZ, **SETTINGS)
+    np.testing.assert_allclose(curve.displacement, solution.response.displacement, rtol=0.0, atol=1e-14)
+    closed = model.joint.resting_springs.reshape(3, 3)
+    assert closed[1, 2] == 3e4  # the stop of 2e4 N/m is closed at rest, beside its spring
+    assert state.normal_force[0] > 0.0
+    rows = {row[0]: row[1] for row in resting_state(model)}
+    assert rows["Pairs in the state 'hits the stop' at rest, elasticstop"] == 1
+    assert rows["Normal force at rest, elasticstop"] == pytest.approx(float(state.normal_force[1]))
+    assert rows["Pairs open at rest, coulomb"] == 0

@@ -80,11 +80,7 @@ def joint_errors(
         where = ("interfaces", name)
         solved = preload.method == "solved"
         if solved and each.other_law is not None:
-            yield EntryError(
-                ("preload", "method"),
-                f'is "solved", but interfaces.{name} follows the law "{each.other_law}": a static load is solved with '
-                'Coulomb friction only. Take method = "prescribed", or law = "coulomb".',
-            )
+            yield from _static_load_errors(name, each, pressed)
         yield from _useless_keys(where, each)
         yield from _stiffness_errors(where, each)
         needs_load = each.other_law is None or each.declaration.needs(NORMAL_LOAD) or name in pressed
@@ -100,6 +96,23 @@ def joint_errors(
             yield EntryError((*where, "normal_load"), "and preload.values are both given. Take one of the two out.")
         if each.normal_load is not None and solved:
             yield EntryError((*where, "normal_load"), 'is what preload.method = "solved" finds. Take it out.')
+
+
+def _static_load_errors(name: str, interface: InterfaceSection, pressed: Sequence[str]) -> Iterator[EntryError]:
+    """What a solved preload cannot do for an interface with another law than Coulomb's."""
+    law = f'is "solved", and interfaces.{name} has the law "{interface.other_law}"'
+    if pressed:
+        yield EntryError(
+            ("preload", "method"),
+            f"{law}. In a joint with such a law, the stiffness must not depend on the pressure, but that of "
+            f"interfaces.{pressed[0]} does. Give its normal_stiffness and tangential_stiffness.",
+        )
+    if NORMAL_LOAD in interface.declaration.of_joint:
+        yield EntryError(
+            ("preload", "method"),
+            f"{law}, which has a constant normal load. A solved load is not constant. Use "
+            'method = "prescribed" and normal_load.',
+        )
 
 
 def _useless_keys(where: tuple[str, str], interface: InterfaceSection) -> Iterator[EntryError]:

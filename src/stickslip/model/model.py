@@ -22,7 +22,7 @@ from stickslip.model.kinds.matrices import MatrixKind
 from stickslip.model.kinds.mesh import MeshKind
 from stickslip.model.kinds.two_blade import TwoBladeKind
 from stickslip.model.layout import BaseMotionOfSupport, Layout, Port, PortForce, PortUnbalance, Setup
-from stickslip.model.solved_preload import SolvedPreload, resting_joint, resting_pairs, solve_preload
+from stickslip.model.solved_preload import SolvedPreload, resting_joint, solve_preload
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.damping import rayleigh_damping_matrix
 from stickslip.structure.cache import cached_superelement
@@ -202,8 +202,8 @@ def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel
     if case.preload.method == "solved":
         settings = kind.face_settings(case)
         solved = solve_preload(case, joint, settings, superelement, static_load)
-        joint = resting_joint(case, joint, settings, solved.state)
-        pairs = resting_pairs(joint, superelement, solved.state, case.preload.residual_traction == "kept")
+        pairs = solved.pairs_about(solved.state, case.preload.residual_traction == "kept")
+        joint = resting_joint(case, joint, settings, solved.state, pairs)
     else:
         pairs = joint.contact_pairs(joint.face_pairs.operator(superelement))
     return ReducedModel(superelement, joint, pairs, excitation, static_load, outputs, groups, solved)

@@ -47,12 +47,17 @@ HIGHEST_PRESSURE = 1e3
 class SolvedPreload:
     """The state at rest with the tractions that the case asks for, and the other one for comparison.
 
-    ``other`` is None where it does not exist; ``why`` then says so.
+    ``other`` is None where it does not exist; ``why`` then says so. ``unloaded`` are the pairs before the load.
     """
 
+    unloaded: ContactPairs
     state: StaticState
     other: StaticState | None
     why: str = ""
+
+    def pairs_about(self, state: StaticState, kept: bool) -> ContactPairs:
+        """The contact pairs about one of the two states at rest, with its tractions ``kept`` or released."""
+        return state.about(self.unloaded, keep_traction=kept)
 
 
 def solve_preload(
@@ -63,37 +68,41 @@ def solve_preload(
     static_load: FloatArray,
 ) -> SolvedPreload:
     """The joint at rest under ``static_load`` (n,) N, with friction and without. Raises ConvergenceError."""
-    operator = joint.face_pairs.operator(superelement)
+    # Pairs that just touch, or stand apart by their gap.
+    unloaded = replace(joint, preload=-joint.normal_stiffness * joint.face_pairs.gap).contact_pairs(
+        joint.face_pairs.operator(superelement)
+    )
     kept = case.preload.residual_traction == "kept"
-    state = _state(case, joint, settings, superelement, operator, static_load, friction=kept)
+    state = _state(case, joint, settings, superelement, unloaded, static_load, friction=kept)
     try:
-        other = _state(case, joint, settings, superelement, operator, static_load, friction=not kept)
+        other = _state(case, joint, settings, superelement, unloaded, static_load, friction=not kept)
     except ConvergenceError as error:
-        return SolvedPreload(state, None, str(error))
-    return SolvedPreload(state, other)
+        return SolvedPreload(unloaded, state, None, str(error))
+    return SolvedPreload(unloaded, state, other)
 
 
-def resting_joint(case: Case, joint: Joint, settings: Sequence[FaceSettings], state: StaticState) -> Joint:
-    """The joint with the forces, gaps and stiffness of a state at rest."""
+def resting_joint(
+    case: Case, joint: Joint, settings: Sequence[FaceSettings], state: StaticState, pairs: ContactPairs
+) -> Joint:
+    """The joint with the forces, gaps, stiffness and laws of its ``pairs`` about a state at rest."""
     faces = describe_faces(case, joint.layout, state.normal_force, settings)
     layout = joint.layout
     secant = any(own.is_pressed and face_allocation(case, own) == "pressure" for own in settings)
     if secant and case.preload.normal_law == "spring":
         layout = replace(layout, messages=(*layout.messages, SECANT_WARNING))
+    others = pairs.laws[len(pairs.laws) - len(joint.laws) :]  # Coulomb pairs come first
     return replace(
         joint,
         layout=layout,
         preload=state.preload,
         normal_stiffness=state.normal_stiffness,
-        tangential_stiffness=state.tangential_stiffness,
+        tangential_stiffness=np.where(
+            np.isnan(state.tangential_stiffness), joint.tangential_stiffness, state.tangential_stiffness
+        ),
         rough_faces=faces,
+        laws=tuple((named, law, members) for (named, _, members), law in zip(joint.laws, others, strict=True)),
         stiffness_warnings=_pressure_warnings(case, joint, settings, state),
     )
-
-
-def resting_pairs(joint: Joint, superelement: Superelement, state: StaticState, kept: bool) -> ContactPairs:
-    """Contact pairs about a state at rest."""
-    return state.pairs(joint.face_pairs.operator(superelement), joint.friction_coefficient, keep_traction=kept)
 
 
 def _state(
@@ -101,18 +110,10 @@ def _state(
     joint: Joint,
     settings: Sequence[FaceSettings],
     superelement: Superelement,
-    operator: FloatArray,
+    pairs: ContactPairs,
     load: FloatArray,
     friction: bool,
 ) -> StaticState:
-    gap = joint.face_pairs.gap
-    pairs = ContactPairs(
-        operator,
-        joint.normal_stiffness,
-        joint.tangential_stiffness,
-        joint.friction_coefficient,
-        -joint.normal_stiffness * gap,
-    )
     if not any(own.is_pressed for own in settings):
         return static_preload(superelement, pairs, load, friction=friction)
 
@@ -124,11 +125,11 @@ def _state(
         return state
     law = _pressure_gap_law(case, joint, settings, state)
     start = ContactPairs(
-        operator,
+        pairs.operator,
         state.normal_stiffness,
         state.tangential_stiffness,
         joint.friction_coefficient,
-        -state.normal_stiffness * gap,
+        -state.normal_stiffness * joint.face_pairs.gap,
     )
     return static_preload(superelement, start, load, friction=friction, local_stiffness=local, normal_law=law)
 

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stickslip.contact.constants import NORMAL_LOAD
-from stickslip.contact.law.law import ContactLaw, ContactState
+from stickslip.contact.law.law import BoolArray, ContactLaw, ContactState
 from stickslip.core.validation import FloatArray
 from stickslip.model.face_laws import NamedLaw
 from stickslip.model.joint import Joint, odd_values
 from stickslip.model.layout import Derived, Setup
 from stickslip.results.measures import hertz, summary
 from stickslip.results.response import ForcedResponse
+from stickslip.solve.static.state import StaticState
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.superelement import Superelement
 
@@ -108,6 +109,9 @@ def resting_state(model: ReducedModel) -> tuple[Derived, ...]:
     rows: list[Derived] = []
     for face, name in enumerate(joint.face_names):
         here = joint.face_pairs.face == face
+        if (other := joint.law_of(face)) is not None:
+            rows += _resting_face(name, other[1], state, here)
+            continue
         opened = int((state.state[here] == ContactState.SEPARATING).sum())
         traction = float(np.linalg.norm(state.traction[here].sum(axis=0)))
         largest = float(pressure[here].max())
@@ -124,6 +128,18 @@ def resting_state(model: ReducedModel) -> tuple[Derived, ...]:
         ]
     rows.append(("Balance of forces at rest", state.residual, "-", state.message))
     return tuple(rows)
+
+
+def _resting_face(name: str, law: ContactLaw, state: StaticState, here: BoolArray) -> list[Derived]:
+    """States and forces at rest of a face with another law than Coulomb's."""
+    counts = [(words, int((state.state[here] == code).sum())) for code, words in law.states.items()]
+    force = (float(state.normal_force[here].sum()), float(np.linalg.norm(state.traction[here].sum(axis=0))))
+    of_all = f"of {int(here.sum())}; law {law.name}"
+    return [
+        *((f"Pairs in the state '{words}' at rest, {name}", count, "-", of_all) for words, count in counts),
+        (f"Normal force at rest, {name}", force[0], "N", "sum over its pairs, above 0 where it presses"),
+        (f"Tangential force at rest, {name}", force[1], "N", "resultant over its pairs"),
+    ]
 
 
 def compared_tractions(

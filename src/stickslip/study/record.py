@@ -15,7 +15,6 @@ from stickslip.core.progress import Progress
 from stickslip.core.validation import FloatArray
 from stickslip.model.layout import Derived
 from stickslip.model.model import ReducedModel, kind_of
-from stickslip.model.solved_preload import resting_pairs
 from stickslip.results.record import StudyRecord, Value
 from stickslip.results.response import ForcedResponse
 from stickslip.structure.craig_bampton import ReductionRow, reduction_table
@@ -73,7 +72,7 @@ def with_other_tractions(
     if other is None:
         return compared_tractions(case, response, model.preload.why, output)
     kept = case.preload.residual_traction != "kept"
-    changed = replace(model, pairs=resting_pairs(model.joint, model.superelement, other, kept))
+    changed = replace(model, pairs=model.preload.pairs_about(other, kept))
     try:
         return compared_tractions(case, response, solve(case, changed, progress, threads), output)
     except ConvergenceError as error:
