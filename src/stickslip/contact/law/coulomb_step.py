@@ -1,4 +1,4 @@
-"""The friction law along one straight step of all pairs: what a static load ramp needs, with exact derivatives."""
+"""The friction law along one straight step of all pairs, with exact derivatives, for a static load ramp."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class StepForces:
 
 
 def friction_step(traction: FloatArray, limit: FloatArray, pull: FloatArray, limit_end: FloatArray) -> StepForces:
-    """Friction of pairs whose motion and limit change linearly from a known state (equal stiffness along t1 and t2).
+    """Friction of pairs whose motion and limit change linearly from a given state (equal stiffness along t1 and t2).
 
     ``traction`` (n_pairs, 2) and ``limit`` (n_pairs,) N at the start, the limit negative in a gap; ``pull`` (n_pairs,
     2) N is ``k ds``. Slip turns the traction along the tractrix (docs/theory_friction.md).

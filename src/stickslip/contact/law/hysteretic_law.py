@@ -1,4 +1,4 @@
-"""What hysteretic laws share that act along t1 and along t2 one by one, with a normal spring that never opens."""
+"""Common parts of hysteretic laws that act along t1 and along t2 one by one, with a normal spring that never opens."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def _bases(harmonics: int, samples: int) -> tuple[FloatArray, FloatArray]:
 
 
 class HystereticLaw(ABC):
-    """A law whose force along a tangent depends on the path along this tangent alone, not on where the path lies.
+    """A law whose force along a tangent depends on the path along this tangent alone, not on the mean of the path.
 
     The force at rest is released: it does not depend on the mean displacement. A subclass has the constants
     ``tangential_stiffness`` (p, 2) N/m of small motions and ``normal_stiffness`` (p,) N/m.
@@ -85,7 +85,7 @@ class HystereticLaw(ABC):
         return tangent
 
     def hidden_springs(self, period: LawPeriod) -> FloatArray:
-        """(p, 3) N/m: there are none."""
+        """(p, 3) N/m: zero."""
         return np.zeros((self.n_pairs, 3))
 
     def cycle(self, displacement: FloatArray) -> ContactCycle:

@@ -1,9 +1,9 @@
 """Weierstrass-Mandelbrot rough surface: heights, statistics and structure function.
 
-z(x, y) = A sum_{m=1..M} sum_{n=0..n_max} gamma^((D-3)n) { cos phi_mn - cos[k_n e_m.(x, y) + phi_mn] }
-with the directions e_m = (cos(pi m/M), sin(pi m/M)), k_n = 2 pi gamma^n / L and A = L (G/L)^(D-2) sqrt(ln gamma / M).
-Source: Ausloos and Berry (1985), in the form of Yan and Komvopoulos (1998); D is the dimension of the surface. The dot
-product stands where papers print sqrt(x^2+y^2) cos(atan(y/x) - pi m/M), which is wrong for x < 0. See
+z(x, y) = A sum_{m=1..M} sum_{n=0..n_max} gamma^((D-3)n) { cos phi_mn - cos[k_n e_m.(x, y) + phi_mn] } with the
+directions e_m = (cos(pi m/M), sin(pi m/M)), k_n = 2 pi gamma^n / L and A = L (G/L)^(D-2) sqrt(ln gamma / M). Source:
+Ausloos and Berry (1985), in the form of Yan and Komvopoulos (1998); D is the dimension of the surface. Papers print
+sqrt(x^2+y^2) cos(atan(y/x) - pi m/M) in place of the dot product, which is wrong for x < 0. See
 docs/theory_roughness.md.
 """
 
@@ -42,8 +42,8 @@ def fractal_surface(
 
     ``fractal_dimension`` D, 2 < D < 3; ``fractal_roughness`` G in m; ``length`` L in m, the longest wave; ``ridges`` M
     directions; ``phases`` (ridges, n_max + 1) in rad, see ``draw_phases``; ``ratio`` gamma of successive wave numbers.
-    Every point is summed on its own in a fixed order, so its height does not depend on the other points of the call.
-    Raises InputError for shapes that do not match or values out of range.
+    The sum of each point has a fixed order, so its height does not depend on the other points of the call. Raises
+    InputError for shapes that do not match or values out of range.
     """
     check_surface(fractal_dimension, fractal_roughness, length, ratio)
     whole_number("ridges", ridges, 1)
@@ -106,7 +106,7 @@ def frequency_count(length: float, shortest_length: float, ratio: float = 1.5) -
     shortest_length = positive_number("shortest_length", shortest_length, "m")
     require_allowed("frequency ratio", ratio, ratio > 1, "above 1")
     require_allowed("length", length, length > shortest_length, f"above the shortest length, {shortest_length:g} m")
-    # L / Ls is often a whole power of gamma in tests and tables; round-off must not lose that last wave.
+    # L / Ls is often a whole power of gamma in tests and tables; round-off must not drop that last wave.
     return floor(log(length / shortest_length) / log(ratio) + 1e-9)
 
 
@@ -169,7 +169,7 @@ def structure_function(
 
 
 def structure_function_limit(distance: ArrayLike, fractal_dimension: float, fractal_roughness: float) -> FloatArray:
-    """Structure function in m2 for waves without end, gamma -> 1 and many ridges: it knows neither L nor gamma nor M.
+    """Structure function in m2 for unbounded waves, gamma -> 1 and many ridges: independent of L, gamma and M.
 
     S = G^(2(D-2)) (pi tau)^(2 Hq) Gamma(1 - Hq) / (2 Hq Gamma(1 + Hq)), Hq = 3 - D; ``distance`` tau in m.
     """
@@ -185,8 +185,8 @@ def fractal_roughness_from_sq(
 ) -> float:
     """G in m of the surface that has the root mean square height ``sq_height`` (m) between Ls and L: Sq ~ G^(D-2).
 
-    A measured Sq is that of its evaluation length and cut-off: give these as L and Ls. Raises InputError for values out
-    of range.
+    A measured Sq belongs to an evaluation length and a cut-off, which are L and Ls here. Raises InputError for values
+    out of range.
     """
     sq_height = positive_number("sq_height", sq_height, "m")
     log_ratio = log(sq_height / sq(fractal_dimension, length, length, shortest_length, ratio))  # Sq where G = L
@@ -195,7 +195,7 @@ def fractal_roughness_from_sq(
 
 @dataclass(frozen=True)
 class SurfaceStatistics:
-    """What a profilometer would say of the surface between its longest and shortest wave."""
+    """Statistics of the surface between its longest and shortest wave, as a profilometer measures them."""
 
     sq: float  # root mean square height, m
     sdq: float  # root mean square slope, pure number
