@@ -33,7 +33,7 @@ MOST_LINES = 32  # of a map in each direction; neighbouring lines contain nearly
 BEYOND = 100.0  # default of longest wave over line length: longer ones are straight lines, which are removed
 LONGEST_BEYOND = 1e4  # limit of longest wave over line length as an argument: the heights do not contain longer waves
 MODEL_ERROR = 0.02  # relative, of S: ripple of separate waves, few directions
-SIMULATIONS = 200  # surfaces for weights and intervals; theory page, section 2
+SIMULATIONS = 200  # surfaces for weights and intervals; theory page, section 3
 WIDENING = 1.3  # surfaces like the fitted one can scatter less than those like the true one; theory page, section 4
 HURST_RANGE = (0.02, 0.98)  # of H = 3 - D: the ends 0 and 1 themselves have no fractal surface
 CONSTANT_RANGE = (-3.0, 3.0)  # of ln[1 + c / S at the shortest lag]

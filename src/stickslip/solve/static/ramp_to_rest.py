@@ -2,8 +2,8 @@
 
     K u + B^T f = load,   N = N(closure) >= 0,   |T| <= mu N,   closure = B_n u - gap
 
-Friction remembers: the load grows in steps from zero, and in each the traction follows the friction law from the last
-step (:mod:`stickslip.solve.static.load_ramp`).
+Friction depends on the history: the load grows in steps from zero, and in each the traction follows the friction law
+from the last step (:mod:`stickslip.solve.static.load_ramp`).
 """
 
 from __future__ import annotations
@@ -23,10 +23,12 @@ from stickslip.solve.static.load_ramp import LoadRamp
 from stickslip.solve.static.state import StaticState
 from stickslip.structure.superelement import Superelement
 
-# Local stiffness is iterated until normal forces and stiffness change by less than this share of the largest.
+# chosen: local stiffness is iterated until normal forces and stiffness change by less than this fraction of the
+# largest.
 STIFFNESS_TOLERANCE = 1e-4
-STIFFNESS_ITERATIONS = 200
-# With gaps the load steps are multiplied until no traction changes by more than this share of the largest limit.
+STIFFNESS_ITERATIONS = 200  # chosen: half steps in the logarithm need about 15
+# chosen: with gaps the number of load steps is multiplied by MORE_STEPS, up to MOST_STEPS, until no traction changes by
+# more than this fraction of the largest limit.
 PATH_TOLERANCE = 0.01
 MORE_STEPS, MOST_STEPS = 4, 64
 
@@ -50,31 +52,30 @@ def static_preload(
     Parameters
     ----------
     superelement:
-        the structure; only its stiffness is used. Bodies that contact alone holds may be free.
+        the structure; only its stiffness matters. Bodies that contact alone supports may be free.
     pairs:
-        the joint before the load: ``preload`` is 0 for pairs that just touch, ``-k_n gap`` for a gap, above 0 for an
+        the joint before the load: ``preload`` is 0 for pairs that just touch, ``-k_n gap`` with a gap, above 0 with an
         interference. Equal tangential stiffness in both directions.
     load:
         (n,) N; it may be zero where an interference presses.
     friction:
         False gives the state without traction, the rest state of released sliders.
     local_stiffness:
-        if given, the stiffness of each pair is found anew from its own normal force until both agree.
+        optional: the stiffness of each pair as a function of its own normal force, iterated until both agree.
     normal_law:
         a law instead of springs, such as :class:`PressureGapLaw`; ``local_stiffness`` then sets the tangential springs
         alone. The gaps are those of ``pairs``.
     steps:
-        load steps to begin with; a step that does not converge is cut. Pairs with a gap, an interference or a
-        pressure-gap law slip along bent lines, so with friction the steps are multiplied by four until no traction
-        changes by more than 1 % of the largest friction limit, at most to 64; the message says how much they still
-        changed.
+        initial number of load steps; a step that does not converge is shortened. Pairs with a gap, an interference or a
+        pressure-gap law slip along curved paths, so with friction the number is multiplied by four until no traction
+        changes by more than 1 % of the largest friction limit, up to 64; the message gives the last change.
 
     Raises
     ------
     InputError
         for a wrong shape, a load of zero, or unequal tangential springs.
     ConvergenceError
-        where no equilibrium was found; the message says how much of the load the joint carried.
+        if there is no equilibrium; the message gives the fraction of the load that the joint carried.
     """
     force = _checked_load(load, superelement, pairs)
     steps = whole_number("steps", steps, 1)
@@ -91,7 +92,7 @@ def static_preload(
     for iteration in range(STIFFNESS_ITERATIONS):
         told(iteration / STIFFNESS_ITERATIONS, f"local stiffness, iteration {iteration + 1}")
         normal, tangential = local_stiffness(state.normal_force)
-        # Half a step in the logarithm: stiffness grows nearly with the load, and a full step would overshoot.
+        # Half a step in the logarithm: stiffness is nearly proportional to the load, and a full step would overshoot.
         normal = np.sqrt(normal * state.normal_stiffness) if normal_law is None else state.normal_stiffness
         tangential = np.sqrt(tangential * state.tangential_stiffness)
         local = ContactPairs(pairs.operator, normal, tangential, pairs.friction_coefficient, -normal * gap)
@@ -99,7 +100,7 @@ def static_preload(
         law = normal_law or SpringLaw(normal)
         ramp = LoadRamp(superelement, local, force, law, gap, friction)
         state = ramp.run(steps)
-        # The stiffness too: forces that equilibrium alone determines do not tell whether it has reached its law.
+        # The stiffness too: forces that equilibrium alone determines do not show whether it satisfies its law.
         change = max(
             _change(state.normal_force, previous.normal_force),
             _change(state.normal_stiffness, previous.normal_stiffness) if normal_law is None else 0.0,
@@ -119,12 +120,13 @@ def static_preload(
 
 
 def _change(new: FloatArray, old: FloatArray) -> float:
-    """Largest change as a share of the largest value."""
+    """Largest change as a fraction of the largest value."""
     return float(np.abs(new - old).max() / max(old.max(), 1e-300))
 
 
 def _settled(ramp: LoadRamp, pairs: ContactPairs, state: StaticState, steps: int) -> tuple[StaticState, int, str]:
-    """The state from so many load steps that more do not change its tractions, their number, and a sentence on it."""
+    """The state from a number of load steps above which its tractions do not change, this number, and a sentence on
+    it."""
     while True:
         finer = ramp.run(MORE_STEPS * steps)
         limit = max(float((pairs.friction_coefficient * finer.normal_force).max()), 1e-300)

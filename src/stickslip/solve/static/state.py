@@ -34,7 +34,7 @@ class StaticState:
     steps, iterations:
         load steps and Newton iterations of the last ramp.
     message:
-        how the solution was reached.
+        the way to the solution.
     """
 
     displacement: FloatArray
@@ -55,7 +55,7 @@ class StaticState:
         return np.where(self.state == ContactState.SEPARATING, -self.normal_stiffness * self.gap, self.normal_force)
 
     def pairs(self, operator: FloatArray, friction_coefficient: ArrayLike, keep_traction: bool) -> ContactPairs:
-        """Contact pairs about this state, with the traction at rest kept or released."""
+        """Contact pairs about this state, with the traction at rest retained or released."""
         return ContactPairs(
             operator,
             self.normal_stiffness,

@@ -22,13 +22,13 @@ from stickslip.solve.harmonic.compliance import MEAN_RESTRAINT, StaticFactor
 from stickslip.solve.path.problem import NO_PARAMETERS, Plane, Step
 from stickslip.structure.superelement import Superelement
 
-# A step this many times longer than the bonded solution and the gaps is a body that flies away.
+# chosen: a step longer than this multiple of the bonded solution and the gaps is a body without support.
 LARGEST_STEP = 1e6
 
 
 @dataclass(frozen=True)
 class RestingJoint:
-    """A joint with given stiffness under a static load, and the answers of its structure.
+    """A joint with constant stiffness under a static load, and the response of its structure.
 
     ``gap`` (n_pairs,) m is negative for an interference. Without ``friction`` the pairs slide freely.
     """
@@ -64,7 +64,7 @@ class RestingJoint:
 
 @dataclass(frozen=True)
 class History:
-    """A converged state on the ramp, from which the next step starts."""
+    """A converged state on the ramp, the start of the next step."""
 
     relative: FloatArray  # (n_pairs, 3) m
     traction: FloatArray  # (n_pairs, 2) N
@@ -84,12 +84,12 @@ class StaticPoint:
 
     @property
     def parameters(self) -> FloatArray:
-        """None are free."""
+        """No parameter is free."""
         return NO_PARAMETERS
 
     @property
     def conditions(self) -> FloatArray:
-        """There are none."""
+        """No conditions."""
         return NO_PARAMETERS
 
     @property
@@ -101,8 +101,8 @@ class StaticPoint:
 class LoadStep:
     """The step from ``history`` to a fraction ``load`` of the static load.
 
-    ``slider_rest`` (n_pairs, 2) m is where the restraint of a body without friction carries nothing. ``damping`` ties
-    the solution to ``centre`` with that fraction of the springs, for an approach in small steps.
+    ``slider_rest`` (n_pairs, 2) m is the position in which the restraint of a body without friction carries no force.
+    ``damping`` ties the solution to ``centre`` with that fraction of the springs, for an approach in small steps.
     """
 
     def __init__(
@@ -131,7 +131,7 @@ class LoadStep:
             derivative[:, :2, :2] = step.by_pull * tangential[:, None, :]
             derivative[:, :2, 2] = step.by_limit * limit_slope[:, None]
         else:
-            # A body that only friction would hold gets the restraint of the mean position in dynamics.
+            # A body that only friction would support has the restraint of the mean position, as in dynamics.
             code = np.where(normal > 0.0, ContactState.STICK_SLIP, ContactState.SEPARATING).astype(np.int8)
             force[:, :2] = MEAN_RESTRAINT * tangential * (relative[:, :2] - self._slider_rest)
             derivative[:, [0, 1], [0, 1]] = MEAN_RESTRAINT * tangential
@@ -151,7 +151,7 @@ class LoadStep:
     def scale(self) -> float:
         """Size of the displacements, m, of the bonded solution and the gaps.
 
-        Not of the solution itself: a body that flies away would make any residual look small.
+        Not of the solution itself: a body without support would make any residual look small.
         """
         joint = self._joint
         return self._load * float(np.linalg.norm(joint.bonded)) + float(np.linalg.norm(joint.gap)) + 1e-300
@@ -169,18 +169,18 @@ class LoadStep:
         return unknowns.copy()
 
     def named(self, parameter: float) -> str:
-        """A fraction of the load."""
+        """The fraction of the load in words."""
         return f"{100.0 * parameter:.4g} % of the static load"
 
 
 class _StepSystem:
-    """``(I + A D) dx = -R`` on the pairs where D, the change from the springs, acts."""
+    """``(I + A D) dx = -R`` on the pairs where D, the deviation from the springs, is not zero."""
 
     def __init__(self, joint: RestingJoint, point: StaticPoint, largest_step: float) -> None:
         self._joint, self._point, self._largest_step = joint, point, largest_step
 
     def solve(self, residual: FloatArray, conditions: FloatArray, plane: float, tolerance: float) -> Step:
-        """The step; not finite where the equations are singular or a body flies away."""
+        """The step; not finite where the equations are singular or a body has no support."""
         joint, right = self._joint, residual.ravel()
         n_pairs = len(residual)
         change = self._point.derivative.copy()

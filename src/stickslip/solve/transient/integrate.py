@@ -27,8 +27,8 @@ from stickslip.results.response import ForcedResponse
 from stickslip.solve.transient.kernel import march_period
 from stickslip.structure.superelement import Superelement
 
-_MAX_STEP_ITERATIONS = 40
-_STEP_TOLERANCE = 1e-10
+_MAX_STEP_ITERATIONS = 40  # chosen: ends a step whose Newton iteration does not converge
+_STEP_TOLERANCE = 1e-10  # relative error of the contact displacements of a step, far below the truncation error
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,8 @@ class TransientResponse:
     message: str
 
     def amplitude(self, output: ArrayLike) -> float:
-        """Largest ``|output @ u(t)|`` of the last period (0-to-peak, mean included), from a parabola at the peak."""
+        """Largest ``|output @ u(t)|`` of the last period (0-to-peak, including the mean), from a parabola at the
+        peak."""
         signal = self.displacement @ finite_array("output", output)
         if abs(signal.min()) > abs(signal.max()):
             signal = -signal
@@ -75,8 +76,8 @@ class _Scheme:
     """Constant matrices of one step ``u_1 = load + state_response [u_0, v_0, a_0] - force_response f``.
 
     ``f`` is the deviation of the contact force from stuck springs at the end of the step plus ``old_force_weight``
-    times the contact force (less preload) at its start. The stuck springs are in the factored matrix, so that a stuck
-    pair costs nothing. The ``contact_`` arrays are ``B`` times the others.
+    times the contact force (less preload) at its start. The factored matrix contains the stuck springs, so a stuck pair
+    costs nothing. The ``contact_`` arrays are ``B`` times the others.
     """
 
     load_response: FloatArray  # (n_steps, n), for each step of the period
@@ -179,7 +180,7 @@ def _check_settings(
     tolerance: float,
     spectral_radius: float,
 ) -> None:
-    """Raise InputError for settings that have no meaning."""
+    """Raise InputError for invalid settings."""
     if pairs.operator.shape[1] != superelement.size:
         raise InputError(
             f"the operator of the contact pairs has {pairs.operator.shape[1]} columns, but the superelement has "
@@ -206,8 +207,8 @@ def _check_settings(
 def start_from_response(response: ForcedResponse, point: int) -> dict[str, FloatArray]:
     """Time 0 of one point of a harmonic-balance curve, as ``initial_...`` arguments of integrate_to_steady_state.
 
-    The sliders come along, so that a pair that sticks keeps the mean traction it has in the harmonic balance; from rest
-    it would end with another one, and both are valid steady states. Raises InputError for a point that does not exist.
+    It includes the sliders, so that a pair that sticks has the mean traction of the harmonic balance; from rest it
+    would end with another one, and both are valid steady states. Raises InputError for a point that does not exist.
     """
     n_points = response.frequency_hz.size
     if not 0 <= point < n_points:
@@ -256,22 +257,22 @@ def integrate_to_steady_state(
     steps_per_period, max_periods:
         the error of an amplitude falls with the square of the step (docs/theory_transient.md).
     tolerance:
-        on the relative change from one period to the next; see ``TransientResponse.period_change``.
+        of the relative change from one period to the next; see ``TransientResponse.period_change``.
     initial_displacement, initial_velocity:
         (n,) m and m/s at time 0, rest by default. A harmonic-balance solution shortens the transient.
     initial_slider:
         (n_pairs, 2) m: tangential displacement at which a pair carries no friction, ``T = k_t (s - slider)``. The
-        slider at rest by default (zero if released). A pair that slips forgets it; one that always sticks keeps it as a
-        mean traction.
+        slider at rest by default (zero if released). It has no effect on a pair that slips; in one that always sticks
+        it stays as a mean traction.
     spectral_radius:
-        share of its amplitude that a mode much faster than the step keeps in one step.
+        factor of the amplitude of a mode much faster than the step in one step.
 
     Raises
     ------
     InputError
         for an array of another shape, entries that are not finite, or a setting out of range.
     ConvergenceError
-        if the Newton iteration of a step fails; the message names the step.
+        if the Newton iteration of a step fails; the message gives the step.
     """
     _check_settings(superelement, pairs, frequency_hz, steps_per_period, max_periods, tolerance, spectral_radius)
     n, n_pairs, operator = superelement.size, pairs.n_pairs, pairs.operator
