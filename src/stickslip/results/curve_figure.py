@@ -12,13 +12,13 @@ from stickslip.results.peaks import peaks, window_around
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_MICRO = 1e6
+_MICRO = 1e6  # m to µm
 
 
 @dataclass(frozen=True)
 class AmplitudeCurve:
-    """What the figure shows: frequencies in Hz, 0-to-peak amplitudes in m, and the names of the linear stuck curve and
-    of the output."""
+    """Data of the figure: frequencies in Hz, 0-to-peak amplitudes in m, and the names of the linear stuck curve and of
+    the output."""
 
     frequency_hz: FloatArray
     amplitude: FloatArray

@@ -1,4 +1,4 @@
-"""What travels with a response: the record of the study that asked for it, and which software answered."""
+"""The record of the study of a response, and the versions of the software."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MODE_COLUMNS = ("mode", "description", "full_hz", "reduced_hz", "difference_perc
 
 @dataclass(frozen=True, eq=False)
 class StudyRecord(Labelled):
-    """What the report shows and the solver does not know.
+    """Data for the report beside the response.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class StudyRecord(Labelled):
     inputs:
         text of the study file as it was read.
     outputs:
-        name -> row (n,) that reads one displacement, in m. The first is the response that the curve shows.
+        name -> row (n,) of one displacement, in m. The first is the response of the curve.
     signal_groups:
         heading -> names of outputs drawn together over one period, for example
         ``{"Damper, left side": ("damper left x", "damper left y", "damper left z")}``.
@@ -42,7 +42,7 @@ class StudyRecord(Labelled):
     pair_face:
         (n_pairs,) index into ``face_names``.
     pair_position:
-        (n_pairs, 2) m, place of each pair in its face: along the length, across the width.
+        (n_pairs, 2) m, position of each pair in its face: along the length, across the width.
     pair_area:
         (n_pairs,) m2.
     mode_table:
@@ -50,16 +50,16 @@ class StudyRecord(Labelled):
         difference and mac where a body moves freely.
         ``table2_hz`` is the paper's frequency; a table that has it is shown beside the paper as inferred.
     mode_contact:
-        how the pairs were held for the mode table: "tied", "stuck" on their springs, or "stuck (pairs closed at rest)",
-        where those that are open at rest have no spring.
+        contact of the mode table: "tied", "stuck" on their springs, or "stuck (pairs closed at rest)", where pairs that
+        are open at rest have no spring.
     derived:
-        (name, value, unit, explanation) of what follows from the inputs: face stiffness, Sq, preload, ...
+        (name, value, unit, explanation) of derived quantities: face stiffness, Sq, preload, ...
     warnings:
-        sentences of the study itself; those of the solver are in the response.
+        messages of the study itself; those of the solver are in the response.
     sketch:
-        what a picture of the structure shows; None for matrices without a mesh, and for the cases of a sweep.
+        data for a picture of the structure; None for matrices without a mesh, and for the cases of a sweep.
     rough_patch:
-        a picture of a rough face, or None; the cases of a sweep share one roughness or vary it, and have none.
+        heights of a rough face for a picture, or None; the cases of a sweep have none.
 
     Raises
     ------

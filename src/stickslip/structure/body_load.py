@@ -11,22 +11,22 @@ from stickslip.structure.elasticity import Material
 from stickslip.structure.finite_element_mesh import AnyMesh, CellBlock, FiniteElementMesh
 from stickslip.structure.shapes import consistent_mass
 
-_CELLS_AT_ONCE = 2000
+_CELLS_AT_ONCE = 2000  # chosen to bound the memory
 
 
 def centrifugal_load(mesh: AnyMesh, materials: Sequence[Material], axis: FloatArray, point: FloatArray) -> FloatArray:
     """(3 * n_nodes,) N of every node at a rotation of 1 rad/s: ``integral of density N^T r dV``.
 
-    r is the vector from the axis through ``point`` (3,) m along the unit vector ``axis`` (3,), linear in the nodes'
-    places as the cells' shape functions carry it, so that ``f = M r`` with the consistent mass of all nodes, held ones
-    included. Multiply by the square of the speed. ``materials`` are one for each body, in their order.
+    r is the vector from the axis through ``point`` (3,) m along the unit vector ``axis`` (3,), interpolated by the
+    shape functions, so that ``f = M r`` with the consistent mass of all nodes, including constrained ones. Multiply by
+    the square of the speed. ``materials`` are one for each body, in their order.
     """
     arm = mesh.points - point
     return _inertia(mesh, materials, arm - np.outer(arm @ axis, axis)).ravel()
 
 
 def translation_inertia(mesh: AnyMesh, materials: Sequence[Material]) -> FloatArray:
-    """(3 * n_nodes, 3) kg: ``M r`` for translations r of all nodes by 1 along x, y, z, held ones included.
+    """(3 * n_nodes, 3) kg: ``M r`` for translations r of all nodes, including constrained ones, by 1 along x, y, z.
 
     ``M`` is the consistent mass. Times an acceleration of the support it is the force that the support exerts through
     the inertia of the structure.

@@ -1,4 +1,4 @@
-"""Meshes of several kinds of solid cells in several bodies, as they come from other programs."""
+"""Meshes of several kinds of solid cells in several bodies, as other programs write them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class CellBlock:
     cells:
         (m, k) node numbers in VTK order.
     body:
-        (m,) position of each cell's body in ``FiniteElementMesh.body_names``.
+        (m,) index of each cell's body in ``FiniteElementMesh.body_names``.
     """
 
     kind: str
@@ -44,7 +44,7 @@ class CellBlock:
 class FiniteElementMesh:
     """Solid cells of several kinds and bodies, in metres.
 
-    Cells are numbered from 0 through all blocks in their order.
+    Cell numbers count from 0 through all blocks in their order.
 
     Parameters
     ----------
@@ -55,8 +55,8 @@ class FiniteElementMesh:
     body_names:
         name of each body; every body has cells.
     node_sets:
-        name -> (k,) node numbers. The nodes of a face set stand here too, under its name,
-        and those of an element set unless the name is taken.
+        name -> (k,) node numbers. It also contains the nodes of each face set under its name, and those of each element
+        set unless another set has the name.
     face_sets:
         name -> arrays (k, 3 | 4 | 6 | 8) of the nodes of cell sides: corners counter-clockwise seen from outside the
         cell, then the midside nodes between them.
@@ -66,8 +66,8 @@ class FiniteElementMesh:
     Raises
     ------
     InputError
-        for coordinates that are not finite, an unknown kind, node or cell numbers that do not exist, a node without a
-        cell, a body without one, a side that no cell has, and a cell that is inverted or flat.
+        for coordinates that are not finite, an unknown kind, node or cell numbers that do not exist, a node or a body
+        without a cell, a side that no cell has, and a cell that is inverted or flat.
     """
 
     points: FloatArray
@@ -120,7 +120,7 @@ class FiniteElementMesh:
 
     @property
     def body(self) -> IntArray:
-        """(n_cells,) position of each cell's body in ``body_names``."""
+        """(n_cells,) index of each cell's body in ``body_names``."""
         return np.concatenate([block.body for block in self.blocks])
 
     def node_set(self, name: str) -> IntArray:
@@ -139,7 +139,7 @@ class FiniteElementMesh:
         return [(block.kind, block.cells) for block in self.blocks]
 
     def nodes_of_cells(self, cells: IntArray) -> IntArray:
-        """Nodes (k,) of cells given by their numbers, each once."""
+        """Nodes (k,) of cells with these numbers, each once."""
         wanted = np.zeros(self.n_cells, dtype=bool)
         wanted[cells] = True
         ends = np.cumsum([len(block.cells) for block in self.blocks])[:-1]
@@ -151,7 +151,7 @@ class FiniteElementMesh:
         return self.nodes_of_cells(np.flatnonzero(self.body == body))
 
     def sides(self, name: str) -> tuple[IntArray, ...]:
-        """Sides (k, 3 | 4 | 6 | 8) of a face set, or the outer sides all of whose nodes lie in a node set.
+        """Sides (k, 3 | 4 | 6 | 8) of a face set, or the outer sides whose nodes are all in a node set.
 
         Raises InputError when there is no such set, or when a node set spans no side.
         """
@@ -160,7 +160,7 @@ class FiniteElementMesh:
         return sides_in_nodes(name, self.node_set(name), self.n_nodes, self.cell_arrays())
 
     def outer_sides(self, body: int | None = None) -> tuple[IntArray, ...]:
-        """Sides (k, 3 | 4 | 6 | 8) that one cell alone has: the free surface, of all bodies or of one."""
+        """Sides (k, 3 | 4 | 6 | 8) of only one cell: the free surface, of all bodies or of one."""
         wanted = [
             sides if body is None else sides[self.body[owners] == body]
             for sides, owners in outer_sides(self.cell_arrays())

@@ -14,7 +14,7 @@ from stickslip.structure.cell_kinds import CELL_KINDS, KIND_OF_SIZE, CellKind, a
 from stickslip.structure.cell_kinds import IntArray as IntArray
 
 EDGES = CELL_KINDS["hexahedron"].edges
-# Names of sets that one line shows.
+# chosen: names of sets on one line.
 SHOWN_NAMES = 6
 
 
@@ -105,10 +105,10 @@ class Mesh:
         return (self.sides_within(name),)
 
     def sides_within(self, name: str) -> IntArray:
-        """(k, 4) or (k, 8) nodes of the cell sides that lie wholly in a node set, seen from outside the body.
+        """(k, 4) or (k, 8) nodes of the cell sides whose nodes are all in a node set, seen from outside the body.
 
-        Corners run counter-clockwise; in 20-node cells the four midside nodes follow. Sides that two cells share
-        are inside the body and left out. Raises InputError when the set is missing, empty, or spans no side.
+        Corners run counter-clockwise; in 20-node cells the four midside nodes follow. Sides of two cells are inside the
+        body and not included. Raises InputError if the set is missing, empty, or contains no side.
         """
         (sides,) = sides_in_nodes(name, self.node_set(name), self.n_nodes, self.cell_arrays())
         return sides
@@ -116,7 +116,7 @@ class Mesh:
     def quadratic(self) -> Mesh:
         """The same bricks with a node in the middle of each edge (20-node serendipity cells).
 
-        Corner nodes keep their numbers; a node set gains every edge node whose two ends it holds.
+        Corner nodes keep their numbers; a node set gains every edge node whose two ends it contains.
         """
         if self.cells.shape[1] == 20:
             return self
@@ -136,7 +136,7 @@ class Mesh:
 
 
 def names_in_short(names: Iterable[str]) -> str:
-    """The first names, and how many more there are."""
+    """The first names, and the number of others."""
     known = sorted(names)
     more = len(known) - SHOWN_NAMES
     return ", ".join(known[:SHOWN_NAMES]) + (f" and {more} more" if more > 0 else "") or "none"
@@ -173,7 +173,8 @@ def named_nodes(node_sets: Mapping[str, IntArray], name: str) -> IntArray:
 
 
 def sides_in_nodes(name: str, nodes: IntArray, n_nodes: int, cells: list[tuple[str, IntArray]]) -> tuple[IntArray, ...]:
-    """Sides (k, 3 | 4 | 6 | 8) of cells, seen from outside, whose nodes all lie in the set and that one cell alone has.
+    """Sides (k, 3 | 4 | 6 | 8) of cells, seen from outside, whose nodes are all in the set and that belong to only one
+    cell.
 
     Raises InputError where there is none.
     """

@@ -101,7 +101,7 @@ class StaticPoint:
 class LoadStep:
     """The step from ``history`` to a fraction ``load`` of the static load.
 
-    ``slider_rest`` (n_pairs, 2) m is the position in which the restraint of a body without friction carries no force.
+    Without friction, the restraint of a body carries no force at the position ``slider_rest`` (n_pairs, 2) m.
     ``damping`` ties the solution to ``centre`` with that fraction of the springs, for an approach in small steps.
     """
 
