@@ -1,4 +1,4 @@
-"""Whether the sections of a study file fit each other."""
+"""Checks that the sections of a study file do not contradict each other."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from stickslip.core.errors import InputError
 
 
 class EntryError(InputError):
-    """One entry of a study file does not fit the others; ``path`` says which."""
+    """The entry ``path`` of a study file contradicts others."""
 
     def __init__(self, path: tuple[str, ...], sentence: str) -> None:
         super().__init__(sentence)
@@ -20,10 +20,10 @@ class EntryError(InputError):
 
 
 def preload_errors(preload: PreloadSection, loads: Sequence[str], rough: bool) -> Iterator[EntryError]:
-    """What a prescribed preload has no use for, and what a solved one needs.
+    """Keys that a prescribed preload does not use, and missing keys of a solved one.
 
-    ``loads`` are the sections with static loads that the study has; ``rough`` says whether any face follows from a
-    roughness.
+    ``loads`` are the sections with static loads of the study; ``rough`` is True if the stiffness of any face follows
+    from a roughness.
     """
     if preload.method == "prescribed":
         for name in loads:
@@ -51,7 +51,7 @@ def preload_errors(preload: PreloadSection, loads: Sequence[str], rough: bool) -
 
 
 def _wedge_errors(preload: WedgePreloadSection, rotates: bool) -> Iterator[EntryError]:
-    """Where the wedge under a solved preload would be loaded twice."""
+    """Keys that would load the wedge under a solved preload twice."""
     if preload.friction_coefficient_at_assembly:
         yield EntryError(
             ("preload", "friction_coefficient_at_assembly"),
@@ -83,7 +83,7 @@ def joint_errors(interfaces: Mapping[str, InterfaceSection], preload: OwnPreload
 
 
 def place_errors(section: str, places: Mapping[str, PlaceSection], has_areas: bool) -> Iterator[EntryError]:
-    """Places that are not one place; ``has_areas`` says whether the structure knows areas."""
+    """Places that are ambiguous or missing; ``has_areas`` is True if the structure has areas."""
     for name, place in places.items():
         where = (section, name)
         given = [key for key in ("set", "point", "node") if getattr(place, key) is not None]
@@ -97,7 +97,7 @@ def place_errors(section: str, places: Mapping[str, PlaceSection], has_areas: bo
 
 
 def excitation_errors(excitations: Mapping[str, Any], harmonics: Mapping[str, int], kept: int) -> Iterator[EntryError]:
-    """No excitation at all, and forces in harmonics beyond those ``kept``.
+    """A missing excitation, and forces in harmonics above ``kept``.
 
     ``excitations`` are the sections that can excite the structure, ``harmonics`` those of the forces.
     """

@@ -28,13 +28,13 @@ from stickslip.core.validation import FloatArray
 from stickslip.model.layout import Layout
 from stickslip.structure.elasticity import Material
 
-# Pa; where the preload is solved, the iteration of the contact stiffness starts from it.
+# Pa; chosen: start of the iteration of the contact stiffness where the preload is solved.
 STARTING_PRESSURE = 3e6
 
 
 @dataclass(frozen=True)
 class RoughFace:
-    """What the roughness says of one contact face under its preload."""
+    """Contact stiffness and regime of one rough contact face under its preload."""
 
     stiffness: ContactStiffness  # of ``reference_area`` under the mean pressure of the face
     statistics: SurfaceStatistics
@@ -47,7 +47,7 @@ class FaceSettings:
 
     friction: float
     stiffness: tuple[float, float] | None
-    load_key: str = "preload.centrifugal_force"  # the key of the study file that gives the face its load
+    load_key: str = "preload.centrifugal_force"  # the key of the study file for the load of the face
 
     @classmethod
     def of_case(cls, case: Case) -> FaceSettings:
@@ -66,7 +66,7 @@ class Joint:
     friction_coefficient: FloatArray  # (n_pairs,)
     normal_stiffness: FloatArray  # (n_pairs,) N/m
     tangential_stiffness: FloatArray  # (n_pairs,) N/m
-    rough_faces: tuple[RoughFace | None, ...]  # one for each face; None where the stiffness was given
+    rough_faces: tuple[RoughFace | None, ...]  # one for each face; None where the stiffness is an input
 
     @property
     def face_pairs(self) -> FacePairs:
@@ -85,9 +85,9 @@ class Joint:
 
     @property
     def resting_springs(self) -> FloatArray:
-        """(3 * n_pairs,) N/m: t1, t2, n of each pair that is closed at rest, stuck; 0 for a pair that is open there.
+        """(3 * n_pairs,) N/m: t1, t2, n of each pair that is closed at rest, stuck; 0 for a pair that is open at rest.
 
-        What :meth:`ContactPairs.resting_stiffness` gives the balance, for a joint that has no operator yet.
+        Equal to :meth:`ContactPairs.resting_stiffness`, for a joint without operator.
         """
         springs = np.column_stack([self.tangential_stiffness, self.tangential_stiffness, self.normal_stiffness])
         return (springs * self.closed_at_rest[:, None]).ravel()
@@ -106,8 +106,8 @@ def make_joint(case: Case, layout: Layout, preload: FloatArray, settings: Sequen
     friction = np.array([each.friction for each in settings])[pairs.face]
     rough_faces = describe_faces(case, layout, preload, settings)
     normal, tangential = pair_springs(case, layout, preload, settings)
-    # A pair that stands apart closes when it has moved by its gap; no load is on it before. The pressure that a solved
-    # preload starts from is on all pairs, for the stiffness of rough faces alone.
+    # A pair with a gap closes when it has moved by its gap; before that it has no load. The starting pressure of a
+    # solved preload is on all pairs, only for the stiffness of rough faces.
     unloaded = (preload == 0.0) | (case.preload.method == "solved")
     preload = np.where((pairs.gap > 0.0) & unloaded, -normal * pairs.gap, preload)
     return Joint(layout, preload, friction, normal, tangential, rough_faces)
@@ -116,7 +116,7 @@ def make_joint(case: Case, layout: Layout, preload: FloatArray, settings: Sequen
 def describe_faces(
     case: Case, layout: Layout, preload: FloatArray, settings: Sequence[FaceSettings]
 ) -> tuple[RoughFace | None, ...]:
-    """What the roughness says of each face under its load; None for a face whose stiffness is given."""
+    """Contact stiffness and regime of each rough face under its load; None for a face with a stiffness of its own."""
     pairs = layout.face_pairs
     faces: list[RoughFace | None] = []
     for face, own in enumerate(settings):
@@ -175,7 +175,7 @@ def face_law(case: Case, layout: Layout, face: int) -> StiffnessLaw:
 
 
 def _roughness_keys(case: Case, settings: FaceSettings) -> tuple[str, ...]:
-    """What the stiffness of a rough face follows from: the roughness, and where its load comes from."""
+    """Keys that determine the stiffness of a rough face: the roughness, and the source of its load."""
     if case.preload.method == "solved":
         load = "preload.method"
     elif case.preload.values is not None:
@@ -186,7 +186,7 @@ def _roughness_keys(case: Case, settings: FaceSettings) -> tuple[str, ...]:
 
 
 def odd_values(case: Case, layout: Layout) -> tuple[OddValue, ...]:
-    """What only a wrong unit explains, of the study file and of the structure."""
+    """Values of the study file and of the structure that only a wrong unit explains."""
     return (*unusual_values(case), *layout.odd_values)
 
 
@@ -222,7 +222,7 @@ def case_roughness(case: Case, first: Material, second: Material) -> Roughness:
 
 
 def _joint_poisson_ratio(first: Material, second: Material) -> float:
-    """The ratio nu for which equal bodies have the K_t / K_n of these two, so that the contact law serves both.
+    """The ratio nu for which two equal bodies have the K_t / K_n of these two, for the contact law of equal bodies.
 
     Mindlin: K_t / K_n = 4 G* / E*, 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, which is 2 (1 - nu)/(2 - nu) for equal bodies.
     """

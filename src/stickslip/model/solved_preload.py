@@ -1,4 +1,4 @@
-"""The preload of a study that is solved from its static load: pressure, gaps and tractions of every pair at rest."""
+"""The preload of a study, solved from its static load: pressure, gaps and tractions of every pair at rest."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ from stickslip.structure.superelement import Superelement
 if TYPE_CHECKING:
     from stickslip.case.case import Case
 
-# The stiffness of a pair no longer falls below this share of the mean pressure of its face, since the law vanishes at
-# zero pressure, nor below this multiple of the pressure at which all spots are plastic, where it vanishes already.
+# chosen: the stiffness of a pair is constant below this fraction of the mean pressure of its face, because the law
+# vanishes at zero pressure, and below this multiple of the pressure at which all spots are plastic, where it vanishes
+# too.
 LOWEST_PRESSURE = 0.01
 LOWEST_ABOVE_PLASTIC = 2.0
 SECANT_WARNING = (
@@ -30,15 +31,15 @@ SECANT_WARNING = (
     "spring from zero, N = A kappa(p) closure. The curve of a rough face is flatter at first, so this concentrates the "
     'load on few pairs. preload.normal_law = "pressure-gap" follows the whole curve.'
 )
-# The pressure-gap table reaches up to this multiple of the mean pressure of the face.
+# chosen: largest pressure of the pressure-gap table over the mean pressure of the face.
 HIGHEST_PRESSURE = 1e3
 
 
 @dataclass(frozen=True)
 class SolvedPreload:
-    """The state at rest with the tractions that the case asks for, and the other one for comparison.
+    """The state at rest with the tractions of the case, and the other one for comparison.
 
-    ``other`` is None where it does not exist; ``why`` then says so.
+    ``other`` is None if it does not exist; ``why`` is then the reason.
     """
 
     state: StaticState
@@ -130,7 +131,7 @@ def _mean_pressure(joint: Joint, normal_force: FloatArray) -> FloatArray:
 
 
 def _lowest_pressure(case: Case, joint: Joint, normal_force: FloatArray) -> FloatArray:
-    """(n_faces,) Pa, below which the stiffness law of a pair is not followed; never above the mean pressure."""
+    """(n_faces,) Pa, below which the stiffness of a pair is constant; never above the mean pressure."""
     mean = _mean_pressure(joint, normal_force)
     lowest = LOWEST_PRESSURE * mean
     for face, rough in enumerate(joint.rough_faces):
@@ -142,9 +143,10 @@ def _lowest_pressure(case: Case, joint: Joint, normal_force: FloatArray) -> Floa
 
 
 def _with_floor(case: Case, joint: Joint, normal_force: FloatArray) -> FloatArray:
-    """Normal forces (n_pairs,) for the stiffness law: where pairs follow their own pressure, none below the lowest.
+    """Normal forces (n_pairs,) for the stiffness law: if the stiffness depends on the pressure of each pair, at least
+    the lowest.
 
-    Open pairs count as pressed by it too, so that their stiffness does not jump where they close.
+    Open pairs have this pressure too, so that their stiffness does not jump when they close.
     """
     pairs = joint.face_pairs
     if case.roughness is None or case.roughness.allocation == "area":
@@ -154,7 +156,7 @@ def _with_floor(case: Case, joint: Joint, normal_force: FloatArray) -> FloatArra
 
 
 def _pressure_gap_law(case: Case, joint: Joint, state: StaticState) -> NormalLaw:
-    """Each face's curve of pressure over closure, from its roughness; springs where its stiffness is given."""
+    """Pressure over closure of each face, from its roughness; springs where it has a stiffness of its own."""
     pairs, mean = joint.face_pairs, _mean_pressure(joint, state.normal_force)
     lowest = _lowest_pressure(case, joint, state.normal_force)
     laws: list[NormalLaw] = []

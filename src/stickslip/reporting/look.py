@@ -39,7 +39,7 @@ def plain_figures(figures: Any) -> Any:
 
 
 FREQUENCY = "Excitation frequency, Hz"
-_SMALLEST_MARK = 3.0
+_SMALLEST_MARK = 3.0  # px; chosen: the smallest mark with a visible colour
 _CLOSE_SHARE = 0.1  # of the pairs may have a neighbour that is nearer than the size of a mark
 _FONT = PlotMarkup("system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif")
 

@@ -32,7 +32,7 @@ from stickslip.results.record import StudyRecord
 from stickslip.results.sketch import Motion, Sketch
 
 WIDE_PX, NARROW_PX = (820, 560), (350, 400)  # width and height of the picture on a screen and on a phone
-_MM = 1e3
+_MM = 1e3  # m to mm
 _GLASS = 0.14  # opacity of bodies that would hide the contact
 _DEFLECTION_SHARE = 0.08  # of the diagonal of the structure, for its largest displacement
 _LEAST_HARMONIC = 1e-3  # of the largest coefficient; harmonics that nowhere reach it are left out of the picture

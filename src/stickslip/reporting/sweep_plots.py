@@ -26,11 +26,11 @@ from stickslip.reporting.sweep_view import (
 from stickslip.reporting.thinning import Thinned, thinned
 from stickslip.results.sweep_table import SweptKey
 
-DRAWN_POINTS = 200_000
-LEGEND_ENTRIES = 12
-SEPARATE_CURVES = 300
-SHADES = 60
-LARGEST_MAP_COUNT = 12
+DRAWN_POINTS = 200_000  # chosen: points of all curves on a page
+LEGEND_ENTRIES = 12  # chosen: more do not fit beside a plot
+SEPARATE_CURVES = 300  # chosen: above it curves of one colour are one trace
+SHADES = 60  # chosen: colours of very many curves
+LARGEST_MAP_COUNT = 12  # chosen: maps on a page
 # What the mouse shows of a peak over the load: its name, load or ratio, and height with its unit.
 _PEAK = PlotMarkup("{}<br>%{{x:.5g}}<br>%{{y:.4g}} {}<extra></extra>")
 # Cividis without its palest end, which white paper swallows.

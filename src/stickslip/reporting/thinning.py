@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
 
-_FINEST = 2e-4
-_COARSEST = 2e-2
+_FINEST = 2e-4  # of the figure: below a pixel
+_COARSEST = 2e-2  # of the figure: the tolerance of a page with very many curves
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What a sweep varies: ``section.key=values`` becomes a ``SweptKey``, or a sentence says why it cannot.
+"""Keys of a sweep: ``section.key=values`` becomes a ``SweptKey``, or raises an InputError.
 
 Values are a comma list of single values, written as in a study file, and of ranges ``start:stop:count`` (evenly spaced,
 both ends included) or ``start:stop:count:log`` (a constant factor from one to the next).
@@ -20,7 +20,7 @@ from stickslip.core.errors import InputError
 from stickslip.core.units import Count, Quantity
 from stickslip.results.sweep_table import SweptKey, Value
 
-# These change what is written beside the results of a single run, never an answer.
+# These change the files beside the results of a single run, never a result.
 UNSWEPT_SECTIONS = ("study", "output")
 LARGEST_COUNT = 10_000
 _RANGE = "A range is start:stop:count, evenly spaced with both ends, or start:stop:count:log, for example 50:1000:10."
@@ -45,7 +45,7 @@ def split_options(options: Sequence[str]) -> dict[str, str]:
 def swept_keys(vary: Vary) -> tuple[SweptKey, ...]:
     """The keys of a sweep with their values; a text holds lists and ranges, a sequence single values.
 
-    Raises InputError for an unknown key, a key that holds neither numbers nor choices, or values that it cannot take.
+    Raises InputError for an unknown key, a key without numbers or choices, or values that it does not allow.
     """
     if not vary:
         raise InputError("there is no key to vary. Give at least one, for example preload.centrifugal_force=100,300.")
@@ -70,7 +70,7 @@ def _swept_key(name: str, values: str | Sequence[Value]) -> SweptKey:
 
 
 def _kind(name: str) -> Quantity | Count | tuple[str, ...]:
-    """What values a key takes: a quantity, a count, or the words of a choice. Raises InputError."""
+    """Type of the values of a key: a quantity, a count, or the words of a choice. Raises InputError."""
     known = Case.known_keys()
     named = Case.named_sections()
     section, _, rest = name.partition(".")
@@ -113,7 +113,7 @@ def _item(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> lis
 
 
 def _single(name: str, kind: Quantity | Count | tuple[str, ...], value: Value) -> Value:
-    """One value in SI, after checking that the key may take it. Raises InputError."""
+    """One value in SI, after checking that the key allows it. Raises InputError."""
     if isinstance(kind, tuple):
         if value not in kind:
             nearest = difflib.get_close_matches(str(value).lower(), kind, n=1)
@@ -145,7 +145,7 @@ def _range(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> li
     if logarithmic and not start > 0:
         raise InputError(f"{found}, but a logarithmic range must start above zero. Start it above zero, or drop :log.")
     spaced = np.geomspace(start, stop, count) if logarithmic else np.linspace(start, stop, count)
-    # 15 digits, so that 0.1:0.3:3 holds 0.2 and not 0.19999999999999998; the ends stay as they were given
+    # 15 digits, so that 0.1:0.3:3 contains 0.2 and not 0.19999999999999998; the ends are unchanged
     values = [start, *(float(f"{value:.15g}") for value in spaced[1:-1]), stop]
     if isinstance(kind, Quantity):
         return [*values]
@@ -186,6 +186,6 @@ def _label(kind: Quantity | Count | tuple[str, ...], value: Value) -> str:
 
 
 def study_value(key: SweptKey, place: int) -> Value:
-    """Value ``place`` of a key as a study file takes it: with its SI unit, every digit kept."""
+    """Value ``place`` of a key for a study file: with its SI unit and all digits."""
     value = key.values[place]
     return f"{value!r} {key.unit}" if key.unit else value

@@ -15,7 +15,7 @@ from stickslip.structure.mesh import IntArray
 from stickslip.structure.superelement import Superelement
 
 FORMAT = "stickslip superelement"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 1  # raised when older code cannot read a new file
 FILE_NAME = "superelement.npz"
 _SET = "set_"
 

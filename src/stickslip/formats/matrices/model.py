@@ -15,7 +15,7 @@ from stickslip.formats.matrices.checks import checked_matrix
 from stickslip.structure.mesh import IntArray
 
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz", "other")
-OTHER = 6
+OTHER = 6  # direction of an unknown that is no displacement or rotation
 
 
 @dataclass(frozen=True)

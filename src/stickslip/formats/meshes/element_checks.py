@@ -9,8 +9,8 @@ from stickslip.formats.meshes.raw_model import RawBlock, RawModel
 from stickslip.structure.cell_kinds import CELL_KINDS, IntArray
 from stickslip.structure.shapes import mass_rule, shape_functions, stiffness_rule
 
-_CELLS_AT_ONCE = 5000
-_SHOWN = 5
+_CELLS_AT_ONCE = 5000  # chosen to bound the memory
+_SHOWN = 5  # chosen: elements in a message
 
 
 def require_sound_elements(raw: RawModel, points: FloatArray, blocks: list[tuple[RawBlock, IntArray]]) -> None:

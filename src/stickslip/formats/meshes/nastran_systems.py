@@ -13,7 +13,7 @@ from stickslip.formats.meshes.nastran_frames import BASIC, Frame, Kind
 
 _KINDS: dict[str, Kind] = {"R": "rectangular", "C": "cylindrical", "S": "spherical"}
 SYSTEM_CARDS = tuple(f"CORD{way}{kind}" for way in (1, 2) for kind in _KINDS)
-_SHOWN = 6
+_SHOWN = 6  # chosen: systems in a message
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from stickslip.core.errors import InputError
 
-TOLERANCE = 0.01
+TOLERANCE = 0.01  # chosen: relative difference below which two values count as equal
 
 
 class Verdict(StrEnum):
