@@ -1,4 +1,4 @@
-"""What every figure of one run needs, computed once: amplitude, summary, the peak, the pair to look at first."""
+"""Data of all figures of one run, computed once: amplitude, summary, the peak, the first pair to show."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class View:
 
     @property
     def stuck_words(self) -> str:
-        """Name of the linear stuck curve, which leaves pairs open that are open at rest."""
+        """Name of the linear stuck curve, in which pairs that are open at rest stay open."""
         return self.response.stuck_name
 
     @property
@@ -73,7 +73,7 @@ class View:
 
     @property
     def rest_is_uneven(self) -> bool:
-        """Whether the pressure at rest differs within a face, so that a map of it tells something."""
+        """Whether the pressure at rest differs within a face, so that a map of it is useful."""
         pressure = np.nan_to_num(self.rest_pressure_mpa)
         faces = (pressure[self.study.pair_face == face] for face in range(len(self.study.face_names)))
         return any(np.ptp(here) > 1e-6 * float(pressure.max()) for here in faces)

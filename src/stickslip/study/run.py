@@ -52,8 +52,8 @@ def run(
     """Solve a case and write results.nc, report.html, single figures, and shapes for ParaView into ``out_dir``.
 
     An incomplete curve is written too; ``converged`` is then False. ``threads`` None takes the environment variable
-    STICKSLIP_THREADS, or else the usable cores, at most 4. Raises InputError (geometry, roughness), PlaceError (folder,
-    room on the disk), ConvergenceError (not even a first point), ResultsFileError.
+    STICKSLIP_THREADS, or else the usable cores, at most 4. Raises InputError (geometry, roughness), PlaceError
+    (folder, full disk), ConvergenceError (not even a first point), ResultsFileError.
     """
     out, count = Path(out_dir), thread_count(threads)
     require_places(out)
