@@ -116,7 +116,7 @@ class Case(BaseModel):
     output: OutputSection = OutputSection()
 
     def __new__(cls, **sections: Any) -> Self:
-        """A case of the kind that its sections say."""
+        """A case of the class for its kind of structure."""
         kind = _kind_in(sections)
         chosen = KINDS[kind] if cls is Case and kind in get_args(Kind) else cls
         return cast(Self, super().__new__(chosen))
@@ -135,7 +135,7 @@ class Case(BaseModel):
 
     @model_validator(mode="after")
     def _sections_fit_each_other(self) -> Self:
-        """Raise EntryError for the first entry that does not fit another one."""
+        """Raise EntryError for the first entry that contradicts another one."""
         for error in self._misfits():
             raise error
         return self
@@ -151,7 +151,7 @@ class Case(BaseModel):
         return self.roughness is not None
 
     def _misfits(self) -> Iterator[EntryError]:
-        """What does not fit in the sections of this kind."""
+        """Contradictions between the sections of this kind."""
         return iter(())
 
     @classmethod
@@ -179,7 +179,7 @@ class Case(BaseModel):
             raise case_file.report(details, source, data, Case.known_keys(), lines, Case.named_sections()) from error
 
     def __hash__(self) -> int:
-        """Cases serve as keys; the dictionaries of named sections alone could not."""
+        """Cases can be keys of dictionaries, although their named sections are dictionaries."""
         return hash(json.dumps(self.to_dict()))
 
     @classmethod
@@ -247,7 +247,7 @@ class Case(BaseModel):
         return cast(Self, Case.from_mapping(data))
 
     def to_dict(self) -> dict[str, dict[str, Any]]:
-        """Every value with its SI unit ("0.145 m"), for records; ``Case.from_mapping`` reads it back exactly."""
+        """Every value with its SI unit ("0.145 m"), for records; ``Case.from_mapping`` gives an equal case."""
         return self._as_mapping(only_given=False)
 
     def to_text(self) -> str:
@@ -255,7 +255,7 @@ class Case(BaseModel):
         return study_text({name: values for name, values in self.sections.items() if self.shows(name)}, type(self))
 
     def defaulted_keys(self) -> tuple[str, ...]:
-        """Keys that the study file left out, as ``section.key``, or ``[section]`` where it left out all of them."""
+        """Keys that the study file omits, as ``section.key``, or ``[section]`` where it omits all of them."""
         shown = {name: section for name, section in self.sections.items() if name != "structure"}
         return tuple(path for name, section in shown.items() for path in self._left_out(name, section))
 
@@ -269,7 +269,7 @@ class Case(BaseModel):
         return [f"{name}.{key}" for key in missing] if given else [f"[{name}]"] * bool(missing)
 
     def _as_mapping(self, only_given: bool) -> dict[str, dict[str, Any]]:
-        """Section -> key -> value as in a study file, without empty keys, or only with what the file gave."""
+        """Section -> key -> value as in a study file, without empty keys, or only with explicit keys of the file."""
         data: dict[str, dict[str, Any]] = {}
         for name, section in self.sections.items():
             if not self.shows(name) or section is None or (only_given and name not in self.model_fields_set):
@@ -281,7 +281,7 @@ class Case(BaseModel):
         return data
 
     def shows(self, name: str) -> bool:
-        """Whether a section stands in the study file of this case, be it as a comment."""
+        """Whether the study file of this case contains a section, possibly as a comment."""
         if name == "structure":
             return self.structure.kind != "two-blade"
         return bool(self.sections.get(name)) or name in ("roughness", "contact_stiffness", "reference")
@@ -334,7 +334,7 @@ class OwnCase(Case):
 
     @property
     def places(self) -> dict[str, PlaceSection]:
-        """section.NAME -> every place that the study names."""
+        """section.NAME -> every place of the study."""
         return {
             f"{section}.{name}": place
             for section in ("forces", "responses", "static_loads", "unbalance")
@@ -446,7 +446,7 @@ class _StructureOfSomeKind(BaseModel):
 
 
 class _CaseOfSomeKind(BaseModel):
-    """What is wrong where the kind does not exist: nothing else of the file can be judged."""
+    """The errors of a file with an unknown kind, whose other content cannot be checked."""
 
     structure: _StructureOfSomeKind
 
@@ -471,7 +471,7 @@ def load_case(path: str | PathLike[str]) -> Case:
 
 
 def load_case_and_places(path: str | PathLike[str]) -> tuple[Case, case_file.KeyPlaces]:
-    """:func:`load_case`, and where the keys of the file stand, for what is found wrong later."""
+    """:func:`load_case`, and the lines of the keys of the file, for errors after reading."""
     text = case_file.read_text(path)
     places = case_file.KeyPlaces(str(path), case_file.parse_toml(text, str(path)), case_file.key_lines(text))
     return Case.in_folder(dict(places.data), Path(path).resolve().parent, places.source, places.lines), places

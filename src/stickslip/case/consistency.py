@@ -1,4 +1,4 @@
-"""Whether the sections of a study file fit each other."""
+"""Checks that the sections of a study file do not contradict each other."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from stickslip.core.errors import InputError
 
 
 class EntryError(InputError):
-    """One entry of a study file does not fit the others; ``path`` says which."""
+    """The entry ``path`` of a study file contradicts others."""
 
     def __init__(self, path: tuple[str, ...], sentence: str) -> None:
         super().__init__(sentence)
@@ -54,7 +54,7 @@ def preload_errors(preload: PreloadSection, loads: Sequence[str], pressed: bool)
 
 
 def _wedge_errors(preload: WedgePreloadSection, rotates: bool) -> Iterator[EntryError]:
-    """Where the wedge under a solved preload would be loaded twice."""
+    """Keys that would load the wedge under a solved preload twice."""
     if preload.friction_coefficient_at_assembly:
         yield EntryError(
             ("preload", "friction_coefficient_at_assembly"),
@@ -144,7 +144,7 @@ def _stiffness_errors(where: tuple[str, str], interface: InterfaceSection) -> It
 
 
 def place_errors(section: str, places: Mapping[str, PlaceSection], has_areas: bool) -> Iterator[EntryError]:
-    """Places that are not one place; ``has_areas`` says whether the structure knows areas."""
+    """Places that are ambiguous or missing; ``has_areas`` is True if the structure has areas."""
     for name, place in places.items():
         where = (section, name)
         given = [key for key in ("set", "point", "node") if getattr(place, key) is not None]
@@ -158,7 +158,7 @@ def place_errors(section: str, places: Mapping[str, PlaceSection], has_areas: bo
 
 
 def excitation_errors(excitations: Mapping[str, Any], harmonics: Mapping[str, int], kept: int) -> Iterator[EntryError]:
-    """No excitation at all, and forces in harmonics beyond those ``kept``.
+    """A missing excitation, and forces in harmonics above ``kept``.
 
     ``excitations`` are the sections that can excite the structure, ``harmonics`` those of the forces.
     """

@@ -1,4 +1,4 @@
-"""What pydantic finds wrong in a study file, with the sentences of the sections where these say more."""
+"""The errors of pydantic for a study file, with more specific messages of the sections."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from stickslip.case.toml_text import STATED
 def explained(
     details: ErrorDetails, data: Mapping[str, Any], own: type[BaseModel], kinds: Mapping[str, type[BaseModel]]
 ) -> list[ErrorDetails]:
-    """The error itself, or what takes its place: for a key that must be there the sentence of its section; for what
-    belongs to studies of another kind what is wrong with its value, or else that it does not belong here.
+    """The error itself, or its replacement: for a required key the message of its section; for an entry of studies of
+    another kind the error in its value, or else a message that it does not belong here.
 
     ``own`` is the class of the study with the sections ``data``, ``kinds`` those of all kinds.
     """
@@ -48,7 +48,7 @@ def _required(own: type[BaseModel], path: tuple[str, ...]) -> list[Required]:
 
 
 def _foreign_sentence(path: tuple[str, ...], own: type[BaseModel], kinds: Mapping[str, type[BaseModel]]) -> str | None:
-    """What a message says of an entry that only studies of other kinds have; None if none has it."""
+    """The message on an entry that only studies of other kinds have; None if none has it."""
     if len(path) == 1:
         owners = [name for name, kind in kinds.items() if path[0] in kind.model_fields]
         kind = next((name for name, each in kinds.items() if each is own), "")
@@ -65,7 +65,7 @@ def _foreign_sentence(path: tuple[str, ...], own: type[BaseModel], kinds: Mappin
 def _wrong_values(
     path: tuple[str, ...], data: Mapping[str, Any], own: type[BaseModel], kinds: Mapping[str, type[BaseModel]]
 ) -> list[ErrorDetails]:
-    """What the first other kind that has an entry finds wrong with its value."""
+    """The errors in the value of an entry for the first other kind that has it."""
     for name, other in kinds.items():
         if other is own or path[0] not in other.model_fields:
             continue
@@ -82,6 +82,6 @@ def _wrong_values(
 
 
 def _is_below(details: ErrorDetails, path: tuple[str, ...]) -> bool:
-    """Whether an error is about a value at or below a path, and not about keys that are there or not."""
+    """Whether an error is about a value at or below a path, and not about missing or extra keys."""
     place = tuple(str(part) for part in details["loc"])
     return place[: len(path)] == path and details["type"] not in ("missing", "extra_forbidden")

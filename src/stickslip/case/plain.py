@@ -1,4 +1,4 @@
-"""A study as plain mappings: sections with the values that a file would have, and names of files made absolute."""
+"""A study as plain mappings: sections with the values of a file, and absolute names of files."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def plain_section(section: BaseModel, only_given: bool) -> dict[str, Any]:
 
 
 def keys_left_out(section: BaseModel, everything: bool = False) -> list[str]:
-    """Keys of a section that have a value which the file did not give; ``everything``: the file has no such section."""
+    """Keys of a section whose value is not in the file; ``everything``: the file has no such section."""
     given = set() if everything else section.model_fields_set
     return [key for key, value in section if key not in given and value is not None]
 

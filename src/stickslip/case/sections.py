@@ -29,9 +29,9 @@ from stickslip.core.errors import InputError
 from stickslip.core.units import LARGEST_INTEGER, NEGLIGIBLE, Count, Quantity, Respelled
 
 _CONTROLS = ("Cc", "Cs", "Zl", "Zp")  # controls, halves of characters, separators of lines and paragraphs
-# Limits are wide on purpose: from micromachined parts (micrometres, micrograms) to the largest turbines. What lies
-# beyond is a slip of the keyboard or a wrong unit. ``usual`` is narrower, and leads to a warning only.
-# A part of a blade above 3 m is a number in millimetres without its unit; 1 nm is below what any process makes.
+# Limits are wide on purpose: from micromachined parts (micrometres, micrograms) to the largest turbines. Values outside
+# are typing errors or in a wrong unit. ``usual`` is narrower, and leads to a warning only. A part of a blade above 3 m
+# is a number in millimetres without its unit; 1 nm is below what any process makes.
 Length = Annotated[float, Quantity("length", shown="mm", at_least=1e-9, at_most=3.0)]
 # Distances and places in a mesh or in matrices: as large as a ship, with room for those who write "far away".
 Distance = Annotated[float, Quantity("length", shown="mm", at_least=1e-12, at_most=1e6)]
@@ -53,10 +53,10 @@ YoungModulus = Annotated[float, Quantity("pressure", shown="GPa", at_least=1e3, 
 # Aerogels have 1 kg/m^3, osmium 22,590 kg/m^3; less serves as a body without mass, more as a lumped one.
 Density = Annotated[float, Quantity("density", at_least=1e-6, at_most=1e9)]
 PoissonRatio = Annotated[float, Quantity("pure number", at_least=0.0, below=0.5)]
-# Rubber on dry glass reaches 3 or 4, clean metals in vacuum more; 1e-9 is as good as none.
+# Rubber on dry glass reaches 3 or 4, clean metals in vacuum more; 1e-9 is practically no friction.
 FrictionCoefficient = Annotated[float, Quantity("pure number", at_least=1e-9, at_most=10.0)]
 Area = Annotated[float, Quantity("area", shown="mm^2", at_least=1e-18, at_most=1e6)]
-# Share of a window or of a response; below 1e-12 round-off decides.
+# Fraction of a window or of a response; below 1e-12 round-off decides.
 Step = Annotated[float, Quantity("pure number", at_least=1e-12, at_most=1.0)]
 Elements = Annotated[int, Count(at_least=1, at_most=1000)]
 
@@ -79,7 +79,7 @@ Direction = Annotated[tuple[float, float, float], PlainValidator(_unit_vector)]
 
 
 def require_printable(value: Any) -> Any:
-    """``value``, unless it is a text, or holds one, with a character that no file, page or terminal can show."""
+    """``value``, unless it is or contains a text with a character that no file, page or terminal can show."""
     if isinstance(value, list | tuple):
         for entry in value:
             require_printable(entry)
@@ -93,7 +93,7 @@ def require_printable(value: Any) -> Any:
 
 
 def _file_name(value: str) -> str:
-    """``value``. Raises InputError for a name that no disk can hold."""
+    """``value``. Raises InputError for a name that is too long for any disk."""
     longest = max(map(len, PurePath(value).parts), default=0)
     if longest > 255 or len(value) > 4000:  # what file systems of Linux, macOS and Windows take
         raise InputError(f"is no name of a file: it has {len(value)} characters, and one part of it {longest}.")
@@ -105,7 +105,7 @@ FileName = Annotated[str, AfterValidator(_file_name)]
 
 @dataclass(frozen=True)
 class Required:
-    """What a message says of a key that must be there, after its name."""
+    """The message on a missing required key, after its name."""
 
     sentence: str
 
@@ -122,7 +122,7 @@ class Section(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _foreign_keys_may_say_nothing(cls, data: Any) -> Any:
-        """Files of earlier versions hold foreign keys that are empty or zero, which change nothing."""
+        """Files of earlier versions contain foreign keys that are empty or zero, which have no effect."""
         if not isinstance(data, Mapping):
             return data
         return {key: value for key, value in data.items() if value or key not in cls.foreign}
@@ -143,7 +143,7 @@ def _literal(words: tuple[str, ...]) -> Any:
 
 
 def of_kind(classes: Mapping[str, type[Section]], default: str) -> PlainValidator:
-    """The validator of a union of sections that their key ``kind`` tells apart."""
+    """The validator of a union of sections that differ by their key ``kind``."""
     config = ConfigDict(extra="ignore", frozen=True)
     unknown = create_model("UnknownKind", __config__=config, kind=(_literal(tuple(classes)), ...))
 
@@ -170,7 +170,7 @@ class StructureSection(Section):
 
     @property
     def files(self) -> dict[str, str]:
-        """Key -> name of each file that the structure comes from."""
+        """Key -> name of each input file of the structure."""
         return {}
 
 

@@ -19,7 +19,7 @@ _OPENING = """\
 # Values with a unit are texts ("145 mm", "197 GPa"); plain numbers are SI. A key that is left out takes its default,
 # which "stickslip new FILE" writes. Lines that begin with "# key =" are further possibilities.
 """
-_WIDTH = 120
+_WIDTH = 120  # columns of a study file
 _COLUMN = 39  # comments start two columns further
 
 
@@ -64,9 +64,9 @@ def quantity_of(section: type[BaseModel], key: str) -> Quantity | None:
 
 
 def _section_text(name: str, kinds: Sequence[type[BaseModel]], values: BaseModel | None) -> str:
-    """Heading, description and keys; a section without values stands there as comment lines with its examples.
+    """Heading, description and keys; a section without values becomes comment lines with its examples.
 
-    Where a section is one of several ``kinds``, the keys that only others have stand there as comments.
+    Where a section is one of several ``kinds``, the keys that only others have are comments.
     """
     own = kinds[0] if values is None else type(values)
     about = " ".join((own.__doc__ or "").split())
@@ -110,7 +110,7 @@ def _example(section: type[BaseModel], key: str) -> str:
 
 
 def _with_comment(entry: str, description: str | None) -> str:
-    """The comment beside the entry, or on a line above where the line would grow too long."""
+    """The comment beside the entry, or on a line above where the line would be too long."""
     if not description:
         return entry
     beside = f"{entry:<{_COLUMN}}  # {description}"

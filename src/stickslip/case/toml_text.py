@@ -1,4 +1,4 @@
-"""Reading a study file, and turning what is wrong with it into sentences: one line for each error, all at once."""
+"""Reader of study files, with one message that has one line for each error."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from stickslip.core.errors import InputError, StudyFileError
 from stickslip.core.input_files import read_input
 
 LARGEST_STUDY = 10_000_000  # bytes; a study file with every key has some 10 kB
-STATED = "stated"  # type of an error whose context holds the sentence after the name of the entry
+STATED = "stated"  # type of an error whose context contains the message after the name of the entry
 _KEY = re.compile(r"\s*([\w-]+)\s*=")
-_OF_THE_NAME = "[key]"  # how pydantic marks the place of an error in the name of an entry
+_OF_THE_NAME = "[key]"  # how pydantic marks an error in the name of an entry
 _LONG_WORD = re.compile(r"\S{200,}")
 _NEW_FILE = '"stickslip new FILE" writes a commented one to start from.'
 
@@ -68,10 +68,10 @@ def key_lines(text: str) -> dict[tuple[str, ...], int]:
 
 @dataclass(frozen=True)
 class KeyPlaces:
-    """Where the keys of a study file stand, for what is found wrong after the file was read.
+    """Lines of the keys of a study file, for errors after reading.
 
-    ``data`` and ``lines`` are those of :func:`parse_toml` and :func:`key_lines`; a sweep gives the values of the keys
-    ``varied`` in place of the file.
+    ``data`` and ``lines`` are those of :func:`parse_toml` and :func:`key_lines`; for the keys ``varied`` a sweep
+    replaces the values of the file.
     """
 
     source: str
@@ -98,7 +98,7 @@ class KeyPlaces:
         return f"line {line} ({key})" if line else key
 
     def _line(self, key: str) -> int:
-        """The line of a key of the file, else of the section around it; 0 where it is not known or not the file's."""
+        """The line of a key of the file, else of its section; 0 if it is unknown or not in the file."""
         if key in self.varied or not _holds(self.data, key):
             return 0
         around = {".".join(path): line for path, line in self.lines.items() if path}
@@ -107,7 +107,7 @@ class KeyPlaces:
 
 
 def _holds(data: Any, key: str) -> bool:
-    """Whether sections hold a dotted key; a name of an entry may have dots of its own."""
+    """Whether sections contain a dotted key; a name of an entry may contain dots."""
     if not isinstance(data, Mapping):
         return False
     return key in data or any(key.startswith(f"{name}.") and _holds(data[name], key[len(name) + 1 :]) for name in data)
@@ -138,13 +138,13 @@ def report(
 ) -> StudyFileError:
     """One line for each of pydantic's errors, in the order of the file, about all their keys.
 
-    ``known`` holds the keys of every section, ``lines`` the line of every key that the file has; the entries of the
+    ``known`` contains the keys of every section, ``lines`` the line of every key of the file; the entries of the
     sections ``named`` have names of their own.
     """
     numbered = []
     for details in errors:
         path = tuple(str(part) for part in details["loc"])
-        if not path:  # the file as a whole: its error says which entry it means
+        if not path:  # the file as a whole: its error names the entry
             path = getattr(details["ctx"]["error"], "path", ())
             key = ".".join(path)
             sentence = f"{key} {details['ctx']['error']}"
@@ -161,7 +161,7 @@ def report(
 
 
 def _shortened(word: re.Match[str]) -> str:
-    """The start of a name without end, so that a sentence stays one that can be read."""
+    """The start of a very long name, so that a message stays readable."""
     return f"{word[0][:60]}..."
 
 
@@ -180,7 +180,7 @@ class _Entry:
 
     @property
     def section(self) -> str:
-        """The section as it stands in brackets."""
+        """The section as in brackets."""
         return ".".join(self.path[: self.depth - 1])
 
     @property
@@ -195,7 +195,7 @@ class _Entry:
 
 
 def _sentence(entry: _Entry, details: ErrorDetails, data: Mapping[str, Any], known: Mapping[str, Sequence[str]]) -> str:
-    """Key, what was found, what is allowed, what to do."""
+    """Key, value in the file, allowed values, what to do."""
     if entry.path[-1] == _OF_THE_NAME:
         return f"[{entry.path[0]}.{_toml(entry.path[1])}] {details['ctx']['error']}"
     if details["type"] == STATED:
@@ -222,7 +222,7 @@ def _sentence(entry: _Entry, details: ErrorDetails, data: Mapping[str, Any], kno
 
 
 def _unknown(entry: _Entry, value: object, known: Mapping[str, Sequence[str]]) -> str:
-    """A sentence about an unknown section or key, with the nearest right one."""
+    """A message on an unknown section or key, with the nearest existing one."""
     path = entry.path
     if len(path) == 1:
         home = next((section for section, keys in known.items() if path[0] in keys), None)
@@ -262,11 +262,11 @@ def _nearest_choice(details: ErrorDetails) -> str:
 
 
 def _given(data: Mapping[str, Any], path: tuple[str, ...]) -> bool:
-    """Whether the file holds the entry at ``path``; a default can be wrong beside another value."""
+    """Whether the file contains the entry at ``path``; a default can contradict another value."""
     inner: Any = data
     for part in path:
         if not isinstance(inner, Mapping):
-            break  # a place in a list
+            break  # an index in a list
         if part not in inner:
             return False
         inner = inner[part]
@@ -274,7 +274,7 @@ def _given(data: Mapping[str, Any], path: tuple[str, ...]) -> bool:
 
 
 def _toml(value: object) -> str:
-    """``value`` as it stands in the file, shortened."""
+    """``value`` as in the file, shortened."""
     if isinstance(value, float):
         text = repr(value)
     elif isinstance(value, Mapping):

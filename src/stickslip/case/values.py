@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def unusual_values(case: Case) -> tuple[OddValue, ...]:
-    """The values of a case that lie outside what their keys declare as usual, in the order of the file."""
+    """The values of a case outside the usual range of their keys, in the order of the file."""
     return tuple(odd for name, section in _sections(case) for odd in _unusual(name, section))
 
 

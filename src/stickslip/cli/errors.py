@@ -1,4 +1,4 @@
-"""What the command line says when something goes wrong: one sentence and an exit code, a traceback only if asked."""
+"""Errors of the command line: one message and an exit code, a traceback only with --debug."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from stickslip.core.errors import InputError, StickslipError
 from stickslip.core.terminal import echo
 from stickslip.core.thread_variables import require_thread_variables
 
-EXIT_FAULT = 1
-EXIT_INTERRUPTED = 130
+EXIT_FAULT = 1  # a defect of the program
+EXIT_INTERRUPTED = 130  # 128 + 2, as shells report Ctrl-C
 LOG_NAME = "stickslip-error.log"
 
 
 @contextmanager
 def error_sentences(debug: bool, log_folder: Path | None = None, kept: str = "") -> Iterator[None]:
-    """Turn whatever goes wrong into a sentence on stderr and an exit code; tracebacks go to a log or to --debug.
+    """Turn any error into a message on stderr and an exit code; tracebacks go to a log or to --debug.
 
-    ``kept`` says what stays of a command that is interrupted or stopped.
+    ``kept`` is the note on the results of an interrupted or stopped command.
     """
     try:
         with stopping_signals(), plain_warnings():
@@ -36,7 +36,7 @@ def error_sentences(debug: bool, log_folder: Path | None = None, kept: str = "")
         echo(f"Error: {error}", err=True)
         raise typer.Exit(error.exit_code) from error
     except StoppedBySignal as error:
-        with suppress(OSError):  # a lost terminal takes no words
+        with suppress(OSError):  # a lost terminal shows no message
             _show_traceback(debug)
             echo(f"Stopped by {error}; the study did not end. {kept}".rstrip(), err=True)
         raise typer.Exit(128 + error.number) from error
@@ -71,7 +71,7 @@ def _show_traceback(debug: bool) -> None:
 
 
 def _write_log(folder: Path) -> str:
-    """Write the traceback of the current exception into ``folder``; returns the start of a sentence on where it is."""
+    """Write the traceback of the current exception into ``folder``; returns the start of a sentence with its path."""
     log = folder / LOG_NAME
     try:
         log.write_text(traceback.format_exc(), encoding="utf-8")

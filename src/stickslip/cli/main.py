@@ -1,8 +1,8 @@
 """The command line: ``stickslip new | check | run | sweep | report | roughness | import | paper``.
 
 Exit codes: 0 done, 1 fault of the program, 2 bad input, 3 not converged (what was computed is kept), 130 interrupted,
-128 + n stopped by signal n.
-Everything heavy is imported inside the commands, so that ``stickslip --help`` answers at once.
+128 + n stopped by signal n. Large packages are imported inside the commands, so that ``stickslip --help`` answers at
+once.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from stickslip.study.run import StudyOutcome
     from stickslip.sweeps.run import Sweep
 
-EXIT_NOT_CONVERGED = 3
-SHOWN_FAILURES = 10
+EXIT_NOT_CONVERGED = 3  # what was computed is written
+SHOWN_FAILURES = 10  # chosen: lines on failed cases
 
 app = typer.Typer(
     add_completion=False,
@@ -308,7 +308,7 @@ def paper(
 
 
 def _load(path: Path, quiet: bool = False) -> tuple[Case, KeyPlaces]:
-    """The case of a study file and where its keys stand; says which values are defaults. Raises StudyFileError."""
+    """The case of a study file and the lines of its keys; reports which values are defaults. Raises StudyFileError."""
     from stickslip.case.case import load_case_and_places
 
     case, places = load_case_and_places(path)
@@ -319,7 +319,7 @@ def _load(path: Path, quiet: bool = False) -> tuple[Case, KeyPlaces]:
 
 
 def _close(outcome: StudyOutcome, quiet: bool) -> None:
-    """Name the files and say how it ended; raises the exit of a run that did not converge."""
+    """Report the files and the message of the run; raises the exit of a run that did not converge."""
     if not outcome.converged:
         files = ", ".join(str(file) for file in outcome.files)
         echo(f"Not converged: {outcome.message}", err=True)
@@ -332,7 +332,7 @@ def _close(outcome: StudyOutcome, quiet: bool) -> None:
 
 
 def _close_sweep(result: Sweep, quiet: bool) -> None:
-    """Name the files and the cases that failed; raises the exit of a sweep with such cases."""
+    """Report the files and the failed cases; raises the exit of a sweep with such cases."""
     failed, count = result.table.failed, len(result.table.rows)
     for notice in result.notices:
         echo(notice, err=True)
@@ -353,10 +353,10 @@ def _close_sweep(result: Sweep, quiet: bool) -> None:
 
 @contextmanager
 def _about(places: KeyPlaces) -> Iterator[None]:
-    """Put the study file's name and the lines of its keys before what is found wrong with it after reading."""
+    """Put the study file's name and the lines of its keys before errors after reading."""
     try:
         yield
     except (PlaceError, ResultsFileError):
-        raise  # the study file has nothing to do with it
+        raise  # the study file is not the cause
     except InputError as error:
         raise error.reworded(places.sentence(error)) from error

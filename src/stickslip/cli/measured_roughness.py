@@ -23,7 +23,7 @@ FORMATS = ("svg", "png")
 
 @dataclass(frozen=True)
 class MeasuredRoughness:
-    """A profile and what was fitted to it."""
+    """A profile and its fit."""
 
     profile: Profile
     fit: RoughnessFit
@@ -83,12 +83,12 @@ def rows(measured: MeasuredRoughness) -> list[tuple[str, str]]:
 
 
 def require_hardness(text: str) -> None:
-    """Raise InputError unless the text is a hardness that a study file takes."""
+    """Raise InputError unless the text is a valid hardness of a study file."""
     TwoBladeCase().replace({"roughness.hardness": text})
 
 
 def contact_sentence(fit: RoughnessFit, hardness: str | None = None) -> str:
-    """What load gives a face of this roughness a contact stiffness, in a sentence; ``hardness`` with its unit.
+    """A message on the load above which a face of this roughness has a contact stiffness; ``hardness`` with its unit.
 
     Below that load the largest spot is smaller than the critical area a_c', so every spot is plastic and K = 0 in the
     consistent and the varying-curvature mode. Material, wave range and, if ``hardness`` is None, hardness are the
@@ -141,7 +141,7 @@ def _between(interval: Interval, digits: str, unit: str = "") -> str:
 
 
 def _shown(length: float) -> str:
-    """A length in the unit in which it has readable digits."""
+    """A length in a unit with readable digits."""
     for unit, size in (("m", 1.0), ("mm", 1e-3), ("um", 1e-6)):
         if length >= 0.999 * size:
             return f"{length / size:.4g} {unit}"

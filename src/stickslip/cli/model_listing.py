@@ -1,4 +1,4 @@
-"""What `stickslip import` shows of a model file, before any study is written."""
+"""Output of `stickslip import` for a model file."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Rows = list[tuple[str, ...]]
 def print_model(path: Path, length_unit: str | None, unit_system: str | None, includes_outside: bool) -> None:
     """Print bodies, sets, constraints and messages of a model file as tables. Raises ImportFileError and InputError.
 
-    Without a length unit sizes are left out, and two guesses of the size ask for one.
+    Without a length unit there are no sizes, but two guesses of the size with a request for the unit.
     """
     from rich.console import Console
     from rich.table import Table

@@ -1,4 +1,4 @@
-"""The command line as a process: signals that stop it, readers of its output that go away, and its warnings."""
+"""The command line as a process: signals that stop it, output that nobody reads any more, and its warnings."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ STOPPING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasa
 
 
 class StoppedBySignal(KeyboardInterrupt):
-    """Another process, or the loss of the terminal, stops this one; whoever cleans up after Ctrl-C does so now too."""
+    """Another process, or the loss of the terminal, stops this one; the clean-up is that after Ctrl-C."""
 
     def __init__(self, number: int) -> None:
         self.number = number
@@ -29,12 +29,12 @@ class StoppedBySignal(KeyboardInterrupt):
 
 @contextmanager
 def stopping_signals() -> Iterator[None]:
-    """Raise StoppedBySignal in the block for SIGTERM and SIGHUP, so that files and other processes are left in order.
+    """Raise StoppedBySignal in the block for SIGTERM and SIGHUP, so that files and other processes are cleaned up.
 
-    A second one is ignored: the end is on its way. A signal that is ignored already stays so (nohup).
+    A second one is ignored, because the process is ending. A signal that is already ignored stays so (nohup).
     """
     if threading.current_thread() is not threading.main_thread():
-        yield  # only the main thread is told of signals
+        yield  # only the main thread receives signals
         return
     before = {number: signal.getsignal(number) for number in STOPPING}
     watched = [number for number, answer in before.items() if answer is signal.SIG_DFL]
@@ -55,14 +55,14 @@ def stopping_signals() -> Iterator[None]:
 
 @contextmanager
 def plain_warnings() -> Iterator[None]:
-    """Show the warnings of stickslip as one line of stderr without a place in the code; others as usual."""
+    """Show the warnings of stickslip as one line of stderr without file and line of the code; others as usual."""
     with warnings.catch_warnings():
         show_warnings_as_sentences()
         yield
 
 
 class PatientOutput(io.TextIOWrapper):
-    """Output to a reader that may go away ("| head"): what it does not want is dropped, and the command goes on."""
+    """Output to a reader that may close its end ("| head"): further output is dropped, and the command continues."""
 
     def write(self, text: str, /) -> int:
         """Write, or drop it."""
@@ -73,21 +73,21 @@ class PatientOutput(io.TextIOWrapper):
             return len(text)
 
     def flush(self) -> None:
-        """Flush, or drop what is left."""
+        """Flush, or drop the buffer."""
         try:
             super().flush()
         except BrokenPipeError:
             self._drop()
 
     def _drop(self) -> None:
-        """Let the rest, also what waits in the buffer, go nowhere."""
+        """Redirect further output, including the buffer, to the null device."""
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, self.fileno())
         os.close(nowhere)
 
 
 def make_output_patient() -> None:
-    """Let no lost reader of stdout or stderr end the command."""
+    """Keep the command running if the reader of stdout or stderr is gone."""
     sys.stdout, sys.stderr = _patient(sys.stdout), _patient(sys.stderr)
 
 

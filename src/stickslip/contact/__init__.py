@@ -1,1 +1,1 @@
-"""What the joint does: laws, stiffness, pairing of faces."""
+"""The joint: laws, stiffness, pairing of faces."""

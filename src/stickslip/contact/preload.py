@@ -28,9 +28,9 @@ def uniform_preload(
 ) -> FloatArray:
     """Preload (n_pairs,) in N of a wedge damper that rests on two equally inclined faces with uniform pressure.
 
-    N_face = F_N / (2 (cos theta + mu_0 sin theta)), and a pair takes its share of the area of its face. It is the
-    balance of forces along F_N: each face gives N cos theta, and, if the damper has been pressed outwards until
-    it slid, mu_0 N sin theta. mu_0 = 0 is the frictionless wedge.
+    N_face = F_N / (2 (cos theta + mu_0 sin theta)), distributed over the pairs of a face by area. It is the equilibrium
+    of forces along F_N: each face contributes N cos theta, and, if the damper slid outwards at assembly, mu_0 N sin
+    theta. mu_0 = 0 is the frictionless wedge.
 
     ``centrifugal_force`` F_N in N, total over both ends of the damper; ``platform_angle`` theta in rad, between a
     face and the plane normal to F_N; ``area`` (n_pairs,) m2; ``face`` (n_pairs,) integers, which face a pair belongs
@@ -46,9 +46,9 @@ def uniform_preload(
 
 
 def prescribed_preload(values: ArrayLike, n_pairs: int) -> FloatArray:
-    """Preload (n_pairs,) in N as given, one entry for each pair; below zero it is a gap at rest.
+    """Preload (n_pairs,) in N, one entry for each pair; below zero it is a gap at rest.
 
-    Raises InputError unless ``values`` holds exactly ``n_pairs`` finite numbers.
+    Raises InputError unless ``values`` contains exactly ``n_pairs`` finite numbers.
     """
     array = finite_array("preload", values)
     if array.shape != (n_pairs,):
@@ -60,9 +60,9 @@ def prescribed_preload(values: ArrayLike, n_pairs: int) -> FloatArray:
 
 
 def area_share(area: ArrayLike, face: ArrayLike) -> FloatArray:
-    """Share (n_pairs,) of each pair in the area of its own face, A_i / sum of A_j; the shares of a face add up to 1.
+    """Fraction (n_pairs,) of each pair of the area of its own face, A_i / sum of A_j; the fractions of a face sum to 1.
 
-    Raises InputError unless the areas are above zero and ``face`` holds one integer for each pair.
+    Raises InputError unless the areas are above zero and ``face`` contains one integer for each pair.
     """
     areas, faces = checked_area(area), face_index(face, np.size(area))
     return areas / face_sum(areas, faces)[faces]
@@ -81,7 +81,7 @@ def checked_area(area: ArrayLike) -> FloatArray:
 
 
 def face_index(face: ArrayLike, n_pairs: int) -> NDArray[np.intp]:
-    """``face`` (n_pairs,) renumbered 0, 1, 2 ... without gaps. Raises InputError unless it holds one integer a pair."""
+    """``face`` (n_pairs,) renumbered 0, 1, 2 ... without gaps. Raises InputError unless it has one integer a pair."""
     labels = per_pair("face", face, n_pairs)
     bad = np.flatnonzero(labels != np.round(labels))
     if bad.size:

@@ -1,4 +1,4 @@
-"""Functions compiled by numba, with a place where their code is kept for the next run."""
+"""Functions compiled by numba, with a folder that keeps their code for the next run."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _VARIABLE = "NUMBA_CACHE_DIR"
 
 
 def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """``numba.njit(**options)``, which works too where numba finds no place for its code.
+    """``numba.njit(**options)``, which also works where numba finds no folder for its code.
 
-    numba keeps code beside the package or in the user's cache folder. In a container neither may be writable; the
-    code is kept among the temporary files then, and a StickslipWarning says so.
+    numba writes compiled code beside the package or into the user's cache folder. In a container neither may be
+    writable; the code then goes to the temporary files, with a StickslipWarning.
     """
 
     def compiled(function: Callable[..., Any]) -> Any:
@@ -52,7 +52,7 @@ def _warn(sentence: str) -> None:
 
 @cache
 def _numba() -> Any:
-    """The package. Raises InputError for what the environment says about threads, which numba meets with a fault."""
+    """The package numba. Raises InputError for thread variables of the environment on which numba would fail."""
     require_thread_variables()
     import numba
 
@@ -61,7 +61,7 @@ def _numba() -> Any:
 
 @cache
 def _private_folder() -> Path | None:
-    """A folder for temporary files that no other user can write, since code is run from it; None if there is none."""
+    """A temporary folder that no other user can write to, because code runs from it; None if there is none."""
     try:
         base = Path(tempfile.gettempdir())
         if not hasattr(os, "getuid"):

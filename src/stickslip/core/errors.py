@@ -1,6 +1,7 @@
-"""Every error that a caller can meet, in one tree.
+"""All errors that stickslip raises, in one tree.
 
-A message says what is wrong, where in the input it stands, what was found, what is allowed, and what to do.
+A message gives the defect of the input, its position (key, line, file), the value found, the allowed values and what to
+do.
 """
 
 from __future__ import annotations
@@ -20,11 +21,11 @@ class StickslipError(Exception):
 
 
 class StickslipWarning(UserWarning):
-    """Something was amiss that stickslip could mend; the results are right."""
+    """stickslip corrected a problem by itself; the results are right."""
 
 
 def show_warnings_as_sentences() -> None:
-    """From now on show a StickslipWarning as one line on stderr, without the place in the code that it comes from."""
+    """From now on print a StickslipWarning as one line on stderr, without file and line of the code."""
     usual = warnings.showwarning
 
     def show(
@@ -58,7 +59,7 @@ class InputError(StickslipError, ValueError):
         self.are_arguments = bool(arguments and not keys)
 
     def reworded(self, sentence: str) -> Self:
-        """An error of the same kind about the same keys with another sentence."""
+        """An error of the same class with the same keys and another message."""
         other = type(self)(sentence)
         other.keys, other.are_arguments = self.keys, self.are_arguments
         return other
@@ -70,9 +71,9 @@ class InputError(StickslipError, ValueError):
 
 @contextmanager
 def keys_of_section(section: str, renamed: Mapping[str, str] | None = None) -> Iterator[None]:
-    """Name the arguments that an InputError from inside is about as keys of ``section`` of the study file.
+    """In an InputError raised inside, replace the names of arguments by keys of ``section`` of the study file.
 
-    ``renamed`` holds argument -> key where the two differ.
+    ``renamed`` maps argument -> key where the two differ.
     """
     try:
         yield
@@ -84,7 +85,7 @@ def keys_of_section(section: str, renamed: Mapping[str, str] | None = None) -> I
 
 @contextmanager
 def concerning(*keys: str) -> Iterator[None]:
-    """Say that an InputError from inside is about ``keys`` of the study file, unless it says more closely itself."""
+    """Give an InputError raised inside the ``keys`` of the study file, unless it has keys of its own."""
     try:
         yield
     except InputError as error:
@@ -114,11 +115,12 @@ class ResultsFileError(InputError):
 
 
 class WorkersError(StickslipError, RuntimeError):
-    """The workers of a sweep cannot go on: none is left, their scheduler is gone, or one of them runs other code."""
+    """The workers of a sweep cannot continue: none is left, no scheduler answers, or one of them runs another
+    version."""
 
 
 class PlaceError(InputError):
-    """A folder, a file or the disk does not take what is to be written; the study file has nothing to do with it."""
+    """A folder, a file or the disk cannot be written to; the study file is not the cause."""
 
 
 class MissingPackageError(StickslipError, ImportError):
@@ -126,6 +128,6 @@ class MissingPackageError(StickslipError, ImportError):
 
 
 class ConvergenceError(StickslipError, RuntimeError):
-    """An iteration did not converge; the message says how far it came and what to try."""
+    """An iteration did not converge; the message gives the last residual or load and what to try."""
 
     exit_code = 3

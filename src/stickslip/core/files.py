@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all, checks of places before long work, and the digest of source files."""
+"""Files that are written completely or not at all, checks of output folders, and the digest of source files."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from platformdirs import user_cache_path
 from stickslip.core.errors import PlaceError, StickslipError
 
 _PART = ".part"
-_IN_USE = "in_use"  # in an unfinished folder: the file whose lock says that its writer lives
+_IN_USE = "in_use"  # in an unfinished folder: the file whose lock shows that its writer is alive
 _KEPT_FOLDER = "stickslip-unsaved"
 _own_parts: set[Path] = set()
 
 
 @contextmanager
 def whole_file(target: Path, what: str, error: type[StickslipError]) -> Iterator[Path]:
-    """A hidden file beside ``target`` to write to; it takes that name once the block ends well, else it is removed.
+    """A hidden file beside ``target`` to write to; renamed to ``target`` when the block succeeds, removed otherwise.
 
-    ``what`` names the content ("results"); an operating system error becomes ``error`` with a sentence.
+    ``what`` names the content ("results"); an operating system error becomes ``error`` with a message.
     """
     with _sentences(target, what, error):
         part, held = _claimed(target)
@@ -44,9 +44,9 @@ def whole_file(target: Path, what: str, error: type[StickslipError]) -> Iterator
 
 @contextmanager
 def work_folder(target: Path, what: str, error: type[StickslipError]) -> Iterator[Path]:
-    """A hidden folder beside ``target``, for content of several files; it is gone after the block.
+    """A hidden folder beside ``target``, for content of several files; it is removed after the block.
 
-    ``what`` names the content; an operating system error becomes ``error`` with a sentence.
+    ``what`` names the content; an operating system error becomes ``error`` with a message.
     """
     with _sentences(target, what, error):
         part, held = _claimed(target, is_folder=True)
@@ -59,13 +59,13 @@ def work_folder(target: Path, what: str, error: type[StickslipError]) -> Iterato
 
 
 def remove_abandoned(folder: Path) -> None:
-    """Remove what killed writers left unfinished in ``folder``; unfinished files of writers that live stay.
+    """Remove unfinished files of killed writers from ``folder``, and leave those of running writers.
 
-    A writer holds a lock that ends with its process, also where it runs in another container with the same numbers of
-    processes. A file system without locks keeps the left-over files.
+    A writer locks its file, and the lock ends with its process, also in another container with equal process numbers.
+    On a file system without locks no file is removed.
     """
     for part in folder.glob(f".*{_PART}"):
-        with suppress(OSError):  # another run removes it, or it is not ours to remove
+        with suppress(OSError):  # another run removes it, or another user owns it
             if part.is_dir():
                 _remove_abandoned_folder(part)
                 continue
@@ -75,7 +75,7 @@ def remove_abandoned(folder: Path) -> None:
 
 
 def remove_own_unfinished() -> None:
-    """Remove what this process is writing just now, before it ends in the midst of it."""
+    """Remove the files that this process is writing, before it ends early."""
     for part in tuple(_own_parts):
         with suppress(OSError):
             if part.is_dir():
@@ -85,14 +85,14 @@ def remove_own_unfinished() -> None:
 
 
 def _remove_abandoned_folder(part: Path) -> None:
-    """Remove an unfinished folder whose writer is dead. A writer marks it before it puts anything into it."""
+    """Remove an unfinished folder whose writer is dead. A writer marks the folder before it writes anything into it."""
     has_content = any(part.iterdir())
     mark = part / _IN_USE
     if not mark.exists():
         if has_content:  # its writer was killed while it removed the folder
             shutil.rmtree(part)
         else:
-            part.rmdir()  # fails where a new writer marks it meanwhile
+            part.rmdir()  # fails if a new writer marks it at the same time
         return
     with _lock_of_abandoned(mark) as is_abandoned:
         if is_abandoned:
@@ -100,10 +100,10 @@ def _remove_abandoned_folder(part: Path) -> None:
 
 
 def write_solved(target: Path, content: bytes, what: str, error: type[StickslipError], then: str) -> None:
-    """Write what took long to compute; where ``target`` cannot be written it is kept in another place.
+    """Write content that took long to compute; where ``target`` cannot be written, write it to another folder.
 
-    ``then`` is the advice on what to do once there is room, and the file has been moved to ``target``.
-    Raises ``error`` in both cases, with a sentence that says where the content is.
+    ``then`` is the advice for when there is space again and the file has been moved to ``target``. Raises ``error``
+    whenever ``target`` was not written; the message says whether and where the content is.
     """
     try:
         with whole_file(target, what, error) as part:
@@ -119,10 +119,10 @@ def write_solved(target: Path, content: bytes, what: str, error: type[StickslipE
 
 
 def require_folder(folder: Path, files: Iterable[str] = (), folders: Iterable[str] = ()) -> None:
-    """Make ``folder``; raise PlaceError unless files can be written into it, before any long computation.
+    """Create ``folder``; raise PlaceError before any long computation unless files can be written into it.
 
-    ``files`` and ``folders`` are the names of what will be written into it: none of these places may be taken by the
-    other kind, and folders that exist must be writable too. What killed runs left unfinished there is removed.
+    ``files`` and ``folders`` are the names of the future content: no folder may have the name of such a file and no
+    file that of such a folder, and existing folders must be writable. Unfinished files of killed runs are removed.
     """
     _require_writable(folder)
     for name in files:
@@ -145,7 +145,7 @@ def _taken(place: Path, found: str, wanted: str) -> PlaceError:
 
 
 def require_room(folder: Path, whole_bytes: int, largest_file_bytes: int) -> None:
-    """Raise PlaceError unless the disk of ``folder`` has so much room, and one file may be as large as the largest."""
+    """Raise PlaceError unless the disk has ``whole_bytes`` free and a single file may have ``largest_file_bytes``."""
     try:
         free = shutil.disk_usage(folder).free
     except OSError as error:
@@ -166,7 +166,7 @@ def require_room(folder: Path, whole_bytes: int, largest_file_bytes: int) -> Non
 
 
 def source_digest(sources: Iterable[Path]) -> str:
-    """Hexadecimal digest of the content of source files, in the order of their paths: other code, other digest."""
+    """Hexadecimal digest of the content of source files, in the order of their paths: it changes with the code."""
     digest = hashlib.blake2b(digest_size=16)
     for source in sorted(sources):
         digest.update(source.read_bytes())
@@ -187,7 +187,7 @@ def _sentences(target: Path, what: str, error: type[StickslipError]) -> Iterator
 
 
 def _claimed(target: Path, is_folder: bool = False) -> tuple[Path, int]:
-    """A new unfinished file or folder, and the descriptor that holds its lock."""
+    """A new unfinished file or folder, and the descriptor of its lock."""
     while True:
         # a random name: processes of two containers may share a number
         part = target.with_name(f".{target.name}.{secrets.token_hex(8)}{_PART}")
@@ -212,13 +212,13 @@ def _lock(held: int) -> None:
     if os.name == "posix":
         import fcntl
 
-        with suppress(OSError):  # no locks here: the file is never taken for abandoned then
+        with suppress(OSError):  # no locks here: the file is then never removed as abandoned
             fcntl.flock(held, fcntl.LOCK_EX)
 
 
 @contextmanager
 def _lock_of_abandoned(path: Path) -> Iterator[bool]:
-    """Whether nobody holds the lock of a file; it is held during the block. Windows removes no open file by itself."""
+    """Whether no process has locked a file; the block has the lock. Windows removes no open file by itself."""
     if os.name != "posix":
         yield True
         return
@@ -229,7 +229,7 @@ def _lock_of_abandoned(path: Path) -> Iterator[bool]:
         try:
             fcntl.flock(probe, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            yield False  # its writer lives, or the file system has no locks
+            yield False  # its writer is alive, or the file system has no locks
         else:
             yield True
     finally:
@@ -237,13 +237,13 @@ def _lock_of_abandoned(path: Path) -> Iterator[bool]:
 
 
 def _flush(part: Path) -> None:
-    """Have the disk take what was written: a disk may be full, and say so only now."""
+    """Write buffered data to the disk: a full disk may raise its error only now."""
     with part.open("rb+") as stream:
         os.fsync(stream.fileno())
 
 
 def _kept_elsewhere(name: str, content: bytes) -> Path | None:
-    """Write content into a new folder of the user's cache, or of the temporary files; None where neither has room."""
+    """Write content into a new folder of the user's cache, or of the temporary files; None if neither has space."""
     for base in (user_cache_folder(), Path(tempfile.gettempdir())):
         if base is None:
             continue

@@ -14,7 +14,7 @@ from stickslip.core.validation import FloatArray
 
 @lru_cache(maxsize=32)
 def synthesis_matrix(harmonics: int, samples: int) -> FloatArray:
-    """(samples, 2 * harmonics + 1) matrix that turns coefficients into samples of one period; kept, so read-only."""
+    """(samples, 2 * harmonics + 1) matrix that turns coefficients into samples of one period; cached, so read-only."""
     angle = 2.0 * np.pi * np.arange(samples)[:, None] / samples
     order = np.arange(1, harmonics + 1)[None, :]
     matrix = np.ones((samples, 2 * harmonics + 1))

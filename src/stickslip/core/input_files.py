@@ -1,7 +1,7 @@
-"""Files that others made: how they are opened, and how much of them is read.
+"""Files of other programs and users: which are opened, and how much of them is read.
 
-Only regular files are opened: a named pipe or a device may never end, and opening it may wait for ever. Packed files
-are read only where they unpack to a size that their own explains.
+Only regular files are opened: a named pipe or a device may have no end, and opening it may block. Compressed files are
+read only if their unpacked size is plausible for their own size.
 """
 
 from __future__ import annotations
@@ -21,12 +21,13 @@ from stickslip.core.errors import ImportFileError, InputError
 if TYPE_CHECKING:
     import h5py
 
-# A deck of this size has some 30 million lines, ten times more than fit into the memory of the machines that
-# docs/performance.md tells of.
+# A deck of this size has about 30 million lines, ten times more than fit into the memory of the machines in
+# docs/performance.md.
 LARGEST_FILE = 2_000_000_000  # bytes
-# Any packed file may unpack to this: two dense matrices of 7900 unknowns.
+# Any compressed file may unpack to this size: two dense matrices of 7900 unknowns.
 LARGEST_UNPACKED = 1_000_000_000  # bytes
-# Larger ones may unpack to so many times their size. Meshes and responses shrink 2 to 5 times; zeros shrink 1000 times.
+# Larger files may unpack to this multiple of their size. Meshes and responses compress by a factor of 2 to 5, zeros by
+# 1000.
 LARGEST_RATIO = 20
 _PIECE = 1 << 20  # bytes unpacked at a time to count them
 
@@ -44,11 +45,11 @@ class UnsuitableFileError(OSError):
 
 
 def open_regular(path: Path, largest: int | None = LARGEST_FILE) -> BinaryIO:
-    """A regular file of at most ``largest`` bytes (None: of any size), opened for reading.
+    """Open a regular file of at most ``largest`` bytes (None: of any size) for reading.
 
-    Raises OSError, whose ``strerror`` is fit for a sentence; at once, also for a pipe without a writer.
+    Raises OSError, whose ``strerror`` fits into a message, without waiting, also for a pipe without a writer.
     """
-    status = os.stat(path)  # before opening: to open a device may already do something
+    status = os.stat(path)  # before opening: opening a device may already have effects
     _require_suitable(status, largest)
     stream = open(path, "rb", opener=_without_waiting)  # noqa: SIM115  the caller closes it
     try:
@@ -62,7 +63,7 @@ def open_regular(path: Path, largest: int | None = LARGEST_FILE) -> BinaryIO:
 def read_regular(path: Path, largest: int = LARGEST_FILE) -> bytes:
     """The content of a regular file of at most ``largest`` bytes. Raises OSError as :func:`open_regular`."""
     with open_regular(path, largest) as stream:
-        # what grows while it is read, and what the kernel makes up for an empty file, is cut off
+        # a file that grows while it is read, or that the kernel fills on reading, is cut off
         return stream.read(os.fstat(stream.fileno()).st_size)
 
 
@@ -81,7 +82,7 @@ def _require_suitable(status: os.stat_result, largest: int | None) -> None:
 
 
 def in_words(size: int) -> str:
-    """A number of bytes for a sentence: 2.5 GB."""
+    """A number of bytes as messages show it: 2.5 GB."""
     for unit, value in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
         if size >= value:
             return f"{size / value:.3g} {unit}"
@@ -94,9 +95,9 @@ def unpacked_limit(packed: int) -> int:
 
 
 def require_unpackable(path: Path, packed: int, unpacked: int, at_least: bool = False) -> None:
-    """Raise ImportFileError for a file whose ``packed`` bytes would unpack to more than is explained by them.
+    """Raise ImportFileError if ``packed`` bytes would unpack to an implausible number of bytes.
 
-    ``at_least``: ``unpacked`` is where counting ended.
+    ``at_least``: ``unpacked`` is a lower bound, because counting stopped there.
     """
     limit = unpacked_limit(packed)
     if unpacked > limit:
@@ -109,9 +110,9 @@ def require_unpackable(path: Path, packed: int, unpacked: int, at_least: bool = 
 
 
 def require_unpackable_zip(path: Path, stream: BinaryIO) -> None:
-    """Check an opened zip file by its list of contents before it is unpacked; reading ends where that list says.
+    """Check an opened zip file by its list of contents before it is unpacked; readers stop at the sizes in that list.
 
-    Leaves the stream at its start. Raises ImportFileError; what is no zip file is left to its reader.
+    Leaves the stream at its start. Raises ImportFileError; a file that is not a zip file is left to its reader.
     """
     if zipfile.is_zipfile(stream):
         with zipfile.ZipFile(stream) as archive:
@@ -121,28 +122,28 @@ def require_unpackable_zip(path: Path, stream: BinaryIO) -> None:
 
 
 class UnpackedCount:
-    """Counts what is unpacked from one file, by the packed parts as they are met, and stops beyond the limit."""
+    """Counts the unpacked bytes of one file, part by part, and stops above the limit."""
 
     def __init__(self, path: Path, packed: int) -> None:
         self._path, self._packed, self._unpacked = path, packed, 0
 
     def pieces(self, unpacker: Any, content: bytes) -> Iterator[bytes]:
-        """What ``unpacker`` (of zlib or lzma) makes of ``content``, piece by piece. Raises ImportFileError."""
+        """Unpack ``content`` with ``unpacker`` (of zlib or lzma), piece by piece. Raises ImportFileError."""
         while True:
             piece = unpacker.decompress(content, _PIECE)
             self._unpacked += len(piece)
             require_unpackable(self._path, self._packed, self._unpacked, at_least=True)
             yield piece
-            # zlib hands back what it has not read yet, lzma keeps it; a full piece may be followed by another one
+            # zlib returns its unread input, lzma keeps it; another piece may follow a full one
             content = getattr(unpacker, "unconsumed_tail", b"")
             if unpacker.eof or not (content or len(piece) == _PIECE):
                 return
 
 
 def require_unpackable_zlib(path: Path, packed: int, parts: Iterator[bytes]) -> None:
-    """Count what the zlib-packed ``parts`` of a file unpack to, without keeping it.
+    """Count the unpacked bytes of the zlib-compressed ``parts`` of a file, without storing them.
 
-    For formats that do not say it, or not where it can be trusted. A damaged part ends the count; its reader tells it.
+    For formats that do not give this size, or not reliably. A damaged part ends the count; its reader reports it.
     Raises ImportFileError.
     """
     count = UnpackedCount(path, packed)
@@ -155,10 +156,10 @@ def require_unpackable_zlib(path: Path, packed: int, parts: Iterator[bytes]) -> 
 
 
 def open_hdf5(path: Path, largest: int | None = LARGEST_FILE) -> h5py.File:
-    """An HDF5 file all of whose data lie in itself and unpack to a size that its own explains.
+    """Open an HDF5 file that contains all of its data and unpacks to a size plausible for its own.
 
-    Raises ImportFileError for external links, external storage, virtual data sets and too much packed data; OSError as
-    :func:`open_regular`, and for what is no HDF5 file.
+    Raises ImportFileError for external links, external storage, virtual data sets and too much compressed data; OSError
+    as :func:`open_regular`, and for a file that is not HDF5.
     """
     import h5py
 
@@ -174,7 +175,7 @@ def open_hdf5(path: Path, largest: int | None = LARGEST_FILE) -> h5py.File:
 
 
 def _require_own_data(path: Path, packed: int, file: h5py.File) -> None:
-    """Look at every link and data set of an HDF5 file without reading data."""
+    """Check every link and data set of an HDF5 file without reading data."""
     import h5py
 
     unpacked = 0
@@ -187,7 +188,7 @@ def _require_own_data(path: Path, packed: int, file: h5py.File) -> None:
             if isinstance(link, h5py.ExternalLink):
                 _refuse_foreign_data(path, group, name, "is a link to another file")
             if not isinstance(link, h5py.HardLink):
-                continue  # what a soft link means in this file is met by its own name
+                continue  # the target of a soft link in this file is visited under its own name
             item = group[name]
             address = h5py.h5o.get_info(item.id).addr
             if address in seen:
@@ -200,7 +201,7 @@ def _require_own_data(path: Path, packed: int, file: h5py.File) -> None:
                     _refuse_foreign_data(path, group, name, "keeps its data in another file")
                 if item.is_virtual:
                     _refuse_foreign_data(path, group, name, "is put together from data sets of other files")
-                # a chunk is unpacked whole, however little of it belongs to the data set
+                # a chunk is unpacked completely, however little of it belongs to the data set
                 chunk = item.dtype.itemsize
                 for length in item.chunks or ():
                     chunk *= length
@@ -218,8 +219,8 @@ def _refuse_foreign_data(path: Path, group: h5py.Group, name: str, what: str) ->
 def read_input(path: str | PathLike[str], advice: str, largest: int, error: type[InputError] = InputError) -> bytes:
     """The content of a small file that a user wrote or an instrument exported.
 
-    Raises ``error`` with a sentence that ends with ``advice`` for a file that is missing, cannot be read, is no regular
-    file (a folder; a pipe or a device, which may never end) or has more than ``largest`` bytes.
+    Raises ``error`` with a message that ends with ``advice`` for a file that is missing, cannot be read, is not a
+    regular file (a folder; a pipe or a device, which may have no end) or has more than ``largest`` bytes.
     """
     try:
         return read_regular(Path(path), largest)
@@ -231,5 +232,5 @@ def read_input(path: str | PathLike[str], advice: str, largest: int, error: type
 
 
 def _short(name: str) -> str:
-    """A name that may be too long for any disk, as a sentence shows it."""
+    """A name, shortened for a message if it is too long for any disk."""
     return name if len(name) <= 200 else f"{name[:100]} ... {name[-40:]}"

@@ -1,4 +1,4 @@
-"""Plain data (dataclasses, mappings, sequences, arrays, numbers): comparison, and values that JSON keeps."""
+"""Plain data (dataclasses, mappings, sequences, arrays, numbers): comparison, and values that JSON can store."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def same_content(first: Any, second: Any) -> bool:
 
 
 def plain(value: Any) -> Any:
-    """Numbers of numpy as numbers of Python, tuples as they are, so that JSON keeps them."""
+    """Numbers of numpy as numbers of Python, so that JSON can store them; tuples stay tuples."""
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, Mapping):

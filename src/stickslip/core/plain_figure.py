@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 
 INK = "#1b2a41"
 GREY = "#6b7787"
-# The palette of Okabe and Ito, which every eye can tell apart.
+# The palette of Okabe and Ito, which readers with colour blindness can distinguish.
 BLUE, GREEN, VERMILLION, ORANGE, PURPLE = "#0072B2", "#009E73", "#D55E00", "#E69F00", "#CC79A7"
 
 
 def blank_figure(width: float, height: float) -> Figure:
-    """A figure of so many inches without axes; it is written by the format of its file and never needs a backend."""
+    """A figure of ``width`` by ``height`` inches without axes; the file format writes it, so it needs no backend."""
     _import_matplotlib()
     from matplotlib.figure import Figure
 
@@ -26,10 +26,10 @@ def blank_figure(width: float, height: float) -> Figure:
 
 
 def _import_matplotlib() -> None:
-    """Import matplotlib without MPLBACKEND, of which it refuses what it does not know.
+    """Import matplotlib without MPLBACKEND, because it rejects the name of a backend that it does not have.
 
-    Jupyter sets a backend of its own for every command that is started in it. Windows that a script opens itself get
-    the backend all the same, if there is one of that name.
+    Jupyter sets a backend of its own for every command that it starts. Windows that a script opens itself still get
+    that backend, if it exists.
     """
     if "matplotlib" in sys.modules:
         return
@@ -45,7 +45,7 @@ def _import_matplotlib() -> None:
 
 
 def one_panel(width: float, height: float) -> tuple[Figure, Axes]:
-    """A figure of so many inches with one pair of axes."""
+    """A figure of ``width`` by ``height`` inches with one pair of axes."""
     figure = blank_figure(width, height)
     return figure, plain_axes(figure.subplots())
 

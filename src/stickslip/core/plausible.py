@@ -1,4 +1,4 @@
-"""Values that can be computed with but that most likely stand in a wrong unit, and errors that they explain."""
+"""Values that are valid but most likely in a wrong unit, and errors that they explain."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from stickslip.core.errors import ConvergenceError, InputError
 
 @dataclass(frozen=True)
 class OddValue:
-    """A value outside the range of machine parts: a sentence, and the key of the study file that gave it, if known."""
+    """A value outside the range of machine parts: a message, and the key of the study file that gave it, if any."""
 
     sentence: str
     key: str = ""
@@ -20,7 +20,7 @@ class OddValue:
 def odd_value(
     words: str, value: float, unit: str, usual: tuple[float, float], cause: str, key: str = ""
 ) -> Iterator[OddValue]:
-    """The value as one that is odd, unless it lies in its ``usual`` range: "``words`` 3 Pa, outside ... Check ..."."""
+    """An OddValue for ``value``, or None in its ``usual`` range. Message: "``words`` 3 Pa, outside ... Check ..."."""
     low, high = usual
     if not low <= value <= high:
         shown = f" {unit}" if unit else ""
@@ -32,9 +32,9 @@ def odd_value(
 
 @contextmanager
 def suspecting(odd: Sequence[OddValue]) -> Iterator[None]:
-    """Put the first odd value before the sentence of an error from inside: it is what most likely caused it.
+    """Put the first odd value before the message of an error raised inside, as its most likely cause.
 
-    An iteration that does not converge becomes an InputError, because other input is what it needs.
+    A ConvergenceError becomes an InputError, because other input is needed.
     """
     try:
         yield

@@ -1,4 +1,4 @@
-"""Other processes of Python, started without the current folder among the places of modules."""
+"""Other processes of Python, started without the current folder in the module search path."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ _lock = threading.RLock()
 
 
 def python_command(code: str) -> list[str]:
-    """The command that runs ``code`` in another process of this Python, with the modules that this process finds.
+    """The command that runs ``code`` in another process of this Python, with the module search path of this process.
 
-    ``python -c`` looks for modules in the current folder first: a "random.py" of the user would run in place of
-    Python's own. Option -P leaves the folder out, and the places of modules are those of this process without it.
+    ``python -c`` searches modules in the current folder first: a "random.py" of the user would run in place of Python's
+    own. Option -P leaves this folder out; the rest of the search path is that of this process.
     """
     here = str(Path(__file__).parents[2])
     places = [place for place in sys.path if place and Path(place).is_absolute()]
@@ -28,9 +28,9 @@ def python_command(code: str) -> list[str]:
 
 @contextmanager
 def safe_path() -> Iterator[None]:
-    """Have the processes that ``multiprocessing`` starts in the block leave out the current folder too.
+    """Make processes that ``multiprocessing`` starts in the block leave out the current folder too.
 
-    They too begin with ``python -c``, and know no option; later they take over the places of modules of this process.
+    They too begin with ``python -c``, but without options; later they take the module search path of this process.
     """
     with _lock:
         before = os.environ.get(_SAFE_PATH)

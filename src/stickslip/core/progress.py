@@ -1,4 +1,4 @@
-"""How long computations tell what they do: a protocol of one method, a silent version, and one for the terminal."""
+"""Progress of long computations: a protocol of one method, a silent version, and versions for terminals and files."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ if TYPE_CHECKING:
     from rich.progress import TaskID
 
 
-REMINDER_SECONDS = 30.0
-REMINDER_SHARE = 0.02
+REMINDER_SECONDS = 30.0  # chosen: a user takes a longer silence for a hang
+REMINDER_SHARE = 0.02  # of the time of the stage so far: about 50 lines, however long it runs
 
-# What a part of a computation calls with the share of it that is done, and a sentence.
+# A part of a computation calls it with its finished fraction and a message.
 ProgressCallback = Callable[[float, str], None]
 
 
 class Progress(Protocol):
-    """Whoever wants to know how far a computation is."""
+    """Receives the progress of a computation."""
 
     def update(self, stage: str, fraction: float, detail: str = "") -> None:
-        """``fraction`` (0 to 1) of ``stage`` is done; ``detail`` says what is being done now."""
+        """``fraction`` (0 to 1) of ``stage`` is done; ``detail`` describes the current work."""
 
 
 class SilentProgress:
-    """Nobody wants to know."""
+    """Shows nothing."""
 
     def update(self, stage: str, fraction: float, detail: str = "") -> None:
-        """Ignore the news."""
+        """Ignore the report."""
 
 
 class BarProgress:
@@ -45,14 +45,15 @@ class BarProgress:
         self._tasks: dict[str, TaskID] = {}
 
     def update(self, stage: str, fraction: float, detail: str = "") -> None:
-        """Move the bar of ``stage``; the first news of a stage draws its bar."""
+        """Move the bar of ``stage``; the first report of a stage draws its bar."""
         if stage not in self._tasks:
             self._tasks[stage] = self._bars.add_task(printable(stage), total=1.0, detail="")
         self._bars.update(self._tasks[stage], completed=fraction, detail=printable(detail))
 
 
 class LineProgress:
-    """Lines for files and pipes: at the start and the end of each stage, and reminders of what is done meanwhile.
+    """Lines for files and pipes: at the start and the end of each stage, and reminders of the current work between
+    them.
 
     A reminder comes ``REMINDER_SECONDS`` after the last line of a stage, and in a stage that takes long after
     ``REMINDER_SHARE`` of its time so far, so that a log of days stays short.
@@ -62,9 +63,9 @@ class LineProgress:
         self._console, self._clock = console, clock
         self._started: set[str] = set()
         self._finished: set[str] = set()
-        self._current: tuple[str, float, str] | None = None  # stage, fraction and detail of what is under way
+        self._current: tuple[str, float, str] | None = None  # stage, fraction and detail of the current work
         self._began = self._last_line = clock()
-        # news may come from several threads, and reminders do
+        # reports may come from several threads, and reminders do
         self._lock = threading.RLock()
 
     def update(self, stage: str, fraction: float, detail: str = "") -> None:
@@ -82,7 +83,7 @@ class LineProgress:
             self.remind()
 
     def remind(self) -> None:
-        """Print what is under way and how long, if a reminder is due."""
+        """Print the current work and its duration, if a reminder is due."""
         with self._lock:
             if self._current is None:
                 return
@@ -96,7 +97,7 @@ class LineProgress:
 
     @contextmanager
     def reminding(self, every_seconds: float = 1.0) -> Iterator[None]:
-        """Look from a second thread whether a reminder is due, also while a long step brings no news."""
+        """Check from a second thread whether a reminder is due, also during a long step without reports."""
         stop = threading.Event()
 
         def look() -> None:

@@ -1,4 +1,4 @@
-"""Things by name: those of this package, those that a program registers, and those of installed packages."""
+"""Objects by name: those of this package, those that a program registers, and those of installed packages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 class Registry(Generic[T]):
-    """Makers of one kind of thing by name.
+    """Makers of one kind of object by name.
 
     ``what`` names the kind in messages; packages offer more through entry points of the group ``group``.
     """
@@ -22,7 +22,7 @@ class Registry(Generic[T]):
         self._makers: dict[str, Callable[..., T]] = dict(own)
 
     def register(self, name: str, maker: Callable[..., T]) -> None:
-        """Make ``maker(**constants)`` known under a name. Raises InputError for a name that another one has."""
+        """Register ``maker(**constants)`` under a name. Raises InputError for a name that another maker has."""
         if self._makers.get(name, maker) is not maker:
             raise InputError(f'there is a {self._what} "{name}" already; register the new one under another name.')
         self._makers[name] = maker
@@ -32,7 +32,7 @@ class Registry(Generic[T]):
         return tuple(sorted({*self._makers, *(point.name for point in entry_points(group=self._group))}))
 
     def find(self, name: str) -> Callable[..., T]:
-        """The maker of a name. Raises InputError for a name that nothing has."""
+        """The maker of a name. Raises InputError for an unknown name."""
         if name not in self._makers:
             points = entry_points(group=self._group, name=name)
             if not points:

@@ -1,9 +1,9 @@
-"""A digest at the end of files that only stickslip writes and reads, so that damage never becomes a wrong number.
+"""A digest at the end of files that only stickslip writes and reads, so that damage cannot cause a wrong number.
 
-The seal is the last line of a file: what the file is about (its subject, such as the hash of the inputs) and a digest
-of subject and content. A file whose bytes were changed, that was cut, or that took the name of another one is noticed.
-It stands behind the content because NumPy and unzip still open an .npz file that has some bytes more at its end. It
-guards against damage, not against forgery: whoever changes a file on purpose can compute the digest too.
+The seal is the last line of a file: the subject of the file (such as the hash of the inputs) and a digest of subject
+and content. It shows that a file was changed, cut, or renamed to that of another subject. It follows the content
+because NumPy and unzip still open an .npz file with extra bytes at its end. It protects against damage, not against
+forgery: whoever changes a file on purpose can compute the digest too.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from typing import BinaryIO
 
 from stickslip.core.errors import ResultsFileError
 
-_DIGEST_BYTES = 32
-_CHUNK_BYTES = 1 << 20
-_LONGEST_SEAL = 1000  # bytes, for the sentence about the seal of another subject
+_DIGEST_BYTES = 32  # blake2b with 256 bits
+_CHUNK_BYTES = 1 << 20  # read at a time; chosen to bound the memory
+_LONGEST_SEAL = 1000  # bytes, for the message about the seal of another subject
 _FIRST_WORDS = b'\n{"sealed by stickslip": '
 
 
 def seal(stream: BinaryIO, subject: str) -> None:
-    """Append the seal to a stream that holds the content; it must be readable and writable."""
+    """Append the seal to a stream that contains the content; it must be readable and writable."""
     size = stream.seek(0, os.SEEK_END)
     line = _seal(stream, size, subject)
     stream.seek(size)
@@ -30,9 +30,9 @@ def seal(stream: BinaryIO, subject: str) -> None:
 
 
 def require_seal(stream: BinaryIO, subject: str) -> int:
-    """Size in bytes of the content before the seal; the stream stands at its start then.
+    """Size in bytes of the content before the seal; the stream is then at its start.
 
-    Raises ResultsFileError, with a sentence that names no file, unless the content is what was sealed as ``subject``.
+    Raises ResultsFileError, with a message that names no file, unless the content was sealed as ``subject``.
     """
     length = len(_line(subject, ""))
     end = stream.seek(0, os.SEEK_END)
@@ -49,7 +49,7 @@ def require_seal(stream: BinaryIO, subject: str) -> int:
 
 
 def _seal(stream: BinaryIO, size: int, subject: str) -> bytes:
-    """The seal of the first ``size`` bytes; they are read in parts, since a kept structure may be large."""
+    """The seal of the first ``size`` bytes; they are read in parts, because a cached structure may be large."""
     digest = hashlib.blake2b(subject.encode() + b"\n", digest_size=_DIGEST_BYTES)
     stream.seek(0)
     while size > 0 and (chunk := stream.read(min(size, _CHUNK_BYTES))):

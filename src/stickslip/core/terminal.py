@@ -1,4 +1,4 @@
-"""What reaches a terminal: text of files without the characters that act on a terminal instead of being shown."""
+"""Text for a terminal, without the characters of files that would control the terminal."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _ACTING = frozenset("\u061c\u200e\u200f\u2028\u2029\u202a\u202b\u202c\u202d\u202
 def printable(text: str) -> str:
     """``text`` with control characters (but line ends and tabs), direction marks and lone surrogates as escapes.
 
-    A set name ``ESC [ 2 J`` in somebody's mesh file is then shown as ``\\x1b[2J`` and does not clear the screen.
+    The set name ``ESC [ 2 J`` in a mesh file is then shown as ``\\x1b[2J`` and does not clear the screen.
     """
     return text if text.isascii() and text.isprintable() else "".join(map(_shown, text))
 

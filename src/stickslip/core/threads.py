@@ -1,4 +1,4 @@
-"""How many threads, and independent work shared among them."""
+"""The number of threads, and independent work distributed among them."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from threadpoolctl import threadpool_limits
 from stickslip.core.thread_variables import MOST_THREADS, VARIABLE, threads_of_variable
 from stickslip.core.validation import require_allowed, whole_number
 
-# More than this many bring nothing on the problems that the package is made for.
+# More threads than this gain nothing on problems of this package.
 MOST_BY_DEFAULT = 4
 
-# Rows of relative displacement below which a second thread of the linear algebra costs more than it brings.
+# Rows of relative displacement below which a second thread of the linear algebra costs more than it gains.
 FEWEST_ROWS = 1000
 
 
 def in_threads(work: Callable[[int], None], items: Iterable[int], threads: int) -> None:
-    """Call ``work`` for each item, ``threads`` at a time; for compiled work that releases the interpreter's lock.
+    """Call ``work`` for each item, in ``threads`` threads; for compiled work that releases the interpreter's lock.
 
-    Matrix products inside ``work`` get one thread each: the threads of several BLAS pools only wait for each other.
+    Matrix products inside ``work`` use one thread each: several BLAS pools would only wait for each other.
     """
     if threads == 1:
         for item in items:

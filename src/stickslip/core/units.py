@@ -1,4 +1,4 @@
-"""Values of a study file: ``"145 mm"`` or a plain SI number becomes an SI float, or a sentence says why it cannot.
+"""Values of a study file: ``"145 mm"`` or a plain SI number becomes an SI float, or an InputError explains why not.
 
 ``Quantity``, ``Count`` and ``Respelled`` annotate the fields of the study file's sections; pydantic calls their
 ``parse``. The units package (pint) is loaded when the first value with a unit that is not the SI one appears.
@@ -40,9 +40,9 @@ KINDS: dict[str, tuple[str, str]] = {
 
 
 LONGEST_UNIT = 60  # pint nests as deep as a unit has factors
-LARGEST_INTEGER = 2**63 - 1  # that arrays and files hold
-# Nothing that is measured is nearer to zero without being zero; squares of smaller numbers vanish in a computer. The
-# smallest number that a study can need is G of a nearly smooth face, about 1e-100 m as D nears 2.
+LARGEST_INTEGER = 2**63 - 1  # of 64-bit integers in arrays and files
+# No measured value is closer to zero without being zero, and squares of smaller numbers underflow. The smallest value
+# of a study is G of a nearly smooth face, about 1e-100 m as D approaches 2.
 NEGLIGIBLE = 1e-150
 
 
@@ -55,12 +55,12 @@ class Quantity:
     shown:
         unit of written study files; the SI unit if left out.
     above, below:
-        bounds that the value must not touch; ``at_least``, ``at_most``: bounds that it may. A value that is not 0 must
-        not be below ``NEGLIGIBLE`` in size either.
+        exclusive bounds; ``at_least``, ``at_most``: inclusive bounds. A nonzero value must not be below ``NEGLIGIBLE``
+        in size either.
     usual:
         range of machine parts: values outside are allowed, but a warning says that the unit may be wrong.
     unit_required:
-        a sentence why a plain number is refused, or "" where a plain number is the SI value.
+        a sentence why a plain number is rejected, or "" where a plain number is the SI value.
     example:
         a value as messages show it, where that of the kind would mislead.
     unit:
@@ -97,7 +97,7 @@ class Quantity:
         return _parsed(self.unit) is not None and math.isclose(_factor_to_si(self.unit), 1.0, rel_tol=1e-12)
 
     def parse(self, value: object) -> float:
-        """The SI value of a number or of a string with a unit. Raises InputError with a sentence."""
+        """The SI value of a number or of a string with a unit. Raises InputError."""
         number, unit = self._split(value)
         if unit is None:
             self._refuse_missing_unit(value, number)
@@ -180,7 +180,7 @@ class Quantity:
             return
         allowed = " and ".join(f"{word} {_short(bound)}" for bound, word, _ in limits if bound is not None)
         if value <= 0.0 and self.at_least is not None and self.at_least > 0.0:
-            allowed = "above 0"  # says more to whoever gave none than the smallest number that makes sense
+            allowed = "above 0"  # clearer for a value of 0 than the smallest allowed number
         unit = f" {self.si_unit}" if self.si_unit else ""
         hint = ""
         if plain and self.shown and value > 0:
@@ -204,7 +204,7 @@ class Count:
     at_most: int | None = None
 
     def parse(self, value: object) -> int:
-        """The number itself. Raises InputError for anything else than a whole number in the range."""
+        """The number itself. Raises InputError for anything but a whole number in the range."""
         upper = "" if self.at_most is None else f" and at most {self.at_most}"
         allowed = f"a whole number of at least {self.at_least}{upper}"
         if isinstance(value, bool) or not isinstance(value, int):
@@ -251,9 +251,9 @@ def _registry() -> Any:
 
 @lru_cache(maxsize=256)
 def _parsed(unit: str) -> Any:
-    """One ``unit`` as a pint quantity in root units, or None if it is no product of units that pint knows.
+    """One ``unit`` as a pint quantity in root units, or None if it is not a product of units of pint.
 
-    The pattern comes first because pint hands other text to Python's tokenizer, whose errors differ by version.
+    The pattern comes first because pint passes other text to Python's tokenizer, whose errors differ by version.
     """
     if len(unit) > LONGEST_UNIT or (unit and _UNIT.fullmatch(unit) is None):
         return None
@@ -267,13 +267,13 @@ def _parsed(unit: str) -> Any:
 
 
 def _root_unit(unit: str) -> str | None:
-    """The unit in powers of gram, metre, second and radian; rad/s and rpm keep their radian and so differ from Hz."""
+    """The unit in powers of gram, metre, second and radian; rad/s and rpm contain the radian and so differ from Hz."""
     parsed = _parsed(unit)
     return None if parsed is None else str(parsed.units)
 
 
 def _factor_to_si(unit: str) -> float:
-    """The number of SI units in one ``unit``; root units hold gram, so a mass is scaled back to kilogram."""
+    """The number of SI units in one ``unit``; root units contain gram, so a mass is scaled to kilogram."""
     parsed = _parsed(unit)
     grams = next((power for name, power in parsed.unit_items() if name == "gram"), 0)
     return float(parsed.magnitude) / 1000.0**grams

@@ -1,4 +1,4 @@
-"""Checks of arrays and numbers that several modules share; each raises InputError with a sentence."""
+"""Checks of arrays and numbers that several modules share; each raises InputError."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def whole_number(name: str, value: Any, at_least: int) -> int:
 
 
 def require_allowed(name: str, value: float, is_allowed: bool, allowed: str) -> None:
-    """Raise InputError unless ``is_allowed``; the sentence says which values are ``allowed``, "between 0 and 1"."""
+    """Raise InputError unless ``is_allowed``; the message gives the ``allowed`` values, such as "between 0 and 1"."""
     if not is_allowed:
         raise argument_error(name, f"{name} is {value:g}, but it must be {allowed}.")
 
@@ -78,7 +78,7 @@ def finite_array(name: str, value: ArrayLike) -> FloatArray:
             name, f"{name} must hold real numbers, but it could not be read as such: {error}."
         ) from error
     bad = np.argwhere(~np.isfinite(array))
-    if len(bad):  # a number alone has no index, so bad has no columns
+    if len(bad):  # a single number has no index, so bad has no columns
         where = f"[{', '.join(str(i) for i in bad[0])}]" if array.ndim else ""
         found = array[tuple(bad[0])]
         raise argument_error(
@@ -110,7 +110,7 @@ def symmetric_matrix(name: str, value: Any, tolerance: float = 1e-8) -> FloatArr
 
 
 def per_pair(name: str, value: ArrayLike, n_pairs: int) -> FloatArray:
-    """Return ``value`` as an array (n_pairs,); a single number serves for all pairs. Raises InputError otherwise."""
+    """Return ``value`` as an array (n_pairs,); a single number applies to all pairs. Raises InputError otherwise."""
     array = finite_array(name, value)
     if array.ndim == 0:
         return np.full(n_pairs, float(array))
@@ -124,7 +124,7 @@ def per_pair(name: str, value: ArrayLike, n_pairs: int) -> FloatArray:
 
 
 def require_positive(name: str, array: FloatArray, advice: str) -> None:
-    """Raise InputError unless every entry of ``array`` is above zero; ``advice`` ends the sentence."""
+    """Raise InputError unless every entry of ``array`` is above zero; the message ends with ``advice``."""
     bad = np.flatnonzero(~(array > 0))
     if bad.size:
         where = f"[{bad[0]}]" if array.ndim else ""

@@ -24,7 +24,7 @@ ELEMENT_TYPES = {"hexahedron20": "C3D20", "tetra": "C3D4", "tetra10": "C3D10", "
 
 
 class TiedPairs(Protocol):
-    """Pairs of coincident nodes that are held together."""
+    """Pairs of coincident nodes to tie."""
 
     @property
     def first_node(self) -> IntArray: ...
@@ -44,7 +44,7 @@ def write_calculix_deck(
     step: Step = "frequency",
     count: int = 10,
 ) -> Path:
-    """Write a model as an input file (``.inp``) in m, N, kg, s; node numbers count from 1 (ours and 1).
+    """Write a model as an input file (``.inp``) in m, N, kg, s; node numbers count from 1 (those of the mesh plus 1).
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def write_calculix_deck(
     element:
         type of 8-node bricks: ``C3D8I`` (incompatible modes) or ``C3D8``. Every other kind of cell has one type.
     fixed_nodes:
-        nodes to clamp; by default those of the node set ``fixed``.
+        nodes to constrain; by default those of the node set ``fixed``.
     pairs:
         node pairs to tie: the second node's displacements follow the first one's (``*EQUATION``).
     step:
@@ -126,7 +126,7 @@ def _set_lines(mesh: Mesh, fixed: IntArray) -> Iterator[str]:
 
 
 def _wrapped(numbers: Iterable[int]) -> Iterator[str]:
-    """Lines of at most 16 numbers; a line that goes on ends in a comma."""
+    """Lines of at most 16 numbers; a line that continues ends in a comma."""
     words = [str(number) for number in numbers]
     lines = [", ".join(words[at : at + 16]) for at in range(0, len(words), 16)]
     yield from (f"{line}," for line in lines[:-1])

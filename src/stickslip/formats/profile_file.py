@@ -1,4 +1,4 @@
-"""Reading a measured line profile: a text file of two columns, position and height, with stated units."""
+"""Reader of a measured line profile: a text file of two columns, position and height, with units."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from stickslip.core.validation import FloatArray
 
 LARGEST_PROFILE = 200_000_000  # bytes: some 10 million points, where instruments write 10 to 100 thousand
 SPACING_TOLERANCE = 0.01  # of one spacing: files hold rounded positions
-MOST_BYTES = 100_000_000  # two million points, twenty times as many as a fit takes
-# Heights and distances between atoms and mountains: squares of what lies beyond leave the range of numbers.
+MOST_BYTES = 100_000_000  # two million points, twenty times as many as a fit allows
+# Heights and distances from atoms to mountains: squares of values outside would overflow or underflow.
 HEIGHT_LIMIT, POSITION_LIMIT = 1e4, 1e9  # m
 SPACING_RANGE = (1e-12, 1e4)  # m
 _SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
@@ -33,7 +33,7 @@ class Profile:
 
     heights: FloatArray  # (n,) m
     spacing: float  # m
-    units: tuple[str, str]  # as the file or the caller named them, position and height
+    units: tuple[str, str]  # of position and height, from the file or the caller
 
 
 def read_profile(
@@ -41,9 +41,9 @@ def read_profile(
 ) -> Profile:
     """The profile of a text file: position and height on each line, parted by comma, semicolon, tab or blanks.
 
-    Lines that start with # and one line of column names may stand first. Units are those given, or those that these
-    lines name in brackets for both columns, as in "x [mm], z [um]". Raises InputError for a file that cannot be read, a
-    unit that is missing or contradicts the file, a line that is not two finite numbers, and unequal distances.
+    Lines that start with # and one line of column names may come first. Units are the arguments, or those in brackets
+    in these lines for both columns, as in "x [mm], z [um]". Raises InputError for a file that cannot be read, a unit
+    that is missing or contradicts the file, a line that is not two finite numbers, and unequal distances.
     """
     source = Path(path)
     heading, rows = _rows(source)

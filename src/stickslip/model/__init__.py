@@ -1,1 +1,1 @@
-"""From a validated case to what the solver needs."""
+"""From a validated case to the input of the solver."""

@@ -35,13 +35,13 @@ from stickslip.model.layout import Layout
 from stickslip.structure.elasticity import Material
 from stickslip.structure.mesh import IntArray
 
-# Pa; where the preload is solved, the iteration of the contact stiffness starts from it.
+# Pa; chosen: start of the iteration of the contact stiffness where the preload is solved.
 STARTING_PRESSURE = 3e6
 
 
 @dataclass(frozen=True)
 class RoughFace:
-    """What the roughness says of one contact face under its preload."""
+    """Contact stiffness and regime of one rough contact face under its preload."""
 
     stiffness: ContactStiffness  # of ``reference_area`` under the mean pressure of the face
     statistics: SurfaceStatistics
@@ -120,9 +120,9 @@ class Joint:
 
     @property
     def resting_springs(self) -> FloatArray:
-        """(3 * n_pairs,) N/m: t1, t2, n of each pair that is closed at rest, stuck; 0 for a pair that is open there.
+        """(3 * n_pairs,) N/m: t1, t2, n of each pair that is closed at rest, stuck; 0 for a pair that is open at rest.
 
-        What :meth:`ContactPairs.resting_stiffness` gives the balance, for a joint that has no operator yet.
+        Equal to :meth:`ContactPairs.resting_stiffness`, for a joint without operator.
         """
         springs = np.column_stack([self.tangential_stiffness, self.tangential_stiffness, self.normal_stiffness])
         springs *= self.closed_at_rest[:, None]
@@ -229,7 +229,7 @@ def pressure_warnings(
 def describe_faces(
     case: Case, layout: Layout, preload: FloatArray, settings: Sequence[FaceSettings]
 ) -> tuple[RoughFace | None, ...]:
-    """What the roughness says of each face under its load; None for a face whose stiffness is given."""
+    """Contact stiffness and regime of each rough face under its load; None for a face with a stiffness of its own."""
     pairs = layout.face_pairs
     faces: list[RoughFace | None] = []
     for face, own in enumerate(settings):
@@ -309,7 +309,7 @@ def _stiffness_keys(case: Case, settings: FaceSettings) -> tuple[str, ...]:
 
 
 def odd_values(case: Case, layout: Layout) -> tuple[OddValue, ...]:
-    """What only a wrong unit explains, of the study file and of the structure."""
+    """Values of the study file and of the structure that only a wrong unit explains."""
     return (*unusual_values(case), *layout.odd_values)
 
 
@@ -345,7 +345,7 @@ def case_roughness(case: Case, first: Material, second: Material) -> Roughness:
 
 
 def _joint_poisson_ratio(first: Material, second: Material) -> float:
-    """The ratio nu for which equal bodies have the K_t / K_n of these two, so that the contact law serves both.
+    """The ratio nu for which two equal bodies have the K_t / K_n of these two, for the contact law of equal bodies.
 
     Mindlin: K_t / K_n = 4 G* / E*, 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, which is 2 (1 - nu)/(2 - nu) for equal bodies.
     """

@@ -1,4 +1,4 @@
-"""What a study names, found on its structure: the same few data for every kind of structure."""
+"""The objects of a study on its structure: the same few data for every kind of structure."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ Derived = tuple[str, str | float | int, str, str]
 
 @dataclass(frozen=True)
 class Port:
-    """Where a force acts or a displacement is read: nodes (k,) and the share of each (k,), which add up to 1.
+    """Nodes (k,) of a force or a displacement output, and the weight of each (k,); the weights sum to 1.
 
-    A force on a port is spread by the shares, a displacement is the mean with the shares. The node of a port with one
-    node keeps its displacements in a reduction, so what happens there is not approximated by modes; a port of several
-    nodes is projected on the reduced basis (:meth:`stickslip.structure.recovery.Recovery.project`).
+    The weights distribute a force over the nodes, and a displacement is the weighted mean. In a reduction a single node
+    keeps its displacements, without approximation by modes; several nodes are projected on the reduced basis
+    (:meth:`stickslip.structure.recovery.Recovery.project`).
     """
 
     nodes: IntArray
@@ -36,12 +36,12 @@ class Port:
 
     @classmethod
     def single(cls, node: int) -> Port:
-        """The port of one node."""
+        """The group of one node."""
         return cls(np.array([node], dtype=np.int64), np.ones(1))
 
     @classmethod
     def equal(cls, nodes: IntArray) -> Port:
-        """A port whose nodes have equal shares."""
+        """A group with equal weights."""
         return cls(nodes, np.full(nodes.size, 1.0 / nodes.size))
 
     @property
@@ -52,33 +52,33 @@ class Port:
 
 @dataclass(frozen=True)
 class Layout:
-    """Joints and ports of a study on its structure.
+    """Joints and node groups of a study on its structure.
 
     Parameters
     ----------
     face_pairs:
         contact pairs of all faces, in the order of the faces.
     face_names:
-        name of each face, as reports show it.
+        name of each face in reports.
     face_materials:
         (first, second) material of each face; the roughness law needs both.
     ports:
-        name -> place of a force or a response.
+        name -> nodes of a force or a response.
     body_load:
         (3 * n_nodes,) N of the whole mesh at a rotation of 1 rad/s, or None where nothing rotates.
     base_inertia:
         (3 * n_nodes, 3) kg, the force on the whole mesh that resists an acceleration of 1 m/s2 along x, y, z, or None
         where the support does not move.
     facts:
-        (name, value, unit, explanation) of how the layout was found.
+        (name, value, unit, explanation) of the layout.
     messages:
-        sentences that a user must see: what was skipped, what looks wrong.
+        messages for the user: skipped entries, suspicious values.
     body_names:
         names of the bodies of the mesh, empty where there is none.
     contact_sets:
-        for each face the sets of the mesh that meet there: two, or one where it meets the ground; empty without a mesh.
+        for each face its sets in the mesh: two, or one with the ground; empty without a mesh.
     odd_values:
-        what only a wrong unit explains about the structure.
+        values of the structure that only a wrong unit explains.
     """
 
     face_pairs: FacePairs
@@ -95,7 +95,7 @@ class Layout:
 
     @cached_property
     def boundary_nodes(self) -> IntArray:
-        """Nodes that keep their displacements in a reduction: those of contact pairs, and of ports of one node."""
+        """Nodes that keep their displacements in a reduction: those of contact pairs, and of groups of one node."""
         single = [port.nodes for port in self.ports.values() if port.is_single]
         return np.unique(np.concatenate([self.face_pairs.nodes, *single])).astype(np.int64)
 
@@ -107,18 +107,19 @@ class Setup(Protocol):
     def layout(self) -> Layout: ...
 
     def assemble(self) -> Structure | Superelement:
-        """The matrices; a structure that is given by small matrices is a superelement at once. Raises InputError."""
+        """The matrices; for small matrices a superelement. Raises InputError."""
 
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """(name, value) rows on the size of the model."""
 
     def write_places(self, folder: Path) -> tuple[Path, ...]:
-        """Write for ParaView where the joints are; returns the files. Raises InputError."""
+        """Write the positions of the joints for ParaView; returns the files. Raises InputError."""
 
 
 @dataclass(frozen=True)
 class PortForce:
-    """A force of ``amplitude`` N along a unit vector at a port; a harmonic one times ``sin(harmonic w t + phase)``."""
+    """A force of ``amplitude`` N along a unit vector on a node group; a harmonic one times ``sin(harmonic w t +
+    phase)``."""
 
     port: str
     direction: Direction
@@ -129,7 +130,7 @@ class PortForce:
 
 @dataclass(frozen=True)
 class PortUnbalance:
-    """A rotating unbalance of ``mass_times_radius`` kg m at a port; it turns to the right about a unit vector."""
+    """A rotating unbalance of ``mass_times_radius`` kg m at a node group; it turns to the right about a unit vector."""
 
     port: str
     axis: Direction
@@ -137,7 +138,7 @@ class PortUnbalance:
 
     @property
     def turning(self) -> tuple[FloatArray, FloatArray]:
-        """(3,) unit vectors across the axis: where the unbalance is at t = 0, and a quarter of a turn later.
+        """(3,) unit vectors across the axis: the direction of the unbalance at t = 0, and a quarter of a turn later.
 
         The first is the global axis x, y or z that is most across, without its part along the axis.
         """
@@ -150,7 +151,7 @@ class PortUnbalance:
 
 @dataclass(frozen=True)
 class BaseMotionOfSupport:
-    """All held nodes move by ``amplitude cos(w t)``, m/s2 or m, along a unit vector."""
+    """All constrained nodes move by ``amplitude cos(w t)``, m/s2 or m, along a unit vector."""
 
     direction: Direction
     amplitude: float
@@ -159,7 +160,7 @@ class BaseMotionOfSupport:
 
 @dataclass(frozen=True)
 class Reading:
-    """The displacement of a port along a unit vector."""
+    """The displacement of a node group along a unit vector."""
 
     port: str
     direction: Direction

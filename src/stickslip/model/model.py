@@ -1,4 +1,4 @@
-"""From a validated case of any kind to what the solver needs: superelement, contact pairs, forces and outputs."""
+"""From a validated case of any kind to the input of the solver: superelement, contact pairs, forces and outputs."""
 
 from __future__ import annotations
 
@@ -47,18 +47,16 @@ def kind_of(case: Case) -> Kind[Any]:
 
 @dataclass(frozen=True)
 class ReducedStructure:
-    """A structure after reduction, as all cases with the same structure and layout share it.
+    """A structure after reduction, common to all cases with the same structure and layout.
 
     ports:
-        name -> (3, n) rows that read the displacement x, y, z of a port; their transposes bring a force into the
-        unknowns.
+        name -> (3, n) rows of the displacement x, y, z of a node group; their transposes apply a force to the unknowns.
     body_load:
         (n,) N of the bodies at a rotation of 1 rad/s.
     base_inertia:
-        (n, 3) kg, the force that resists an acceleration of the support of 1 m/s2 along x, y, z; None where it stands
-        still.
+        (n, 3) kg, the force that resists an acceleration of the support of 1 m/s2 along x, y, z; None if it is fixed.
     mode_table:
-        frequencies of the full and the reduced model with every pair closed, where they were compared.
+        frequencies of the full and the reduced model with every pair closed, if the study compares them.
     """
 
     superelement: Superelement
@@ -70,11 +68,10 @@ class ReducedStructure:
 
 @dataclass(frozen=True)
 class ReducedModel:
-    """What is needed to solve one case and to describe it; the mesh and its matrices are no longer part of it.
+    """Data to solve one case and to describe it, without the mesh and its matrices.
 
-    ``outputs`` are rows (n,);
-    ``static_load`` (n,) N are the constant forces and the load of rotation; where the preload was solved from them,
-    ``preload`` tells, and ``joint`` and ``pairs`` are those at rest.
+    ``outputs`` are rows (n,); ``static_load`` (n,) N are the constant forces and the load of rotation; if the preload
+    was solved from them, ``preload`` contains the state at rest, and ``joint`` and ``pairs`` are those of this state.
     """
 
     superelement: Superelement
@@ -89,18 +86,18 @@ class ReducedModel:
 
 @dataclass(frozen=True)
 class Model(ReducedModel):
-    """Everything that is needed to solve one case and to show it."""
+    """Data to solve one case and to show it."""
 
     structure: Structure | Superelement
 
 
 def set_up(case: Case) -> Setup:
-    """The structure of a case before its matrices, with its layout. Raises InputError for what does not fit."""
+    """The structure of a case before its matrices, with its layout. Raises InputError for entries that do not fit."""
     return kind_of(case).set_up(case)
 
 
 def build_structure(case: Case) -> Structure | Superelement:
-    """Matrices of the structure of a case. Raises InputError for what does not fit."""
+    """Matrices of the structure of a case. Raises InputError for entries that do not fit."""
     return set_up(case).assemble()
 
 
@@ -110,7 +107,8 @@ def build_joint(case: Case, structure: Structure) -> Joint:
 
 
 def load_joint(case: Case, layout: Layout) -> Joint:
-    """Preload and stiffness of given pairs. Raises RoughnessError where the roughness gives no usable contact."""
+    """Preload and stiffness of the pairs of a layout. Raises RoughnessError where the roughness gives no usable
+    contact."""
     kind = kind_of(case)
     with suspecting(odd_values(case, layout)):
         return make_joint(case, layout, kind.preload(case, layout), kind.face_settings(case))
@@ -123,9 +121,9 @@ def reduce_structure(
     threads: int = 1,
     progress: ProgressCallback | None = None,
 ) -> ReducedStructure:
-    """The structure in the unknowns of its contact nodes, its ports of one node and a few modes.
+    """The structure in the unknowns of its contact nodes, its groups of one node and a few modes.
 
-    A reduction that was made before comes from the disk.
+    An earlier reduction is read from the disk.
     """
     if isinstance(structure, Superelement):
         superelement = structure
@@ -145,7 +143,7 @@ def reduce_structure(
 
 
 def port_rows(superelement: Superelement, layout: Layout) -> dict[str, FloatArray]:
-    """Name -> (3, n) rows that read the mean displacement x, y, z of a port."""
+    """Name -> (3, n) rows of the mean displacement x, y, z of a node group."""
     return {name: _rows_of(superelement, port) for name, port in layout.ports.items()}
 
 
@@ -168,12 +166,12 @@ def build_model(
     threads: int = 1,
     progress: ProgressCallback | None = None,
 ) -> Model:
-    """What is solved for a case: superelement, contact pairs, excitation, and outputs by name.
+    """The model of a case: superelement, contact pairs, excitation, and outputs by name.
 
-    ``model.outputs["tip"] @ response.displacement`` reads an output. ``structure`` and ``joint`` are those of the case
-    where they exist already; ``threads`` serve the reduction, and ``progress`` hears the fraction that is done.
-    Raises InputError for what does not fit, RoughnessError where the roughness gives no usable contact, and
-    ConvergenceError for a solved preload that is not found.
+    ``model.outputs["tip"] @ response.displacement`` is an output. ``structure`` and ``joint`` are those of the case, if
+    they already exist; ``threads`` is for the reduction, and ``progress`` receives the finished fraction. Raises
+    InputError for entries that do not fit, RoughnessError where the roughness gives no usable contact, and
+    ConvergenceError if the solution of the preload does not converge.
     """
     if structure is None or joint is None:
         setup = set_up(case)
@@ -183,7 +181,8 @@ def build_model(
 
 
 def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel:
-    """Connect joint, damping, forces and outputs of a case to a reduced structure, which several cases may share."""
+    """Connect joint, damping, forces and outputs of a case to a reduced structure, which may belong to several
+    cases."""
     superelement, kind = reduced.superelement, kind_of(case)
     if case.damping.modal_damping_ratio is None:
         damping = rayleigh_damping_matrix(
@@ -215,7 +214,7 @@ def _excitation(
     unbalances: Sequence[PortUnbalance],
     motion: BaseMotionOfSupport | None,
 ) -> Excitation:
-    """Everything that drives the structure, on its reduced unknowns."""
+    """The excitation on the reduced unknowns."""
     parts = []
     if forces:
         shape = (reduced.superelement.size, max(force.harmonic for force in forces))

@@ -7,17 +7,17 @@ import numpy as np
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 
-# A point of the study file may lie this fraction of the structure's size from the nearest node.
+# chosen: largest distance of a point of the study file from the nearest node, as a fraction of the structure's size.
 POINT_FRACTION = 0.05
-# Two nodes are at one place when they are closer to each other than this fraction of the structure's size. Files hold
-# coordinates with six or more digits, so that equal places differ by less; the smallest elements are far larger.
+# Two nodes coincide if their distance is below this fraction of the structure's size. Files hold coordinates with six
+# or more digits, so equal positions differ by less; the smallest elements are far larger.
 SAME_PLACE_FRACTION = 1e-6
 
 
 def nearest_node(positions: FloatArray, point: FloatArray) -> int:
-    """Position in ``positions`` (n, 3) m of the node that is nearest to ``point`` (3,) m.
+    """Index in ``positions`` (n, 3) m of the node nearest to ``point`` (3,) m.
 
-    Raises InputError where the nearest one is far, and where another node is at its place, as on two sides of a joint.
+    Raises InputError if the nearest one is far, and if another node is at its position, as on two sides of a joint.
     """
     distance = np.linalg.norm(positions - point, axis=1)
     size = float(np.linalg.norm(np.ptp(positions, axis=0)))

@@ -1,4 +1,4 @@
-"""Interfaces that join the same places twice, so that contact would count double there."""
+"""Interfaces that join the same faces twice, where contact would count double."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.core.errors import InputError
 from stickslip.structure.mesh import Mesh
 
-_PARALLEL = 0.99  # cosine between normals of pairs that press along one line
+_PARALLEL = 0.99  # chosen: cosine between normals of pairs that press along one line
 
 
 def require_single_joints(mesh: Mesh, interfaces: Mapping[str, MeshInterfaceSection]) -> None:
     """Raise InputError where two interfaces join the same element sides on both of their faces.
 
-    Faces that share one side of the joint only are allowed: two blocks may stand on one face.
+    Two interfaces may have one common face: two blocks may be on one face.
     """
     sides = {name: tuple(_sides(mesh, face) for face in (each.first, each.second)) for name, each in interfaces.items()}
     for (name, faces), (other, others) in combinations(sides.items(), 2):

@@ -1,4 +1,4 @@
-"""The preload of a study that is solved from its static load: pressure, gaps and tractions of every pair at rest."""
+"""The preload of a study, solved from its static load: pressure, gaps and tractions of every pair at rest."""
 
 from __future__ import annotations
 
@@ -30,8 +30,9 @@ from stickslip.structure.superelement import Superelement
 if TYPE_CHECKING:
     from stickslip.case.case import Case
 
-# The stiffness of a pair no longer falls below this share of the mean pressure of its face, since the law vanishes at
-# zero pressure, nor below this multiple of the pressure at which all spots are plastic, where it vanishes already.
+# chosen: the stiffness of a pair is constant below this fraction of the mean pressure of its face, because the law
+# vanishes at zero pressure, and below this multiple of the pressure at which all spots are plastic, where it vanishes
+# too.
 LOWEST_PRESSURE = 0.01
 LOWEST_ABOVE_PLASTIC = 2.0
 SECANT_WARNING = (
@@ -39,13 +40,13 @@ SECANT_WARNING = (
     "spring from zero, N = A kappa(p) closure. The curve of a rough face is flatter at first, so this concentrates the "
     'load on few pairs. preload.normal_law = "pressure-gap" follows the whole curve.'
 )
-# The pressure-gap table reaches up to this multiple of the mean pressure of the face.
+# chosen: largest pressure of the pressure-gap table over the mean pressure of the face.
 HIGHEST_PRESSURE = 1e3
 
 
 @dataclass(frozen=True)
 class SolvedPreload:
-    """The state at rest with the tractions that the case asks for, and the other one for comparison.
+    """The state at rest with the tractions of the case, and the other one for comparison.
 
     ``other`` is None where it does not exist; ``why`` then says so. ``unloaded`` are the pairs before the load.
     """
@@ -141,7 +142,7 @@ def _mean_pressure(joint: Joint, normal_force: FloatArray) -> FloatArray:
 
 
 def _lowest_pressure(case: Case, joint: Joint, normal_force: FloatArray) -> FloatArray:
-    """(n_faces,) Pa, below which the stiffness law of a pair is not followed; never above the mean pressure."""
+    """(n_faces,) Pa, below which the stiffness of a pair is constant; never above the mean pressure."""
     mean = _mean_pressure(joint, normal_force)
     lowest = LOWEST_PRESSURE * mean
     for face, rough in enumerate(joint.rough_faces):
@@ -155,7 +156,7 @@ def _lowest_pressure(case: Case, joint: Joint, normal_force: FloatArray) -> Floa
 def _with_floor(case: Case, joint: Joint, settings: Sequence[FaceSettings], normal_force: FloatArray) -> FloatArray:
     """Normal forces (n_pairs,) for the stiffness law: where pairs follow their own pressure, none below the lowest.
 
-    Open pairs count as pressed by it too, so that their stiffness does not jump where they close.
+    Open pairs have this pressure too, so that their stiffness does not jump when they close.
     """
     own_pressure = np.array([own.is_pressed and face_allocation(case, own) == "pressure" for own in settings])
     least = _lowest_load(case, joint, normal_force)

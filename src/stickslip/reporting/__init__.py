@@ -1,1 +1,1 @@
-"""report"""
+"""Pages and figures of results."""

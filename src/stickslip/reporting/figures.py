@@ -1,7 +1,7 @@
 """Figures for publications and reports, one function a figure; ``save`` writes SVG, PNG or PDF by matplotlib.
 
 Amplitudes are 0-to-peak in µm, frequencies in Hz. The page has its own, interactive ones in ``plots.py``. A "$" in a
-name of a user is no mathematics.
+name of a user does not start mathematics.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Whether one linear limit holds for all cases of a sweep that differ in the joint alone, in words."""
+"""Messages on linear limits that differ between cases of a sweep with different joints only."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from stickslip.reporting.style import MICRO, number
 from stickslip.reporting.sweep_view import SweepView
 from stickslip.results.sweep_table import SweptKey
 
-# Share of the smaller peak by which limits may differ and still count as one.
+# chosen: fraction of the smaller peak by which limits may differ and still count as equal.
 SAME_LIMIT = 0.01
-# Sections and keys of interfaces that leave the structure without contact as it is.
+# Sections and keys of interfaces without effect on the structure without contact.
 _JOINT_SECTIONS = ("preload", "roughness", "contact_stiffness", "friction", "static_loads", "rotation")
 _JOINT_KEYS = ("gap", "normal_load", "friction", "normal_stiffness", "tangential_stiffness", "allocation")
 _REASONS = {
@@ -29,9 +29,9 @@ _REASONS = {
 def differing_limits(view: SweepView) -> tuple[str, ...]:
     """A sentence for each key of the joint along which a linear limit changes its peak by more than SAME_LIMIT.
 
-    Compared are cases that differ in this key alone and whose linear peaks lie inside the range; those without viscous
-    damping are left out, as their linear peaks have no height. The structure without contact does not depend on such a
-    key, so where the limit without contact does, it is its damping.
+    It compares cases that differ in this key alone and whose linear peaks are inside the range; those without viscous
+    damping do not count, because their linear peaks are unbounded. The structure without contact does not depend on
+    such a key, so where the limit without contact does, it is its damping.
     """
     sentences = []
     for place, key in enumerate(view.table.keys):

@@ -1,4 +1,4 @@
-"""How figures of the pages look: axes, layout and lines as the plain data that plotly.js draws."""
+"""Common style of the figures of the pages: axes, layout and lines as plain data for plotly.js."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Figure = dict[str, Any]
 class PlotMarkup(Markup):
     """Text that plotly.js reads itself, with its tags, entities and "%{x}"; other texts of a figure are shown as is.
 
-    What varies is put in by :meth:`format`, which escapes it.
+    Variable parts are inserted by :meth:`format`, which escapes them.
     """
 
     __slots__ = ()
@@ -39,8 +39,8 @@ def plain_figures(figures: Any) -> Any:
 
 
 FREQUENCY = "Excitation frequency, Hz"
-_SMALLEST_MARK = 3.0
-_CLOSE_SHARE = 0.1  # of the pairs may have a neighbour that is nearer than the size of a mark
+_SMALLEST_MARK = 3.0  # px; chosen: the smallest mark with a visible colour
+_CLOSE_SHARE = 0.1  # chosen: of the pairs may have a neighbour nearer than the size of a mark
 _FONT = PlotMarkup("system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif")
 
 
@@ -102,7 +102,7 @@ def map_range(position: FloatArray) -> FloatArray:
 def mark_size(position: FloatArray, drawing: tuple[float, float], largest: float) -> float:
     """Width of square marks at ``position`` (n, 2) in mm, so that nine in ten do not overlap, at most ``largest``.
 
-    ``drawing`` is the width and height of the map, in the unit of the answer (px or points).
+    ``drawing`` is the width and height of the map, in the unit of the result (px or points).
     """
     if len(position) < 2:
         return largest

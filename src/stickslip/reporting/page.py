@@ -1,4 +1,4 @@
-"""The report: one self-contained HTML page, with plotly.js and all data inside, that asks nothing of the network."""
+"""The report: one self-contained HTML page, with plotly.js and all data inside, without any network request."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from stickslip.results.response import ForcedResponse
 
 
 def write_page(path: str | PathLike[str], response: ForcedResponse, study: StudyRecord) -> None:
-    """Write the report of one run to ``path``, whole or not at all.
+    """Write the report of one run to ``path``, completely or not at all.
 
     Raises InputError if the study does not belong to the response, or the place cannot be written.
     """
@@ -36,7 +36,7 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
     sections = [CURVE, *(section for section in SECTIONS if section.applies(view))]
     contents = [section.on_page(view) for section in sections]
     figures = {name: figure for section in sections for name, figure in section.figures(view).items()}
-    pictures = sum(content.characters for content in contents if content.data)  # words have a room of their own
+    pictures = sum(content.characters for content in contents if content.data)  # words have a limit of their own
     numbers = page_data(view, pictures)
     values = {
         "title": study.title,

@@ -1,9 +1,9 @@
 """The numbers behind the page, packed small: typed arrays in base64 that page.js unpacks.
 
-For the maps the page holds state and energy of each pair. For the loops it holds the displacement coefficients of each
-pair, and the friction force only of pairs that slip or separate, as 16-bit numbers: a stuck pair's force is that of its
-spring. Where all of that would be too much, maps and loops are held for fewer points, spread evenly along the curve and
-with the peak, and no loops at all where even those of the peak are too many; the page says so.
+For the maps the page contains state and energy of each pair. For the loops it contains the displacement coefficients of
+each pair, and the friction force only of pairs that slip or separate, as 16-bit numbers: a stuck pair's force is that
+of its spring. If all of that is too much, the page contains maps and loops for fewer points, spread evenly along the
+curve and with the peak, and no loops if even those of the peak are too many; it reports this.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from stickslip.reporting.plots import group_labels
 from stickslip.reporting.style import MICRO, STATES
 from stickslip.reporting.view import View
 
-# Characters of numbers on a page; with plotly.js (4.8 million) and its words it stays below 15 MB.
+# Characters of numbers on a page; with plotly.js (4.8 million) and its words the page is below 15 MB.
 DATA_CHARACTERS = 9_000_000
-# What a pair and a point need on any page: labels, places and marks of a pair; curves at a point.
+# Characters of a pair and a point on any page: labels, positions and marks of a pair; curves at a point.
 PAIR_CHARACTERS = 350
 POINT_CHARACTERS = 150
 HEIGHT_CHARACTERS = 10  # of one height of a rough face
-LARGEST_MAP_SHARE = 0.5  # of the room for maps and loops
+LARGEST_MAP_SHARE = 0.5  # chosen: of the space for maps and loops
 MAP_BYTES = 5  # of a pair at a point: state and energy
 LOOP_SAMPLES = 128
 
@@ -35,8 +35,8 @@ LOOP_SAMPLES = 128
 def page_data(view: View, picture_characters: int = 0) -> dict[str, Any]:
     """Everything that page.js needs, ready for JSON. Lengths in µm, energies in ``view.energy_unit``.
 
-    ``picture_characters`` of the page are taken by sections with data of their own, such as the picture of the
-    structure, and leave less room for numbers.
+    ``picture_characters`` are those of sections with data of their own, such as the picture of the structure; they
+    reduce the space for numbers.
     """
     response, study = view.response, view.study
     n_coefficients = 2 * response.harmonics + 1
@@ -97,7 +97,7 @@ def _follows_coulomb(pairs: ContactPairs) -> NDArray[np.bool_]:
 
 
 def _state_styles(view: View) -> list[dict[str, str | None]]:
-    """How each state is drawn, by its code; without a name where no pair can have it."""
+    """Style of each state, by its code; without a name if no pair can have it."""
     names = view.response.pairs.state_names
     return [
         {"name": names.get(state), "colour": style.colour, "symbol": style.plotly_symbol}
@@ -119,7 +119,7 @@ def _room(view: View, taken: int) -> int:
 
 
 def _points_with_maps(view: View, room: int) -> NDArray[np.int64]:
-    """Points whose states and energies are held: all, or as many as fit into their share of the room."""
+    """Points whose states and energies are on the page: all, or as many as fit into their part of the space."""
     response = view.response
     size = np.full(response.n_points, MAP_BYTES * response.pairs.n_pairs)
     found = _points_within(size, np.arange(response.n_points), view.point, int(LARGEST_MAP_SHARE * room))

@@ -1,6 +1,6 @@
 """The sections of the page of one run, in their order: each declares its heading, its content and when it applies.
 
-A result that is to show on the page adds its section to ``SECTIONS`` below, and nothing elsewhere. Contents are Jinja2
+For a new result on the page, add its section to ``SECTIONS`` below; no other change is necessary. Contents are Jinja2
 templates, in which ``parts`` are the pieces that all pages share (assets/parts.html); text in values is escaped. Text
 of a user is never part of a template.
 """
@@ -103,7 +103,7 @@ def _mode_cell(key: str, value: str | float | int | None) -> str:
 
 
 def _rough_face(patch: RoughPatch) -> str:
-    """What the picture of a rough face shows."""
+    """Description of the picture of a rough face."""
     size = f"{number(1e3 * patch.length)} mm by {number(1e3 * patch.width)} mm"
     shown = number(MICRO * float(patch.about_mean.std()))
     return (

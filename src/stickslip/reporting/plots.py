@@ -73,7 +73,7 @@ def amplitude_frequency(view: View) -> Figure:
         "showarrow": True,
         "arrowhead": 0,
         "arrowcolor": GREY,
-        "ax": -70,  # to the left: friction lowers the frequency, so the stuck peak stands on the right
+        "ax": -70,  # to the left: friction lowers the frequency, so the stuck peak is on the right
         "ay": -30,
         "align": "right",
     }
@@ -176,7 +176,7 @@ def _scale(size: float, values: FloatArray, top: float, title: str) -> dict[str,
 
 
 def _on_face(traces: list[dict[str, Any]], position: FloatArray) -> Figure:
-    """Traces on one face whose pairs stand at ``position`` (n, 2) mm."""
+    """Traces on one face with pairs at ``position`` (n, 2) mm."""
     ranges = map_range(position).tolist()
     return figure_of(
         traces,

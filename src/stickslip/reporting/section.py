@@ -1,4 +1,4 @@
-"""A section of the page of one run: its heading, its content, and what the scripts of the page read of it."""
+"""A section of the page of one run: its heading, its content, and its data for the scripts of the page."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Content:
 
     @property
     def characters(self) -> int:
-        """About how much of the page it takes."""
+        """Approximate number of characters on the page."""
         return len(self.html) + sum(len(str(value)) for value in self.data.values())
 
 
@@ -35,17 +35,17 @@ class Section:
     """A section of the page.
 
     heading:
-        what stands above it; a template.
+        template of the heading.
     content:
-        what stands below the heading; a template, or what makes it, with data for its scripts.
+        template of the content, or a function that makes it, with data for its scripts.
     values:
-        what heading and content name.
+        values for heading and content.
     figures:
         id of a plot in the content -> its figure.
     applies:
         whether the page of this run has the section.
     beside:
-        what stands beside the heading; a template.
+        template of the text beside the heading.
     identity:
         id of the element, for style sheets and scripts.
     scripts:
@@ -62,7 +62,7 @@ class Section:
     scripts: tuple[str, ...] = ()
 
     def on_page(self, view: View) -> Content:
-        """The section as it stands on the page."""
+        """The section on the page."""
         values = self.values(view)
         content = self.content(view) if callable(self.content) else Content(rendered_text(self.content, values))
         heading = rendered_text(self.heading, values)

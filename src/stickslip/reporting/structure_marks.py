@@ -1,4 +1,4 @@
-"""What is marked on a structure: arrows of its loads, outlines of its bodies and contact faces, and labels."""
+"""Marks on a structure: arrows of its loads, outlines of its bodies and contact faces, and labels."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _ARROW_SHARE = 0.16  # length of an arrow, of the diagonal of the box around the
 _SHARP_DEG = 30.0  # between the normals of two sides whose common edge is drawn
 _LONGEST_LABEL = 34  # letters
 _LETTER_PX, _LINE_PX = 6.8, 18.0  # width of a letter, height of a label with its margin
-_REACHES_PX = (34.0, 56.0, 80.0, 108.0, 140.0)  # of a label from its place
+_REACHES_PX = (34.0, 56.0, 80.0, 108.0, 140.0)  # chosen: distances of a label from its point
 _DIRECTIONS = 16
 
 
@@ -113,7 +113,7 @@ def labels(study: StudyRecord, sketch: Sketch, frame: Frame) -> list[Label]:
 
 
 def shortened(name: str) -> str:
-    """A name that is short enough for a label."""
+    """A name, shortened for a label."""
     return name if len(name) <= _LONGEST_LABEL else f"{name[: _LONGEST_LABEL - 1]}…"
 
 
@@ -136,7 +136,7 @@ def _spread(places: FloatArray, words: list[str], limits: FloatArray) -> list[tu
     for place, text in zip(places, words, strict=True):
         room = np.array([_LETTER_PX * len(text) + 8.0, _LINE_PX])
         outwards = turns[np.argsort(-(turns @ place), kind="stable")]
-        # Half of the width is added sideways, so that a label stands beside its place and not over it.
+        # Half of the width is added sideways, so that a label is beside its point and not over it.
         choices = [reach * turn + 0.5 * room * [turn[0], 0.0] for reach in _REACHES_PX for turn in outwards]
         free = (
             choice

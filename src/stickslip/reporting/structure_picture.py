@@ -1,7 +1,8 @@
-"""The structure as a figure of plotly.js that can be turned, and how it moves over one period at the peak.
+"""The structure as a figure of plotly.js that can be turned, with its motion over one period at the peak.
 
 ``structure.js`` puts the coordinates into the traces: those of the structure at rest, and those of the deflected shape,
-which it computes from Fourier coefficients. So the page holds each point and its motion only once, as packed numbers.
+which it computes from Fourier coefficients. So the page contains each point and its motion only once, as packed
+numbers.
 """
 
 from __future__ import annotations
@@ -33,11 +34,12 @@ from stickslip.results.record import StudyRecord
 from stickslip.results.sketch import Motion, Sketch
 
 WIDE_PX, NARROW_PX = (820, 560), (350, 400)  # width and height of the picture on a screen and on a phone
-_MM = 1e3
+_MM = 1e3  # m to mm
 _GLASS = 0.14  # opacity of bodies that would hide the contact
 _DEFLECTION_SHARE = 0.08  # of the diagonal of the structure, for its largest displacement
 _LEAST_HARMONIC = 1e-3  # of the largest coefficient; harmonics that nowhere reach it are left out of the picture
-# Times the motion about the mean; a larger mean is left out. A body that only friction holds has no unique one.
+# chosen: multiple of the motion about the mean; a larger mean is not shown. A body that only friction supports has no
+# unique mean.
 _LARGEST_MEAN = 10.0
 _SUNK = 1e-3  # of the diagonal of the structure, for contact faces
 _TICKS = 5  # along the longest axis
@@ -61,7 +63,7 @@ class LegendEntry:
 
 @dataclass(frozen=True)
 class Deflection:
-    """What is said of the deflected shape.
+    """Numbers of the deflected shape.
 
     ``largest`` is the largest displacement shown, in m, before the magnification; ``left_out`` is the largest mean
     displacement in m where the shape is shown about its mean, else 0.
@@ -269,7 +271,7 @@ def _about_mean(coefficients: FloatArray) -> FloatArray:
 
 
 def _columns_to_show(coefficients: FloatArray) -> int:
-    """How many of the columns are large enough to be seen: 2H+1 with at least one harmonic where there is one."""
+    """Number of visible columns: 2H+1 with at least one harmonic if there is one."""
     height = np.abs(coefficients).max(axis=(0, 1))
     seen = int(np.flatnonzero(height >= _LEAST_HARMONIC * height.max()).max())
     return min(int(coefficients.shape[2]), 2 * max(1, (seen + 1) // 2) + 1)
@@ -283,7 +285,7 @@ def _largest_displacement(coefficients: FloatArray) -> float:
 
 
 def _extent(places: FloatArray, reach: float) -> Extent:
-    """The box around everything that is shown, ``reach`` m of motion included."""
+    """The box around all shown objects, including ``reach`` m of motion."""
     extent = Extent.around(places, 1.02)
     return Extent(extent.middle, extent.size + 2.0 * reach)
 

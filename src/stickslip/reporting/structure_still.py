@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 _PANEL_INCHES = 4.0
 _HEADING_INCHES = 0.25
-_DPI = 150
+_DPI = 150  # chosen: sharp on screens and in print
 _POINTS_PER_PX = 0.6  # labels are placed for a view of structure_picture, which is larger than a panel
 _GLASS = 0.22  # opacity of bodies that would hide the contact
 _AXES_SHARE = 0.2  # of the width of a panel, for the axes below and the labels above
@@ -38,7 +38,7 @@ _FILLED = 0.8  # of a panel, by the box that it shows
 _DARKEST = 0.65
 _NEARER = 0.01  # of the diagonal of the structure
 _LIGHT = np.array([-0.3, 0.6, 0.9])  # right, up, towards the eye
-_MM = 1e3
+_MM = 1e3  # m to mm
 
 
 def still_picture(study: StudyRecord, sketch: Sketch) -> bytes:

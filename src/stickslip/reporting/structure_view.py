@@ -1,4 +1,4 @@
-"""From where the structure is seen, and which bodies are transparent because they would hide the contact."""
+"""The view of the structure, and the bodies that are transparent because they would hide the contact."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from stickslip.core.validation import FloatArray
 from stickslip.results.sketch import Sketch
 
 _ELEVATION_DEG = 30.0
-# The first is the usual one: x to the right, y away from the eye, z up. Another one must show clearly more contact.
+# The first is the usual one: x to the right, y away from the eye, z up. Another one must show more contact, by this
+# factor.
 _AZIMUTHS_DEG = (-60.0, -120.0, -30.0, -150.0, 60.0, 120.0, 30.0, 150.0)
 _CLEARLY_MORE = 1.1
-_CLOSER = 1.6  # how much smaller than the whole the contact must be so that a view of it alone is worth its place
+_CLOSER = 1.6  # chosen: a contact smaller than the whole by this factor has a view of its own
 _AROUND_CONTACT = 1.7  # times the size of the contact is shown in that view
 
 
@@ -93,7 +94,7 @@ def best_camera(sketch: Sketch) -> Camera:
 
 
 def _contact_shown(sketch: Sketch, camera: Camera) -> float:
-    """Share of the contact area that is seen, of the face that is seen worst and of all of them, half each."""
+    """Visible fraction of the contact area: half of it is that of the least visible face, half that of all faces."""
     contact = sketch.face >= 0
     if not contact.any():
         return 0.0

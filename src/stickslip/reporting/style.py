@@ -30,7 +30,7 @@ STATES = (
     StateStyle(VERMILLION, "triangle-up", "^"),
 )
 
-MICRO = 1e6
+MICRO = 1e6  # m to µm
 AXIS_NAMES = ("t1", "t2", "n")
 LINE_COLOURS = (BLUE, VERMILLION, GREEN)
 LINE_DASHES = ("solid", "dash", "dot")

@@ -36,9 +36,9 @@ _COLUMNS = {
 def write_sweep_page(
     path: str | PathLike[str], view: SweepView, title: str, inputs: str, provenance: Mapping[str, str]
 ) -> None:
-    """Write the page of a sweep to ``path``, whole or not at all. Raises InputError if the place cannot be written.
+    """Write the page of a sweep to ``path``, completely or not at all. Raises InputError if it cannot be written.
 
-    ``inputs`` is the text of the study file that the cases were made from.
+    ``inputs`` is the text of the study file of the base case.
     """
     target = Path(path)
     text = sweep_page(view, title, inputs, provenance)
@@ -78,7 +78,7 @@ def sweep_page(view: SweepView, title: str, inputs: str, provenance: Mapping[str
 
 
 def _figures(view: SweepView, points: Thinned | None) -> dict[str, Figure]:
-    """All figures but the maps; ``points`` that the one of all curves draws, None where there is no curve."""
+    """All figures except the maps; ``points`` are those in the figure of all curves, None without a curve."""
     figures = {"curves": plots.all_curves(view, points)} if points else {}
     figures |= {f"key-{place}": plots.against_key(view, place) for place in range(len(view.table.keys))}
     if view.place_of(LOAD_KEY) is not None:
@@ -122,7 +122,7 @@ def _tiles(view: SweepView) -> Iterator[Tile]:
 
 
 def _curves_note(view: SweepView, points: Thinned) -> str:
-    """What the figure of all curves shows."""
+    """Description of the figure of all curves."""
     keys = view.table.keys
     words = f"Colour tells {keys[0].name}" + (f", dash {keys[1].name}" if len(keys) > 1 else "")
     if points.tolerance:
@@ -155,7 +155,7 @@ def _optimum_words(view: SweepView) -> str:
 
 
 def _maps_left_out(view: SweepView) -> str:
-    """A sentence where there are more maps than the page shows."""
+    """A message if there are more maps than on the page."""
     total = math.prod(len(key.values) for key in view.table.keys[2:])
     if total <= plots.LARGEST_MAP_COUNT:
         return ""

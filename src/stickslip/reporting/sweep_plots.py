@@ -26,14 +26,14 @@ from stickslip.reporting.sweep_view import (
 from stickslip.reporting.thinning import Thinned, thinned
 from stickslip.results.sweep_table import SweptKey
 
-DRAWN_POINTS = 200_000
-LEGEND_ENTRIES = 12
-SEPARATE_CURVES = 300
-SHADES = 60
-LARGEST_MAP_COUNT = 12
-# What the mouse shows of a peak over the load: its name, load or ratio, and height with its unit.
+DRAWN_POINTS = 200_000  # chosen: points of all curves on a page
+LEGEND_ENTRIES = 12  # chosen: more do not fit beside a plot
+SEPARATE_CURVES = 300  # chosen: above it curves of one colour are one trace
+SHADES = 60  # chosen: colours of very many curves
+LARGEST_MAP_COUNT = 12  # chosen: maps on a page
+# Text at the mouse on a peak over the load: its name, load or ratio, and height with its unit.
 _PEAK = PlotMarkup("{}<br>%{{x:.5g}}<br>%{{y:.4g}} {}<extra></extra>")
-# Cividis without its palest end, which white paper swallows.
+# Cividis without its palest end, which is invisible on white paper.
 SCALE = ((0.0, "#00224e"), (0.25, "#35456c"), (0.5, "#666970"), (0.75, "#948e77"), (1.0, "#c8b866"))
 
 
@@ -44,7 +44,7 @@ def thinned_curves(view: SweepView) -> Thinned:
 
 
 def all_curves(view: SweepView, points: Thinned) -> Figure:
-    """Every amplitude curve; colour tells the first key, dash the second one.
+    """Every amplitude curve; the colour shows the first key, the dash the second one.
 
     Browsers are slow with very many lines, so above SEPARATE_CURVES those of like colour are one line with gaps.
     """
@@ -55,7 +55,7 @@ def all_curves(view: SweepView, points: Thinned) -> Figure:
     batches: dict[tuple[str, str], list[_Drawn]] = {}
     for row, kept in zip(rows, points.kept, strict=True):
         curve, place = view.curves[row], view.positions[row]
-        assert curve is not None  # rows without a curve were left out above
+        assert curve is not None  # rows without a curve were removed above
         dash = DASHES[int(place[1]) % len(DASHES)] if place.size > 1 else "solid"
         drawn = _Drawn(row, int(place[0]), curve.frequency_hz[kept], MICRO * curve.amplitude_m[kept])
         batches.setdefault((colours[place[0]], f"{dash} {row if apart else ''}"), []).append(drawn)
@@ -110,7 +110,7 @@ def _colours(key: SweptKey) -> list[str]:
     if key.is_choice or len(key.values) <= len(COLOURS):
         return [COLOURS[place % len(COLOURS)] for place in range(len(key.values))]
     low, high = min(key.shown), max(key.shown)
-    # whole steps of the scale, so that neighbours among very many values share a colour
+    # whole steps of the scale, so that neighbours among very many values have one colour
     return [_scale_colour(round(SHADES * (number - low) / (high - low)) / SHADES) for number in key.shown]
 
 
@@ -123,7 +123,7 @@ def _scale_colour(share: float) -> str:
 
 
 def _colour_bar(key: SweptKey) -> dict[str, Any]:
-    """A trace without points that shows what the colours mean."""
+    """A trace without points for the scale of the colours."""
     bar = {"title": {"text": axis_title(key), "side": "right"}, "thickness": 12, "outlinewidth": 0}
     marker = {
         "color": [min(key.shown)],
@@ -200,7 +200,7 @@ def _group_lines(
 
 
 def _tell_once(traces: list[dict[str, Any]], shown: bool = True) -> None:
-    """Leave the first line of each legend group in the legend, or none; more groups than fit show none."""
+    """Keep the first line of each legend group in the legend, or none; with too many groups there are none."""
     groups = list(dict.fromkeys(trace["legendgroup"] for trace in traces if "lines" in trace["mode"]))
     told = set() if shown and len(groups) <= LEGEND_ENTRIES else set(groups)
     for trace in traces:
@@ -235,10 +235,10 @@ def optima(view: SweepView) -> list[Optimum]:
 def performance(view: SweepView, by_ratio: bool) -> Figure:
     """Peak against the load F_N, or against force / F_N; with the optimum and the linear limits of each group.
 
-    Where the force varies too, peaks are divided by it: a joint answers alike to the same force / F_N.
+    Where the force varies too, peaks are divided by it: a joint responds alike at the same force / F_N.
     """
     place = view.place_of(LOAD_KEY)
-    assert place is not None  # the page asks only where the load is varied
+    assert place is not None  # only pages of a varied load call this
     load = np.array([float(row.values[place]) for row in view.table.rows])
     one_force = np.unique(view.force_n).size == 1
     scale = MICRO * np.ones_like(load) if one_force else MICRO / view.force_n

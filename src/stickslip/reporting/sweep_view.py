@@ -1,4 +1,4 @@
-"""What the figures of a sweep share: its table as arrays, and how its cases fall into lines."""
+"""Common data of the figures of a sweep: its table as arrays, and its cases grouped in lines."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class SweepView:
         return np.array(self.table.column(column), dtype=float)
 
     def usable(self) -> NDArray[np.bool_]:
-        """(n_rows,) rows whose curve was followed to its end."""
+        """(n_rows,) rows with a complete curve."""
         return np.array([row.converged for row in self.table.rows], dtype=bool)
 
     def inside(self) -> NDArray[np.bool_]:

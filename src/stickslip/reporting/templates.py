@@ -1,4 +1,5 @@
-"""Pages from the templates of the assets: every value that a template writes is escaped, only own scripts may run."""
+"""Pages from the templates of the assets: all values in templates are escaped, and only the page's own scripts may
+run."""
 
 from __future__ import annotations
 
@@ -34,7 +35,7 @@ class Notice:
 
 @dataclass(frozen=True)
 class Tile:
-    """A number of the summary with its name, its unit if it is set apart, and what else there is to say."""
+    """A number of the summary with its name, its unit if it is separate, and a note."""
 
     name: str
     value: str
@@ -56,7 +57,7 @@ def rendered(template: str, values: Mapping[str, Any], package: str = OWN_PACKAG
 
 
 def rendered_text(template: str, values: Mapping[str, Any]) -> Markup:
-    """A template that stands in the code, which may use ``parts``; else as :func:`rendered`."""
+    """A template in the code, which may use ``parts``; otherwise as :func:`rendered`."""
     whole = '{% import "parts.html" as parts %}' + template
     return Markup(_environment(OWN_PACKAGE).from_string(whole).render(values))
 

@@ -1,4 +1,4 @@
-"""Fewer points for the same picture: a curve keeps the points that its shape needs, from its first to its last."""
+"""Fewer points for the same picture: the points of a curve that determine its shape, including its first and last."""
 
 from __future__ import annotations
 
@@ -11,22 +11,23 @@ from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
 
-_FINEST = 2e-4
-_COARSEST = 2e-2
+_FINEST = 2e-4  # of the figure: below a pixel
+_COARSEST = 2e-2  # of the figure: the tolerance of a page with very many curves
 
 
 @dataclass(frozen=True)
 class Thinned:
-    """Which points of each curve are kept, and how far a left-out point may lie from the drawn line, of the figure."""
+    """Indices of the drawn points of each curve, and the largest distance of other points from the line, as a fraction
+    of the figure."""
 
     kept: tuple[NDArray[np.int64], ...]
     tolerance: float
 
 
 def thinned(curves: Sequence[tuple[FloatArray, FloatArray]], largest_total: int) -> Thinned:
-    """Points to keep of curves (x, y) that share a figure, so that at most about ``largest_total`` are drawn.
+    """Points to draw of curves (x, y) in one figure, at most about ``largest_total``.
 
-    Nothing is left out while all points fit. Else the tolerance grows until they do, up to 2 % of the figure; ends and
+    All points remain if they fit. Otherwise the tolerance grows until they do, up to 2 % of the figure; ends and
     largest values always stay. Method: U. Ramer (1972), D. H. Douglas and T. K. Peucker (1973).
     """
     everything = tuple(np.arange(x.size, dtype=np.int64) for x, _ in curves)

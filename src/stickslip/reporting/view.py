@@ -1,4 +1,4 @@
-"""What every figure of one run needs, computed once: amplitude, summary, the peak, the pair to look at first."""
+"""Data of all figures of one run, computed once: amplitude, summary, the peak, the first pair to show."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class View:
 
     @property
     def stuck_words(self) -> str:
-        """Name of the linear stuck curve, which leaves pairs open that are open at rest."""
+        """Name of the linear stuck curve, in which pairs that are open at rest stay open."""
         return self.response.stuck_name
 
     @property

@@ -1,1 +1,1 @@
-"""results"""
+"""Results: labelled data, their measures and files."""

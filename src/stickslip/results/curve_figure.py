@@ -12,7 +12,7 @@ from stickslip.results.peaks import peaks, window_around
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_MICRO = 1e6
+_MICRO = 1e6  # m to µm
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
-"""A results file: one NetCDF-4 file of named groups of labelled variables, whatever they are.
+"""A results file: one NetCDF-4 file of named groups of labelled variables.
 
 Layout (read it with xarray, MATLAB, Panoply, ncdump): the curve and the response in the root group, the linear limits
 in ``linear``, the joint in ``pairs``, the study in ``study``, the picture of its structure, if there is one, in
-``sketch``. Cosine and sine parts are separate real arrays. What a group holds is said by the class that it is of.
+``sketch``. Cosine and sine parts are separate real arrays. The class of each group defines its content.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from stickslip.results.stored import LARGEST_EXPANSION, StoredGroup, UnreadableE
 if TYPE_CHECKING:
     import xarray
 
-FORMAT_VERSION = 2
+FORMAT_VERSION = 2  # raised when older code cannot read a new file
 _FORMAT = "stickslip_format"
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 Result = TypeVar("Result")
@@ -36,16 +36,16 @@ def groups_bytes(groups: Mapping[str, xarray.Dataset]) -> bytes:
 
 
 def write_groups(path: str | PathLike[str], groups: Mapping[str, xarray.Dataset]) -> None:
-    """Write a results file, whole or not at all: a hidden file beside it takes its name once it is complete.
+    """Write a results file completely or not at all: a hidden file beside it is renamed once it is complete.
 
-    Raises ResultsFileError if the place cannot be written.
+    Raises ResultsFileError if the file cannot be written.
     """
     with whole_file(Path(path), "results", ResultsFileError) as part:
         part.write_bytes(groups_bytes(groups))
 
 
 def read_groups(path: str | PathLike[str], read: Callable[[StoredGroup], Result]) -> Result:
-    """What ``read`` makes of the root group of a results file.
+    """The result of ``read`` for the root group of a results file.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def read_groups(path: str | PathLike[str], read: Callable[[StoredGroup], Result]
         raise
     except ImportFileError as error:
         raise ResultsFileError(f"the results file is not read: {error}") from error
-    except Exception as error:  # HDF5 has an error of its own kind for every byte that may be wrong
+    except Exception as error:  # HDF5 raises many kinds of errors for damaged bytes
         reason = "its structure of groups and variables cannot be read"
         if isinstance(error, UnreadableError | InputError):
             reason = str(error).removesuffix(".")
@@ -86,7 +86,7 @@ def read_groups(path: str | PathLike[str], read: Callable[[StoredGroup], Result]
 
 
 def _read(source: Path, content: bytes, read: Callable[[StoredGroup], Result]) -> Result:
-    """The results in the content of ``source``: read from memory, since HDF5 ends the process where a disk fails."""
+    """The results in the content of ``source``: read from memory, because HDF5 ends the process if a disk fails."""
     import h5py
 
     with h5py.File(io.BytesIO(content), "r") as file:

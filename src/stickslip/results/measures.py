@@ -1,6 +1,6 @@
-"""Measures that engineers read off a forced response: peaks, shifts, equivalent damping, states, energy balance.
+"""Measures of a forced response: peaks, shifts, equivalent damping, states, energy balance.
 
-A new measure is here and nowhere else: a field of the summary, its row of the table, and its column of a sweep.
+A new measure is in this module only: a field of the summary, its row of the table, and its column of a sweep.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from stickslip.results.response import ForcedResponse
 
 @dataclass(frozen=True)
 class Summary:
-    """What a reader wants first, all at the highest peak of one output.
+    """The main measures, at the highest peak of one output.
 
-    Shifts are in Hz, negative when the peak lies below the linear one. Reductions are ``1 - amplitude / linear peak``.
-    They are None where one of the two peaks is not inside the computed range. ``damping_ratio`` is None where the curve
-    does not fall to half power on both sides. ``state_counts`` are pairs by the code of ContactState, ``state_names``
-    what the laws of the pairs call the states that they can have. ``first_harmonic`` and ``mean`` are those of the
-    output at the point nearest to the peak, m. Energies in J per cycle, ``normal_work`` an error of sampling;
-    ``energy_imbalance`` relative to the input and the largest on the whole curve.
+    Shifts are in Hz, negative if the peak is below the linear one. Reductions are ``1 - amplitude / linear peak``. They
+    are None where one of the two peaks is not inside the computed range. ``damping_ratio`` is None where the curve does
+    not fall to half power on both sides. ``state_counts`` are pairs by the code of ContactState, ``state_names`` the
+    names of the states in the laws of the pairs. ``first_harmonic`` and ``mean`` are those of the output at the point
+    nearest to the peak, m. Energies in J per cycle, ``normal_work`` an error of sampling; ``energy_imbalance`` relative
+    to the input and the largest on the whole curve.
     """
 
     peak: Peak
@@ -52,14 +52,14 @@ class Summary:
 
 
 def state_counts(contact_state: NDArray[np.int8]) -> NDArray[np.int64]:
-    """(n_points, 3) how many pairs have each state of ContactState at each point, from (n_points, n_pairs)."""
+    """(n_points, 3) number of pairs in each state of ContactState at each point, from (n_points, n_pairs)."""
     return np.stack([(contact_state == state).sum(axis=1) for state in ContactState], axis=1)
 
 
 def energy_imbalance(response: ForcedResponse) -> FloatArray:
     """(n_points,) ``(contact + viscous - input) / input`` per cycle; infinite where only the input is zero.
 
-    The contact takes what friction takes, and what the sampled normal force does (``normal_work``).
+    The contact dissipates the friction energy and the work of the sampled normal force (``normal_work``).
     """
     loss = response.dissipated_energy.sum(axis=1) + response.viscous_energy
     difference = loss - response.input_energy
@@ -105,7 +105,7 @@ def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
 
 
 def hertz(value: float) -> str:
-    """A frequency or a shift as tables show it: to 0.01 Hz, and below 1 Hz with four digits."""
+    """A frequency or a shift for tables: to 0.01 Hz, and below 1 Hz with four digits."""
     if abs(value) < 0.005:
         return "0.00"
     return f"{value:.2f}" if abs(value) >= 1.0 else f"{value:.4g}"
@@ -142,12 +142,12 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
 
 
 def _inside(found: Summary, limit: str, what: str) -> float | None:
-    """Amplitude or frequency of a linear peak, None where it does not lie inside the computed range."""
+    """Amplitude or frequency of a linear peak, None if it is outside the computed range."""
     peak = getattr(found, f"{limit}_peak")
     return getattr(peak, what) if peak.bracketed else None
 
 
-# Columns of the table of a sweep: (unit, meaning, how a summary gives it); None of a summary is an empty cell.
+# Columns of the table of a sweep: (unit, meaning, function of a summary); None gives an empty cell.
 SUMMARY_COLUMNS: dict[str, tuple[str, str, Callable[[Summary], float | bool | None]]] = {
     "peak_amplitude_m": ("m", "highest peak, 0-to-peak, mean included", lambda s: s.peak.amplitude),
     "peak_frequency_hz": ("Hz", "frequency of the highest peak", lambda s: s.peak.frequency_hz),

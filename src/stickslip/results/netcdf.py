@@ -1,4 +1,4 @@
-"""NetCDF-4 files as bytes in memory: plain Python writes them, as HDF5 ends the process where a disk is full."""
+"""NetCDF-4 files as bytes in memory: plain Python writes them, because HDF5 ends the process if a disk is full."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import numpy as np
 if TYPE_CHECKING:
     import xarray
 
-# Arrays lose a third to a half of their size at the fastest level, and a changed byte is found when they are read.
+# The fastest level saves a third to a half of the size of arrays, and the checksum detects a changed byte on reading.
 COMPRESSED: Mapping[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
 
 
 def netcdf_bytes(groups: Iterable[tuple[str, xarray.Dataset]], storage: Mapping[str, Any] | None = None) -> bytes:
     """The bytes of a NetCDF-4 file with these groups, ("", dataset) being the root.
 
-    ``storage`` says how h5py stores arrays of numbers: ``COMPRESSED``, or plainly unless given.
+    ``storage`` are options of h5py for arrays of numbers: ``COMPRESSED``, by default none.
     """
     import h5netcdf
 

@@ -3,7 +3,7 @@
     pairs           operator, and for Coulomb pairs their constants
     pairs/law_0     of each law, where there are others: its pairs, and ``constant_<name>`` for each constant
 
-A law is made again from its name: one of another package must be installed, or registered, when a file is read.
+A law is created from its name: a law of another package must be installed, or registered, when a file is read.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _CONSTANT = "constant_"
 
 @dataclass(frozen=True, eq=False)
 class _CoulombVariables(Labelled):
-    """Pairs that all follow the Coulomb law. ``gap`` is None where no pair has one, ``update`` for the usual return."""
+    """Pairs with the Coulomb law only. ``gap`` is None if no pair has one, ``update`` for the usual return."""
 
     operator: FloatArray = field(metadata=_OPERATOR)
     normal_stiffness: FloatArray = field(metadata=stored(Numbers(_PAIR, "N m-1", "normal stiffness")))
@@ -96,7 +96,7 @@ class _MixedVariables(Labelled):
 
 @dataclass(frozen=True, eq=False)
 class _LawVariables(Labelled):
-    """What is not an array of a law: which pairs follow it, and plain constants; ``arrays`` names those that are."""
+    """Pairs and scalar constants of a law, and the names ``arrays`` of its other constants."""
 
     members: NDArray[np.int64] = field(metadata=stored(WholeNumbers(_PAIR, "1", "pairs that follow the law")))
     plain: dict[str, _Plain] = field(
@@ -108,7 +108,7 @@ class _LawVariables(Labelled):
 
 
 def pairs_groups(pairs: ContactPairs, group: str) -> dict[str, xarray.Dataset]:
-    """The groups of the joint in a results file. Raises InputError for a constant that a file cannot hold."""
+    """The groups of the joint in a results file. Raises InputError for a constant that a file cannot store."""
     if pairs.law_names == (CoulombLaw.name,) and len(pairs.laws) == 1:
         return _CoulombVariables.of(pairs.operator, pairs.coulomb).to_groups(group)
     groups = _MixedVariables(pairs.operator, [law.name for law in pairs.laws]).to_groups(group)
@@ -118,9 +118,9 @@ def pairs_groups(pairs: ContactPairs, group: str) -> dict[str, xarray.Dataset]:
 
 
 def pairs_from(group: StoredGroup, harmonics: int) -> ContactPairs:
-    """The joint that a group of a results file holds.
+    """The joint in a group of a results file.
 
-    Raises UnreadableError for what no run writes, and ResultsFileError for a law that is not known here.
+    Raises UnreadableError for content that no run writes, and ResultsFileError for an unknown law.
     """
     if "laws" not in group:
         return _CoulombVariables.from_group(group).pairs()
@@ -160,7 +160,7 @@ def _law_dataset(law: ContactLaw, members: NDArray[np.int64]) -> xarray.Dataset:
 
 
 def _storable_constants(law: ContactLaw) -> dict[str, Any]:
-    """The constants of a law. Raises InputError for one that a file cannot hold."""
+    """The constants of a law. Raises InputError for one that a file cannot store."""
     constants: dict[str, Any] = plain_data(law_constants(law))
     for name, value in constants.items():
         is_array = isinstance(value, np.ndarray)

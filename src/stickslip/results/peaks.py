@@ -1,7 +1,7 @@
 """Peaks of an amplitude curve and the width of the highest one.
 
-Everything walks the curve in its own order (the index), because a curve that folds has several amplitudes at one
-frequency and must never be sorted by it.
+All functions follow the curve in its own order (the index), because a curve that folds has several amplitudes at one
+frequency and must not be sorted by it.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from stickslip.core.validation import FloatArray, finite_array
 class Peak:
     """A maximum of an amplitude curve.
 
-    ``point`` is the computed point nearest to it; ``bracketed`` is False where the largest amplitude lies at an end of
-    the curve, so that the true peak may be higher.
+    ``point`` is the computed point nearest to it; ``bracketed`` is False if the largest amplitude is at an end of the
+    curve, so that the true peak may be higher.
     """
 
     point: int
@@ -34,7 +34,7 @@ def peaks(frequency_hz: ArrayLike, amplitude: ArrayLike) -> list[Peak]:
 
     Around each maximum ``1 / amplitude^2`` and the frequency are taken as parabolas through three neighbouring points,
     over the frequency, or over the index where the curve folds. ``1 / amplitude^2`` of a lightly damped linear
-    resonance is a parabola in the frequency, so that one is found almost exactly.
+    resonance is a parabola in the frequency, so its peak is almost exact.
 
     Parameters
     ----------
@@ -70,8 +70,8 @@ def _interpolated_peak(frequency: FloatArray, height: FloatArray, i: int) -> Pea
     f, a = frequency[i - 1 : i + 2], height[i - 1 : i + 2]
     if a.min() <= 0.0:
         return Peak(i, float(frequency[i]), float(height[i]), bracketed=True)
-    # The frequency is the best length where its two steps are alike. Round a fold it slows and turns back, and the
-    # index stands for the length of the continuation's steps, which change little from one to the next.
+    # The frequency is the best abscissa where its two steps are similar. Around a fold it slows and turns back; the
+    # index then replaces the length of the continuation's steps, which change little from one to the next.
     first, second = np.diff(f)
     alike = first * second > 0 and max(abs(first), abs(second)) < 3.0 * min(abs(first), abs(second))
     steps = np.abs(np.diff(f)) if alike else np.ones(2)
@@ -83,7 +83,7 @@ def _interpolated_peak(frequency: FloatArray, height: FloatArray, i: int) -> Pea
     smallest = float(np.polyval(parabola, place))
     nearest = i + int(np.abs(length - place).argmin()) - 1
     peak_frequency = float(np.polyval(np.polyfit(length, f, 2), place))
-    # A parabola through a sharp corner could pass zero; the computed maximum then stands.
+    # A parabola through a sharp corner could pass zero; the result is then the computed maximum.
     amplitude = float(a[1] / np.sqrt(smallest)) if smallest > 0.25 else float(a[1])
     return Peak(nearest, peak_frequency, amplitude, bracketed=True)
 
@@ -92,9 +92,9 @@ def half_power_damping(frequency_hz: ArrayLike, amplitude: ArrayLike, peak: Peak
     """Equivalent viscous damping ratio ``(f_2 - f_1) / (2 f_peak)`` from the half-power band of the curve.
 
     ``f_1`` and ``f_2`` are the first points on either side of the peak, walking along the curve, where the amplitude is
-    ``peak.amplitude / sqrt(2)`` (linear between points). This is the ratio that a linear single resonance of the same
-    width has; it holds friction and viscous losses together. Friction makes a curve that is not a resonance curve, so
-    read it as a measure of width. None if the curve ends before it has fallen that far, or the peak is not bracketed.
+    ``peak.amplitude / sqrt(2)`` (linear between points). This is the ratio of a linear single resonance of the same
+    width; it contains friction and viscous losses. With friction the curve is not a resonance curve, so take it as a
+    measure of width. None if the curve ends before it has fallen that far, or the peak is not bracketed.
     """
     frequency, height = finite_array("frequency_hz", frequency_hz), finite_array("amplitude", amplitude)
     if not peak.bracketed or peak.amplitude <= 0.0:

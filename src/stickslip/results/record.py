@@ -1,4 +1,4 @@
-"""What travels with a response: the record of the study that asked for it, and which software answered."""
+"""The record of the study of a response, and the versions of the software."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ EARLIER_REFERENCE = ("table2_hz", "the frequencies that the default geometry was
 
 @dataclass(frozen=True, eq=False)
 class StudyRecord(Labelled):
-    """What the report shows and the solver does not know.
+    """Data for the report beside the response.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class StudyRecord(Labelled):
     inputs:
         text of the study file as it was read.
     outputs:
-        name -> row (n,) that reads one displacement, in m. The first is the response that the curve shows.
+        name -> row (n,) of one displacement, in m. The first is the response of the curve.
     signal_groups:
         heading -> names of outputs drawn together over one period, for example
         ``{"Damper, left side": ("damper left x", "damper left y", "damper left z")}``.
@@ -46,7 +46,7 @@ class StudyRecord(Labelled):
     pair_face:
         (n_pairs,) index into ``face_names``.
     pair_position:
-        (n_pairs, 2) m, place of each pair in its face: along the length, across the width.
+        (n_pairs, 2) m, position of each pair in its face: along the length, across the width.
     pair_area:
         (n_pairs,) m2.
     mode_table:
@@ -58,13 +58,13 @@ class StudyRecord(Labelled):
     mode_reference:
         where the ``reference_hz`` of the mode table come from: a measurement, another program, a publication.
     derived:
-        (name, value, unit, explanation) of what follows from the inputs: face stiffness, Sq, preload, ...
+        (name, value, unit, explanation) of derived quantities: face stiffness, Sq, preload, ...
     warnings:
-        sentences of the study itself; those of the solver are in the response.
+        messages of the study itself; those of the solver are in the response.
     sketch:
-        what a picture of the structure shows; None for matrices without a mesh, and for the cases of a sweep.
+        data for a picture of the structure; None for matrices without a mesh, and for the cases of a sweep.
     rough_patch:
-        a picture of a rough face, or None; the cases of a sweep share one roughness or vary it, and have none.
+        heights of a rough face for a picture, or None; the cases of a sweep have none.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The answer of a forced-response run as plain labelled data: amplitudes, signals, contact states and energies.
+"""The result of a forced-response run as labelled data: amplitudes, signals, contact states and energies.
 
 Displacements are Fourier coefficients in the order mean, cos 1, sin 1, cos 2, sin 2, ...:
 ``u(t) = c_0 + sum_k c_k cos(k w t) + s_k sin(k w t)``, ``w = 2 pi f``.
@@ -47,13 +47,13 @@ if TYPE_CHECKING:
 
 _CURVE, _PAIRS = ("point",), ("point", "pair")
 _Setting = str | float | int | None
-# More samples of a period than any run takes: what a damaged file says is not believed.
+# More samples of a period than any run has: a larger number in a file is damage.
 MOST_SAMPLES = 10**6
 
 
 @dataclass(frozen=True, eq=False)
 class ForcedResponse(Labelled):
-    """Forced response along a curve of ``n_points`` points, in the order in which the curve was walked.
+    """Forced response along a curve of ``n_points`` points, in the order of the curve.
 
     The curve may fold, so ``frequency_hz`` need not rise; neighbours in the index are neighbours on the curve.
 
@@ -66,12 +66,12 @@ class ForcedResponse(Labelled):
     contact_state:
         (n_points, n_pairs) codes of :class:`stickslip.ContactState`: 0 stuck, 1 stick-slip, 2 separating.
     dissipated_energy:
-        (n_points, n_pairs) J per cycle that the contact force of each pair takes: friction, and ``normal_work``. With
-        it the energies of the balance add up: dissipated + viscous = input.
+        (n_points, n_pairs) J per cycle, dissipated by the contact force of each pair: friction and ``normal_work``. The
+        energy balance is dissipated + viscous = input.
     normal_work:
-        (n_points, n_pairs) J per cycle, the part of the normal force. A force that only depends on the closing does
-        no work in a period, so this is the error of sampling it; where it is not small beside the input, samples are
-        too few.
+        (n_points, n_pairs) J per cycle, the part of the normal force. A force that only depends on the closing does no
+        work in a period, so this is a sampling error; if it is not small compared with the input, there are too few
+        samples.
     closure:
         (n_points, n_pairs) relative distance between the slider at the start and at the end of the period.
     residual, iterations:
@@ -79,22 +79,22 @@ class ForcedResponse(Labelled):
     input_energy, viscous_energy:
         (n_points,) J per cycle, work of the excitation and loss in the damping matrix.
     converged, message:
-        whether the whole range was walked, and the sentence that says how it ended.
+        whether the curve covers the whole range, and a message on its end.
     warnings:
-        sentences, for example too few harmonics.
+        messages, for example on too few harmonics.
     harmonics, samples:
-        highest harmonic kept, samples per period of the friction law.
+        highest harmonic of the solution, samples per period of the friction law.
     pairs:
         the joint.
     linear:
         the linear limits.
     force:
-        (n, 2 * harmonics + 1) N, coefficients of the excitation; of one that depends on the frequency at the middle of
-        the curve.
+        (n, 2 * harmonics + 1) N, coefficients of the excitation; if it depends on the frequency, at the middle of the
+        curve.
     settings, provenance:
-        what the run was asked to do, and which software on which machine did it.
+        the options of the run, and the versions of software and machine.
     load_factor:
-        (n_points,) the excitation at a point over ``force``; 1 unless the response was held and the force followed.
+        (n_points,) the excitation at a point over ``force``; 1 except in a response at prescribed amplitude or phase.
 
     Raises
     ------
@@ -103,7 +103,7 @@ class ForcedResponse(Labelled):
     """
 
     DATASET_TITLE: ClassVar[str] = "Forced response of a structure with rough, dry-friction joints"
-    # Properties that :meth:`to_xarray` has beside what is stored.
+    # Properties that :meth:`to_xarray` adds to the stored data.
     DERIVED: ClassVar[Mapping[str, Numbers]] = {
         "friction_energy": Numbers(_PAIRS, "J", "energy that friction takes per cycle"),
         "moving_pairs": WholeNumbers(_CURVE, "1", "pairs that slip or separate"),
@@ -188,7 +188,7 @@ class ForcedResponse(Labelled):
 
     @classmethod
     def from_group(cls, group: StoredGroup, harmonics: int = 0) -> Self:
-        """The response that the root group of a results file holds; it knows its number of harmonics itself."""
+        """The response in the root group of a results file, which contains its number of harmonics."""
         return super().from_group(group, group.integers("harmonic").size)
 
     def __repr__(self) -> str:
@@ -200,10 +200,10 @@ class ForcedResponse(Labelled):
         )
 
     def to_xarray(self) -> xarray.Dataset:
-        """The curve as labelled data: what is stored in the root group of the file, and numbers that follow from it.
+        """The curve as labelled data: the root group of the file, and numbers computed from it.
 
         Dimensions are point, pair, unknown and harmonic; ``frequency`` (Hz) is a coordinate of the points. Displacement
-        and force are given as mean, cosine and sine parts.
+        and force have mean, cosine and sine parts.
         """
         dataset = self.to_dataset()
         for name, entry in self.DERIVED.items():
@@ -217,7 +217,7 @@ class ForcedResponse(Labelled):
 
     @property
     def friction_energy(self) -> FloatArray:
-        """(n_points, n_pairs) J per cycle that friction takes, the work of the tangential forces."""
+        """(n_points, n_pairs) J per cycle dissipated by friction, the work of the tangential forces."""
         return self.dissipated_energy - self.normal_work
 
     @property
@@ -233,8 +233,8 @@ class ForcedResponse(Labelled):
     def amplitude(self, output: ArrayLike) -> FloatArray:
         """(n_points,) 0-to-peak amplitude of ``output @ u(t)``: its largest absolute value over the period.
 
-        The mean is included, and the maximum is refined between samples. ``output`` is a row (n,); its unit sets the
-        unit of the answer (m for a row that reads a displacement). Raises InputError.
+        The mean is included, and the maximum is refined between samples. ``output`` is a row (n,); its unit sets that
+        of the result (m for a displacement). Raises InputError.
         """
         return periodic_amplitude(self.coefficients(output))
 
@@ -265,7 +265,7 @@ class ForcedResponse(Labelled):
         Parameters
         ----------
         output:
-            (n,) row that reads a displacement; the amplitude is 0-to-peak, in µm.
+            (n,) row of a displacement; the amplitude is 0-to-peak, in µm.
         name:
             of the output, for the axis.
 
@@ -319,18 +319,18 @@ class ForcedResponse(Labelled):
         """Force, slider, state and energy of every pair over one period at one point. Raises InputError.
 
         The friction law is marched again to its periodic state on the displacement of that point, with the samples and
-        the update rule of the solve (``settings["update"]``), so nothing of this size need be stored.
+        the update rule of the solution (``settings["update"]``), so the file need not contain it.
         """
         displacement = self.pair_displacement(point, self.samples)
         return self.pairs.with_update(cast("Update", self.settings["update"])).cycle(displacement)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write one NetCDF-4 file, whole or not at all. Raises ResultsFileError if the place cannot be written."""
+        """Write one NetCDF-4 file, completely or not at all. Raises ResultsFileError if it cannot be written."""
         write_groups(path, self.to_groups())
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> ForcedResponse:
-        """Read back what :meth:`save` wrote: an equal object. Raises ResultsFileError."""
+        """Read a file of :meth:`save`; the object is equal. Raises ResultsFileError."""
         return read_groups(path, cls.from_group)
 
     def _row(self, output: ArrayLike) -> FloatArray:
@@ -349,8 +349,8 @@ class ForcedResponse(Labelled):
 def periodic_amplitude(coefficients: FloatArray) -> FloatArray:
     """(m,) largest absolute value over the period of each row of Fourier coefficients (m, 2 * harmonics + 1).
 
-    Each local maximum on a grid of 32 samples per highest harmonic is refined by a parabola; the best of them is then
-    polished by Newton steps on ``x'(tau) = 0``, so the answer is exact to round-off where that maximum is smooth.
+    Each local maximum on a grid of 32 samples per highest harmonic is refined by a parabola; Newton steps on ``x'(tau)
+    = 0`` then refine the best of them, so the result is exact to round-off where that maximum is smooth.
     """
     harmonics = (coefficients.shape[1] - 1) // 2
     if harmonics == 0:

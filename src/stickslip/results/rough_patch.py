@@ -1,4 +1,4 @@
-"""A picture of a rough face that travels with a run: heights on a coarse grid, and what the whole spectrum has."""
+"""Heights of a rough face on a coarse grid, for the pages of a run, and statistics of the whole spectrum."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class RoughPatch(Labelled):
     Raises
     ------
     InputError
-        for heights that are no grid of two or more points each way, and for an extent that is not above 0.
+        for heights that are not a grid of two or more points along both axes, and for an extent that is not above 0.
     """
 
     length: float = field(metadata=_SIZES)
@@ -76,6 +76,6 @@ class RoughPatch(Labelled):
 
     @property
     def about_mean(self) -> FloatArray:
-        """(n_across, n_along) m, heights less their mean."""
+        """(n_across, n_along) m, heights minus their mean."""
         about: FloatArray = self.height - self.height.mean()
         return about

@@ -1,5 +1,5 @@
-"""What a picture of the structure needs: its outer sides, where contact, constraints, loads and responses are, and how
-all of them move at the peak."""
+"""Data for a picture of the structure: its outer sides, positions of contact, constraints, loads and responses, and the
+motion of all of them at the peak."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ SinglePrecision = NDArray[np.float32]
 
 
 def _displacement(of: str, dimension: str) -> Coefficients:
-    """How the displacement of points, loads or responses is stored."""
+    """Storage of the displacement of points, loads or responses."""
     words = f"displacement of the {of} at the peak of the response"
     return Coefficients((dimension, "axis"), "m", words, name=f"motion_of_{of}")
 
 
 @dataclass(frozen=True, eq=False)
 class Motion(Labelled):
-    """How what a sketch shows moves over one period, at one point of the response curve.
+    """Motion of the objects of a sketch over one period, at one point of the response curve.
 
     Parameters
     ----------
     points, loads, responses:
-        (n, 3, 2H+1), (k, 3, 2H+1) and (r, 3, 2H+1) m, single precision: displacements x, y, z of the points of the
-        sketch, of the places of its loads and of those of its responses, as coefficients mean, cos 1, sin 1, ...
+        (n, 3, 2H+1), (k, 3, 2H+1) and (r, 3, 2H+1) m, single precision: displacements x, y, z of the points, loads and
+        responses of the sketch, as coefficients mean, cos 1, sin 1, ...
     frequency_hz:
         of the response at that point.
 
@@ -78,14 +78,14 @@ class Motion(Labelled):
 
 @dataclass(frozen=True, eq=False)
 class Sketch(Labelled):
-    """The outer surface of a mesh and what is marked on it.
+    """The outer surface of a mesh and its marks.
 
     Parameters
     ----------
     points:
         (n, 3) m, corners of the sides.
     held:
-        (n,) whether the point is held along one axis or more.
+        (n,) whether the point is constrained along one axis or more.
     sides:
         (m, 4) corners of each side, counter-clockwise seen from outside; a triangle repeats its last corner.
     body:
@@ -95,15 +95,15 @@ class Sketch(Labelled):
     body_names:
         names of the bodies.
     load_names, load_places, loads:
-        name of each load, its place (k, 3) m, and its vector (k, 3) N; a harmonic one is 0-to-peak.
+        name of each load, its position (k, 3) m, and its vector (k, 3) N; a harmonic one is 0-to-peak.
     constant:
         (k,) whether the load is constant instead of harmonic.
     response_names, response_places:
-        names, and places (r, 3) m where displacements are read.
+        names and positions (r, 3) m of the responses.
     mesh_sides:
         number of outer sides of the mesh; above m where the sketch is coarser than the mesh.
     motion:
-        how all of this moves at the peak of the response; None for results files of older versions.
+        the motion at the peak of the response; None for results files of older versions.
 
     Raises
     ------

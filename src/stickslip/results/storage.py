@@ -1,4 +1,4 @@
-"""The results file of one run: the response, and the record of the study that the report needs."""
+"""The results file of one run: the response, and the record of the study for the report."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ class SavedResults:
 
 
 def save_results(path: str | PathLike[str], response: ForcedResponse, study: StudyRecord | None = None) -> None:
-    """Write one NetCDF-4 file, whole or not at all: a hidden file beside it takes its name once it is complete.
+    """Write one NetCDF-4 file completely or not at all: a hidden file beside it is renamed once it is complete.
 
-    Raises InputError if ``study`` does not belong to ``response``, ResultsFileError if the place cannot be written.
+    Raises InputError if ``study`` does not belong to ``response``, ResultsFileError if the file cannot be written.
     """
     write_groups(Path(path), _groups(response, study))
 
@@ -40,7 +40,7 @@ def results_bytes(response: ForcedResponse, study: StudyRecord | None = None) ->
 
 
 def load_results(path: str | PathLike[str]) -> SavedResults:
-    """Read a file that :func:`save_results` wrote; the response and the study are equal to those saved.
+    """Read a file of :func:`save_results`; the response and the study are equal to the saved ones.
 
     Raises
     ------

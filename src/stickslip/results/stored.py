@@ -1,4 +1,5 @@
-"""Reading the groups of a results file with suspicion: whatever a damaged or foreign file holds, a reason is told."""
+"""Reader of the groups of a results file: it checks all content, and reports what is wrong in a damaged or foreign
+file."""
 
 from __future__ import annotations
 
@@ -12,19 +13,19 @@ from pydantic import TypeAdapter, ValidationError
 
 from stickslip.core.validation import FloatArray
 
-# Squares of larger numbers leave the range of computer numbers; no displacement, force or energy comes near.
+# Squares of larger numbers overflow; displacements, forces and energies are far smaller.
 LARGEST_NUMBER = 1e100
 # Deflate makes at most 1032 bytes of one.
 LARGEST_EXPANSION = 1100
 
 
 class UnreadableError(Exception):
-    """What is wrong with the content of a results file, as the end of a sentence."""
+    """The content of a results file is wrong; the text is the end of a sentence."""
 
 
 @dataclass(frozen=True)
 class StoredGroup:
-    """One group of an open results file; ``most_bytes`` is what one variable can hold in a file of its size."""
+    """One group of an open results file; ``most_bytes`` is the largest variable in a file of its size."""
 
     group: h5py.Group
     most_bytes: int

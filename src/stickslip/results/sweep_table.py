@@ -1,4 +1,4 @@
-"""The table of a sweep: one row for each case, with its keys, its measures at the peak, and how it ended."""
+"""The table of a sweep: one row for each case, with its keys, its measures at the peak, and its message."""
 
 from __future__ import annotations
 
@@ -74,13 +74,13 @@ class SweepRow:
     values:
         its value of each swept key.
     converged:
-        whether the whole curve was followed.
+        whether the curve is complete.
     message:
-        how it ended, or why there is no result.
+        the end of the curve, or the reason why there is no result.
     measures:
         column of ``MEASURES`` -> number, without those that are not defined; empty for a case without result.
     warnings:
-        sentences of the study and of the solver.
+        messages of the study and of the solver.
     file:
         its results file, relative to the folder of the sweep; "" if there is none.
     """
@@ -108,7 +108,7 @@ class SweepTable:
 
     @property
     def failed(self) -> tuple[SweepRow, ...]:
-        """Rows of the cases that have no result, or whose curve was not followed to its end."""
+        """Rows of the cases without a result or with an incomplete curve."""
         return tuple(row for row in self.rows if not row.converged)
 
     def column(self, name: str) -> list[Any]:
@@ -121,7 +121,7 @@ class SweepTable:
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Write comma-separated text (UTF-8), numbers in SI with every digit, cells without value empty.
 
-        Written whole or not at all. Raises ResultsFileError if the place cannot be written.
+        Written completely or not at all. Raises ResultsFileError if the file cannot be written.
         """
         with (
             whole_file(Path(path), "table", ResultsFileError) as part,
@@ -161,7 +161,7 @@ class SweepTable:
         return xarray.Dataset(data, attrs={"title": "Sweep of stickslip, one entry for each case"})
 
     def to_netcdf(self, path: str | PathLike[str]) -> None:
-        """Write ``to_dataset`` as NetCDF-4, whole or not at all. Raises ResultsFileError."""
+        """Write ``to_dataset`` as NetCDF-4, completely or not at all. Raises ResultsFileError."""
         content = netcdf_bytes([("", self.to_dataset())])
         with whole_file(Path(path), "table", ResultsFileError) as part:
             part.write_bytes(content)

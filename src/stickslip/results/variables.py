@@ -1,9 +1,9 @@
-"""Results that write themselves: each field of a class says once how it is stored, labelled and read back.
+"""Results that write themselves: each field of a class defines its storage and its labels once.
 
     residual: FloatArray = field(metadata=stored(Numbers(("point",), "1", "relative residual of the balance")))
 
-From such fields :class:`Labelled` makes the dataset and the groups of a file, and an object from the groups that it
-finds in one. A new number is one line in the class that has it.
+From such fields :class:`Labelled` makes the dataset and the groups of a file, and an object from the groups of a file.
+A new number is one line in its class.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ Variables = dict[str, tuple[Any, ...]]
 
 @dataclass(frozen=True, kw_only=True)
 class Entry(ABC):
-    """How one field is stored.
+    """Storage of one field.
 
     name:
-        of its variable; that of the field unless given.
+        of its variable; by default that of the field.
     optional:
-        the variable may be absent: the field was None, or the file is older than it. The default of the field holds.
+        the variable may be absent, because the field was None or the file is older; the field then has its default.
     """
 
     name: str = ""
@@ -70,7 +70,7 @@ class Entry(ABC):
 
 
 def stored(entry: Entry) -> dict[str, Entry]:
-    """The metadata of a dataclass field that is stored so."""
+    """The metadata of a dataclass field with this storage."""
     return {_KEY: entry}
 
 
@@ -138,7 +138,8 @@ class Count(Entry):
 class Coefficients(Entry):
     """Fourier coefficients (*dims, 2 * harmonics + 1) as their mean, cosine and sine parts.
 
-    ``excited_only`` leaves out harmonics that are zero everywhere above the highest other one; they are read as zero.
+    ``excited_only`` leaves out harmonics that are zero everywhere above the highest other one; they are zero after
+    reading.
     """
 
     dims: tuple[str, ...]
@@ -215,7 +216,7 @@ class Text(Entry):
 
 @dataclass(frozen=True)
 class Json(Entry):
-    """Plain data as JSON; ``kind`` is its type, such as ``list[str]``, which is checked when it is read."""
+    """Plain data as JSON; ``kind`` is its type, such as ``list[str]``, which the reader checks."""
 
     kind: Any
     long_name: str
@@ -229,7 +230,7 @@ class Json(Entry):
 
 @dataclass(frozen=True)
 class Gathered(Entry):
-    """A number that stands with others, ``together``, in one JSON object."""
+    """A number in one JSON object with the others of ``together``."""
 
     long_name: str
     together: tuple[str, ...]
@@ -307,7 +308,7 @@ class InGroup(Entry):
 
 
 class Labelled:
-    """Base of dataclasses whose fields say how they are stored. Equal objects agree in every entry."""
+    """Base of dataclasses whose fields define their storage. Equal objects agree in every entry."""
 
     DATASET_TITLE: ClassVar[str] = ""
 
@@ -317,7 +318,7 @@ class Labelled:
     __hash__ = None  # type: ignore[assignment]
 
     def to_dataset(self) -> xarray.Dataset:
-        """The variables of this object with units and names, as they stand in its group of a results file."""
+        """The variables of this object with units and names, as in its group of a results file."""
         import xarray
 
         attributes = {"title": self.DATASET_TITLE} if self.DATASET_TITLE else {}
@@ -334,10 +335,10 @@ class Labelled:
 
     @classmethod
     def from_group(cls, group: StoredGroup, harmonics: int = 0) -> Self:
-        """The object that a group of a results file holds.
+        """The object in a group of a results file.
 
-        ``harmonics`` is the number of harmonics of the response. Raises UnreadableError for what no run writes, and
-        InputError for parts that do not fit together.
+        ``harmonics`` is the number of harmonics of the response. Raises UnreadableError for content that no run writes,
+        and InputError for parts that do not fit together.
         """
         return cls(
             **{
@@ -354,7 +355,7 @@ class Labelled:
         return variables
 
     def _written(self) -> Iterator[tuple[str, Entry]]:
-        """Fields that are not None, and how they are stored."""
+        """Fields that are not None, and their storage."""
         return ((name, entry) for name, entry in _entries(type(self)) if getattr(self, name) is not None)
 
     def _require_sizes(self, sizes: Mapping[str, int]) -> None:
@@ -369,7 +370,7 @@ def variable(dims: tuple[str, ...], values: Any, unit: str, long_name: str) -> t
 
 
 def json_text(value: Any, long_name: str) -> tuple[Any, ...]:
-    """A variable that holds plain data as JSON."""
+    """A variable that contains plain data as JSON."""
     return ((), json.dumps(plain(value)), {"long_name": long_name})
 
 

@@ -1,1 +1,1 @@
-"""solve"""
+"""Solvers: the state at rest, periodic responses along the frequency, time integration."""

@@ -1,4 +1,4 @@
-"""The response with its amplitude or phase held at an output, while the force follows: it passes every fold."""
+"""The response at a prescribed amplitude or phase of an output, with the force as unknown: it passes every fold."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.setting_up import StageReport, checked_window, prepare_balances
 from stickslip.structure.superelement import Superelement
 
-# The start raises a held amplitude from this fraction of its value, at which few pairs slip, in steps of this factor at
-# first; it is given up where a step raises the amplitude by less than the last.
+# chosen: the start raises the prescribed amplitude from FIRST_FRACTION of its value, at which few pairs slip, at first
+# by FIRST_FACTOR a step; it fails where a step would raise the amplitude by less than SMALLEST_FACTOR.
 FIRST_FRACTION, FIRST_FACTOR, SMALLEST_FACTOR = 0.01, 2.0, 1.001
 
 
@@ -51,10 +51,10 @@ def controlled_response(
     threads: int | None = None,
     progress: ProgressCallback | None = None,
 ) -> ForcedResponse:
-    """Follow the periodic response along the frequency with the first harmonic of an output held.
+    """Follow the periodic response along the frequency with a prescribed first harmonic of an output.
 
-    The size of the excitation follows: the force at a point is ``load_factor`` times ``excitation``. With the amplitude
-    held the force is a single-valued function of the frequency where the ordinary response folds, as in
+    The size of the excitation is an unknown: the force at a point is ``load_factor`` times ``excitation``. At a
+    prescribed amplitude the force is a single-valued function of the frequency where the ordinary response folds, as in
     response-controlled tests (T. Karaagacli, H. N. Ozguven, Mech. Syst. Signal Process. 148 (2021) 107156).
 
     Parameters
@@ -62,14 +62,14 @@ def controlled_response(
     superelement, pairs, frequency_hz, harmonics, samples, modal_damping_ratio, update, newton, continuation, threads:
         as in :func:`forced_response`.
     excitation:
-        what drives the structure, at a load factor of 1.
+        the excitation at a load factor of 1.
     output:
-        (n,) row; ``output @ u`` is held.
+        (n,) row; the solver controls ``output @ u``.
     amplitude:
-        0-to-peak of the first harmonic of the output (m for a row that reads a displacement).
+        0-to-peak of the first harmonic of the output (m for a displacement).
     phase_deg:
-        instead of ``amplitude``: the phase by which the first harmonic of the output lags behind ``cos(w t)``; 90 is
-        the phase resonance of a cosine force. The curve starts at ``load_factor`` = 1 where that has this phase.
+        instead of ``amplitude``: the phase lag of the first harmonic of the output behind ``cos(w t)``; 90 is the phase
+        resonance of a cosine force. The curve starts where the response at ``load_factor`` = 1 has this phase.
 
     Returns
     -------
@@ -79,7 +79,7 @@ def controlled_response(
     Raises
     ------
     InputError
-        for inputs that cannot be used. ConvergenceError if no first point was found.
+        for inputs that cannot be used. ConvergenceError if there is no first point.
     """
     began = time.perf_counter()
     window = checked_window(frequency_hz)
@@ -113,7 +113,7 @@ def controlled_response(
 
 
 def _checked_target(amplitude: float | None, phase_deg: float | None) -> tuple[Held, float]:
-    """What is held, and its value in SI units."""
+    """The controlled quantity, and its value in SI units."""
     if (amplitude is None) == (phase_deg is None):
         raise InputError(
             "give either amplitude or phase_deg: one of them is held.", arguments=["amplitude", "phase_deg"]
@@ -128,7 +128,7 @@ def _first_point(
     balance: Balance, output: FloatArray, held: Held, target: float, omega: float, newton: NewtonSettings,
     report: StageReport,
 ) -> BalancePoint:  # fmt: skip
-    """A solution at ``omega`` with the condition met. Raises ConvergenceError."""
+    """A solution at ``omega`` that satisfies the condition. Raises ConvergenceError."""
     modes = balance.compliance.output_modes(output)
     linear = balance.linear(omega)
     cosine, sine = (float(row @ modes) for row in balance.load_amplitude(omega)[:2])

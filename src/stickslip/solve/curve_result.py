@@ -21,19 +21,19 @@ from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import Accepted, Corner, Retreat
 from stickslip.solve.setting_up import Balances, StageReport
 
-# Fraction of the work that is reported at the end of the window: energies, checks and linear limits follow.
+# Reported fraction of the work at the end of the window: energies, checks and linear limits follow.
 LARGEST_FRACTION = 0.99
-# The check of the resolution takes as many harmonics again, and at least so many more.
+# The check of the resolution doubles the harmonics, and adds at least this number; chosen: two odd and two even ones.
 LEAST_CUT_OFF = 4
-# A point that leaves more than this fraction of its forces unbalanced is no result. It is half of what the check of the
-# samples tolerates (checks.LARGEST_SAMPLE_RESIDUAL), so that the arithmetic never adds more than the discretisation.
+# A point with a larger fraction of unbalanced forces is not a result. This is half of the limit of the sampling check
+# (checks.LARGEST_SAMPLE_RESIDUAL), so that the error of the arithmetic is below that of the discretisation.
 LARGEST_UNBALANCE = 1e-3
 
 
 def follower(
     window: tuple[float, float], report: StageReport
 ) -> Callable[[Accepted[BalancePoint] | Retreat | Corner], None]:
-    """What reports the progress of a branch through ``window`` (Hz)."""
+    """A listener that reports the progress of a branch through ``window`` (Hz)."""
 
     def on_event(event: Accepted[BalancePoint] | Retreat | Corner) -> None:
         if not isinstance(event, Accepted):
@@ -57,10 +57,10 @@ def response_of(
     how: str,
     report: StageReport,
 ) -> ForcedResponse:
-    """The response along a branch that was followed through ``window`` (Hz); ``how`` says how it began.
+    """The response along a branch through ``window`` (Hz); ``how`` describes its first point.
 
-    It ends before the first point that does not meet the equation of motion. Raises ConvergenceError where that is the
-    first point.
+    It ends before the first point that does not satisfy the equation of motion. Raises ConvergenceError if that is the
+    first point of all.
     """
     superelement, stuck, harmonics = balances.superelement, balances.stuck, balance.harmonics
     report.stage("energies and checks of the curve")
@@ -110,7 +110,7 @@ def response_of(
 
 
 def _unbalanced(trials: list[Trial], end: int, residual: float, damped: bool) -> str:
-    """Why the curve has no point ``end``: its residual, and what most likely causes it."""
+    """The reason why the curve has no point ``end``: its residual and the most likely cause."""
     hertz = trials[end].omega / (2.0 * np.pi)
     words = f"{residual:.1e}" if np.isfinite(residual) else "no number"
     where = f"The curve ends at {trials[end - 1].omega / (2.0 * np.pi):.3f} Hz" if end else "There is no curve"

@@ -1,4 +1,4 @@
-"""What drives a structure: harmonic forces, motion of its base, rotating unbalance, and sums of them.
+"""Excitations of a structure: harmonic forces, motion of its base, rotating unbalance, and sums of them.
 
 Every excitation is a force whose Fourier coefficients are a polynomial in the circular frequency,
 ``p_h(w) = sum_k w^k c_hk``: constant for a force and for a base acceleration, ``w^2`` for an unbalance and for a base
@@ -73,9 +73,9 @@ class ExcitationForce:
 
 @dataclass(frozen=True, eq=False)
 class Excitation:
-    """A harmonic excitation; make one with :meth:`force`, :meth:`base_motion` or :meth:`unbalance`, and add them up.
+    """A harmonic excitation, from :meth:`force`, :meth:`base_motion` or :meth:`unbalance`; excitations can be added.
 
-    ``Excitation.force(cos) + Excitation.unbalance(y, z, 1e-5)`` drives with both. Phases count from the same ``t = 0``.
+    ``Excitation.force(cos) + Excitation.unbalance(y, z, 1e-5)`` is the sum of both. Phases refer to the same ``t = 0``.
     """
 
     parts: tuple[_Part, ...]
@@ -98,7 +98,7 @@ class Excitation:
 
     @classmethod
     def base_motion(cls, direction: ArrayLike, amplitude: float, kind: BaseMotion = "acceleration") -> Excitation:
-        """The support moves by ``amplitude cos(w t)`` along ``direction``; displacements count from the support.
+        """The support moves by ``amplitude cos(w t)`` along ``direction``; displacements are relative to the support.
 
         In these coordinates the force is ``-M r a(t)``, with the acceleration ``a`` of the base and the influence
         vector r: the displacements of the unknowns when base and structure move by 1 m as one rigid body.
@@ -116,17 +116,18 @@ class Excitation:
 
     @classmethod
     def carried_base_motion(cls, inertia: ArrayLike, amplitude: float, kind: BaseMotion = "acceleration") -> Excitation:
-        """:meth:`base_motion` of a structure whose held unknowns are no longer in its matrices.
+        """:meth:`base_motion` of a structure whose constrained unknowns are no longer in its matrices.
 
-        Their mass drives too, so the force is ``-i a(t)`` with ``inertia`` i (n,) in kg: ``M r`` of the structure with
-        its held unknowns, in the unknowns that are left (for a reduction ``T^T M r``).
+        Their mass contributes too, so the force is ``-i a(t)`` with ``inertia`` i (n,) in kg: ``M r`` of the structure
+        with its constrained unknowns, in the remaining unknowns (for a reduction ``T^T M r``).
         """
         part = _base_part("inertia", inertia, amplitude, kind, inertial=False)
         return cls((replace(part, cos=-part.cos),))
 
     @classmethod
     def unbalance(cls, first: ArrayLike, second: ArrayLike, mass_times_radius: float) -> Excitation:
-        """A rotating unbalance ``m e`` at a place that rows ``first`` and ``second`` (n,) read along two directions.
+        """A rotating unbalance ``m e`` at a point whose displacements along two directions are rows ``first``,
+        ``second`` (n,).
 
         ``p(t) = m e w^2 (first cos(w t) + second sin(w t))``: it turns from ``first`` to ``second``, once a period.
         ``mass_times_radius`` in kg m. Raises InputError unless it is above zero and the rows have one size.
@@ -153,7 +154,7 @@ class Excitation:
     def on(self, superelement: Superelement, harmonics: int) -> ExcitationForce:
         """The force on a structure, with ``harmonics`` harmonics.
 
-        Raises InputError for another number of unknowns, more harmonics than are kept, or no force at all.
+        Raises InputError for another number of unknowns, more harmonics than ``harmonics``, or no force at all.
         """
         size = superelement.size
         terms: dict[int, FloatArray] = {}

@@ -62,8 +62,8 @@ def forced_response(
     frequency_hz:
         (start, stop) of the first harmonic; start above stop sweeps downward.
     harmonics, samples:
-        kept harmonics and time samples; ``samples >= 2 * harmonics + 1``, 256 for smooth curves, 512 with much
-        separation.
+        harmonics of the solution and time samples; ``samples >= 2 * harmonics + 1``, 256 for smooth curves, 512 with
+        much separation.
     modal_damping_ratio:
         the same ratio for every mode of the stuck structure, instead of a damping matrix in ``superelement``.
     update:
@@ -74,18 +74,18 @@ def forced_response(
         threads of the linear algebra, used where the joint is large enough; None takes the environment variable
         STICKSLIP_THREADS, or else the usable cores, at most 4.
     progress:
-        called with the fraction of the window that is done, and a sentence.
+        called with the finished fraction of the window and a message.
 
     Returns
     -------
     ForcedResponse
-        also when the curve could not be followed to its end: ``converged`` is then False and ``message`` says where
-        and why; all points that it holds are converged.
+        also if the curve ends early: ``converged`` is then False and ``message`` gives the frequency and the reason;
+        all its points are converged.
 
     Raises
     ------
     InputError
-        for inputs that cannot be used. ConvergenceError if not even the first point was found.
+        for inputs that cannot be used. ConvergenceError if there is no first point.
     """
     began = time.perf_counter()
     window = checked_window(frequency_hz)
@@ -117,7 +117,7 @@ def forced_response(
 def as_excitation(
     excitation: Excitation | ArrayLike | None, force_sin: ArrayLike | None, force_cos: ArrayLike | None
 ) -> Excitation:
-    """An excitation as it is, or that of arrays of force. Raises InputError where both are given, or none."""
+    """The excitation, or that of arrays of force. Raises InputError for both or neither."""
     if isinstance(excitation, Excitation):
         if force_sin is not None or force_cos is not None:
             raise InputError(

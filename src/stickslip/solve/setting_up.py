@@ -1,4 +1,4 @@
-"""What every analysis along the frequency shares: checked input, the stuck structure, and its balances."""
+"""Common preparation of all analyses along the frequency: checked input, the stuck structure, and its balances."""
 
 from __future__ import annotations
 
@@ -18,25 +18,26 @@ from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.compliance import StuckStructure, stuck_structure
 from stickslip.structure.superelement import Superelement
 
-# Contact may be so many times stiffer than the structure at its place. The numbers have 16 digits, and the balance
-# needs nine of the deformation of the contact (NewtonSettings.tolerance).
+# Largest ratio of contact stiffness to the stiffness of the structure at the pair. Numbers have 16 digits, and the
+# balance needs nine of the deformation of the contact (NewtonSettings.tolerance).
 STIFFEST_CONTACT = 1e7
 
 
 class StageReport:
-    """Reports progress: the fraction that is done, the stage that runs, and the iterations of Newton's method."""
+    """Reports progress: the finished fraction, the current stage, and the iterations of Newton's method."""
 
     def __init__(self, progress: ProgressCallback | None) -> None:
         self._progress: ProgressCallback = progress or (lambda fraction, detail: None)
         self._fraction, self._stage = 0.0, ""
 
     def stage(self, words: str, fraction: float | None = None) -> None:
-        """``words`` say what begins; ``fraction`` (0 to 1) of the work is done, None if it did not change."""
+        """A stage begins: its name in ``words``, and the finished ``fraction`` (0 to 1) of the work, None if
+        unchanged."""
         self._stage, self._fraction = words, self._fraction if fraction is None else fraction
         self._progress(self._fraction, words)
 
     def iteration(self, number: int, error: float) -> None:
-        """Iteration ``number`` of Newton begins with the relative residual ``error``."""
+        """Iteration ``number`` of Newton begins at the relative residual ``error``."""
         self._progress(self._fraction, f"{self._stage}; iteration {number}, relative residual {error:.1e}")
 
 
@@ -70,7 +71,7 @@ def prepare_balances(
     update: Update,
     on_stage: Callable[[str], None],
 ) -> Balances:
-    """Check the input and find the modes of the stuck structure. Raises InputError."""
+    """Check the input and compute the modes of the stuck structure. Raises InputError."""
     _check_counts(harmonics, samples)
     require_choice("update", update, get_args(Update))
     if modal_damping_ratio is not None:
@@ -86,9 +87,9 @@ def prepare_balances(
 
 
 def _require_comparable(superelement: Superelement, pairs: ContactPairs, omega: float) -> None:
-    """Raise InputError for contact so much stiffer than the structure that its deformation has no digits.
+    """Raise InputError for contact so much stiffer than the structure that its deformation is round-off.
 
-    The structure's stiffness at a pair is that of its place with all other unknowns held, or of its inertia at the
+    The stiffness of the structure at a pair is that with all other unknowns fixed, or that of its inertia at the
     highest frequency: ``(b K b + w^2 b M b) / |b|^4`` for a row b of the operator.
     """
     operator, springs = pairs.operator, pairs.resting_stiffness()

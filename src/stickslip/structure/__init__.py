@@ -1,1 +1,1 @@
-"""structure"""
+"""Finite elements, superelements and their reduction."""

@@ -11,15 +11,15 @@ from stickslip.structure.elasticity import Material
 from stickslip.structure.mesh import Mesh
 from stickslip.structure.shapes import consistent_mass
 
-_CELLS_AT_ONCE = 2000
+_CELLS_AT_ONCE = 2000  # chosen to bound the memory
 
 
 def centrifugal_load(mesh: Mesh, materials: Sequence[Material], axis: FloatArray, point: FloatArray) -> FloatArray:
     """(3 * n_nodes,) N of every node at a rotation of 1 rad/s: ``integral of density N^T r dV``.
 
-    r is the vector from the axis through ``point`` (3,) m along the unit vector ``axis`` (3,), linear in the nodes'
-    places as the cells' shape functions carry it, so that ``f = M r`` with the consistent mass of all nodes, held ones
-    included. Multiply by the square of the speed. ``materials`` are one for each body, in their order.
+    r is the vector from the axis through ``point`` (3,) m along the unit vector ``axis`` (3,), interpolated by the
+    shape functions, so that ``f = M r`` with the consistent mass of all nodes, including constrained ones. Multiply by
+    the square of the speed. ``materials`` are one for each body, in their order.
     """
     arm = mesh.points - point
     return _inertia(mesh, materials, arm - np.outer(arm @ axis, axis)).ravel()

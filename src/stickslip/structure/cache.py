@@ -1,9 +1,8 @@
-"""Reduced structures and their modes kept on disk: the same mesh, material and nodes are computed once.
+"""Reduced structures and their modes, cached on disk: the same mesh, material and nodes are computed once.
 
-The folder is ``$STICKSLIP_CACHE`` ("off" keeps nothing), else ``stickslip`` in the user's cache folder. The name of a
-file is a digest of all that the reduction depends on: the matrices, the nodes, and the code of this package. A file
-whose seal does not fit is never taken: a warning names it, and it is made again. The oldest files give way beyond
-``LARGEST_FOLDER``.
+The folder is ``$STICKSLIP_CACHE`` ("off": no cache), else ``stickslip`` in the user's cache folder. The name of a file
+is a digest of all inputs of the reduction: the matrices, the nodes, and the code of this package. A file with a wrong
+seal is not used: a warning names it, and it is computed again. Above ``LARGEST_FOLDER`` the oldest files are removed.
 """
 
 from __future__ import annotations
@@ -39,9 +38,9 @@ LARGEST_FOLDER = 1_000_000_000  # bytes
 def cached_superelement(
     structure: Structure, boundary_nodes: IntArray, n_modes: int, reduce: Callable[[], Superelement]
 ) -> Superelement:
-    """The superelement that ``reduce()`` gives for these inputs, from the disk if it was computed before.
+    """The superelement ``reduce()`` of these inputs, from the disk if it was computed before.
 
-    A folder that cannot be written only costs the time of the next run; nothing else depends on it.
+    If the folder cannot be written, the next run only takes longer.
     """
     made: list[Superelement] = []
 
@@ -58,7 +57,7 @@ def cached_superelement(
 
 
 def cached_tied_modes(structure: Structure, pairs: NodePairs, count: int) -> tuple[FloatArray, FloatArray]:
-    """:func:`stickslip.structure.joined.joined_modes` of a full structure with tied pairs, kept in the same way."""
+    """:func:`stickslip.structure.joined.joined_modes` of a full structure with tied pairs, cached in the same way."""
 
     def compute() -> Arrays:
         frequency_hz, modes = joined_modes(structure, pairs, count)
@@ -70,7 +69,7 @@ def cached_tied_modes(structure: Structure, pairs: NodePairs, count: int) -> tup
 
 
 def _kept(kind: str, digest: str, compute: Callable[[], Arrays]) -> Arrays:
-    """The arrays of a file, or what ``compute()`` gives, then kept for the next time."""
+    """The arrays of a file, or those of ``compute()``, which are then written for the next run."""
     folder = cache_folder()
     if folder is None:
         return compute()
@@ -83,7 +82,7 @@ def _kept(kind: str, digest: str, compute: Callable[[], Arrays]) -> Arrays:
 
 
 def cache_folder() -> Path | None:
-    """Where reduced structures are kept; None if the user wants none, or has no home."""
+    """Folder of reduced structures; None if the user switched the cache off or has no home folder."""
     chosen = os.environ.get(VARIABLE)
     if chosen is not None:
         return None if chosen.strip().lower() in ("", "off") else Path(chosen)
@@ -105,7 +104,7 @@ def _digest(structure: Structure, *numbers: NDArray[Any]) -> str:
 
 @cache
 def _code() -> bytes:
-    """Digest of the modules that reduce structures: results of other code are never taken."""
+    """Digest of the modules that reduce structures: results of other code are not used."""
     return source_digest(Path(__file__).parent.rglob("*.py")).encode()
 
 
@@ -123,8 +122,8 @@ def _read(path: Path) -> Arrays | None:
         sentence = f'The reduced structure kept in "{path}" is not used: {problem} It is computed again.'
         warnings.warn(sentence, StickslipWarning, stacklevel=2)
         return None
-    with suppress(OSError):  # a folder that may only be read serves as well
-        os.utime(path)  # the file used last is the last to go
+    with suppress(OSError):  # the folder may be read-only
+        os.utime(path)  # the last used file is removed last
     return arrays
 
 
@@ -140,7 +139,7 @@ def _write(path: Path, arrays: Arrays) -> None:
 
 
 def _make_room(folder: Path) -> None:
-    """Remove what killed runs left, and the files that were not used for longest until the folder is small enough."""
+    """Remove unfinished files of killed runs, and the least recently used files until the folder is small enough."""
     remove_abandoned(folder)
     files = sorted(folder.glob("*.npz"), key=lambda file: file.stat().st_mtime)
     total = sum(file.stat().st_size for file in files)

@@ -27,7 +27,7 @@ class CellKind:
     nodes:
         (k, 3) reference coordinates, corners first, then the middles of ``edges`` in their order.
     n_corners:
-        number of corners; equal to k where there are no midside nodes.
+        number of corners; equal to k without midside nodes.
     edges:
         (e, 2) corners at the ends of each edge.
     sides:
@@ -150,7 +150,7 @@ def single_sides(groups: Sequence[IntArray]) -> tuple[NDArray[np.bool_], ...]:
 
 
 def outer_sides(cells: Sequence[tuple[str, IntArray]]) -> tuple[tuple[IntArray, IntArray], ...]:
-    """Sides (s, width) that one cell alone has, and numbers (s,) of their cells; one entry as :func:`all_sides`."""
+    """Sides (s, width) of only one cell, and numbers (s,) of their cells; entries as in :func:`all_sides`."""
     found = all_sides(cells)
     single = single_sides([sides for sides, _ in found])
     return tuple((sides[keep], owners[keep]) for (sides, owners), keep in zip(found, single, strict=True))

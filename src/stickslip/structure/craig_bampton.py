@@ -1,4 +1,4 @@
-"""Craig-Bampton reduction: boundary nodes kept, the interior followed by constraint modes and fixed-interface modes."""
+"""Craig-Bampton reduction: boundary nodes stay, constraint modes and fixed-interface modes represent the interior."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from stickslip.structure.mesh import IntArray
 from stickslip.structure.recovery import FullModel, Recovery, partition
 from stickslip.structure.superelement import Superelement
 
-# Columns that matrix products take at a time; so many for each thread are in memory.
+# Columns of a matrix product at a time; each thread has this number in memory.
 BLOCK = 64
 
 
@@ -52,7 +52,7 @@ def craig_bampton(
         how to factor, and how many blocks of columns to work on at a time
         (:func:`stickslip.structure.factor.factorize`). With SuperLU the numbers are the same for any ``threads``.
     progress:
-        called with the share that is done and a sentence, which says how long the factor of a large mesh may take.
+        called with the finished fraction and a sentence, for a large mesh with the expected time of its factor.
 
     Returns
     -------
@@ -63,12 +63,12 @@ def craig_bampton(
     ------
     InputError
         for an empty boundary, a node that is repeated, fixed or does not exist, a mode count out of range, and a
-        boundary that leaves a body free to move (singular ``K_ii``): the sentence names the part that floats.
+        boundary that leaves a body free to move (singular ``K_ii``): the message names the unsupported part.
 
     Source: R. R. Craig, M. C. C. Bampton, Coupling of substructures for dynamic analyses, AIAA J. 6 (1968) 1313-1319.
     """
-    # Sums of a matrix product depend in their last digits on the threads of the linear algebra, and a curve that folds
-    # makes 1e-6 of them. Each product has one thread, and several products are worked on at a time.
+    # The last digits of a matrix product depend on the threads of the linear algebra, and a curve that folds amplifies
+    # them to 1e-6. Therefore each product has one thread, and several products run at a time.
     with threadpool_limits(limits=1):
         return _reduced(structure, boundary_nodes, n_modes, backend, threads, progress)
 

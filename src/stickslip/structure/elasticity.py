@@ -29,9 +29,9 @@ from stickslip.structure.shapes import compatible_stiffness, consistent_mass
 Element = Literal["incompatible", "trilinear", "serendipity"]
 Hexahedron = Literal["incompatible", "trilinear"]
 
-# Cells are worked on in groups, so that the temporary arrays of fine 20-node meshes stay below about 100 MB.
+# Cells are processed in groups, so that the temporary arrays of fine 20-node meshes stay below about 100 MB.
 _CELLS_AT_ONCE = 2000
-_EQUAL = 1e-6  # relative difference of components of a mode that symmetry makes equal
+_EQUAL = 1e-6  # relative difference of components of a mode that are equal by symmetry
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class Structure:
     Parameters
     ----------
     mesh:
-        the mesh of the unknowns; for the serendipity element the one with midside nodes.
+        the mesh of the unknowns; for the serendipity element that with midside nodes.
     stiffness, mass:
         (n_free, n_free) csr, N/m and kg.
     fixed_nodes:
@@ -77,8 +77,8 @@ class Structure:
     element:
         name of the element.
     fixed_unknowns:
-        all positions among the 3 * n_nodes displacements (node, then x, y, z) that are zero: those of ``fixed_nodes``,
-        which need not be given, and single directions of other nodes.
+        all indices among the 3 * n_nodes displacements (node, then x, y, z) that are zero: those of ``fixed_nodes``,
+        which may be omitted, and single directions of other nodes.
     """
 
     mesh: Mesh
@@ -99,7 +99,7 @@ class Structure:
 
     @property
     def free_unknowns(self) -> IntArray:
-        """(n_free,) position of each unknown among the 3 * n_nodes displacements (node, then x, y, z)."""
+        """(n_free,) index of each unknown among the 3 * n_nodes displacements (node, then x, y, z)."""
         free = np.ones(3 * self.mesh.n_nodes, dtype=bool)
         free[self.fixed_unknowns] = False
         return np.flatnonzero(free)
@@ -165,7 +165,7 @@ def assemble(
         ``incompatible``: 8 nodes with Taylor-Wilson modes, 2 x 2 x 2 points; ``trilinear``: 8 nodes, 2 x 2 x 2 points,
         too stiff in bending; ``serendipity``: 20 nodes, 3 x 3 x 3 points. The mass always takes 3 x 3 x 3 points.
     fixed_nodes:
-        nodes to clamp; by default those of the node set ``fixed`` (none when the mesh has no such set).
+        nodes to constrain; by default those of the node set ``fixed`` (none if the mesh has no such set).
 
     Raises
     ------
@@ -201,13 +201,13 @@ def assemble_bodies(
     materials:
         one for each body, in the order of ``mesh.body_names``.
     hexahedron:
-        what 8-node bricks are: with Taylor-Wilson modes, or plain (too stiff in bending). Every other kind has its
-        standard functions; points of the stiffness: 1 (tetra), 4 (tetra10), 6 (wedge), 9 (wedge15),
-        27 (hexahedron20).
+        element of 8-node bricks: with Taylor-Wilson modes, or trilinear (too stiff in bending). Every other kind has
+        its standard functions; points of the stiffness: 1 (tetra), 4 (tetra10), 6 (wedge), 9 (wedge15), 27
+        (hexahedron20).
     fixed_nodes:
         nodes to clamp.
     fixed_unknowns:
-        positions among the 3 * n_nodes displacements (node, then x, y, z) to hold at zero.
+        indices among the 3 * n_nodes displacements (node, then x, y, z) that are constrained to zero.
 
     Raises
     ------
@@ -279,11 +279,11 @@ def natural_frequencies(
 ) -> tuple[FloatArray, FloatArray]:
     """Lowest solutions of ``K v = (2 pi f)^2 M v``: frequencies (count,) in Hz and mass-normalised modes (n, count).
 
-    Sparse matrices are solved by shift-invert Lanczos about ``shift`` ((rad/s)^2), dense ones directly. Without a
-    shift a small negative one is taken (1e-8 of the mean ratio of the diagonals), which also suits free structures:
-    their rigid-body modes come out at 0 Hz. ``factor`` is that of ``stiffness - shift * mass`` where it exists already.
-    The largest component of each mode is positive, the first one of those that are equal within 1e-6: symmetric
-    structures have pairs of them with opposite signs.
+    Sparse matrices are solved by shift-invert Lanczos about ``shift`` ((rad/s)^2), dense ones directly. The default
+    shift is small and negative (1e-8 of the mean ratio of the diagonals), which also suits free structures: their
+    rigid-body modes are at 0 Hz. ``factor`` is that of ``stiffness - shift * mass`` if it already exists. The largest
+    component of each mode is positive, the first one of those that are equal within 1e-6: symmetric structures have
+    pairs of them with opposite signs.
 
     Raises
     ------
@@ -306,7 +306,7 @@ def natural_frequencies(
         eigenvalues, modes = scipy.linalg.eigh(stiffness, mass, subset_by_index=(0, count - 1))
     order = np.argsort(eigenvalues)
     eigenvalues, modes = eigenvalues[order], modes[:, order]
-    # Round-off leaves rigid-body modes at about 1e-12 of the largest eigenvalue, on either side of zero.
+    # By round-off rigid-body modes are at about 1e-12 of the largest eigenvalue, on either side of zero.
     if eigenvalues[0] < -1e-8 * scale:
         raise InputError(
             f"the stiffness has the negative eigenvalue {eigenvalues[0]:.3g} (rad/s)^2: it is not that of an elastic "

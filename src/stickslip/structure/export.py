@@ -1,4 +1,4 @@
-"""Files for ParaView: mode shapes or points in a .vtu, a deflected period as a .pvd series. Whole or not at all."""
+"""Files for ParaView: mode shapes or points in a .vtu, a deflected period as a .pvd series. Complete or not at all."""
 
 from __future__ import annotations
 

@@ -13,11 +13,11 @@ def face_geometry(mesh: Mesh, name: str) -> tuple[IntArray, FloatArray, FloatArr
     """Nodes (k,) of a face set, the area (k,) in m2 that each node stands for, and its outward unit normal (k, 3).
 
     On sides of three or four nodes the area is ``integral of N_i dA``. With midside nodes that integral is zero or
-    negative at the corners, so the side's area is shared in proportion to ``integral of N_i^2 dA`` instead (diagonal
-    scaling, as for lumped masses). The areas sum to the area of the face either way. A node's normal is the mean of
-    the sides around it, weighted with these areas. Nodes keep the order of the set.
+    negative at the corners, so the area of the side is distributed in proportion to ``integral of N_i^2 dA`` instead
+    (diagonal scaling, as for lumped masses). The areas sum to the area of the face in both cases. The normal of a node
+    is the mean of the sides around it, weighted with these areas. Nodes are in the order of the set.
 
-    Raises InputError when the set is missing, empty, or holds no whole side of a cell.
+    Raises InputError if the set is missing, empty, or contains no complete side of a cell.
     """
     area = np.zeros(mesh.n_nodes)
     normal = np.zeros((mesh.n_nodes, 3))
@@ -31,7 +31,7 @@ def face_geometry(mesh: Mesh, name: str) -> tuple[IntArray, FloatArray, FloatArr
 
 
 def side_geometry(points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Area share of each node (m, k), and mean unit normal (m, 3), of sides given by their nodes (m, k, 3)."""
+    """Area of each node (m, k), and mean unit normal (m, 3), of sides with nodes (m, k, 3)."""
     n_nodes = points.shape[1]
     where, weight = side_rule(n_nodes)
     values, gradients = side_shape_functions(n_nodes, where)

@@ -18,11 +18,11 @@ from stickslip.core.validation import FloatArray, require_choice
 
 Backend = Literal["superlu", "pardiso"]
 
-# A sound factor of a stiffness matrix reaches a backward error of 1e-14 and misses a known solution by 1e-7 or less.
-# A singular one still has a small backward error, but it misses the known solution by about 1.
+# An accurate factor of a stiffness matrix has a backward error of 1e-14 and an error of 1e-7 or less against an exact
+# solution. A singular one still has a small backward error, but an error of about 1. The limits are between these.
 RESIDUAL_LIMIT = 1e-10
 SOLUTION_ERROR_LIMIT = 1e-3
-# From here on PARDISO is faster than SuperLU, by a factor that grows with the size.
+# Above this size PARDISO is faster than SuperLU, by a factor that grows with the size.
 PARDISO_SIZE = 40_000
 # Time of a SuperLU factor of a slender and of a full solid mesh of 100,000 unknowns, measured (docs/performance.md).
 SUPERLU_SECONDS, SUPERLU_SIZE, SUPERLU_GROWTH = (7.0, 50.0), 100_000, 1.9
@@ -34,7 +34,7 @@ _SINGULAR_ADVICE = (
 
 @dataclass(frozen=True)
 class Factor:
-    """A factored matrix (n, n), and the backward error ``residual`` that the check of the factor found."""
+    """A factored matrix (n, n), and the backward error ``residual`` of its check."""
 
     size: int
     residual: float
@@ -50,7 +50,7 @@ class Factor:
     ) -> FloatArray:
         """``matrix^-1 @ right_hand_sides``: (n,) or (n, k), dense or sparse, into ``out`` (n, k) if it is given.
 
-        Columns are solved in blocks, ``threads`` blocks at a time; ``progress`` hears the share that is done.
+        Columns are solved in blocks, ``threads`` blocks at a time; ``progress`` receives the finished fraction.
         """
         if not scipy.sparse.issparse(right_hand_sides):
             dense = np.asarray(right_hand_sides, dtype=float)
@@ -75,14 +75,14 @@ class Factor:
 
 
 def best_backend(size: int) -> Backend:
-    """PARDISO where it is installed and pays, else SuperLU."""
+    """PARDISO where it is installed and faster, else SuperLU."""
     if size >= PARDISO_SIZE and importlib.util.find_spec("pypardiso") is not None:
         return "pardiso"
     return "superlu"
 
 
 def factor_forecast(size: int, backend: Backend) -> str:
-    """A sentence on the factor of a solid mesh with ``size`` unknowns; says how long SuperLU may take."""
+    """A sentence on the factor of a solid mesh with ``size`` unknowns, with the expected time of SuperLU."""
     if backend == "pardiso" or size < PARDISO_SIZE:
         return f"factor of {size} unknowns"
     growth = (size / SUPERLU_SIZE) ** SUPERLU_GROWTH
@@ -94,7 +94,7 @@ def factor_forecast(size: int, backend: Backend) -> str:
 
 
 def factorize(matrix: Any, backend: Backend = "superlu", threads: int = 1) -> Factor:
-    """Factor a sparse symmetric matrix (n, n) and check the factor on one known solution.
+    """Factor a sparse symmetric matrix (n, n) and check the factor on one exact solution.
 
     ``superlu`` comes with scipy; ``pardiso`` (several times faster beyond about 50,000 unknowns) needs the extra
     ``stickslip[pardiso]``.
@@ -106,7 +106,7 @@ def factorize(matrix: Any, backend: Backend = "superlu", threads: int = 1) -> Fa
     ConvergenceError
         when the backward error ``|A x - b| / (|A| |x| + |b|)`` of the check exceeds 1e-10.
     MissingPackageError
-        when ``pardiso`` is asked for and not installed.
+        if ``pardiso`` is requested and not installed.
     """
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.shape[0]:
         raise InputError(f"a matrix to be factored must be square and not empty; found shape {matrix.shape}.")
@@ -123,7 +123,7 @@ def factorize(matrix: Any, backend: Backend = "superlu", threads: int = 1) -> Fa
             f"the {backend} factor of a matrix with {matrix.shape[0]} unknowns has a relative residual of "
             f"{residual:.1e} (allowed: {RESIDUAL_LIMIT:.0e}). Scale the matrix, or try the other backend."
         )
-    # PARDISO brings threads of its own; a SuperLU factor may be used by several at a time.
+    # PARDISO has its own threads; several threads may use a SuperLU factor at a time.
     return Factor(matrix.shape[0], residual, threads if backend == "superlu" else 1, solve)
 
 
@@ -160,7 +160,7 @@ def _pardiso(matrix: Any) -> Callable[[FloatArray], FloatArray]:
 
 def _errors(matrix: Any, solve: Callable[[FloatArray], FloatArray]) -> tuple[float, float]:
     """Backward error and error of the solution, both relative and in the maximum norm, for a known, reproducible x."""
-    # Entries near 1 give x a share of every rigid-body translation, which a singular stiffness loses.
+    # Entries near 1 give x a component along every rigid-body translation, which a singular stiffness loses.
     known = np.random.default_rng(0).uniform(0.5, 1.5, matrix.shape[0])
     right_hand_side = matrix @ known
     solution = solve(right_hand_side)

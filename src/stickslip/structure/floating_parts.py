@@ -1,4 +1,4 @@
-"""Parts of a model that nothing holds: motions without strain energy, counted from the stiffness matrix alone."""
+"""Unsupported parts of a model: motions without strain energy, counted from the stiffness matrix alone."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from stickslip.structure.lanczos import eigenpairs_near
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.superelement import Superelement
 
-# Eigenvalues of a stiffness scaled to a largest diagonal entry of one: motions without strain come out at 1e-16 to
-# 2e-12, the softest bending of the blades of the two-blade case at 4e-3.
+# Eigenvalues of a stiffness scaled to a largest diagonal entry of one: motions without strain are at 1e-16 to 2e-12,
+# the softest bending of the blades of the two-blade case at 4e-3.
 ZERO_ENERGY = 1e-9
 RIGID_MOTIONS = 6
 # A body moves without strain only as a rigid one if its strainless motions miss the six rigid ones by less than this.
@@ -28,7 +28,7 @@ _SHIFT = 1e-6
 
 
 def parts_of(matrix: Any) -> IntArray:
-    """(n,) number of the connected part of each unknown; unknowns that an entry joins belong to one part."""
+    """(n,) number of the connected part of each unknown; unknowns with a common entry belong to one part."""
     graph = scipy.sparse.csr_matrix(matrix)
     return np.asarray(scipy.sparse.csgraph.connected_components(graph, directed=False)[1], dtype=np.int64)
 
@@ -36,8 +36,8 @@ def parts_of(matrix: Any) -> IntArray:
 def strainless_motions(stiffness: Any, typical: FloatArray | float | None = None) -> FloatArray:
     """(n, k) motions v of one connected part with ``K v = 0``, at most 8 of them for a sparse matrix.
 
-    ``typical`` (n,) or a number: stiffness that unknowns are scaled with, so that those of different units compare; by
-    default each unknown's own, which must not be zero.
+    ``typical`` (n,) or a number: stiffness to scale the unknowns with, so that different units compare; by default the
+    diagonal, which must not be zero.
     """
     scale = 1.0 / np.sqrt(stiffness.diagonal() if typical is None else np.full(stiffness.shape[0], typical))
     size = stiffness.shape[0]
@@ -52,7 +52,8 @@ def strainless_motions(stiffness: Any, typical: FloatArray | float | None = None
 
 
 def floating_sentence(stiffness: Any, node: IntArray) -> str:
-    """Which parts make a stiffness (n, n), boundary nodes held, singular; ``node`` (n,) names its unknowns."""
+    """A message on the parts that make a stiffness (n, n) with constrained boundary nodes singular; ``node`` (n,) names
+    its unknowns."""
     part = parts_of(stiffness)
     floating = []
     for number in range(int(part.max()) + 1):
@@ -76,7 +77,7 @@ def floating_sentence(stiffness: Any, node: IntArray) -> str:
 
 
 def named_nodes(node: IntArray) -> str:
-    """How a sentence names a group of nodes."""
+    """The name of a group of nodes in messages."""
     unique = np.unique(node)
     shown = ", ".join(str(label) for label in unique[:3])
     return f"{unique.size} nodes ({shown}{', ...' if unique.size > 3 else ''})"
@@ -96,14 +97,14 @@ def require_rigid_bodies(
     stiffness:
         (n, n) dense.
     part, node:
-        (n,) part and node of each unknown; below 0 for unknowns that are no displacements of a node.
+        (n,) part and node of each unknown; below 0 for unknowns that are not displacements of a node.
     contact:
-        (n,) whether an unknown may be held by a contact. A part without any must not move without strain.
+        (n,) whether a contact may support an unknown. A part without any must not move without strain.
     position:
-        (n / 3, 3) m, if known, of nodes whose unknowns x, y, z follow each other. The strainless motions of a part
-        with contact must then be rigid ones; otherwise they may be six at most.
+        optional, (n / 3, 3) m of nodes whose unknowns x, y, z follow each other. The strainless motions of a part with
+        contact must then be rigid ones; otherwise there may be six at most.
     """
-    # A node of a body that few nodes hold may move freely by itself, so displacements are scaled alike.
+    # A node of a body with few supports may move freely by itself, so all displacements have the same scale.
     typical = np.diagonal(stiffness).copy()
     typical[node >= 0] = typical[node >= 0].max(initial=0.0)
     for number in np.unique(part):
@@ -142,7 +143,7 @@ def _misfit(motions: FloatArray, position: FloatArray, unknowns: IntArray) -> fl
 
 
 def require_contact_bodies(superelement: Superelement, contact_nodes: IntArray) -> None:
-    """Refuse a superelement whose singular stiffness the rigid bodies of ``contact_nodes`` do not explain.
+    """Reject a superelement whose singular stiffness the rigid bodies of ``contact_nodes`` do not explain.
 
     Raises InputError, which names the part, for a part that can move without strain and has no contact node, and for a
     mechanism: more than six such motions of one part, or motions that are not those of a rigid body.

@@ -11,10 +11,10 @@ from stickslip.structure.shapes import gauss_points, jacobians, shape_functions,
 def incompatible_stiffness(cells: FloatArray, elastic: FloatArray) -> FloatArray:
     """(m, 24, 24) stiffness of bricks with corners ``cells`` (m, 8, 3) in m and elastic matrix (6, 6) in Pa; N/m.
 
-    To the trilinear displacement come the internal bubbles ``1 - xi^2``, ``1 - eta^2``, ``1 - zeta^2`` for each
-    direction. Their nine amplitudes a carry no load and are eliminated in each cell:
-    ``K = K_uu - K_ua K_aa^-1 K_au``. Bubble gradients use the Jacobian of the cell's centre, scaled by the ratio of
-    determinants, so that their strain integrates to zero and a distorted cell still reproduces constant strain.
+    The displacement is the trilinear one plus the internal bubbles ``1 - xi^2``, ``1 - eta^2``, ``1 - zeta^2`` for each
+    direction. Their nine amplitudes a carry no load and are eliminated in each cell: ``K = K_uu - K_ua K_aa^-1 K_au``.
+    Bubble gradients use the Jacobian of the cell's centre, scaled by the ratio of determinants, so that their strain
+    integrates to zero and a distorted cell still reproduces constant strain.
 
     Source: R. L. Taylor, P. J. Beresford, E. L. Wilson, A non-conforming element for stress analysis,
     Int. J. Numer. Methods Eng. 10 (1976) 1211-1219.

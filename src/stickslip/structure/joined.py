@@ -1,4 +1,4 @@
-"""Structures whose contact pairs are held together: tied (nodes merged) or stuck (springs), for frequencies."""
+"""Structures with closed contact pairs, tied (nodes merged) or stuck (springs), for frequencies."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from stickslip.structure.superelement import Superelement, moves_freely
 
 
 class NodePairs(Protocol):
-    """What a joint must tell: nodes and weights of its pairs, and its operators to relative displacements t1, t2, n."""
+    """A joint for this module: nodes and weights of its pairs, and its operators to relative displacements t1, t2,
+    n."""
 
     @property
     def first_nodes(self) -> IntArray: ...
@@ -46,8 +47,8 @@ class NodePairs(Protocol):
 def tie_matrix(followers: IntArray, leaders: IntArray, weights: FloatArray, size: int) -> Any:
     """csr T (size, size - k) with ``u = T q``: unknown ``followers[i]`` is ``sum_j weights[i, j] u[leaders[i, j]]``.
 
-    ``followers`` (k,), ``leaders`` and ``weights`` (k, b); a row of zero weights holds its follower still. Raises
-    InputError when an unknown would follow twice, or leads and follows.
+    ``followers`` (k,), ``leaders`` and ``weights`` (k, b); a row of zero weights constrains its follower to zero.
+    Raises InputError if an unknown would follow twice, or leads and follows.
     """
     used = weights != 0.0
     if len(np.unique(followers)) != len(followers) or np.intersect1d(leaders[used], followers).size:
@@ -77,7 +78,7 @@ def _tied(model: Structure | Superelement, pairs: NodePairs) -> Any:
         )
     else:
         followers, leaders, weights = pairs.first_node, pairs.second_nodes, pairs.second_weights
-    # An entry without weight may hold any number, also that of a node without unknowns: the follower stands in for it.
+    # An entry without weight may contain any number, also that of a node without unknowns: the follower replaces it.
     leaders = np.where(weights != 0.0, leaders, followers[:, None])
     leading = _unknowns(model, leaders.ravel()).reshape(*leaders.shape, 3).swapaxes(1, 2)
     return tie_matrix(
@@ -105,11 +106,11 @@ def joined_modes(
     that is open has springs of 0. A body that moves freely has modes at 0 Hz (:func:`moves_freely`).
     Modes of a superelement without recovery stay in its own unknowns.
 
-    Pairs of node and node are tied by letting the second nodes follow. Otherwise each first node follows the point of
-    the second face that it is paired with, or stands still on the ground; first sides among several nodes need springs.
+    In node-to-node pairs the second nodes follow. Otherwise each first node follows the paired point of the second
+    face, or is constrained on the ground; first sides among several nodes need springs.
 
-    Raises InputError for springs of the wrong number, for pairs that cannot be tied, and from the factor where the
-    structure is not held.
+    Raises InputError for a wrong number of springs, for pairs that cannot be tied, and from the factor if the structure
+    has no support.
     """
     if springs is None:
         tie = _tied(model, pairs)

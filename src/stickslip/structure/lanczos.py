@@ -13,7 +13,8 @@ from stickslip.core.validation import FloatArray
 from stickslip.structure.factor import Factor
 
 # Restarts of the iteration. Every structure of the tests and examples needs fewer than ten; scipy's own limit is ten
-# times the number of unknowns, which takes hours where entries differ so much in size that round-off hides the answer.
+# times the number of unknowns, which takes hours where round-off prevents convergence because entries differ too much
+# in size.
 MOST_RESTARTS = 200
 
 
@@ -29,7 +30,7 @@ def eigenpairs_near(
     inverse = scipy.sparse.linalg.LinearOperator((size, size), matvec=factor.solve, dtype=float)
     start = np.random.default_rng(0).standard_normal(size)
     try:
-        # one thread and one start, so that modes, which are kept on disk, are the same in every run
+        # one thread and one start, so that modes, which are cached on disk, are the same in every run
         with threadpool_limits(limits=1):
             values, vectors = scipy.sparse.linalg.eigsh(
                 matrix, count, mass, shift, OPinv=inverse, v0=start, maxiter=MOST_RESTARTS

@@ -22,7 +22,7 @@ from stickslip.structure.cell_kinds import (
 from stickslip.structure.cell_kinds import IntArray as IntArray
 
 EDGES = CELL_KINDS["hexahedron"].edges
-# Names of sets that one line shows.
+# chosen: names of sets on one line.
 SHOWN_NAMES = 6
 
 
@@ -274,7 +274,7 @@ def _cell_numbers(name: str, value: IntArray, n_cells: int) -> IntArray:
 
 
 def names_in_short(names: Iterable[str]) -> str:
-    """The first names, and how many more there are."""
+    """The first names, and the number of others."""
     known = sorted(names)
     more = len(known) - SHOWN_NAMES
     return ", ".join(known[:SHOWN_NAMES]) + (f" and {more} more" if more > 0 else "") or "none"
@@ -311,7 +311,8 @@ def named_nodes(node_sets: Mapping[str, IntArray], name: str) -> IntArray:
 
 
 def sides_in_nodes(name: str, nodes: IntArray, n_nodes: int, cells: list[tuple[str, IntArray]]) -> tuple[IntArray, ...]:
-    """Sides (k, 3 | 4 | 6 | 8) of cells, seen from outside, whose nodes all lie in the set and that one cell alone has.
+    """Sides (k, 3 | 4 | 6 | 8) of cells, seen from outside, whose nodes are all in the set and that belong to only one
+    cell.
 
     Raises InputError where there is none.
     """

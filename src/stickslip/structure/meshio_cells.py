@@ -6,7 +6,7 @@ from typing import Any
 
 
 def complete_meshio() -> Any:
-    """The package meshio; its table of dimensions forgets the 15-node wedge, which it otherwise reads and writes."""
+    """The package meshio; its table of dimensions lacks the 15-node wedge, which it otherwise reads and writes."""
     import meshio
     from meshio._mesh import topological_dimension
 

@@ -14,8 +14,8 @@ from stickslip.structure.elasticity import Material
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.shapes import consistent_mass
 
-_CELLS_AT_ONCE = 5000
-# What solid machine parts have; values beyond are most likely in another unit.
+_CELLS_AT_ONCE = 5000  # chosen to bound the memory
+# chosen: ranges of solid machine parts, with a wide margin; values outside are most likely in another unit.
 DENSITY_RANGE = (100.0, 30_000.0)  # kg/m3
 MODULUS_RANGE = (1e6, 2e12)  # Pa
 SIZE_RANGE = (1e-4, 1e2)  # m, diagonal of the bounding box
@@ -56,14 +56,14 @@ def body_volumes(mesh: Mesh) -> FloatArray:
 
 
 def size_oddities(points: FloatArray) -> Iterator[OddValue]:
-    """What only a wrong unit explains about the extent of points (n, 3) m."""
+    """Extents of points (n, 3) m that only a wrong unit explains."""
     low, high = bounding_box(points)
     diagonal = float(np.linalg.norm(high - low))
     yield from odd_value("the model's bounding box has the diagonal", diagonal, "m", SIZE_RANGE, "the length unit")
 
 
 def material_oddities(about: str, material: Material, cause: str, section: str = "") -> Iterator[OddValue]:
-    """What only a wrong unit explains about density and modulus; ``section`` of the study file gave both, if any."""
+    """Values of density and modulus that only a wrong unit explains; ``section`` is that of the study file, if any."""
     density, modulus = (f"{section}.{key}" if section else "" for key in ("density", "young_modulus"))
     yield from odd_value(f"{about} has the density", material.density, "kg/m3", DENSITY_RANGE, cause, density)
     words = f"{about} has Young's modulus"
@@ -71,7 +71,7 @@ def material_oddities(about: str, material: Material, cause: str, section: str =
 
 
 def wave_oddities(about: str, material: Material, points: FloatArray) -> Iterator[OddValue]:
-    """What only a wrong unit explains about the frequencies of a body with the nodes (n, 3) m."""
+    """Frequencies of a body with the nodes (n, 3) m that only a wrong unit explains."""
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     wave = float(np.sqrt(material.young_modulus / material.density)) / (2.0 * size)
     words = f"{about} lets expect frequencies of compression of about"
@@ -95,7 +95,7 @@ def matrix_oddities(
 ) -> Iterator[OddValue]:
     """Size, mass and frequencies of matrices that only wrong units can explain.
 
-    Diagonals (n,) in N/m and kg of displacements, the mass that moves along an axis in kg, places (k, 3) m if known.
+    Diagonals (n,) in N/m and kg of displacements, the mass that moves along an axis in kg, optional positions (k, 3) m.
     """
     units = "structure.length_unit and structure.unit_system"
     if places is not None and len(places) > 1:

@@ -14,15 +14,15 @@ from stickslip.structure.mesh import IntArray, Mesh
 
 Flags = NDArray[np.bool_]
 
-_GROWTH = 1.25  # of the cells of the grid, until few enough sides are left
-_AROUND = 0.25  # of the size of the contact: what lies so near to it belongs to its surroundings
+_GROWTH = 1.25  # chosen: factor on the cells of the grid in each step, until few enough sides remain
+_AROUND = 0.25  # chosen: of the size of the contact; sides nearer than this are its surroundings
 
 
 @dataclass(frozen=True)
 class OuterSurface:
     """Sides (m, 4) between points (n, 3) m, seen from outside, with the body (m,) and the contact face (m,) of each.
 
-    A triangle repeats its last corner; midside nodes are left out; ``face`` is -1 off the contact. ``node`` (n,) is the
+    A triangle repeats its last corner; without midside nodes; ``face`` is -1 outside the contact. ``node`` (n,) is the
     number of each point in the mesh.
     """
 
@@ -36,10 +36,10 @@ class OuterSurface:
 def outer_surface(
     mesh: Mesh, contact_sets: Sequence[Sequence[str]] = (), contact_nodes: Sequence[IntArray] = ()
 ) -> OuterSurface:
-    """All sides that one cell alone has.
+    """All sides of only one cell.
 
-    For each contact face ``contact_sets`` name the sets of the mesh that meet there, and ``contact_nodes`` (k,) are the
-    nodes that carry: a side of these sets is part of the face if all of its corners carry.
+    For each contact face ``contact_sets`` are the names of its sets in the mesh, and ``contact_nodes`` (k,) the nodes
+    of its pairs: a side of these sets is part of the face if all of its corners are such nodes.
 
     Raises InputError for a set that does not exist or spans no side.
     """
@@ -64,7 +64,7 @@ def _corners(sides: IntArray) -> IntArray:
 
 
 def _among(corners: IntArray, wanted: IntArray, n_nodes: int) -> IntArray:
-    """Positions of the sides ``corners`` (m, 4) that are among ``wanted`` (k, 4), whatever corner comes first."""
+    """Indices of the sides ``corners`` (m, 4) that are among ``wanted`` (k, 4), regardless of the first corner."""
     member = np.zeros(n_nodes, dtype=bool)
     member[wanted] = True
     near = np.flatnonzero(member[corners].all(axis=1))
@@ -78,11 +78,11 @@ def _among(corners: IntArray, wanted: IntArray, n_nodes: int) -> IntArray:
 
 
 def coarsened(surface: OuterSurface, most: int) -> OuterSurface:
-    """A surface of at most ``most`` sides: points in one cell of a grid become one, and sides that vanish are left out.
+    """A surface of at most ``most`` sides: points in one cell of a grid become one, and sides without area are removed.
 
-    Of such points the one farthest from the middle of its body is kept, so that corners and outlines stay. Points of
-    different bodies or contact faces stay apart. Sides around the contact have half of the number to themselves, so
-    that they stay as fine as they can. A surface with no more sides is returned as it is.
+    Of such points the one farthest from the middle of its body remains, so that corners and outlines stay. Points of
+    different bodies or contact faces are not merged. Half of the number is for sides around the contact, so that they
+    stay fine. A surface with no more sides than ``most`` is returned unchanged.
     """
     if len(surface.sides) <= most:
         return surface
@@ -98,7 +98,7 @@ def coarsened(surface: OuterSurface, most: int) -> OuterSurface:
 
 
 def _around_contact(surface: OuterSurface) -> tuple[Flags, Flags]:
-    """Which points and which sides lie near the contact faces; the points hold all corners of the sides."""
+    """Points and sides near the contact faces; the points include all corners of the sides."""
     points, contact = np.zeros(len(surface.points), dtype=bool), surface.face >= 0
     if contact.any():
         places = surface.points[surface.sides[contact]].reshape(-1, 3)
@@ -111,8 +111,8 @@ def _around_contact(surface: OuterSurface) -> tuple[Flags, Flags]:
 
 
 def _merged(surface: OuterSurface, leader: IntArray, points: Flags, sides: Flags, most: int) -> tuple[IntArray, int]:
-    """``leader`` (n,), the point that stands for each, with ``points`` merged until at most ``most`` of ``sides`` span
-    an area, and the number of these."""
+    """``leader`` (n,), the point that replaces each, with ``points`` merged until at most ``most`` of ``sides`` span an
+    area, and the number of these."""
     count = int(sides.sum())
     if count <= most:
         return leader, count

@@ -14,7 +14,7 @@ from stickslip.structure.superelement import Superelement
 
 
 class FullModel(Protocol):
-    """What a model must tell to be reduced and recovered: a :class:`Structure`, or matrices of another program."""
+    """A model that can be reduced and recovered: a :class:`Structure`, or matrices of another program."""
 
     @property
     def stiffness(self) -> Any:
@@ -26,11 +26,11 @@ class FullModel(Protocol):
 
     @property
     def full_size(self) -> int:
-        """Number of displacements, held ones included."""
+        """Number of displacements, including constrained ones."""
 
     @property
     def free_unknowns(self) -> IntArray:
-        """(n_free,) position of each unknown among all displacements."""
+        """(n_free,) index of each unknown among all displacements."""
 
     @property
     def node(self) -> IntArray:
@@ -52,8 +52,8 @@ def partition(structure: FullModel, boundary_nodes: IntArray) -> tuple[IntArray,
 class Recovery:
     """``recovery @ reduced``: displacements (3 * n_nodes, k) of the mesh, fixed ones zero, from unknowns (n, k).
 
-    Interior displacements are ``Phi q - K_ii^-1 K_ib u_b``, solved when they are asked for: the dense matrix would be
-    the largest array of all. The factor of ``K_ii`` is kept, but not stored with a pickled recovery.
+    Interior displacements are ``Phi q - K_ii^-1 K_ib u_b``, solved on demand: the dense matrix would be the largest
+    array of all. The factor of ``K_ii`` is cached, but not stored with a pickled recovery.
     """
 
     def __init__(
@@ -88,8 +88,8 @@ class Recovery:
         """``T^T f`` (n, k) of loads f (3 * n_nodes, k) in N on the full mesh, T the transformation of this recovery.
 
         ``T^T f = [f_b - K_bi K_ii^-1 f_i; Phi^T f_i]``: the statically equivalent load of the boundary, so that the
-        boundary's static displacements are exact for loads anywhere, and the share of each mode. Parts of a load on
-        held displacements go into the support. As rows, the result reads ``f . u`` from the unknowns.
+        boundary's static displacements are exact for loads anywhere, and the force on each mode. Parts of a load on
+        constrained displacements go into the support. As rows, the result gives ``f . u`` from the unknowns.
         """
         free = load[self._structure.free_unknowns]
         inside = free[self._interior]

@@ -1,8 +1,8 @@
-"""Motions without strain: how many each part of a mesh has, and whether it is hinged.
+"""Motions without strain: their number for each part of a mesh, and whether it is hinged.
 
-The strain energy of a mesh is zero exactly when every region of cells that hang together by whole sides moves as a
-rigid body, regions agree at the nodes that they share, and held displacements are zero. Counting such motions is linear
-algebra with six unknowns a region, so the zero eigenvalues of the stiffness are known before it is assembled.
+The strain energy of a mesh is zero exactly when every region of cells connected by complete sides moves as a rigid
+body, regions agree at common nodes, and constrained displacements are zero. Counting such motions is linear algebra
+with six unknowns a region, and gives the number of zero eigenvalues of the stiffness before it is assembled.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from stickslip.structure.cell_kinds import CORNERS_OF_SIDE, all_sides
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.model_facts import connected_parts
 
-_MOST_REGIONS = 200  # whose motions are counted with a dense matrix
-# Of the Gram matrix of the conditions; long chains of regions have eigenvalues of 1e-10 that are none.
+_MOST_REGIONS = 200  # up to which motions are counted with a dense matrix
+# Zero eigenvalues of the Gram matrix of the conditions; long chains of regions have nonzero ones of 1e-10.
 _RANK_TOLERANCE = 1e-12
-_FLAT = 1e-8  # share of the length of places in one line below which they have no width
+_FLAT = 1e-8  # fraction of the length of a row of points below which they are on one line
 
 
 @dataclass(frozen=True)
@@ -35,11 +35,11 @@ class PartMotions:
     cells:
         (k,) its cells.
     n_regions:
-        regions of cells that hang together by whole sides; more than one are joined at single nodes or edges.
+        regions of cells connected by complete sides; several are joined at single nodes or edges.
     rigid:
-        motions that the held displacements leave to it as one rigid body, 0 to 6.
+        motions as one rigid body that the constraints allow, 0 to 6.
     strainless:
-        all motions without strain, rigid ones included: zero eigenvalues of its stiffness.
+        all motions without strain, including rigid ones: zero eigenvalues of its stiffness.
     """
 
     cells: IntArray
@@ -87,7 +87,7 @@ def _regions(mesh: Mesh) -> IntArray:
 
 
 def _joined_regions(points: FloatArray, regions: list[IntArray]) -> list[IntArray]:
-    """Regions (arrays of nodes) after joining all that share three nodes or more which are not in one line."""
+    """Regions (arrays of nodes) after joining all that have three or more common nodes not on one line."""
     while len(regions) > 1:
         node = np.concatenate(regions)
         owner = np.repeat(np.arange(len(regions)), [len(region) for region in regions])
@@ -106,18 +106,19 @@ def _joined_regions(points: FloatArray, regions: list[IntArray]) -> list[IntArra
 
 
 def _spans_a_plane(points: FloatArray, first: IntArray, second: IntArray) -> bool:
-    """Whether the nodes that two regions share are not in one line, so that the regions cannot turn about it."""
+    """Whether the common nodes of two regions are not on one line, so that the regions cannot turn about it."""
     places = points[np.intersect1d(first, second)]
     return int(np.linalg.matrix_rank(places - places[0], tol=_FLAT * float(np.ptp(places, axis=0).max()))) > 1
 
 
 def _free_motions(points: FloatArray, regions: list[IntArray], fixed_unknowns: IntArray) -> int:
-    """Motions of rigid regions (arrays of nodes) that agree at shared nodes and keep the held displacements at zero."""
+    """Motions of rigid regions (arrays of nodes) that agree at common nodes and satisfy the constraints."""
     node = np.concatenate(regions)
     owner = np.repeat(np.arange(len(regions)), [len(region) for region in regions])
     order = np.argsort(node, kind="stable")
     node, owner = node[order], owner[order]
-    # about the centre of each region in parts of its size, so that small regions far out count like others
+    # about the centre of each region and relative to its size, so that small regions far from the origin count like
+    # others
     centre = np.array([points[region].mean(axis=0) for region in regions])
     size = np.array([float(np.ptp(points[region], axis=0).max()) for region in regions])
     again = np.flatnonzero(node[1:] == node[:-1])

@@ -1,4 +1,4 @@
-"""The structure as the solver sees it: a few dense matrices, and where their unknowns came from."""
+"""The structure for the solver: dense matrices, and the nodes of their unknowns."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, symmetric_matrix
 
-# A mode whose strain energy is below this fraction of the energy that its displacements would have if neighbours moved
-# against each other is a body that moves freely. Round-off leaves 1e-16 of it, and 1e-12 after a reduction; the lowest
-# bending mode of a solid beam 100 times as long as thick, with four elements across, has 1e-9.
+# A mode is a body that moves freely if its strain energy is below this fraction of the energy of its displacements with
+# neighbours in opposite directions. Round-off is 1e-16 of it, and 1e-12 after a reduction; the lowest bending mode of a
+# solid beam 100 times as long as thick, with four elements across, has 1e-9.
 RIGID_FRACTION = 1e-10
 
 
@@ -27,17 +27,17 @@ class Superelement:
     mass, stiffness:
         (n, n), symmetric, kg and N/m in the unknowns' own scaling. Contact stiffness is not in ``stiffness``.
     damping:
-        (n, n) N s/m, or None for no damping matrix (modal damping is then given to the solver).
+        (n, n) N s/m, or None for no damping matrix (modal damping is then an argument of the solver).
     boundary_nodes:
         (n_boundary,) node numbers of the mesh whose displacements are unknowns; node ``boundary_nodes[i]`` owns the
-        unknowns ``3*i, 3*i+1, 3*i+2`` (x, y, z). Empty for matrices that a user brings.
+        unknowns ``3*i, 3*i+1, 3*i+2`` (x, y, z). Empty for matrices of a user.
     recovery:
-        what ``recovery @ reduced`` gives the displacements of the full mesh with (3 per node, fixed ones zero): an
-        (n_full, n) matrix, a :class:`stickslip.structure.recovery.Recovery`, or None.
+        ``recovery @ reduced`` are the displacements of the full mesh (3 per node, fixed ones zero): an (n_full, n)
+        matrix, a :class:`stickslip.structure.recovery.Recovery`, or None.
     positions:
-        (n_boundary, 3) m, where the boundary nodes are, or None if that is not known.
+        (n_boundary, 3) m of the boundary nodes, or None.
     node_sets:
-        name -> boundary nodes, as the program that made the matrices named them.
+        name -> boundary nodes, with the names of the program that made the matrices.
 
     Raises
     ------
@@ -116,7 +116,7 @@ class Superelement:
         return int(self.mass.shape[0])
 
     def unknowns_of(self, node: int) -> NDArray[np.int64]:
-        """The three unknowns (x, y, z) of a boundary node given by its number in the mesh. Raises InputError."""
+        """The three unknowns (x, y, z) of a boundary node with this number in the mesh. Raises InputError."""
         position = np.flatnonzero(self.boundary_nodes == node)
         if position.size != 1:
             raise InputError(
@@ -125,17 +125,17 @@ class Superelement:
         return np.asarray(3 * position[0] + np.arange(3), dtype=np.int64)
 
     def selector(self, node: int, direction: tuple[float, float, float] | FloatArray) -> FloatArray:
-        """The row (n,) that reads the displacement of a boundary node along ``direction`` (unit vector x, y, z)."""
+        """The row (n,) of the displacement of a boundary node along ``direction`` (unit vector x, y, z)."""
         row = np.zeros(self.size)
         row[self.unknowns_of(node)] = np.asarray(direction, dtype=float)
         return row
 
 
 def moves_freely(stiffness: Any, modes: FloatArray) -> NDArray[np.bool_]:
-    """(k,) whether modes (n, k) strain nothing but by round-off: ``phi^T K phi <= 1e-10 |phi|^T |K| |phi|``.
+    """(k,) whether modes (n, k) are without strain except for round-off: ``phi^T K phi <= 1e-10 |phi|^T |K| |phi|``.
 
-    ``stiffness`` (n, n) may be sparse. The measure is relative to the stiffness that each mode feels by itself: no
-    frequency is too low for an elastic mode, and a light free body may stand beside stiff ones.
+    ``stiffness`` (n, n) may be sparse. The measure is relative to the stiffness of the unknowns of each mode: an
+    elastic mode may have any low frequency, and a light free body may be beside stiff ones.
     """
     energy = np.abs((modes * (stiffness @ modes)).sum(axis=0))
     size = np.abs(modes)

@@ -1,4 +1,4 @@
-"""What is computed of a model: one function for each kind of [analysis], and the one place that chooses it."""
+"""Analyses of a model: one function for each kind of [analysis], and the choice among them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Analyse = Callable[[Case, ReducedModel, Progress, int | None], ForcedResponse]
 def solve(
     case: Case, model: ReducedModel, progress: Progress | None = None, threads: int | None = None
 ) -> ForcedResponse:
-    """What the case asks for, with its settings; provenance says inputs and versions. Raises ConvergenceError."""
+    """The analysis of the case with its settings; the provenance has inputs and versions. Raises ConvergenceError."""
     response = _ANALYSES[type(case.analysis)](case, model, progress or SilentProgress(), threads)
     return replace(response, provenance={**response.provenance, **run_provenance()})
 
@@ -51,5 +51,5 @@ def _forced(case: Case, model: ReducedModel, told: Progress, threads: int | None
     )
 
 
-# Class of the section [analysis] -> what computes it.
+# Class of the section [analysis] -> function that computes it.
 _ANALYSES: dict[type[ForcedAnalysis], Analyse] = {ForcedAnalysis: _forced}

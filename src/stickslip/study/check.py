@@ -1,4 +1,4 @@
-"""What a study would run, before anything heavy: for ``stickslip check``."""
+"""The content of a run, before any long computation: for ``stickslip check``."""
 
 from __future__ import annotations
 
@@ -17,13 +17,14 @@ from stickslip.study.facts import (
 )
 from stickslip.study.record import CLOSED_AT_REST
 
-SHOWN_FREQUENCIES = 4
+SHOWN_FREQUENCIES = 4  # chosen: the lowest ones, as a check of the model
 
 
 def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
-    """What would run, as sections of (label, value); builds the mesh and the joint, but reduces and solves nothing.
+    """The content of a run, as sections of (label, value); builds the mesh and the joint, but reduces and solves
+    nothing.
 
-    Raises InputError where the geometry does not fit, RoughnessError for a contact without stiffness.
+    Raises InputError for a wrong geometry, RoughnessError for a contact without stiffness.
     """
     setup = set_up(case)
     joint = load_joint(case, setup.layout)

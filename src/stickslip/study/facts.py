@@ -1,4 +1,4 @@
-"""What follows from a case before anything is solved, in words and numbers: for `check` and for the report."""
+"""Quantities of a case before the solution, in words and numbers: for `check` and for the report."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def derived_quantities(case: Case, joint: Joint) -> tuple[Derived, ...]:
 
 def _faces(joint: Joint) -> Iterator[Derived]:
     area = joint.face_sum(joint.face_pairs.area)
-    load = joint.face_sum(np.maximum(joint.preload, 0.0))  # a gap carries nothing
+    load = joint.face_sum(np.maximum(joint.preload, 0.0))  # a gap carries no force
     normal, tangential = joint.face_sum(joint.normal_stiffness), joint.face_sum(joint.tangential_stiffness)
     open_pairs = joint.face_sum(np.where(joint.closed_at_rest, 0.0, 1.0))
     for face, name in enumerate(joint.face_names):
@@ -98,9 +98,9 @@ def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
 
 
 def resting_state(model: ReducedModel) -> tuple[Derived, ...]:
-    """What a solved preload says of each face at rest; empty where the preload was prescribed.
+    """Quantities of each face at rest from a solved preload; empty if the preload is prescribed.
 
-    Where tractions are released the state was found without friction, so no pair is on a friction limit there.
+    With released tractions the state is that without friction, so no pair is on a friction limit.
     """
     if model.preload is None:
         return ()
@@ -145,9 +145,9 @@ def _resting_face(name: str, law: ContactLaw, state: StaticState, here: BoolArra
 def compared_tractions(
     case: Case, response: ForcedResponse, other: ForcedResponse | str, output: FloatArray
 ) -> tuple[Derived, ...]:
-    """The peak with the traction at rest kept and released: one of them is the study's, ``other`` the other one's.
+    """The peak with the traction at rest retained and released: one is that of the study, ``other`` the other one.
 
-    ``other`` may also be the sentence that says why there is no such curve.
+    ``other`` may also be a message with the reason why there is no such curve.
     """
     names = ("kept", "released") if case.preload.residual_traction == "kept" else ("released", "kept")
     own = summary(response, output)
@@ -174,7 +174,7 @@ def compared_tractions(
 
 
 def natural_frequencies_found(response: ForcedResponse, count: int = 4) -> tuple[Derived, ...]:
-    """The first natural frequencies of the two linear limits of this study, as the curves show them."""
+    """The first natural frequencies of the two linear limits of this study."""
     limits = {
         "contacts that are closed at rest stuck": ("stuck", response.linear.stuck_frequency_hz),
         "no contact; rigid-body motions left out": ("free", response.linear.free_frequency_hz),
@@ -186,14 +186,14 @@ def natural_frequencies_found(response: ForcedResponse, count: int = 4) -> tuple
 
 
 def study_warnings(case: Case, joint: Joint) -> tuple[str, ...]:
-    """What the input and the roughness law say against their use here, each sentence once."""
+    """Warnings of the input and of the roughness law, each message once."""
     sentences = dict.fromkeys(message for face in joint.rough_faces if face for message in face.stiffness.messages)
     found = (*(odd.sentence for odd in odd_values(case, joint.layout)), *joint.layout.messages, *sentences)
     return (*found, *joint.stiffness_warnings)
 
 
 def sizes(case: Case, setup: Setup, structure: Structure | Superelement, joint: Joint) -> tuple[tuple[str, str], ...]:
-    """What would run: elements, nodes, unknowns before and after reduction, pairs, and unknowns of the balance."""
+    """Sizes of the model: elements, nodes, unknowns before and after reduction, pairs, and unknowns of the balance."""
     pairs, faces = joint.face_pairs, len(joint.face_names)
     columns = 2 * case.solver.harmonics + 1
     if isinstance(structure, Superelement):

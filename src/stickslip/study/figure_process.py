@@ -2,8 +2,8 @@
 
 Importing and drawing with matplotlib takes as long as solving. The second process starts with the study, imports what
 it needs beside the solver, and draws while the results file, the page and the shapes are written. It receives pickled
-data through its standard input and answers through its standard output; it never runs a user's script, nor modules
-that lie in the current folder. It ends with the first process: its input ends then, also if that was killed.
+data through its standard input and answers through its standard output; it never runs a user's script, nor modules in
+the current folder. It ends with the first process, also if that is killed, because its input ends then.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from stickslip.case.case import Case
 
 FIGURE_GRID = (98, 420)  # points across and along, of the single figure
-PAGE_GRID = (40, 140)  # of the page, which holds every height
+PAGE_GRID = (40, 140)  # of the page, which contains every height
 LAST_SECONDS = 2.0  # between the end of the pipe and the end of the first process, at most
 
 
@@ -90,7 +90,7 @@ class Drawing:
         return [save(figure, self.folder / f"rough_face.{ending}") for ending in formats]
 
     def _make_folder(self) -> None:
-        """Make the folder, but not those around it: who removed them while the case was solved wants no figures."""
+        """Make the folder, but not its parents: a user who removed them during the solution wants no figures."""
         try:
             self.folder.mkdir(exist_ok=True)
         except OSError as error:
@@ -119,7 +119,7 @@ class SecondProcess:
         return self
 
     def start(self, response: ForcedResponse, record: StudyRecord) -> None:
-        """Hand over what is to be drawn, and go on."""
+        """Send the data to draw, without waiting."""
         self._send((response, record))
 
     def _send(self, data: object) -> None:
@@ -128,7 +128,7 @@ class SecondProcess:
             pickle.dump(data, stream)
             stream.flush()
         except BrokenPipeError:
-            return  # it died; files() says so
+            return  # it died; files() reports it
 
     def files(self) -> list[Path]:
         """Wait for the figures; returns the files. Raises what the drawing raised, RuntimeError if the process died."""
@@ -149,11 +149,11 @@ class SecondProcess:
             if stream is not None:
                 stream.close()
         self._process.wait()
-        remove_abandoned(self._drawing.folder)  # what it was writing if it was at work
+        remove_abandoned(self._drawing.folder)  # its unfinished files
 
 
 def serve() -> None:
-    """What the second process does: read a drawing, draw the rough face, read a response, draw it, answer."""
+    """Main function of the second process: read a drawing, draw the rough face, read a response, draw it, answer."""
     leave_signals_to_parent()
     messages: SimpleQueue[Any] = SimpleQueue()
     threading.Thread(target=_receive, args=(messages, os.getppid()), daemon=True).start()
@@ -165,14 +165,14 @@ def serve() -> None:
         answer = [*drawing.of_response(response, record), *files]
     except StickslipError as error:
         answer = error
-    except Exception:  # whatever it is, the first process raises it again: see files()
+    except Exception:  # the first process raises any error again: see files()
         answer = traceback.format_exc()
     pickle.dump(answer, sys.stdout.buffer)
     sys.stdout.buffer.flush()
 
 
 def _next(messages: SimpleQueue[Any]) -> Any:
-    """The next message. Raises what went wrong while it was read."""
+    """The next message. Raises an error of its reading."""
     message = messages.get()
     if isinstance(message, Exception):
         raise message
@@ -180,14 +180,15 @@ def _next(messages: SimpleQueue[Any]) -> Any:
 
 
 def _receive(messages: SimpleQueue[Any], parent: int) -> None:
-    """Pass on what the first process sends until it closes the pipe or dies; then this process ends, also at work."""
+    """Forward the messages of the first process until it closes the pipe or dies; then this process ends, also while it
+    draws."""
     folder = None
     # not sys.stdin, which Python closes at its end, while this thread still reads
     with open(0, "rb", closefd=False) as stream:
         while True:
             try:
                 message = pickle.load(stream)
-            except (EOFError, OSError, pickle.UnpicklingError):  # the end, or half a message of one that was killed
+            except (EOFError, OSError, pickle.UnpicklingError):  # the end, or an incomplete message of a killed process
                 break
             except Exception as error:
                 messages.put(error)
@@ -198,10 +199,10 @@ def _receive(messages: SimpleQueue[Any], parent: int) -> None:
 
 
 def _end_after(parent: int, folder: Path | None) -> None:
-    """Wait for the end of the first process, remove what both were writing, and end."""
+    """Wait for the end of the first process, remove the unfinished files of both, and end."""
     deadline = time.monotonic() + LAST_SECONDS
     while os.getppid() == parent and time.monotonic() < deadline:
-        time.sleep(0.01)  # it holds the locks of its unfinished files until it is gone
+        time.sleep(0.01)  # it has the locks of its unfinished files until its end
     remove_own_unfinished()
     if folder is not None:
         remove_abandoned(folder.parent)

@@ -1,4 +1,4 @@
-"""Where a run writes, and whether it can: asked before anything is solved."""
+"""Output files of a run, and checks before the solution that they can be written."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _BYTES = 8  # of a number; those of a curve can hardly be compressed
 
 
 def require_places(out: Path) -> None:
-    """Make the folder of a run. Raises PlaceError where its files cannot be written or hardly any room is left."""
+    """Make the folder of a run. Raises PlaceError if its files cannot be written or the disk is nearly full."""
     require_folder(
         out,
         files=(RESULTS_FILE, REPORT_FILE, MODES_FILE, PERIOD_FILE, PAIRS_FILE),
@@ -39,7 +39,7 @@ def require_places(out: Path) -> None:
 
 
 def require_room_for(case: Case, model: Model, out: Path) -> None:
-    """Raise PlaceError unless the disk has room for what a run of this model will write, by an estimate."""
+    """Raise PlaceError unless the disk has space for the estimated size of all files of a run of this model."""
     coefficients = 2 * case.solver.harmonics + 1
     results = _BYTES * _POINTS * model.superelement.size * coefficients
     fields = case.output.mode_shapes + case.output.deflected_shape_frames

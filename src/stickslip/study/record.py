@@ -1,4 +1,4 @@
-"""What the report shows of a solved case beside its response."""
+"""Data of a solved case for the report, beside its response."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ TIED, STUCK, CLOSED_AT_REST = "tied", "stuck", "(pairs closed at rest)"
 def study_record(
     case: Case, model: ReducedModel, table: tuple[ReductionRow, ...], response: ForcedResponse
 ) -> StudyRecord:
-    """What the report shows beside the response, but for the sketch, which the cases of a sweep have in common."""
+    """Data for the report beside the response, without the sketch, which the cases of a sweep have in common."""
     pairs = model.joint.face_pairs
     held = held_contact(pairs, bool(model.pairs.resting_stiffness().all()))
     mode_table = tuple(_mode_rows(table))
@@ -65,7 +65,7 @@ def study_record(
 def with_other_tractions(
     case: Case, model: ReducedModel, response: ForcedResponse, progress: Progress, threads: int
 ) -> tuple[Derived, ...]:
-    """The peak with the tractions at rest treated the other way, where the preload was solved."""
+    """The peak with the other treatment of tractions at rest, if the preload was solved."""
     if model.preload is None:
         return ()
     output, other = next(iter(model.outputs.values())), model.preload.other
@@ -82,10 +82,10 @@ def with_other_tractions(
 def compare_modes(
     structure: Structure | Superelement, superelement: Superelement, pairs: FacePairs, springs: FloatArray | None = None
 ) -> tuple[ReductionRow, ...]:
-    """Frequencies of the full and the reduced model, with the pairs held as :func:`held_contact` says.
+    """Frequencies of the full and the reduced model, with the contact of :func:`held_contact`.
 
-    ``springs`` (3 * n_pairs,) N/m are 0 where a pair is open at rest; None takes all pairs as closed. Empty for a
-    structure that is given by matrices, and for pairs that are not tied where no springs are given.
+    ``springs`` (3 * n_pairs,) N/m are 0 where a pair is open at rest; None means that all pairs are closed. Empty for a
+    structure from matrices, and for pairs that are not tied without ``springs``.
     """
     tied = held_contact(pairs, springs is None or bool(springs.all())) == TIED
     if isinstance(structure, Superelement) or not (tied or springs is not None):
@@ -94,10 +94,10 @@ def compare_modes(
 
 
 def held_contact(pairs: FacePairs, all_closed: bool) -> str:
-    """How the mode table holds the pairs: tied where all nodes meet nodes, else stuck on their springs.
+    """Contact in the mode table: tied if all pairs are node to node, else stuck on their springs.
 
-    A pair that is open at rest is left open, as the linear stuck curve leaves it; a joint with such a pair (not
-    ``all_closed``) is never tied, since ties would close it.
+    A pair that is open at rest stays open, as in the linear stuck curve; a joint with such a pair (not ``all_closed``)
+    is never tied, because ties would close it.
     """
     if not all_closed:
         return f"{STUCK} {CLOSED_AT_REST}"

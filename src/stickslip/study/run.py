@@ -1,4 +1,4 @@
-"""One case from study file to report: build, solve, save, show. Files are written whole or not at all."""
+"""One case from study file to report: build, solve, save, show. Files are written completely or not at all."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from stickslip.study.solution import reported_model, solved
 
 @dataclass(frozen=True)
 class StudyOutcome:
-    """What a run gave: the response, the files it wrote, and how it ended."""
+    """The result of a run: the response, the files, and a message on its end."""
 
     response: ForcedResponse
     files: tuple[Path, ...]
@@ -51,14 +51,13 @@ def run(
 ) -> StudyOutcome:
     """Solve a case and write results.nc, report.html, single figures, and shapes for ParaView into ``out_dir``.
 
-    A curve that could not be followed to its end is written all the same; ``converged`` is then False. ``threads`` None
-    takes the environment variable STICKSLIP_THREADS, or else the usable cores, at most 4.
-    Raises InputError (geometry, roughness), PlaceError (folder, room on the disk), ConvergenceError (not even a first
-    point), ResultsFileError.
+    An incomplete curve is written too; ``converged`` is then False. ``threads`` None takes the environment variable
+    STICKSLIP_THREADS, or else the usable cores, at most 4. Raises InputError (geometry, roughness), PlaceError
+    (folder, full disk), ConvergenceError (not even a first point), ResultsFileError.
     """
     out, count = Path(out_dir), thread_count(threads)
     require_places(out)
-    # One thread for the matrix products here: beside threads that solve for many right-hand sides more would be slower.
+    # One thread for matrix products here: more would slow down the threads that solve for many right-hand sides.
     with threadpool_limits(limits=1), SecondProcess(Drawing(out / FIGURE_FOLDER, case)) as artist:
         return _run(case, out, progress or SilentProgress(), count, artist)
 
@@ -85,7 +84,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
 
 @contextmanager
 def _kept_results(out: Path) -> Iterator[None]:
-    """Say of an error that the curve itself is safe."""
+    """Add to an error that the curve itself is saved."""
     try:
         yield
     except InputError as error:
@@ -118,7 +117,7 @@ def _shapes(out: Path, case: Case, model: Model, motion: MeshMotion | None) -> I
 
 
 def _closing_words(response: ForcedResponse, record: StudyRecord) -> str:
-    """How the curve ended, and its summary."""
+    """The message of the curve, and its summary."""
     rows = summary_table(summary(response, record.outputs[record.response_output]))
     width = max(len(name) for name, _, _ in rows)
     lines = [f"{response.message} {response.n_points} points."]

@@ -1,4 +1,4 @@
-"""What the report's picture of a structure shows, as plain arrays of its mesh and of what the study names on it."""
+"""Data of the report's picture of a structure, as plain arrays of its mesh and of the objects of the study."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from stickslip.structure.outer_surface import coarsened, outer_surface
 if TYPE_CHECKING:
     from stickslip.case.case import Case
 
-# Outer sides that a sketch keeps, so that the picture takes less than 3 MB of a page and can be turned without delay.
+# Outer sides of a sketch; chosen: the picture takes less than 3 MB of a page and can be turned without delay.
 MOST_SIDES = 22_000
 
 
@@ -35,7 +35,7 @@ class MeshMotion:
 
 
 def motion_at_peak(model: Model, response: ForcedResponse) -> MeshMotion | None:
-    """How the mesh moves at the highest point of the curve of the first response; None for matrices without a mesh."""
+    """Motion of the mesh at the highest point of the curve of the first response; None for matrices without a mesh."""
     if not isinstance(model.structure, Structure):
         return None
     point = peaks(response.frequency_hz, response.amplitude(next(iter(model.outputs.values()))))[0].point
@@ -44,7 +44,7 @@ def motion_at_peak(model: Model, response: ForcedResponse) -> MeshMotion | None:
 
 
 def sketch_of(case: Case, model: Model, motion: MeshMotion | None) -> Sketch | None:
-    """The sketch of a study, with its ``motion``; None where matrices say nothing of a shape."""
+    """The sketch of a study, with its ``motion``; None for matrices without a shape."""
     if not isinstance(model.structure, Structure):
         return None
     kind, structure = kind_of(case), model.structure
@@ -68,11 +68,11 @@ def make_sketch(
     readings: Mapping[str, Reading],
     motion: MeshMotion | None = None,
 ) -> Sketch:
-    """Outer sides of a mesh, at most ``MOST_SIDES``, which of them carry as contact, and the places of a layout on it.
+    """Outer sides of a mesh, at most ``MOST_SIDES``, the contact among them, and the positions of loads and responses.
 
-    A load of no force is left out; a place of several nodes is marked at their mean; responses that are read at one
-    place share a mark. ``fixed_unknowns`` are positions among the 3 * n_nodes displacements. Raises InputError where a
-    set of the layout is not of the mesh.
+    Loads of zero are not included; the mark of several nodes is at their mean; responses at one position have one mark.
+    ``fixed_unknowns`` are indices among the 3 * n_nodes displacements. Raises InputError for a set of the layout that
+    is not in the mesh.
     """
     carrying = [_carrying_nodes(layout.face_pairs, face) for face in range(len(layout.face_names))]
     whole = outer_surface(mesh, layout.contact_sets, carrying)
@@ -116,7 +116,7 @@ def _places(mesh: Mesh, layout: Layout, ports: list[str]) -> FloatArray:
 
 
 def _motion(motion: MeshMotion, nodes: IntArray, layout: Layout, load_ports: list[str], ports: list[str]) -> Motion:
-    """The motion of nodes (n,), and of the places of loads and responses, which is the mean over their nodes."""
+    """The motion of nodes (n,), and of loads and responses, which is the mean over their nodes."""
     of_nodes = motion.displacement.reshape(-1, 3, motion.displacement.shape[1])
 
     def at(names: list[str]) -> FloatArray:
@@ -132,7 +132,7 @@ def _motion(motion: MeshMotion, nodes: IntArray, layout: Layout, load_ports: lis
 
 
 def _name_of(port: str) -> str:
-    """The name that a user gave a load, or the words of a port of the two blades."""
+    """The user's name of a load, or the name of a node group of the two blades in words."""
     return port.partition(".")[2] or port.replace("_", " ")
 
 

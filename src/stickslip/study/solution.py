@@ -1,4 +1,4 @@
-"""A case solved in memory: response, model and what the report shows, without a folder."""
+"""A case solved in memory: response, model and data for the report, without a folder."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class Solution:
     """A solved case.
 
     response:
-        the curve; ``response.converged`` is False where it could not be followed to its end.
+        the curve; ``response.converged`` is False if it is incomplete.
     model:
         superelement, pairs, excitation and outputs by name.
     record:
-        what the report shows beside the response.
+        data for the report beside the response.
     motion:
         of the mesh at the peak of the first output; None for matrices without a mesh.
     """
@@ -46,7 +46,7 @@ class Solution:
 
     @property
     def message(self) -> str:
-        """How the curve ended."""
+        """The message on the end of the curve."""
         return self.response.message
 
     def __repr__(self) -> str:
@@ -71,14 +71,14 @@ def solve_case(case: Case, progress: Progress | None = None, threads: int | None
     InputError (geometry, roughness) and ConvergenceError (not even a first point).
     """
     count, told = thread_count(threads), progress or SilentProgress()
-    # One thread for the matrix products here: beside threads that solve for many right-hand sides more would be slower.
+    # One thread for matrix products here: more would slow down the threads that solve for many right-hand sides.
     with threadpool_limits(limits=1):
         _, model = reported_model(case, told, count)
         return solved(case, model, told, count)
 
 
 def reported_model(case: Case, progress: Progress, threads: int) -> tuple[Setup, Model]:
-    """The structure of a case before its matrices, and its model; ``progress`` hears how far they are."""
+    """The structure of a case before its matrices, and its model; ``progress`` receives the finished fraction."""
     progress.update("Structure", 0.0, "mesh and matrices")
     setup = set_up(case)
     joint = load_joint(case, setup.layout)
@@ -90,7 +90,7 @@ def reported_model(case: Case, progress: Progress, threads: int) -> tuple[Setup,
 
 
 def solved(case: Case, model: Model, progress: Progress, threads: int) -> Solution:
-    """Solve a model and gather what the report shows of it."""
+    """Solve a model and collect the data for its report."""
     progress.update("Structure", 0.8, "full against reduced frequencies")
     pairs = model.joint.face_pairs
     table = compare_modes(model.structure, model.superelement, pairs, model.pairs.resting_stiffness())

@@ -1,1 +1,1 @@
-"""sweeps"""
+"""Sweeps: many cases on any executor."""

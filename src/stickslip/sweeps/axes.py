@@ -1,4 +1,4 @@
-"""What a sweep varies: ``section.key=values`` becomes a ``SweptKey``, or a sentence says why it cannot.
+"""Keys of a sweep: ``section.key=values`` becomes a ``SweptKey``, or raises an InputError.
 
 Values are a comma list of single values, written as in a study file, and of ranges ``start:stop:count`` (evenly spaced,
 both ends included) or ``start:stop:count:log`` (a constant factor from one to the next).
@@ -21,7 +21,7 @@ from stickslip.core.errors import InputError
 from stickslip.core.units import Count, Quantity, Respelled
 from stickslip.results.sweep_table import SweptKey, Value
 
-# These change what is written beside the results of a single run, never an answer.
+# These change the files beside the results of a single run, never a result.
 UNSWEPT_SECTIONS = ("study", "output")
 LARGEST_COUNT = 10_000
 _RANGE = "A range is start:stop:count, evenly spaced with both ends, or start:stop:count:log, for example 50:1000:10."
@@ -149,7 +149,7 @@ def _item(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> lis
 
 
 def _single(name: str, kind: Quantity | Count | tuple[str, ...], value: Value) -> Value:
-    """One value in SI, after checking that the key may take it. Raises InputError."""
+    """One value in SI, after checking that the key allows it. Raises InputError."""
     if isinstance(kind, tuple):
         value = _respelled(name, value)
         if value not in kind:
@@ -198,7 +198,7 @@ def _range(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> li
             arguments=[name],
         )
     spaced = np.geomspace(start, stop, count) if logarithmic else np.linspace(start, stop, count)
-    # 15 digits, so that 0.1:0.3:3 holds 0.2 and not 0.19999999999999998; the ends stay as they were given
+    # 15 digits, so that 0.1:0.3:3 contains 0.2 and not 0.19999999999999998; the ends are unchanged
     values = [start, *(float(f"{value:.15g}") for value in spaced[1:-1]), stop]
     if isinstance(kind, Quantity):
         return [*values]
@@ -240,6 +240,6 @@ def _label(kind: Quantity | Count | tuple[str, ...], value: Value) -> str:
 
 
 def study_value(key: SweptKey, place: int) -> Value:
-    """Value ``place`` of a key as a study file takes it: with its SI unit, every digit kept."""
+    """Value ``place`` of a key for a study file: with its SI unit and all digits."""
     value = key.values[place]
     return f"{value!r} {key.unit}" if key.unit else value

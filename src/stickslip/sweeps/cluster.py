@@ -1,4 +1,4 @@
-"""A Dask cluster as an executor: the only module that knows ``distributed``, from the extra ``[cluster]``."""
+"""A Dask cluster as an executor: the only module that imports ``distributed``, from the extra ``[cluster]``."""
 
 from __future__ import annotations
 
@@ -17,37 +17,37 @@ from stickslip.sweeps.work import open_parcel, parcel, worker_version
 P = ParamSpec("P")
 T = TypeVar("T")
 
-CONNECT_SECONDS = 20
-# A scheduler answers in milliseconds; one that is busy with the matrices of many tasks may need seconds.
+CONNECT_SECONDS = 20  # chosen: a scheduler that does not answer by then is reported as missing
+# chosen: a scheduler answers in milliseconds, but may need seconds while it receives the matrices of many tasks.
 ANSWER_SECONDS = 60
 # Workers of a batch system may all end at once and be replaced minutes later.
 WITHOUT_WORKER_SECONDS = 600
-# Each task carries the matrices of its structure (some 10 MB), about which the client would warn.
+# Each task contains the matrices of its structure (about 10 MB), about which the client would warn.
 _CONFIG = {"distributed.admin.large-graph-warning-threshold": "1GB"}
 
 
 class ClusterExecutor(SizedExecutor):
-    """Hands tasks to a Dask client; workers may come and go meanwhile."""
+    """Submits tasks to a Dask client; workers may start and stop meanwhile."""
 
     def __init__(self, client: Any, address: str) -> None:
         self._client, self._address = client, address
-        # not pure: a task that is tried again must not get the answer that the scheduler remembers
+        # not pure: a repeated task must not receive the cached result of the scheduler
         self._executor = client.get_executor(pure=False)
         self._last_worker = time.monotonic()
 
     @property
     def tasks_at_a_time(self) -> int:
-        """One for each thread of the workers that are there now, and one that waits for it."""
+        """One for each thread of the present workers, and one in reserve."""
         return max(2, 2 * self._threads())
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Hand a task to the cluster. Raises WorkersError if the scheduler is gone."""
+        """Submit a task to the cluster. Raises WorkersError if the scheduler does not answer."""
         self._require_connection()
         future: Future[T] = self._executor.submit(fn, *args, **kwargs)
         return future
 
     def waiting_for(self) -> str:
-        """How long there has been no worker. Raises WorkersError if that is too long, or the scheduler is gone."""
+        """The time without a worker. Raises WorkersError if it is too long, or the scheduler does not answer."""
         if self._threads():
             return ""
         waited = time.monotonic() - self._last_worker
@@ -60,7 +60,8 @@ class ClusterExecutor(SizedExecutor):
         return f"no worker is left, waiting for one since {waited:.0f} s (at most {WITHOUT_WORKER_SECONDS:.0f} s)"
 
     def meaning(self, error: BaseException) -> BaseException:
-        """The client cancels what is out when it loses its scheduler; a task that killed its workers is given up."""
+        """The client cancels submitted tasks when it loses its scheduler, and gives up a task that killed its
+        workers."""
         from distributed.scheduler import KilledWorker
 
         if isinstance(error, CancelledError):
@@ -68,11 +69,11 @@ class ClusterExecutor(SizedExecutor):
         return BrokenExecutor(str(error)) if isinstance(error, KilledWorker) else error
 
     def _threads(self) -> int:
-        """Threads of the workers that are there now. Raises WorkersError if the scheduler does not answer."""
+        """Threads of the present workers. Raises WorkersError if the scheduler does not answer."""
         self._require_connection()
         try:
             threads: dict[str, int] = self._client.nthreads(callback_timeout=ANSWER_SECONDS)
-        except Exception as error:  # a client that is closing has many kinds of them
+        except Exception as error:  # a closing client raises many kinds of errors
             raise self._lost() from error
         if threads:
             self._last_worker = time.monotonic()
@@ -116,7 +117,7 @@ def cluster_executor(address: str, progress: Progress | None = None) -> Iterator
 
 @contextmanager
 def _without_log() -> Iterator[None]:
-    """Keep the client from writing tracebacks to stderr when it loses its scheduler: WorkersError says so."""
+    """Keep the client from writing tracebacks to stderr when it loses its scheduler: a WorkersError reports it."""
     logger = logging.getLogger("distributed.client")
     before = logger.level
     logger.setLevel(logging.CRITICAL)
@@ -152,7 +153,7 @@ def _require_answer(address: str) -> None:
 
 
 def _workers_of_this_version(client: Any, address: str, progress: Progress) -> int:
-    """How many workers there are now, all of this version. Raises InputError if none answers, WorkersError."""
+    """The number of present workers, all of this version. Raises InputError if none answers, WorkersError."""
     deadline = time.monotonic() + CONNECT_SECONDS
     while (left := deadline - time.monotonic()) > 0.0:
         progress.update("Cluster", 0.0, f"waiting for a worker, at most {left:.0f} s")
@@ -165,7 +166,7 @@ def _workers_of_this_version(client: Any, address: str, progress: Progress) -> i
         count = sum(isinstance(answer, str) for answer in answers.values())
         if count:
             return count
-        time.sleep(0.2)  # until the scheduler knows that they died
+        time.sleep(0.2)  # until the scheduler has removed dead workers
     raise _no_worker(address)
 
 
@@ -177,7 +178,7 @@ def _require_passage(client: Any, address: str) -> None:
         raise
     except (OSError, TimeoutError) as error:
         raise _no_worker(address) from error
-    except Exception as error:  # whatever another version makes of it
+    except Exception as error:  # another version may raise any error
         raise WorkersError(
             f'the Dask scheduler at "{address}" or its worker cannot read a task of stickslip ({type(error).__name__}: '
             f"{' '.join(str(error).split())}). Install stickslip {worker_version()} where the scheduler and the "
@@ -193,10 +194,10 @@ def _no_worker(address: str) -> InputError:
 
 
 def _require_this_version(answers: dict[str, Any]) -> None:
-    """Raise WorkersError unless every worker, named by its address, answers with this version or has died meanwhile."""
+    """Raise WorkersError unless every worker, named by its address, answers with this version or died meanwhile."""
     wrong = []
     for worker, answer in answers.items():
-        if isinstance(answer, OSError) and answer.errno is None:  # of Dask: the worker died while it was asked
+        if isinstance(answer, OSError) and answer.errno is None:  # of Dask: the worker died during the call
             continue
         if isinstance(answer, Exception):
             wrong.append(f"{worker} cannot run stickslip ({type(answer).__name__}: {answer})")

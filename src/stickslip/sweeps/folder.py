@@ -1,9 +1,9 @@
-"""The folder of a sweep: a results file for each case, what is found finished when a sweep goes on, and the tables.
+"""The folder of a sweep: a results file for each case, the finished cases when a sweep resumes, and the tables.
 
-``DIR/cases/NAME/results.nc`` holds a case that was solved, ``row.json`` beside it what table and page need of it with
-the digest of that file, ``failed.json`` the message of a case that stickslip refused or could not start. NAME ends with
-the hash of its inputs, the version and the code. Both JSON files are sealed with that hash. A case is finished only if
-row and results are there and whole; else the file at fault is named and the case solved again.
+``DIR/cases/NAME/results.nc`` contains a solved case, ``row.json`` beside it the data for table and page with the digest
+of that file, ``failed.json`` the message of a case that stickslip rejected or could not start. NAME ends with the hash
+of its inputs, the version and the code. Both JSON files are sealed with that hash. A case is finished only if row and
+results are present and undamaged; otherwise a notice names the wrong file, and the case is solved again.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ ROOM_BYTES = 15_000_000  # the page of a sweep and one case of the two-blade stu
 
 @dataclass(frozen=True)
 class SweepFolder:
-    """Where a sweep keeps its cases. Methods raise ResultsFileError where the folder cannot be written."""
+    """The cases of a sweep on the disk. Methods raise ResultsFileError if the folder cannot be written."""
 
     path: Path
 
     def make(self, files: Iterable[str]) -> None:
-        """Make the folder itself, for cases and these files. Raises PlaceError where they could not be written."""
+        """Make the folder itself, for cases and these files. Raises PlaceError if they could not be written."""
         require_folder(self.path, files, folders=(CASES,))
         require_room(self.path, ROOM_BYTES, ROOM_BYTES)
 
@@ -54,20 +54,20 @@ class SweepFolder:
         return self.results_file(planned).relative_to(self.path).as_posix()
 
     def store(self, planned: PlannedCase, outcome: CaseOutcome) -> None:
-        """Keep the results of a case, or the message of one that has none; whole or not at all."""
+        """Write the results of a case, or the message of one without results; completely or not at all."""
         results = self.results_file(planned)
         _make(results.parent)
         if not outcome.file:
             _write_sealed(results.with_name(FAILED_FILE), planned.key, {"message": outcome.message})
             return
-        # The row before the results: where results are, even after a kill between the two, there is their row.
+        # The row before the results: then results always have a row, even after a kill between the two.
         _write_sealed(results.with_name(ROW_FILE), planned.key, _row(outcome))
         write_solved(results, outcome.file, "results", ResultsFileError, then="start the same sweep again")
         for left_over in (FAILED_FILE, TRACEBACK_FILE):
             results.with_name(left_over).unlink(missing_ok=True)
 
     def store_traceback(self, planned: PlannedCase, error: BaseException) -> Path:
-        """Keep the traceback of a fault of the program; returns its file."""
+        """Write the traceback of a defect of the program; returns its file."""
         target = self.results_file(planned).with_name(TRACEBACK_FILE)
         _make(target.parent)
         with whole_file(target, "traceback", ResultsFileError) as part:
@@ -75,7 +75,7 @@ class SweepFolder:
         return target
 
     def finished(self, planned: PlannedCase) -> tuple[CaseOutcome | None, str]:
-        """What an earlier sweep found for these inputs and this version, or None; and a sentence about a bad file."""
+        """The outcome of an earlier sweep for these inputs and this version, or None; and a message on a wrong file."""
         results = self.results_file(planned)
         remove_abandoned(results.parent)
         row, failed = results.with_name(ROW_FILE), results.with_name(FAILED_FILE)
@@ -100,7 +100,7 @@ def _make(folder: Path) -> None:
 
 
 def _row(outcome: CaseOutcome) -> dict[str, Any]:
-    """What a row, its curve and its warnings need of the results, and the digest of these; numbers keep every digit."""
+    """Row, curve and warnings from the results, and the digest of these; numbers have all digits."""
     curve = outcome.curve
     assert curve is not None  # a case with a results file has one
     return {
@@ -115,7 +115,7 @@ def _row(outcome: CaseOutcome) -> dict[str, Any]:
 
 
 def _solved(results: Path, row: dict[str, Any]) -> CaseOutcome:
-    """The outcome that a row tells. Raises ResultsFileError unless its results file is there, unchanged."""
+    """The outcome of a row. Raises ResultsFileError unless its results file is present and unchanged."""
     if row["results"] != _digest(_content(results)):
         raise ResultsFileError(f'"{results}" is not used: it is not the file that "{ROW_FILE}" beside it belongs to.')
     curve = SweepCurve(np.array(row["frequency_hz"]), np.array(row["amplitude_m"]))
@@ -134,7 +134,7 @@ def _write_sealed(file: Path, key: str, entries: dict[str, Any]) -> None:
 
 
 def _read_sealed(file: Path, key: str) -> dict[str, Any]:
-    """The object that ``_write_sealed`` wrote for this case. Raises ResultsFileError for anything else."""
+    """The object of ``_write_sealed`` for this case. Raises ResultsFileError for anything else."""
     stream = io.BytesIO(_content(file))
     try:
         size = require_seal(stream, _subject(file, key))

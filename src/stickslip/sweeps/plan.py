@@ -17,10 +17,10 @@ from stickslip.results.sweep_table import SweptKey, Value
 from stickslip.sweeps.axes import UNSWEPT_SECTIONS, study_value
 from stickslip.sweeps.work import worker_version
 
-LARGEST_SWEEP = 20_000
-_SHOWN_ERRORS = 10
+LARGEST_SWEEP = 20_000  # cases; chosen: every case is validated and hashed before the first one is solved
+_SHOWN_ERRORS = 10  # chosen: lines of a message
 _STRUCTURE_SECTIONS = ("structure", "geometry", "mesh", "material", "bodies", "reduction")
-# Keys of other sections that say which pairs and places there are; the rest of their keys leave the structure alone.
+# Keys of other sections that determine pairs and places; their other keys do not change the structure.
 _PLACE_KEYS = ("set", "point", "node", "spread")
 _LAYOUT_KEYS = {
     "interfaces": (
@@ -43,7 +43,7 @@ class PlannedCase:
     key:
         hash of every input that can change its results, and of the version and the code of stickslip.
     structure:
-        hash of what the reduced structure follows from: geometry, mesh, material, reduction; files, pairs and places.
+        hash of all inputs of the reduced structure: geometry, mesh, material, reduction; files, pairs and places.
     values:
         its value of each swept key.
     """
@@ -100,7 +100,7 @@ def case_hashes(case: Case) -> tuple[str, str]:
             name: {key: value for key, value in entry.items() if key in keys}
             for name, entry in inputs.get(section, {}).items()
         }
-    structure["preload"] = {"method": case.preload.method}  # a solved one has ports for its load
+    structure["preload"] = {"method": case.preload.method}  # a solved one has node groups for its load
     structure["excited_at"] = {"base": "base_motion" in inputs}  # its influence needs the mass of the whole mesh
     structure["axis"] = {key: value for key, value in inputs.get("rotation", {}).items() if key != "speed"}
     files = {name: _content(file) for name, file in case.input_files.items()}
@@ -111,7 +111,7 @@ def case_hashes(case: Case) -> tuple[str, str]:
 
 
 def _content(file: str) -> str:
-    """Hash of what a file of the structure holds, or the files of a folder; a missing file is told of later."""
+    """Hash of the content of a file of the structure, or of the files of a folder; a missing file is reported later."""
     path = Path(file.partition("#")[0])
     parts = sorted(path.iterdir()) if path.is_dir() else [path]
     return hashlib.sha256(b"".join(part.read_bytes() for part in parts if part.is_file())).hexdigest()

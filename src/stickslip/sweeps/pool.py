@@ -1,4 +1,4 @@
-"""Executors of a sweep: this process, or processes on this machine that neither outlive it nor ruin each other.
+"""Executors of a sweep: this process, or processes on this machine that end with it and do not affect each other.
 
 The pool of the standard library gives up all tasks when one process dies, and waits for ever if that process was
 sending its answer (Python 3.11). Here every process has a pipe and a thread of its own, so that a death is the matter
@@ -27,15 +27,16 @@ T = TypeVar("T")
 
 
 class SizedExecutor(Executor, ABC):
-    """An executor that knows how many tasks it should hold, so that all its workers are busy and few tasks wait."""
+    """An executor with a recommended number of tasks, so that all its workers are busy and few tasks wait."""
 
     @property
     @abstractmethod
     def tasks_at_a_time(self) -> int:
-        """How many tasks may be out now. Raises WorkersError once there is no hope for workers."""
+        """The number of tasks that may be submitted now. Raises WorkersError if no workers can be expected."""
 
     def waiting_for(self) -> str:
-        """What keeps all tasks waiting, in words; "" if they are at work. Raises WorkersError once there is no hope."""
+        """The reason why all tasks wait, in words; "" while they run. Raises WorkersError if no workers can be
+        expected."""
         return ""
 
     def meaning(self, error: BaseException) -> BaseException:
@@ -52,7 +53,7 @@ class InProcess(SizedExecutor):
         return 1
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Run the task; the future that is returned is done."""
+        """Run the task; the future is done."""
         future: Future[T] = Future()
         try:
             future.set_result(fn(*args, **kwargs))
@@ -68,7 +69,7 @@ class WorkerDied(RuntimeError):
 class LocalProcesses(SizedExecutor):
     """Processes on this machine, started afresh (spawn); one that dies fails its task only and is replaced.
 
-    They ignore the interrupt key, which is the parent's to answer, and end by themselves if the parent is killed.
+    They ignore the interrupt key, which the parent handles, and end by themselves if the parent is killed.
     """
 
     def __init__(self, workers: int) -> None:
@@ -77,11 +78,11 @@ class LocalProcesses(SizedExecutor):
 
     @property
     def tasks_at_a_time(self) -> int:
-        """One for each process, and one that waits for it."""
+        """One for each process, and one in reserve."""
         return 2 * len(self._workers)
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Hand a task to the processes; its future raises WorkerDied if its process dies."""
+        """Submit a task to the processes; its future raises WorkerDied if its process dies."""
         future: Future[T] = Future()
         self._tasks.put((future, (fn, args, kwargs)))
         return future
@@ -97,7 +98,7 @@ class LocalProcesses(SizedExecutor):
             ) from error
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """End the processes; without ``wait`` also those that are at work."""
+        """End the processes; without ``wait`` also those that run a task."""
         while cancel_futures:
             try:
                 task = self._tasks.get_nowait()
@@ -115,7 +116,7 @@ _Task = tuple[Future[Any], tuple[Callable[..., Any], tuple[Any, ...], dict[str, 
 
 
 class _Worker:
-    """A process with the thread that hands it one task after the other."""
+    """A process with the thread that sends it one task after the other."""
 
     def __init__(self, tasks: SimpleQueue[_Task | None]) -> None:
         self._tasks = tasks
@@ -127,7 +128,7 @@ class _Worker:
         self._thread.start()
 
     def end(self, at_once: bool) -> None:
-        """End thread and process, after the task at hand or at once."""
+        """End thread and process, after the current task or at once."""
         if at_once:
             with self._lock:
                 self._ended = True
@@ -174,7 +175,7 @@ class _Worker:
                 with safe_path():
                     process.start()
                 theirs.close()  # else the pipe would stay open when the process dies
-                self._pipe, self._process = pipe, process  # only now: what did not start cannot be ended
+                self._pipe, self._process = pipe, process  # only now: a process that did not start cannot be ended
             return self._pipe
 
     def _close(self) -> None:
@@ -187,7 +188,7 @@ class _Worker:
 
 
 def _work(pipe: Connection) -> None:
-    """Life of a worker process: answer calls until the pipe is closed."""
+    """Main function of a worker process: answer calls until the pipe is closed."""
     leave_signals_to_parent()
     show_warnings_as_sentences()
     threading.Thread(target=_end_with_parent, daemon=True).start()
@@ -211,7 +212,7 @@ def _work(pipe: Connection) -> None:
 
 
 def _end_with_parent() -> None:
-    """End at once when the parent is killed, also in the midst of a case."""
+    """End at once when the parent is killed, also during a case."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         wait([parent.sentinel])

@@ -1,4 +1,4 @@
-"""A sweep from its keys to its table: plan, what is finished already, checks, the cases, table and page."""
+"""A sweep from its keys to its table: plan, finished cases, checks, other cases, table and page."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ from stickslip.sweeps.work import CaseOutcome, CaseTask, worker_version
 TABLE_FILE = "sweep.csv"
 DATASET_FILE = "sweep.nc"
 PAGE_FILE = "sweep.html"
-# Tasks that an executor of the caller holds at a time if the caller does not say how many workers it has.
+# chosen: tasks of an executor of the caller at a time, if the caller does not give its number of workers.
 TASKS_AT_A_TIME = 64
 
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """What a sweep gave.
+    """The result of a sweep.
 
     table:
         one row for each case; ``table.to_csv(path)``, ``table.to_dataset()``, ``table.column(name)``.
@@ -52,9 +52,9 @@ class Sweep:
     found:
         number of cases that an earlier sweep had finished.
     notices:
-        sentences about files that could not be used.
+        messages on files that could not be used.
     remarks:
-        sentences about the cases taken together, such as linear limits that are not the same for all of them.
+        messages on all cases together, such as linear limits that differ between them.
     """
 
     table: SweepTable
@@ -81,18 +81,18 @@ def sweep(
     Parameters
     ----------
     case:
-        the case that all others are made from.
+        the case from which all others are made.
     vary:
         "section.key" -> values as in a study file (300, "300 N", "single"), or one text with a comma list and ranges
         "start:stop:count" or "start:stop:count:log". The last key runs fastest.
     executor:
         any ``concurrent.futures.Executor``, for example that of a Dask cluster; by default processes of this machine.
     out:
-        folder for results files, tables and page. A sweep into a folder that holds finished cases of the same inputs
-        and version does not solve these again. Without a folder nothing is written.
+        folder for results files, tables and page. A sweep into a folder with finished cases of the same inputs and
+        version does not solve these again. Without a folder nothing is written.
     workers:
         local processes, by default one for each usable processor; 1 solves in this process. With ``executor`` the
-        number of its workers: twice as many tasks are handed to it at a time (by default 64 tasks).
+        number of its workers: it receives twice as many tasks at a time (by default 64 tasks).
     threads:
         threads of each worker.
 
@@ -116,7 +116,7 @@ def sweep(
     if groups:
         count = sum(len(group.cases) for group in groups)
         if executor is not None:
-            if not isinstance(executor, SizedExecutor):  # that of a cluster asked every worker already
+            if not isinstance(executor, SizedExecutor):  # that of a cluster has checked every worker
                 run.require_same_version(executor)
             run.solve(groups, executor, _room(executor, workers))
         else:
@@ -149,7 +149,7 @@ def local_executor(workers: int) -> Iterator[SizedExecutor]:
 
 
 def _room(executor: Executor, workers: int | None) -> Callable[[], int]:
-    """How many tasks may be out: what the executor says, or what the caller's number of workers allows."""
+    """The number of tasks that may be submitted: that of the executor, or from the caller's number of workers."""
     if isinstance(executor, SizedExecutor):
         return lambda: executor.tasks_at_a_time
     number = TASKS_AT_A_TIME if workers is None else 2 * workers
@@ -157,7 +157,7 @@ def _room(executor: Executor, workers: int | None) -> Callable[[], int]:
 
 
 class _Run:
-    """The cases of one sweep and what became of them so far."""
+    """The cases of one sweep and their outcomes so far."""
 
     def __init__(self, planned: tuple[PlannedCase, ...], folder: SweepFolder | None, progress: Progress) -> None:
         self.planned, self.folder, self._progress = planned, folder, progress
@@ -168,7 +168,7 @@ class _Run:
         self._to_solve = self._solved = self._failed = 0
 
     def find_finished(self) -> None:
-        """Take over what an earlier sweep finished in the folder."""
+        """Take over the finished cases of an earlier sweep in the folder."""
         if self.folder is None:
             return
         for number, planned in enumerate(self.planned):
@@ -184,9 +184,9 @@ class _Run:
         self._progress.update("Finished cases", 1.0, f"{self.found} of {len(self.planned)}")
 
     def check_joints(self, threads: int) -> list[StructureGroup]:
-        """Mesh, pairs and joint of every case that is left; a case whose joint is not usable gets its message.
+        """Mesh, pairs and joint of every remaining case; a case with an unusable joint has its message as outcome.
 
-        Raises InputError where no case at all could be solved.
+        Raises InputError if no case at all could be solved.
         """
         left = [planned for planned in self.planned if planned.key not in self.outcomes]
         groups: dict[str, StructureGroup | StickslipError] = {}
@@ -210,7 +210,7 @@ class _Run:
 
     @staticmethod
     def _group(groups: dict[str, StructureGroup | StickslipError], planned: PlannedCase) -> StructureGroup:
-        """The group of a case; its mesh and pairs are made once. Raises InputError for what does not fit."""
+        """The group of a case; its mesh and pairs are made once. Raises InputError for entries that do not fit."""
         known = groups.get(planned.structure)
         if known is None:
             try:
@@ -225,8 +225,8 @@ class _Run:
     def require_same_version(self, executor: Executor) -> None:
         """Raise InputError unless the first worker that answers can run stickslip and runs this code.
 
-        How long a queue makes its workers wait only the caller knows, so that there is no time limit. Every task is
-        looked at again where it runs (``work.open_parcel``).
+        Only the caller knows the waiting time of a queue, so there is no time limit. Every task is checked again where
+        it runs (``work.open_parcel``).
         """
         self._progress.update("Workers", 0.0, "waiting for the first answer of the executor")
         try:
@@ -248,7 +248,7 @@ class _Run:
         self._progress.update("Workers", 1.0, "same version as here")
 
     def solve(self, groups: list[StructureGroup], executor: Executor, at_a_time: Callable[[], int]) -> None:
-        """Solve the cases of the groups; each is kept as soon as it is there."""
+        """Solve the cases of the groups; each is written as soon as it is finished."""
         self._to_solve = sum(len(group.cases) for group in groups)
         self._show("")
         try:
@@ -266,7 +266,8 @@ class _Run:
         self._note(planned, outcome)
 
     def _break(self, planned: PlannedCase, error: BaseException) -> None:
-        """A case that ended with an exception of another kind is not kept as finished, so it is tried again."""
+        """A case that ended with an exception of another kind does not count as finished, so a later sweep repeats
+        it."""
         if isinstance(error, BrokenExecutor | WorkerDied):
             words = (
                 "its worker processes died, twice or more often, perhaps because the memory was too small. Try fewer "
@@ -283,13 +284,13 @@ class _Run:
         self._note(planned, CaseOutcome(converged=False, message=words, measures={}))
 
     def _note(self, planned: PlannedCase, outcome: CaseOutcome) -> None:
-        self.outcomes[planned.key] = replace(outcome, file=b"")  # on the disk by now, and too large to collect
+        self.outcomes[planned.key] = replace(outcome, file=b"")  # already on the disk, and too large to collect
         self._solved += 1
         self._failed += not outcome.converged
         self._show("")
 
     def _show(self, waiting_for: str) -> None:
-        """Say how many cases are done, and what the others wait for, if they do."""
+        """Report the number of finished cases, and the reason if the others wait."""
         words = f"{self._solved} of {self._to_solve}"
         words += f", {self._failed} failed" if self._failed else ""
         words += f"; {waiting_for}" if waiting_for else ""

@@ -1,4 +1,4 @@
-"""Which task goes to the executor next: reductions once for each structure, cases as their structure is ready."""
+"""Order of the tasks for the executor: reductions once for each structure, cases when their structure is ready."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from stickslip.sweeps.plan import PlannedCase
 from stickslip.sweeps.pool import InProcess, SizedExecutor, WorkerDied
 from stickslip.sweeps.work import CaseOutcome, CaseTask, open_parcel, parcel, reduce_task, solve_task
 
-# How often a schedule without news looks whether its workers are still there.
+# chosen: interval at which a schedule without results checks its workers.
 LOOK_SECONDS = 2.0
 
 
 @dataclass(frozen=True, eq=False)
 class StructureGroup:
-    """Cases that share a structure, with the setup that the check of their joints needed already."""
+    """Cases with the same structure, and the setup from the check of their joints."""
 
     setup: Setup
     cases: list[tuple[PlannedCase, CaseTask]] = field(default_factory=list)
@@ -29,7 +29,7 @@ class StructureGroup:
 
 @dataclass(eq=False)
 class _Job:
-    """A reduction of a group, or the solution of one of its cases; how often its worker died."""
+    """A reduction of a group, or the solution of one of its cases, and the number of its workers that died."""
 
     group: StructureGroup
     planned: PlannedCase | None = None
@@ -43,12 +43,12 @@ class _Job:
 
 
 class Schedule:
-    """Carries groups of cases through an executor, with at most ``at_a_time()`` tasks out.
+    """Runs groups of cases on an executor, with at most ``at_a_time()`` submitted tasks.
 
-    ``finished(planned, outcome)`` hears of every case that stickslip answered, ``broke(planned, error)`` of every case
-    that ended with another exception. A task whose worker process dies is tried once more. ``solve`` is what a worker
-    does with a case, a function of a module, so that it can travel; by default :func:`solve_task`. ``waiting(words)``
-    hears every few seconds what all tasks wait for, "" while they are at work.
+    ``finished(planned, outcome)`` is called for every case with an outcome, ``broke(planned, error)`` for every case
+    that ended with another exception. A task whose worker process dies is repeated once. ``solve`` is the function of a
+    worker for a case, a function of a module, so that it can be pickled; by default :func:`solve_task`.
+    ``waiting(words)`` is called every few seconds with the reason why all tasks wait, "" while they run.
     """
 
     def __init__(
@@ -67,9 +67,9 @@ class Schedule:
         self._out: dict[Future[Any], _Job] = {}
 
     def run(self, groups: list[StructureGroup]) -> None:
-        """Carry every case to its end; on an exception (an interrupt, a full disk) what is out is cancelled.
+        """Run every case to its end; an exception (an interrupt, a full disk) cancels the submitted tasks.
 
-        Raises WorkersError where the workers cannot go on.
+        Raises WorkersError if the workers cannot continue.
         """
         self._reductions.extend(_Job(group) for group in groups)
         try:
@@ -86,7 +86,7 @@ class Schedule:
             raise
 
     def _fill(self) -> None:
-        """Hand out tasks as long as there is room; solutions first, so that few structures are held at once."""
+        """Submit tasks up to the limit; solutions first, so that few structures are in memory."""
         while (self._solutions or self._reductions) and len(self._out) < self._at_a_time():
             job = (self._solutions or self._reductions).popleft()
             try:
@@ -101,7 +101,7 @@ class Schedule:
         return self._hand_out(self._solve, job.task, job.reduced)
 
     def _hand_out(self, task: Callable[..., Any], *arguments: Any) -> Future[Any]:
-        """Submit a task; one that leaves this process takes along the version of the code that it needs."""
+        """Submit a task; one for another process contains the version of the code."""
         if isinstance(self._executor, InProcess):
             return self._executor.submit(task, *arguments)
         return self._executor.submit(open_parcel, parcel(task, *arguments))
@@ -129,7 +129,7 @@ class Schedule:
                 self._finished(job.planned, result)
 
     def _result(self, future: Future[Any]) -> Any:
-        """Result of a task, or an exception that says what went wrong in words that every executor shares."""
+        """Result of a task, or an exception that is the same for every executor."""
         try:
             return future.result()
         except (Exception, CancelledError) as error:

@@ -1,6 +1,6 @@
-"""What a worker does, as plain functions of plain data: any executor can carry them, on this machine or another.
+"""Tasks of a worker, as plain functions of plain data: any executor can run them, on this machine or another.
 
-Cases that share a structure share its reduction (``ReducedStructure``): one task makes it, the tasks of the cases
+Cases with the same structure have one reduction (``ReducedStructure``): one task makes it, the tasks of the cases
 receive it without the large recovery matrix. A worker writes no file; it returns the bytes of the results file.
 """
 
@@ -29,13 +29,13 @@ from stickslip.results.sweep_table import SweepCurve, curve_and_measures
 from stickslip.study.analyses import solve
 from stickslip.study.record import compare_modes, study_record
 
-# Entry of a results file's provenance that says which inputs and version it answers.
+# Entry of a results file's provenance with the hash of inputs and version.
 CASE_KEY = "sweep_case"
 
 
 @dataclass(frozen=True)
 class CaseTask:
-    """One case to solve: ``key`` is stored with its results; ``wants_file`` asks for the bytes of a results file."""
+    """One case to solve: ``key`` is stored with its results; ``wants_file`` requests the bytes of a results file."""
 
     case: Case
     key: str
@@ -46,7 +46,8 @@ class CaseTask:
 
 @dataclass(frozen=True, eq=False)
 class CaseOutcome:
-    """What a case gave. ``curve`` is None and ``measures`` empty where there is no result but its ``message``."""
+    """The outcome of a case. Without a result ``curve`` is None, ``measures`` is empty, and ``message`` is the
+    reason."""
 
     converged: bool
     message: str
@@ -58,14 +59,14 @@ class CaseOutcome:
 
 @cache
 def code_digest() -> str:
-    """Digest of the code that a result follows from, see :func:`answering_files`."""
+    """Digest of the code that determines a result, see :func:`answering_files`."""
     return source_digest(answering_files())
 
 
 def answering_files() -> list[Path]:
-    """Every module of the package but those of the folders that only show results.
+    """Every module of the package except those of the folders that only show results.
 
-    A test requires that a worker which solves a case imports none of the others.
+    A test ensures that a worker which solves a case imports none of the others.
     """
     package = Path(__file__).parents[1]
     shown = tuple(package / name for name in ("papers", "reporting"))
@@ -73,13 +74,13 @@ def answering_files() -> list[Path]:
 
 
 def worker_version() -> str:
-    """Version and code of stickslip where the tasks run; also the sign that a worker runs at all."""
+    """Version and code of stickslip where the tasks run; an answer also shows that a worker runs at all."""
     return f"{__version__} (code {code_digest()[:12]})"
 
 
 @dataclass(frozen=True)
 class Parcel:
-    """A task on its way to a worker. Its content stays pickled until the worker knows that it runs the same code."""
+    """A task for a worker. Its content stays pickled until the worker has checked that it runs the same code."""
 
     version: str
     content: bytes
@@ -91,7 +92,7 @@ def parcel(task: Callable[..., Any], *arguments: Any) -> Parcel:
 
 
 def open_parcel(received: Parcel) -> Any:
-    """Do the task of a parcel. Raises WorkersError where the code is not that of the sender, whatever it would give."""
+    """Run the task of a parcel. Raises WorkersError if the code is not that of the sender."""
     if received.version != worker_version():
         raise WorkersError(
             f"the worker on {socket.gethostname()} (process {os.getpid()}) runs stickslip {worker_version()}, but the "
@@ -102,8 +103,8 @@ def open_parcel(received: Parcel) -> Any:
 
 
 def reduce_task(case: Case, setup: Setup, threads: int) -> ReducedStructure:
-    """Assemble and reduce the structure of a case; the recovery is left out. Raises InputError."""
-    # Workers share a machine: more threads than they were given would hinder each other.
+    """Assemble and reduce the structure of a case; without its recovery. Raises InputError."""
+    # Several workers run on a machine: more threads than their own would hinder each other.
     with threadpool_limits(limits=threads):
         structure = setup.assemble()
         reduced = reduce_structure(case, structure, setup.layout)
@@ -112,7 +113,7 @@ def reduce_task(case: Case, setup: Setup, threads: int) -> ReducedStructure:
 
 
 def solve_task(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
-    """Solve one case; what stickslip itself refuses or does not reach becomes the message of an outcome."""
+    """Solve one case; an error of stickslip becomes the message of an outcome."""
     try:
         with threadpool_limits(limits=task.threads):
             return _solved(task, reduced)

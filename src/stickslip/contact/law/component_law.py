@@ -1,4 +1,4 @@
-"""What laws share that act on t1, t2 and n of a pair one by one: sampling, coefficients, and what they leave alone."""
+"""Common parts of laws that act on t1, t2 and n of a pair one by one: sampling, coefficients, defaults."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from stickslip.core.errors import InputError
 from stickslip.core.fourier import analysis_matrix, synthesis_matrix
 from stickslip.core.validation import FloatArray, finite_array
 
-# Along which of t1, t2, n a law acts, in the words of its constants.
+# t1, t2 and n, along which constants of a law have values.
 COMPONENTS = 3
 
 
 def per_component(name: str, value: ArrayLike, n_pairs: int, count: int = COMPONENTS) -> FloatArray:
-    """A constant as (p, count): a number or (p,) serves for all components. Raises InputError for another shape."""
+    """A constant as (p, count): a number or (p,) applies to all components. Raises InputError for another shape."""
     values = finite_array(name, value)
     if values.ndim <= 1 and values.size in (1, n_pairs):
         values = np.repeat(np.broadcast_to(values, (n_pairs,))[:, None], count, axis=1)
@@ -33,7 +33,7 @@ def per_component(name: str, value: ArrayLike, n_pairs: int, count: int = COMPON
 
 
 def pairs_in(name: str, *values: ArrayLike) -> int:
-    """The number of pairs that constants are for: the length of the longest. ``name`` is that of the law."""
+    """The number of pairs of a law, that is the length of its longest constant. ``name`` is that of the law."""
     lengths = {np.shape(value)[0] for value in values if np.ndim(value)}
     if len(lengths) > 1:
         raise InputError(f"the constants of the law {name} are for {sorted(lengths)} pairs; give all for one number.")
@@ -133,7 +133,7 @@ class ElasticLaw(ABC):
         return np.full(len(slope), ContactState.STUCK, dtype=np.int8)
 
     def period(self, coefficients: FloatArray, samples: int) -> LawPeriod:
-        """See :class:`stickslip.contact.law.law.ContactLaw`; the memory holds the slopes (p, 3, n)."""
+        """See :class:`stickslip.contact.law.law.ContactLaw`; the memory contains the slopes (p, 3, n)."""
         harmonics = coefficients.shape[2] // 2
         force, slope = self._from_rest(coefficients @ synthesis_matrix(harmonics, samples).T)
         moves = (slope != self.resting_springs()[:, :, None]).any(axis=2)
@@ -152,7 +152,7 @@ class ElasticLaw(ABC):
         return tangent
 
     def hidden_springs(self, period: LawPeriod) -> FloatArray:
-        """(p, 3) N/m, by how much the largest slope of the period is above the resting spring."""
+        """(p, 3) N/m, excess of the largest slope of the period over the resting spring."""
         return np.asarray(np.maximum(period.memory.max(axis=2) - self.resting_springs(), 0.0))
 
     def cycle(self, displacement: FloatArray) -> ContactCycle:

@@ -25,29 +25,29 @@ class ContactPairs:
     """Contact pairs with their laws: 3-D Coulomb friction with separation, or others (:meth:`with_laws`).
 
     Relative displacement ``x = operator @ u`` (t1, t2, n of each pair; n > 0 closes). The force on the left-hand side
-    of the equation of motion is ``operator.T @ f``; for Coulomb pairs ``f = (T1, T2, N - normal_load)`` and
-    ``N = max(normal_load + normal_stiffness * (n - gap), 0)``, ``|T| <= friction_coefficient * N``: displacements count
-    from the state at rest, where a normal load is balanced and a gap carries nothing.
+    of the equation of motion is ``operator.T @ f``; for Coulomb pairs ``f = (T1, T2, N - normal_load)`` and ``N =
+    max(normal_load + normal_stiffness * (n - gap), 0)``, ``|T| <= friction_coefficient * N``: displacements are
+    relative to the state at rest, where the structure balances a normal load and a gap carries no force.
 
     Parameters
     ----------
     operator:
         (3 * n_pairs, n), rows t1, t2, n of pair 0, then of pair 1, ...
     normal_stiffness:
-        (n_pairs,) N/m, above zero; a number serves for all pairs.
+        (n_pairs,) N/m, above zero; a number applies to all pairs.
     tangential_stiffness:
         (n_pairs,) N/m, above zero, or (n_pairs, 2) for different stiffness along t1 and t2.
     friction_coefficient:
         (n_pairs,), above zero.
     normal_load, gap:
-        (n_pairs,) N and m at rest, 0 or above; a number serves for all pairs, left out is 0. A pair under load has no
+        (n_pairs,) N and m at rest, 0 or above, by default 0; a number applies to all pairs. A pair under load has no
         gap.
     preload:
         instead of both: (n_pairs,) N, the normal load, or below zero a gap of ``-preload / normal_stiffness``.
     residual_traction:
-        None ("released"): the slider of a pair starts each period at the mean of its motion, so what friction held at
-        rest is forgotten. Or (n_pairs, 2) N along t1, t2 ("kept"): the traction that friction holds at rest, which the
-        structure's static state balances; a pair that never slips keeps it. It must not exceed ``mu * normal_load``.
+        None (released): the slider of a pair starts each period at the mean of its motion, so the traction at rest has
+        no effect. Or (n_pairs, 2) N along t1, t2 (retained): the traction of friction at rest, in equilibrium with the
+        static state of the structure; it stays in a pair that never slips. It must not exceed ``mu * normal_load``.
 
     Raises
     ------
@@ -100,7 +100,7 @@ class ContactPairs:
     def with_laws(
         cls, operator: Any, laws: Sequence[ContactLaw], members: Sequence[ArrayLike] | None = None
     ) -> ContactPairs:
-        """Pairs with any laws: ``members[i]`` are the pairs that follow ``laws[i]``.
+        """Pairs with any laws: ``members[i]`` are the pairs with the law ``laws[i]``.
 
         Without ``members`` the pairs of the first law come first, then those of the second, and so on. Raises
         InputError unless each pair has exactly one law, and for a law without a member of :class:`ContactLaw`.
@@ -199,7 +199,8 @@ class ContactPairs:
 
     @property
     def tangential_stiffness(self) -> FloatArray:
-        """(n_pairs,) or (n_pairs, 2) N/m as given. Raises InputError where not all pairs follow the Coulomb law."""
+        """(n_pairs,) or (n_pairs, 2) N/m, as in the constructor. Raises InputError unless all pairs follow the Coulomb
+        law."""
         return self.coulomb.tangential_stiffness
 
     @property
@@ -224,7 +225,8 @@ class ContactPairs:
 
     @property
     def offset_force(self) -> FloatArray:
-        """(n_pairs,) N, the normal force at ``n = 0`` with its sign: the load, or minus what closes the gap."""
+        """(n_pairs,) N, the normal force at ``n = 0`` with its sign: the load, or minus the force that closes the
+        gap."""
         return self.gathered(lambda law: getattr(law, "offset_force", law.normal_load))
 
     @property
@@ -234,12 +236,12 @@ class ContactPairs:
 
     @property
     def largest_slip_force(self) -> FloatArray:
-        """(n_pairs,) N, the largest tangential force at rest that slip can set free."""
+        """(n_pairs,) N, the largest tangential force at rest that slip can release."""
         return self.gathered(lambda law: law.largest_slip_force)
 
     @property
     def residual_traction(self) -> FloatArray | None:
-        """(n_pairs, 2) N that Coulomb pairs keep at rest, or None."""
+        """(n_pairs, 2) N, traction of Coulomb pairs at rest, or None."""
         return self.coulomb.residual_traction if self.law_names == ("coulomb",) else None
 
     @property
@@ -249,12 +251,12 @@ class ContactPairs:
 
     @property
     def released(self) -> bool:
-        """True if no law remembers a traction at rest."""
+        """True if no law has a traction at rest."""
         return all(getattr(law, "released", True) for law in self.laws)
 
     @property
     def closed_at_rest(self) -> BoolArray:
-        """(n_pairs,) True where small motions about the rest feel springs."""
+        """(n_pairs,) True where springs act on small motions about the rest."""
         return np.asarray(self.gathered(lambda law: law.resting_springs(), (3,)).any(axis=1))
 
     def stuck_stiffness(self) -> FloatArray:
@@ -264,7 +266,8 @@ class ContactPairs:
         ).ravel()
 
     def resting_stiffness(self) -> FloatArray:
-        """(3 * n_pairs,) N/m: the springs that small motions about the rest feel; none for a pair open there."""
+        """(3 * n_pairs,) N/m: the springs that act on small motions about the rest; zero for a pair that is open
+        there."""
         return self.gathered(lambda law: law.resting_springs(), (3,)).ravel()
 
     def frictional(self) -> BoolArray:

@@ -40,9 +40,9 @@ class CoulombLaw:
     gap:
         (p,) m at rest, not negative; zero where a normal load presses.
     residual_traction:
-        None ("released"): the slider of a pair starts each period at the mean of its motion, so what friction held at
-        rest is forgotten. Or (p, 2) N along t1, t2 ("kept"): the traction that friction holds at rest, which the
-        structure's static state balances; a pair that never slips keeps it. At most ``mu * normal_load``.
+        None (released): the slider of a pair starts each period at the mean of its motion, so the traction at rest has
+        no effect. Or (p, 2) N along t1, t2 (retained): the traction of friction at rest, in equilibrium with the static
+        state of the structure; it stays in a pair that never slips. At most ``mu * normal_load``.
     update:
         "tractrix" (second order) or "radial" return.
 
@@ -118,7 +118,7 @@ class CoulombLaw:
             )
 
     def _admissible(self, traction: ArrayLike) -> FloatArray:
-        """A residual traction (p, 2), cut to the limit where it is above it by round-off alone."""
+        """A residual traction (p, 2), reduced to the limit where only round-off exceeds it."""
         kept = finite_array("residual_traction", traction)
         if kept.shape != (self.n_pairs, 2):
             raise InputError(
@@ -150,19 +150,19 @@ class CoulombLaw:
 
     @cached_property
     def offset_force(self) -> FloatArray:
-        """(p,) N, the normal force at ``n = 0`` with its sign: the load, or minus what closes the gap."""
+        """(p,) N, the normal force at ``n = 0`` with its sign: the load, or minus the force that closes the gap."""
         return np.where(self.gap > 0.0, -self.normal_stiffness * self.gap, self.normal_load)
 
     @cached_property
     def tangential_springs(self) -> FloatArray:
-        """(p, 2) N/m along t1 and t2, also where one number was given for both."""
+        """(p, 2) N/m along t1 and t2, also if one number is the constant of both."""
         if self.tangential_stiffness.ndim == 2:
             return self.tangential_stiffness
         return np.repeat(self.tangential_stiffness[:, None], 2, axis=1)
 
     @property
     def released(self) -> bool:
-        """True if the sliders start at the mean of the motion, so that no traction at rest is remembered."""
+        """True if the sliders start at the mean of the motion, so that a traction at rest has no effect."""
         return self.residual_traction is None
 
     @property
@@ -180,7 +180,7 @@ class CoulombLaw:
         return np.column_stack([self.tangential_springs, self.normal_stiffness])
 
     def resting_springs(self) -> FloatArray:
-        """(p, 3) N/m: those of a stuck pair, none for a pair that is open at rest."""
+        """(p, 3) N/m: those of a stuck pair, zero for a pair that is open at rest."""
         return self.stuck_springs() * self.closed_at_rest[:, None]
 
     def frictional(self) -> BoolArray:

@@ -1,4 +1,4 @@
-"""Energy that friction takes in one period, step by step, from the converged forces."""
+"""Energy that friction dissipates in one period, step by step, from the converged forces."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ def tractrix_work(
 ) -> float:
     """k times the work of friction on the slider over the sliding fraction ``rest`` of a step.
 
-    The slider moves along T at the rate ``(|d| cos(phi) - dlambda/dx) / k >= 0``: integral of lambda times that rate,
-    every term of the Gauss sum not negative.
+    The slider moves along T at the rate ``(|d| cos(phi) - dlambda/dx) / k >= 0``. The work is the integral of lambda
+    times this rate; no term of the Gauss sum is negative.
     """
     _, _, length, a, b = slide_frame(s1, s2, d1, d2)
     length *= rest
@@ -61,7 +61,7 @@ def step_dissipation(
 ) -> float:
     """Energy of a step that slips or lifts off, J; forces in N, ``d = K ds``."""
     if limit_end <= 0.0:
-        # Lift-off: what counts is the part of the step before the limit reaches zero, where T is zero too.
+        # Lift-off: only the part of the step before the limit reaches zero counts; T is zero there too.
         closed = limit_start / (limit_start - limit_end)
         d1, d2, limit_end = d1 * closed, d2 * closed, 0.0
     elif limit_start <= 0.0:

@@ -3,9 +3,9 @@
     N = max(N0 + kn n, 0),   |T| <= mu N,   T = K (s - w),   dw/dt along T and only where |T| = mu N,   T = 0 if N = 0
 
 s = (t1, t2) is the relative tangential displacement of a pair, n its closing, w the slider, K = diag(k1, k2). The
-slider starts at the mean of s ("released" pair: one that sticks all period carries T = K (s - mean s)), or where it was
-at rest (residual traction T0 "kept": T = T0 + K s, s counted from rest), and is carried to the true periodic state.
-Derivations, sign conventions and sources: docs/theory_friction.md.
+slider starts at the mean of s (released pair: one that sticks all period carries T = K (s - mean s)), or at its
+position at rest (residual traction T0 retained: T = T0 + K s, s relative to rest). Cycles then lead to the true
+periodic state. Derivations, sign conventions and sources: docs/theory_friction.md.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from stickslip.core.fourier import analysis_matrix, synthesis_matrix
 from stickslip.core.validation import FloatArray, finite_array, require_choice
 
 Update = Literal["tractrix", "radial"]
-MIN_SAMPLES = 8
+MIN_SAMPLES = 8  # of a period; chosen: fewer cannot resolve a stick-slip cycle
 
 
 class CoulombConstants(Protocol):
@@ -66,11 +66,11 @@ class HarmonicForce:
         (n_pairs,) 0 stuck, 1 stick-slip, 2 separating.
     deviates:
         (n_pairs,) False exactly where the force is that of small motions about the rest: the stuck springs of a closed
-        pair (released: with the slider at the mean), nothing for a pair that is open at rest and stays open.
+        pair (released: with the slider at the mean), zero for a pair that is open at rest and stays open.
     closure:
         (n_pairs,) ``|T_end - T_start| / max(mu N)`` of the last period; 0 where a pair sticks or opens.
     period_start:
-        (n_pairs, 4) where the periodic state begins, for :func:`harmonic_tangent`.
+        (n_pairs, 4) start of the periodic state, for :func:`harmonic_tangent`.
     """
 
     force: FloatArray
@@ -110,8 +110,8 @@ def harmonic_force(
     Raises
     ------
     InputError
-        for a wrong shape, too few samples or an unknown update. Entries are not checked to be finite here: a solver
-        that diverges gets NaN back.
+        for a wrong shape, too few samples or an unknown update. Entries need not be finite: for a solver that diverges
+        the result is NaN.
     """
     displacement = _coefficients(coefficients, pairs.n_pairs, samples)
     width = displacement.shape[2]
@@ -130,7 +130,7 @@ def harmonic_force(
     force[:, 2] = pairs.normal_stiffness[:, None] * displacement[:, 2]
     force[:, 2, 0] += np.minimum(
         pairs.offset_force, 0.0
-    )  # a gap that closes for good: N = k_n n - gap force, none at rest
+    )  # a gap that stays closed: N = k_n n - gap force, zero at rest
     opens = (limits <= 0.0).any(axis=1)
     normal = np.maximum(limits[opens] / pairs.friction_coefficient[opens, None], 0.0)
     force[opens, 2] = (normal - pairs.normal_load[opens, None]) @ analysis.T

@@ -4,7 +4,7 @@ Everything is in force units: ``d = K ds`` is the elastic force that the step wo
 is ``lambda = mu * (N0 + kn * n)``, negative where the pair is open. Inside a step the displacement and the limit vary
 linearly. The stiffness enters as the ratios ``k1 / k_max, k2 / k_max`` (both 1: isotropic).
 
-The equations, their sources and derivations stand in docs/theory_friction.md.
+Equations, sources and derivations: docs/theory_friction.md.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ CodeArray = NDArray[np.int8]
 # Sample numbers; constants are written np.int64(...), else numba compiles a version for each constant.
 Index = int | np.int64
 STICK, SLIP, OPEN = (int(state) for state in ContactState)  # numba takes plain numbers
-# |T| may pass the limit by this relative amount and still count as stick: round-off of a pair that touches its limit.
+# |T| may exceed the limit by this relative amount and still count as stick: round-off of a pair that touches its limit.
 STICK_TOLERANCE = 1e-14
 # Unit perturbations of the six inputs of a step.
 _UNIT = tuple(tuple(float(row == column) for column in range(6)) for row in range(6))
@@ -30,7 +30,7 @@ _UNIT = tuple(tuple(float(row == column) for column in range(6)) for row in rang
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def inverse_mean_limit(first: float, last: float) -> tuple[float, float, float]:
-    """Mean of 1 / lambda while lambda goes linearly from first to last, and its two partial derivatives.
+    """Mean of 1 / lambda while lambda varies linearly from first to last, and its two partial derivatives.
 
     ``ln(last / first) / (last - first)``, written with h = (last - first) / (last + first) as atanh(h) / (h * middle),
     which stays exact for equal limits.
@@ -73,7 +73,7 @@ def slip_onset(t1: float, t2: float, d1: float, d2: float, limit_start: float, l
 def slide_frame(t1: float, t2: float, d1: float, d2: float) -> tuple[float, float, float, float, float]:
     """Direction e of the motion, its length, and (a, b) with tan(phi / 2) = b / a, phi the angle from e to T.
 
-    Of the two half-angle forms the one without cancellation is taken, so phi near pi keeps all digits.
+    The function uses the half-angle form without cancellation, so phi near pi has all digits.
     """
     length = math.hypot(d1, d2)
     if length > 0.0:
@@ -217,7 +217,8 @@ def slip_jacobian(
     lose_per_length *= (a * a - b * b * decay) / norm if norm > 0.0 else 1.0
     u1, u2 = new1 / limit_end, new2 / limit_end
     n1, n2 = s1 / limit_onset, s2 / limit_onset
-    # theta is held: the rates of stick and slip differ along T alone, so a shift of the onset turns T to second order.
+    # theta is constant here: the rates of stick and slip differ along T alone, so a shift of the onset turns T to
+    # second order.
     for column in range(6):
         dt1, dt2, dd1, dd2, dstart, dend = _UNIT[column]
         ds1, ds2 = dt1 + theta * dd1, dt2 + theta * dd2

@@ -27,19 +27,21 @@ from stickslip.contact.law.coulomb_kernel import (
 from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
 
-# Closure |T_end - T_start| / max(mu N) at which a period counts as periodic.
+# Closure |T_end - T_start| / max(mu N) at which a period counts as periodic: some hundred units of round-off.
 CLOSURE_TOLERANCE = 1e-13
-MAX_CYCLES = 300
-# Plain cycles go on as long as each divides the closure by at least 1 / this: they find the physical shakedown state.
+MAX_CYCLES = 300  # chosen: ends a march that does not become periodic; its closure is reported
+# Plain cycles, which lead to the physical shakedown state, continue while each reduces the closure to this fraction or
+# less.
 FAST_RATIO = 0.1
-# Newton goes on as long as each step is shorter than this part of the last one.
+# Newton continues while each step is shorter than this fraction of the last one; chosen close to 1, so that only steps
+# that stagnate end it.
 NEWTON_SHRINK = 0.9
-# A pair whose slip in a period, in force units, is below this part of max(mu N) counts as stuck.
+# A pair counts as stuck if its slip in a period, in force units, is below this fraction of max(mu N).
 SLIP_TOLERANCE = 1e-9
 
 
 class Motion(NamedTuple):
-    """What a pair undergoes in a period: path (2, n) N, limit (n,) N with its sign, stiffness ratios, the update."""
+    """Motion of a pair in a period: path (2, n) N, limit (n,) N with its sign, stiffness ratios, the update."""
 
     path: FloatArray
     limit: FloatArray
@@ -60,7 +62,7 @@ def march(
 ) -> tuple[float, float]:
     """March one period from sample ``first`` with force (t1, t2); fills ``force``, ``mode``; returns its end.
 
-    ``known`` >= 0 stops the march where it meets the trajectory already in ``force`` within that distance.
+    ``known`` >= 0 stops the march as soon as it is within this distance of the trajectory in ``force``.
     """
     path, limit, ratio1, ratio2, tractrix = motion.path, motion.limit, motion.ratio1, motion.ratio2, motion.tractrix
     n = limit.shape[0]
@@ -108,7 +110,7 @@ def transfer(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def start_of_path(path: FloatArray, limit: float, ratio1: float, ratio2: float) -> tuple[float, float]:
-    """Force at sample 0 as the path has it, returned to the limit."""
+    """Force at sample 0 of the path, returned to the limit."""
     t1, t2 = path[0, 0], path[1, 0]
     if math.hypot(t1, t2) > limit:
         t1, t2, _ = associated_return(t1, t2, limit, ratio1, ratio2)
@@ -162,11 +164,11 @@ def settle(
 ) -> tuple[Index, float, float, float, int]:
     """Periodic state of one pair: fills ``force`` (2, n) and ``mode`` (n,).
 
-    Plain cycles from the start of the path come first; where they creep, Newton on the period map takes over and is
-    given up, back to the last plain cycle, as soon as its steps stop shrinking or it jumps into the stuck set.
+    Plain cycles from the start of the path come first. Where they converge slowly, Newton on the period map follows; as
+    soon as its steps stop shrinking or it jumps into the stuck set, plain cycles continue from the last plain cycle.
 
-    Returns the sample where the final march starts, the force there (t1, t2), the closure of the final march, and how
-    many plain cycles lead from the start of the path to the last march before Newton.
+    Returns the sample where the final march starts, the force there (t1, t2), the closure of the final march, and the
+    number of plain cycles from the start of the path to the last march before Newton.
     """
     path, limit, ratio1, ratio2 = motion.path, motion.limit, motion.ratio1, motion.ratio2
     n = limit.shape[0]
@@ -178,7 +180,7 @@ def settle(
     for j in range(n):
         mode[j] = -1
     if first_open >= 0:
-        # An open sample carries no force whatever came before: one march from there is the periodic state.
+        # An open sample carries no force, whatever its history: one march from there is the periodic state.
         march(motion, first_open, 0.0, 0.0, -1.0, force, mode)
         return first_open, 0.0, 0.0, 0.0, 0
     t1, t2 = start_of_path(path, limit[0], ratio1, ratio2)

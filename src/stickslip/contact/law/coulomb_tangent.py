@@ -22,10 +22,11 @@ from stickslip.contact.law.coulomb_period import Motion, start_of_path, sticks_t
 from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
 
-# |det(I - Phi)| below which the start of the period is taken from the transient instead of the fixed point.
+# |det(I - Phi)| below which the transient, not the fixed point, gives the start of the period: round-off of a rank 1
+# matrix is far below.
 SINGULAR = 1e-9
-# A pair that shakes down to the limit at two samples creeps there: its state is fixed by touching both. Where it sticks
-# within this share of the limit, after slip in earlier cycles, the touch counts as slip in the derivative.
+# A pair that shakes down to the limit at two samples creeps there: touching both determines its state. Where it sticks
+# within this fraction of the limit, after slip in earlier cycles, the touch counts as slip in the derivative.
 TOUCH = 1e-8
 
 
@@ -189,9 +190,9 @@ def transient_start_derivative(
     released: bool,
     derivative: FloatArray,
 ) -> None:
-    """Fill ``derivative`` with that of the force after ``plain`` cycles from the start of the path.
+    """Fill ``derivative`` with the derivative of the force after ``plain`` cycles from the start of the path.
 
-    A ``released`` path does not depend on the mean displacement, one that counts from rest does.
+    A ``released`` path does not depend on the mean displacement, a path relative to rest does.
     """
     path, limit, ratio1, ratio2 = motion.path, motion.limit, motion.ratio1, motion.ratio2
     synthesis = basis.synthesis
@@ -226,10 +227,10 @@ def pair_tangent(
 ) -> None:
     """Fill ``tangent`` (2, width, 3 * width): derivative of the tangential force coefficients of the periodic state.
 
-    ``period_start`` (4,) is what :func:`stickslip.contact.law.coulomb_period.settle_pairs` found for this motion.
+    ``period_start`` (4,) is the result of :func:`stickslip.contact.law.coulomb_period.settle_pairs` for this motion.
 
     With b the derivative of the period's end at fixed start and Phi that by the start, the start of the periodic state
-    moves by D = (I - Phi)^-1 b; where I - Phi is singular (no slip in the period), D keeps what the transient left.
+    moves by D = (I - Phi)^-1 b; where I - Phi is singular (no slip in the period), D is that of the transient.
     """
     width = basis.synthesis.shape[1]
     columns = 3 * width + 2

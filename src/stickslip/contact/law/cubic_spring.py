@@ -24,7 +24,7 @@ class CubicSpring(ElasticLaw):
     Parameters
     ----------
     stiffness:
-        N/m, 0 or above: (p, 3) along t1, t2, n; a number or (p,) serves for all three.
+        N/m, 0 or above: (p, 3) along t1, t2, n; a number or (p,) applies to all three.
     cubic_stiffness:
         N/m3, the same shapes; below zero it softens.
     rest_displacement:

@@ -30,7 +30,7 @@ class ElasticStop(ElasticLaw):
     gap:
         (p,) m of the unloaded pair, above zero.
     spring:
-        (p,) N/m of the spring that always acts, 0 unless given.
+        (p,) N/m of the spring that always acts, by default 0.
     two_sided:
         whether a stop is on either side.
     rest_displacement:

@@ -1,4 +1,4 @@
-"""What hysteretic laws share that act along t1 and along t2 one by one, with a normal spring that never opens."""
+"""Common parts of hysteretic laws that act along t1 and along t2 one by one, with a normal spring that never opens."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class TangentialStep:
 
 
 class HystereticLaw(ABC):
-    """A law whose force along a tangent depends on the path along this tangent alone, not on where the path lies.
+    """A law whose force along a tangent depends on the path along this tangent alone, not on the mean of the path.
 
     The force at rest is released: it does not depend on the mean displacement, unless a subclass can keep one
     (:meth:`keeping`, :attr:`resting_traction` and :attr:`released`). A subclass has the constants
@@ -129,7 +129,7 @@ class HystereticLaw(ABC):
         return tangent
 
     def hidden_springs(self, period: LawPeriod) -> FloatArray:
-        """(p, 3) N/m: there are none."""
+        """(p, 3) N/m: zero."""
         return np.zeros((self.n_pairs, 3))
 
     def cycle(self, displacement: FloatArray) -> ContactCycle:

@@ -130,7 +130,7 @@ class IwanJoint(HystereticLaw):
 
     @cached_property
     def macroslip_displacement(self) -> FloatArray:
-        """phi_max, (p, 2) m, from which on the whole patch slides."""
+        """phi_max, (p, 2) m: at larger displacements the whole patch slides."""
         share = self.ratio + (self.exponent + 1.0) / (self.exponent + 2.0)
         return self.slip_force * ((1.0 + self.ratio) / share)[:, None] / self.tangential_stiffness
 
@@ -212,15 +212,15 @@ def _walk(
     energy: FloatArray,
     tangent: FloatArray,
 ) -> None:
-    """Fill force (p, 2, n), energy (p, 2) and tangent (p, 2, n, width) of the periodic state; no width, no tangent.
+    """Fill force (p, 2, n), energy (p, 2) and tangent (p, 2, n, width) of the periodic state; no tangent at width 0.
 
-    The walk starts at the largest displacement, where the force is that of the backbone F at half the range A, and of
-    elements that stick: started at the mean of the path, which is d below the middle of the range, they hold
-    ``F(A + d) - F(A)``.
+    The walk starts at the largest displacement. The force there is that of the backbone F at half the range A plus that
+    of elements that stick: starting at the mean of the path, which is d below the middle of the range, they carry ``F(A
+    + d) - F(A)``.
 
-    Turning points wait on a stack: on a branch from one at (x_r, F_r) the force is ``F_r -+ 2 F(|x - x_r| / 2)``.
-    Where a branch passes the turning point before its own, that loop is closed, its energy is counted, and the branch
-    that it interrupted goes on.
+    Turning points are on a stack: on a branch from one at (x_r, F_r) the force is ``F_r -+ 2 F(|x - x_r| / 2)``. Where
+    a branch passes the turning point before its own, this loop is closed, its energy counts, and the interrupted branch
+    continues.
     """
     n, width = paths.shape[2], synthesis.shape[1]
     turn_x, turn_force, turn_sample = np.empty(n + 2), np.empty(n + 2), np.empty(n + 2, dtype=np.int64)

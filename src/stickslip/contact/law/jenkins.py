@@ -33,8 +33,8 @@ class JenkinsElement(HystereticLaw):
     """``T = k (s - w)``, ``|T| <= friction_limit``, the slider w moves where T is at the limit; along t1 and along t2.
 
     One-dimensional dry friction with a constant normal load (G. M. Jenkins, J. Appl. Phys. 33 (1962) 2055 for the
-    element): the two directions know nothing of each other. In the cyclic state the slider is at the mean of the motion
-    until it slips.
+    element): the two directions are independent. In the cyclic state the slider is at the mean of the motion until it
+    slips.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a contact law is: the force of contact pairs over a period of their relative motion, with its derivative.
+"""The contact law: the force of contact pairs over a period of their relative motion, with its derivative.
 
 A law is an object that holds the constants of a group of pairs. The harmonic balance asks it for the springs that small
 motions feel, for the force over a period, and for the derivative of that force. Time integration and static loads ask
@@ -24,7 +24,7 @@ IndexArray = NDArray[np.int64]
 
 
 class ContactState(IntEnum):
-    """What a pair does over a period; the codes of every ``contact_state``."""
+    """State of a pair over a period; the codes of every ``contact_state``."""
 
     STUCK = 0
     STICK_SLIP = 1
@@ -32,7 +32,7 @@ class ContactState(IntEnum):
 
     @property
     def label(self) -> str:
-        """Its name in words."""
+        """The name in words."""
         return self.name.lower().replace("_", "-")
 
 
@@ -47,14 +47,14 @@ class LawPeriod:
     force:
         (p, 3, 2H+1) N along t1, t2, n, less its value at rest.
     moves:
-        (p, 3) False exactly where the force is that of the springs of the law (:meth:`ContactLaw.resting_springs`), so
-        that neither it nor its derivative deviates from them.
+        (p, 3) False exactly where force and derivative are those of the springs of the law
+        (:meth:`ContactLaw.resting_springs`).
     state:
         (p,) codes of :class:`ContactState`.
     closure:
         (p,) relative distance between the start and the end of the period; 0 for a law without memory.
     memory:
-        what :meth:`ContactLaw.tangent` needs again.
+        data for :meth:`ContactLaw.tangent`.
     """
 
     force: FloatArray
@@ -117,7 +117,7 @@ class ContactCycle:
 class ContactLaw(Protocol):
     """The law of a group of p pairs; a frozen dataclass whose fields are its constants.
 
-    Displacements are those of a pair, t1, t2, n > 0 closing, m, counted from the state at rest; forces act on the
+    Displacements are those of a pair, t1, t2, n > 0 closing, m, relative to the state at rest; forces act on the
     left-hand side of the equation of motion.
     """
 
@@ -130,17 +130,17 @@ class ContactLaw(Protocol):
 
     @property
     def normal_load(self) -> FloatArray:
-        """(p,) N, the normal force at rest; zero for a law that needs none."""
+        """(p,) N, the normal force at rest; zero for a law without normal load."""
 
     @property
     def largest_slip_force(self) -> FloatArray:
-        """(p,) N, the largest tangential force at rest that slip can set free; zero for an elastic law."""
+        """(p,) N, the largest tangential force at rest that slip can release; zero for an elastic law."""
 
     def resting_springs(self) -> FloatArray:
-        """(p, 3) N/m, the springs along t1, t2, n that small motions about the rest feel."""
+        """(p, 3) N/m, the springs along t1, t2, n that act on small motions about the rest."""
 
     def frictional(self) -> BoolArray:
-        """(p, 3) True for the springs that slip can release, so that they hold no body for certain."""
+        """(p, 3) True for the springs that slip can release, so that they do not reliably support a body."""
 
     def undetermined(self) -> BoolArray:
         """(p, 3) True for mean displacements that the force does not depend on; their springs carry no mean."""

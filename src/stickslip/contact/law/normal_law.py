@@ -13,15 +13,15 @@ from stickslip.contact.preload import checked_area
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, require_positive
 
-# A law over the pressure is tabulated at this many pressures, evenly spaced in their logarithm.
+# A law over the pressure is tabulated at this number of pressures, evenly spaced in their logarithm.
 TABLE_POINTS = 2000
 
 
 class NormalLaw(Protocol):
-    """Force over closure: ``closure`` (n_pairs,) m counts from first touch, above 0 pressed together.
+    """Force over closure: ``closure`` (n_pairs,) m is 0 at first touch and above 0 when pressed together.
 
-    The force that it gives (n_pairs,) in N is continued below zero for an open pair, where it only tells how far the
-    pair is from touching; the derivative (n_pairs,) in N/m is above zero.
+    The force (n_pairs,) in N continues below zero for an open pair, where it only measures the distance from touching;
+    the derivative (n_pairs,) in N/m is above zero.
     """
 
     def force(self, closure: FloatArray) -> tuple[FloatArray, FloatArray]: ...
@@ -40,7 +40,7 @@ class SpringLaw:
 
 @dataclass(frozen=True)
 class FaceLaws:
-    """A law for each face: ``face`` (n_pairs,) says which of ``laws`` a pair follows."""
+    """A law for each face: ``face`` (n_pairs,) is the index in ``laws`` of the law of a pair."""
 
     face: NDArray[np.int64]
     laws: tuple[NormalLaw, ...]
@@ -99,9 +99,9 @@ class PressureGapLaw:
     ) -> PressureGapLaw:
         """The law whose slope is a stiffness over pressure: ``closure(p) = integral of dp / kappa(p)``.
 
-        ``stiffness`` gives kappa (k,) in N/m3 at pressures (k,) in Pa; below the ``lowest`` pressure kappa is taken as
-        constant, since many laws vanish at zero pressure, above the ``highest`` too. Raises InputError unless
-        0 < lowest < highest and kappa is above zero.
+        ``stiffness`` gives kappa (k,) in N/m3 at pressures (k,) in Pa. Below the ``lowest`` pressure kappa is constant,
+        because many laws vanish at zero pressure, and above the ``highest`` too. Raises InputError unless 0 < lowest <
+        highest and kappa is above zero.
         """
         if not 0.0 < lowest < highest:
             raise InputError(f"the pressures must satisfy 0 < lowest < highest; found {lowest:g} and {highest:g} Pa.")

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from stickslip.core.validation import FloatArray
 from stickslip.structure.mesh import IntArray
 
-_NEWTON_STEPS = 12
+_NEWTON_STEPS = 12  # chosen: more than quadratic convergence inside a convex cell needs
 
 
 def clip(subject: FloatArray, window: FloatArray) -> tuple[FloatArray, IntArray]:
-    """The parts of convex polygons ``subject`` (c, 4, 2) inside convex polygons ``window`` (c, 4, 2).
+    """Intersections of convex polygons ``subject`` (c, 4, 2) with convex polygons ``window`` (c, 4, 2).
 
     Both run counter-clockwise; a triangle repeats a corner. Returns corners (c, v, 2), counter-clockwise, and their
     number (c,), 0 where nothing is left. Corners closer than 1e-9 of the subject's size count as one.
@@ -31,7 +31,7 @@ def clip(subject: FloatArray, window: FloatArray) -> tuple[FloatArray, IntArray]
 
 
 def _cut(polygon: FloatArray, count: IntArray, start: FloatArray, inward: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Keep what lies on the inward side of the line through ``start`` (c, 2)."""
+    """The part of each polygon on the inward side of the line through ``start`` (c, 2)."""
     position = np.arange(polygon.shape[1])
     used = position < count[:, None]
     following = np.where(position + 1 < count[:, None], position + 1, 0)
@@ -48,14 +48,14 @@ def _cut(polygon: FloatArray, count: IntArray, start: FloatArray, inward: FloatA
 
 
 def _packed(corners: FloatArray, keep: NDArray[np.bool_]) -> tuple[FloatArray, IntArray]:
-    """The kept corners of each polygon moved to the front of its row."""
+    """The corners in ``keep`` of each polygon moved to the front of its row."""
     count = keep.sum(axis=1)
     order = np.argsort(~keep, axis=1, kind="stable")[:, : max(int(count.max(initial=0)), 1)]
     return np.take_along_axis(corners, order[..., None], axis=1), count
 
 
 def _without_doubles(polygon: FloatArray, count: IntArray, tolerance: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Drop corners at the place of the one before them, and polygons with less than three corners."""
+    """Drop corners at the position of the one before them, and polygons with less than three corners."""
     position = np.arange(polygon.shape[1])
     before = np.where(position > 0, position - 1, np.maximum(count, 1)[:, None] - 1)
     distance = np.linalg.norm(polygon - np.take_along_axis(polygon, before[..., None], axis=1), axis=2)
@@ -64,10 +64,10 @@ def _without_doubles(polygon: FloatArray, count: IntArray, tolerance: FloatArray
 
 
 def corner_weights(corners: FloatArray, points: FloatArray) -> FloatArray:
-    """(c, v, 4) weights that make ``points`` (c, v, 2) of the ``corners`` (c, 4, 2) of the parts that hold them.
+    """(c, v, 4) weights with which ``corners`` (c, 4, 2) of parts give the ``points`` (c, v, 2) inside them.
 
     Area coordinates in a triangle (its last corner is repeated and has weight 0), the bilinear functions in a
-    quadrilateral, whose coordinates are found by Newton's iteration (one step where it is a parallelogram).
+    quadrilateral, with coordinates from Newton's iteration (one step in a parallelogram).
     """
     weights = np.zeros((*points.shape[:2], 4))
     triangle = (corners[:, 2] == corners[:, 3]).all(axis=1)

@@ -1,4 +1,4 @@
-"""Contact pairs of one or more faces: where they are, which area and directions they have, how they move apart."""
+"""Contact pairs of one or more faces: positions, areas, directions and relative motion."""
 
 from __future__ import annotations
 
@@ -14,35 +14,36 @@ from stickslip.core.validation import FloatArray, finite_array, positive_number,
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.superelement import Superelement
 
-_ROUND_OFF = 1e-9  # what sums of weights and products of unit vectors may be off by
+_ROUND_OFF = 1e-9  # allowed error of sums of weights and products of unit vectors
 
 
 @dataclass(frozen=True)
 class FacePairs:
     """Contact pairs of one or more faces; each side of a pair is a node, a point among nodes, or the ground.
 
-    The first body is the one whose outward normal is kept (the damper), the second the other one (a blade). Relative
-    displacement is that of the first against the second body, so a first body that moves along its outward normal
-    closes the pair: ``n = normal . (u_first - u_second) > 0`` closes, with ``u = sum of weight * u of the nodes``.
+    The normal of a pair points out of the first body (the damper) towards the second (a blade). Relative displacement
+    is that of the first against the second body, so a first body that moves along its outward normal closes the pair:
+    ``n = normal . (u_first - u_second) > 0`` closes, with ``u = sum of weight * u of the nodes``.
 
     Parameters
     ----------
     first_nodes, first_weights:
         (n_pairs, a) node numbers and weights. The weights of a pair sum to 1; a node itself has one weight of 1. An
-        entry of weight 0 only fills the row, and its node number means nothing.
+        entry of weight 0 only fills the row; its node number has no meaning.
     second_nodes, second_weights:
-        (n_pairs, b) the same of the second body; all weights of a pair are 0 where it meets the rigid ground.
+        (n_pairs, b) the same of the second body; all weights of a pair are 0 where its partner is the rigid ground.
     gap:
-        (n_pairs,) m along the normal before any load: above 0 open, 0 in touch, below 0 the bodies overlap.
+        (n_pairs,) m along the normal before any load: above 0 open, 0 in contact, below 0 the bodies overlap.
     points:
         (n_pairs, 3) m, on the first body.
     area:
-        (n_pairs,) m2, the part of the face that each pair stands for.
+        (n_pairs,) m2, the part of the face that each pair represents.
     normal:
         (n_pairs, 3) unit vectors out of the first body.
     tangent1, tangent2:
         (n_pairs, 3) unit vectors in the face: up the slope (along z, or along x on a face that looks along z) unless
-        chosen, and across it. They mirror with the face, so they need not form a right-handed set with the normal.
+        chosen, and across it. Mirrored faces have mirrored tangents, so they need not form a right-handed set with the
+        normal.
     face:
         (n_pairs,) number of the face.
     face_position:
@@ -148,13 +149,13 @@ class FacePairs:
 
     @property
     def nodes(self) -> IntArray:
-        """(k,) every node that a pair moves with, once and in order: the contact part of a boundary set."""
+        """(k,) the nodes of all pairs, each once and in order: the contact part of a boundary set."""
         used = [getattr(self, f"{side}_nodes")[self._weights(side) != 0.0] for side in ("first", "second")]
         return np.unique(np.concatenate(used)).astype(np.int64)
 
     @staticmethod
     def concatenate(parts: Sequence[FacePairs]) -> FacePairs:
-        """Pairs of several faces in one object; faces are numbered on from part to part. Raises InputError if empty."""
+        """Pairs of several faces in one object; face numbers continue from part to part. Raises InputError if empty."""
         if not parts:
             raise InputError("FacePairs.concatenate got no faces; give it at least one FacePairs.")
         wide = {side: max(part._weights(side).shape[1] for part in parts) for side in ("first", "second")}
@@ -168,7 +169,7 @@ class FacePairs:
         )
 
     def _widened(self, first: int, second: int) -> FacePairs:
-        """The same pairs with rows of nodes that are filled up to these widths by entries of weight 0."""
+        """The same pairs with rows of nodes filled up to these widths by entries of weight 0."""
         rows = {}
         for side, width in (("first", first), ("second", second)):
             for name in (f"{side}_nodes", f"{side}_weights"):

@@ -9,8 +9,8 @@ from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array
 
 _ALONG_Z = 0.99  # a face whose mean normal has a larger z component looks along z
-_SMALLEST_SINE = 0.05  # between a direction and a normal; below it the tangent would be next to arbitrary
-_SMALLEST_MEAN = 0.05  # length of a mean of unit vectors; below it the face closes on itself and has no mean direction
+_SMALLEST_SINE = 0.05  # between a direction and a normal; below it the tangent would be almost arbitrary
+_SMALLEST_MEAN = 0.05  # length of a mean of unit vectors; below it the face is closed and has no mean direction
 
 
 def local_tangents(
@@ -18,12 +18,12 @@ def local_tangents(
 ) -> tuple[FloatArray, FloatArray]:
     """Unit vectors t1 and t2 (k, 3) in the face at points (k, 3) with unit normals (k, 3).
 
-    t1 is the direction ``chosen`` (3,), of any length, laid into the face: ``d - (d . n) n``. Without a choice d is z,
-    or x on a face that looks along z, or, on a face that curves through that direction, the axis that stays farthest
-    from all normals. t2 is ``n x t1``, with the sign that makes the leading component of its mean positive, so that
-    mirrored faces get mirrored tangents; on a face that closes on itself, where there is no mean, it is ``n x t1``.
+    t1 is the direction ``chosen`` (3,), of any length, projected on the face: ``d - (d . n) n``. Without a choice d is
+    z, or x on a face with its normal along z, or, on a face that curves through that direction, the axis farthest from
+    all normals. t2 is ``n x t1``, with the sign that makes the leading component of its mean positive, so that mirrored
+    faces get mirrored tangents; on a closed face, which has no mean direction, it is ``n x t1``.
 
-    Raises InputError for a direction that is no vector, or that a normal of the face is parallel to.
+    Raises InputError for a direction that is not a vector, or that is parallel to a normal of the face.
     """
     if chosen is None:
         direction = _default_direction(normal, area)
@@ -67,7 +67,7 @@ def _mean(vectors: FloatArray, area: FloatArray) -> FloatArray:
 def map_position(points: FloatArray, tangent1: FloatArray, tangent2: FloatArray, area: FloatArray) -> FloatArray:
     """(k, 2) m along the mean tangents from the middle of the face's box.
 
-    On a face that closes on itself, where a tangent has no mean, the two longest principal axes of its points serve.
+    On a closed face, where a tangent has no mean, the axes are the two longest principal axes of its points.
     """
     axes = np.array([_mean(tangent1, area), _mean(tangent2, area)])
     length = np.linalg.norm(axes, axis=1, keepdims=True)

@@ -24,17 +24,17 @@ __all__ = ["FacePairs", "Pairing", "pair_faces", "pair_surfaces", "pair_with_gro
 Points = Literal["nodes", "quadrature"]
 Adjust = Literal["measured", "closed"]
 
-# Defaults as shares of a length, for the reasons that pair_surfaces gives.
+# Defaults as fractions of a length; pair_surfaces gives the reasons.
 _SEARCH_SHARE, _EDGE_SHARE, _GAP_SHARE = 0.2, 0.01, 1e-6
 _SMALLEST_WEIGHT = 1e-10  # shape functions below it are round-off at a node
-_SMALLEST_UNCOVERED = 1e-9  # share of a side; less is round-off of the clipping
-_COARSER = 1.2  # ratio of side lengths from which the first face counts as the coarser one
+_SMALLEST_UNCOVERED = 1e-9  # fraction of a side; less is round-off of the clipping
+_COARSER = 1.2  # chosen: ratio of side lengths above which the first face counts as the coarser one
 
 
 def pair_faces(
     mesh: Mesh, first_set: str, second_set: str, tolerance: float = 1e-7, tangent: ArrayLike | None = None
 ) -> FacePairs:
-    """Pair each node of one face with the node of another body's face at the same place.
+    """Pair each node of one face with the node of another body's face at the same position.
 
     Parameters
     ----------
@@ -43,14 +43,14 @@ def pair_faces(
     second_set:
         node set of the opposite face.
     tolerance:
-        m, the largest distance between the two nodes of a pair; it counts as no gap.
+        m, the largest distance between the two nodes of a pair; the pair then has no gap.
     tangent:
-        (3,) direction of tangent1, laid into the face (:func:`stickslip.contact.pairing.local_axes.local_tangents`).
+        (3,) direction of tangent1, projected on the face (:func:`stickslip.contact.pairing.local_axes.local_tangents`).
 
     Raises
     ------
     InputError
-        when a set is missing, empty or holds no whole cell side, when the sets share a node, and when a node of
+        when a set is missing, empty or contains no complete cell side, when the sets share a node, and when a node of
         either set has no partner within the tolerance.
     """
     positive_number("tolerance", tolerance, "m: it is the distance that counts as none")
@@ -76,12 +76,12 @@ def pair_surfaces(
     tangent: ArrayLike | None = None,
     adjust: Adjust = "measured",
 ) -> Pairing:
-    """Pair points of one face with the places of another body's face that they meet along their normals.
+    """Pair points of one face with their projections along their normals on another body's face.
 
-    The meshes of the faces need not match. Each point p with the smoothed normal n meets the second face at
-    ``p + gap n``; the second side of the pair moves as the shape functions of the side that was met. Forces and moments
-    of the two bodies balance to round-off. What finds no partner is left out of the contact, its area is not shared
-    among the others, and it is returned with the reason.
+    The meshes of the faces need not match. The ray from each point p along the smoothed normal n intersects the second
+    face at ``p + gap n``; the second side of the pair moves with the shape functions of the cell side there. Forces and
+    moments of the two bodies balance to round-off. Points without a partner do not take part in the contact, their area
+    is not distributed among the others, and the result lists them with the reason.
 
     Parameters
     ----------
@@ -89,29 +89,29 @@ def pair_surfaces(
         face sets or node sets. Areas, normals and directions are those of the first one.
     points:
         ``nodes``: the nodes of the first face with their tributary areas; as many pairs as nodes, so this is the choice
-        for large models. Take the finer face as the first. A uniform pressure spreads somewhat unevenly over the
-        second face, less with a finer first face (docs/pairing.md has figures). ``quadrature``: integration points in
-        the cells that the sides of both faces cut (``segmentation.py``); a uniform pressure goes
-        through to round-off where the sides are triangles or parallelograms, but there are 5 to 20 times as many pairs.
+        for large models. Take the finer face as the first. A uniform pressure is somewhat uneven on the second face,
+        less with a finer first face (docs/pairing.md has figures). ``quadrature``: integration points in the cells into
+        which the sides of both faces cut each other (``segmentation.py``); this transfers a uniform pressure to
+        round-off where the sides are triangles or parallelograms, but gives 5 to 20 times as many pairs.
     search_distance:
         m, the largest distance along the normal, apart or overlapping; by default a fifth of the mean side length of
-        the coarser face, which bridges what flat sides stand off curved faces.
+        the coarser face, more than the distance of flat sides from a curved face.
     edge_tolerance:
-        m, how far a point may lie beyond the edge of the second face and still be paired; by default a hundredth of the
-        mean side length of the first face.
+        m, the largest distance of a point with a partner from the edge of the second face; by default a hundredth of
+        the mean side length of the first face.
     gap_tolerance:
-        m, gaps up to it count as none; by default 1e-6 of the size of the first face.
+        m, smaller gaps count as zero; by default 1e-6 of the size of the first face.
     tangent:
-        (3,) direction of tangent1, laid into the face (:func:`stickslip.contact.pairing.local_axes.local_tangents`).
+        (3,) direction of tangent1, projected on the face (:func:`stickslip.contact.pairing.local_axes.local_tangents`).
     adjust:
-        ``measured`` takes the gap as it is; ``closed`` sets every gap to zero, for faces that touch and whose distances
-        come from the meshes alone (flat sides of a curved face).
+        ``measured`` takes the gap of the meshes; ``closed`` sets every gap to zero, for faces in contact whose
+        distances come from the meshes alone (flat sides of a curved face).
 
     Raises
     ------
     InputError
-        for an unknown choice, a distance that is not above 0, faces that share a node, a set without whole sides, a
-        tangent along a normal, a second face in layers, and faces that do not meet at all.
+        for an unknown choice, a distance that is not above 0, faces that share a node, a set without complete sides, a
+        tangent along a normal, a second face in layers, and faces without any pair.
     """
     require_choice("points", points, get_args(Points))
     require_choice("adjust", adjust, get_args(Adjust))
@@ -184,9 +184,9 @@ def pair_with_ground(
 ) -> Pairing:
     """Pair a face with a rigid, fixed ground of the same shape, at a distance of ``gap`` (m) along the normal.
 
-    ``points`` and ``tangent`` are those of :func:`pair_surfaces`; the integration points are those of whole sides.
-    Raises InputError for an unknown choice, a gap that is no number, a set without whole sides, and a tangent along a
-    normal.
+    ``points`` and ``tangent`` are those of :func:`pair_surfaces`; the integration points are those of complete sides.
+    Raises InputError for an unknown choice, a gap that is not a number, a set without complete sides, and a tangent
+    along a normal.
     """
     require_choice("points", points, get_args(Points))
     distance = real_number("gap", gap)
@@ -248,10 +248,10 @@ def _side_places(face: SurfaceMesh, found: IntegrationPoints) -> _Places:
 
 
 def _uncovered(face: SurfaceMesh, cut: IntegrationPoints, nodes: _Places, found: Projection) -> Unpaired:
-    """Sides that lie in cells only in part: what is missing of their area, at their middle.
+    """Sides that are only partly in cells: their missing area, at their middle.
 
-    Reason, gap and overhang are those of the side's node that lies farthest off; a side whose nodes all have partners
-    lies over a hole of the second face, beyond an edge.
+    Reason, gap and overhang are those of the farthest node of the side; a side whose nodes all have partners is over a
+    hole of the second face, beyond an edge.
     """
     missing = face.side_area - np.bincount(cut.side, cut.area, minlength=len(face.sides))
     sides = np.flatnonzero((1.0 - cut.covered > _SMALLEST_UNCOVERED) & (missing > 0.0))
@@ -276,7 +276,7 @@ def _uncovered(face: SurfaceMesh, cut: IntegrationPoints, nodes: _Places, found:
 def _face_pairs(
     places: _Places, second_nodes: IntArray, second_weights: FloatArray, gap: FloatArray, tangent: ArrayLike | None
 ) -> FacePairs:
-    """Pairs of one face; rows of nodes are cut to the columns that carry weight."""
+    """Pairs of one face; rows of nodes are cut to the columns with nonzero weights."""
     with concerning("tangent"):
         tangent1, tangent2 = local_tangents(places.points, places.normal, places.area, tangent)
     rows: dict[str, Any] = {}

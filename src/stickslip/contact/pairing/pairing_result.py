@@ -1,4 +1,4 @@
-"""What pairing two faces gave: the pairs, what found no partner and why, the tolerances; as rows, warnings and VTU."""
+"""The result of pairing two faces: pairs, points without a partner and why, tolerances; as rows, warnings and VTU."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ MANY_PAIRS = 1000  # the solver's cost grows with the square of the pairs, and m
 
 @dataclass(frozen=True)
 class Unpaired:
-    """Places of a face without a partner.
+    """Points of a face without a partner.
 
     Parameters
     ----------
     node:
-        (k,) node number, -1 for a place inside a side.
+        (k,) node number, -1 for a point inside a side.
     points, normal:
         (k, 3) m, and unit vectors out of the face.
     area:
-        (k,) m2 that each place stands for.
+        (k,) m2 that each point represents.
     reason:
         (k,) positions in :data:`stickslip.contact.pairing.projection.REASONS`.
     gap:
-        (k,) m along the normal to the other face, infinite where it does not reach there.
+        (k,) m along the normal to the other face, infinite where the normal does not intersect it.
     overhang:
         (k,) m beyond the edge of the other face, seen along the normal.
     """
@@ -49,7 +49,7 @@ class Unpaired:
 
     @staticmethod
     def of(node: IntArray, points: FloatArray, normal: FloatArray, area: FloatArray, found: Projection) -> Unpaired:
-        """The places that ``found`` names no partner for, of all that were projected."""
+        """Those of the projected points that have no partner in ``found``."""
         lone = found.reason != PAIRED
         return Unpaired(
             *(value[lone] for value in (node, points, normal, area, found.reason, found.gap, found.overhang))
@@ -57,7 +57,7 @@ class Unpaired:
 
     @staticmethod
     def none() -> Unpaired:
-        """No places."""
+        """No points."""
         number, one, three = np.empty(0, dtype=np.int64), np.empty(0), np.empty((0, 3))
         return Unpaired(number, three, three, one, number, one, one)
 
@@ -73,7 +73,7 @@ class Unpaired:
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """The reason of each place in words."""
+        """The reason of each point in words."""
         return tuple(REASONS[reason] for reason in self.reason)
 
     @property
@@ -82,35 +82,36 @@ class Unpaired:
         return float(self.overhang.max(initial=0.0))
 
     def counts(self) -> str:
-        """How many places lie unpaired for which reason, as part of a sentence."""
+        """The number of unpaired points for each reason, as part of a sentence."""
         number = np.bincount(self.reason, minlength=len(REASONS))
         return ", ".join(f"{number[reason]} {REASONS[reason]}" for reason in range(1, len(REASONS)) if number[reason])
 
 
 @dataclass(frozen=True)
 class Pairing:
-    """Pairs of one interface and everything a reader must know about how they were found.
+    """Pairs of one interface, and everything that a reader needs to judge them.
 
     Parameters
     ----------
     first, second:
         names of the faces; ``second`` is "ground" for a rigid ground.
     points, adjust:
-        what was asked for: "nodes" or "quadrature", "measured" or "closed".
+        the options: "nodes" or "quadrature", "measured" or "closed".
     pairs:
         the contact pairs.
     measured_gap, overhang:
-        (n_pairs,) m: the gap before ``adjust`` and the gap tolerance, and what the second face's edge was missed by.
+        (n_pairs,) m: the gap before ``adjust`` and the gap tolerance, and the distance beyond the edge of the second
+        face.
     unpaired_first, unpaired_second:
-        places without a partner; those of the second face are always nodes.
+        points without a partner; those of the second face are always nodes.
     first_area, second_area:
         m2 of the whole faces.
     search_distance, edge_tolerance, gap_tolerance:
-        m, as given or as chosen; 0 for the ground.
+        m, arguments or defaults; 0 for the ground.
     facet_height:
-        m, what the flat sides of both faces, together, stand off their curved shape; gaps below it mean nothing.
+        m, distance of the flat sides of both faces, together, from their curved shape; smaller gaps have no meaning.
     node_count:
-        number of nodes of the first face: how many pairs ``points="nodes"`` would make at most.
+        number of nodes of the first face, the largest number of pairs with ``points="nodes"``.
     has_midside_nodes, is_first_coarser:
         whether the first face has sides with midside nodes, and larger sides than the second face.
     warnings:
@@ -138,7 +139,7 @@ class Pairing:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What a reader must judge, in sentences: uncovered area, overlap, gaps of facets, coarse sides, many pairs."""
+        """Warnings of uncovered area, overlap, gaps of facets, coarse sides and many pairs."""
         return tuple(self._warnings())
 
     def _warnings(self) -> Iterator[str]:
@@ -224,11 +225,11 @@ class Pairing:
 
 
 def write_pairs(path: str | Path, pairings: Sequence[Pairing]) -> Path:
-    """Write pairs and unpaired places of interfaces as points of one .vtu file, for ParaView.
+    """Write pairs and unpaired points of interfaces as points of one .vtu file, for ParaView.
 
     Fields: ``interface`` (its number), ``side`` (1: first face, 2: second face), ``reason`` (0 paired; 1 beyond the
-    edge, 2 farther than the search distance, 3 faces do not look at each other), ``gap mm`` (not a number where nothing
-    was met), ``overhang mm``, ``area mm2``, ``normal``, and ``tangent 1`` (zero for what is not paired). Raises
+    edge, 2 farther than the search distance, 3 faces do not look at each other), ``gap mm`` (NaN without an
+    intersection), ``overhang mm``, ``area mm2``, ``normal``, and ``tangent 1`` (zero for unpaired points). Raises
     InputError for no pairings, another suffix, or a folder that cannot be written.
     """
     if not pairings:

@@ -1,15 +1,15 @@
 """Points of one face projected along their normals on the sides of another face.
 
-A point p with unit normal n meets a side with shape functions N where ``sum N_k(xi, eta) x_k = p + g n``; Newton's
-iteration solves for xi, eta and the gap g. The ray runs along the smoothed normal of the face that the points lie on,
-and not to the closest point of the other face, for two reasons. The smoothed normal turns steadily, so a point that
-slides over the edge of a facet does not jump as its closest point does. And the two points of a pair then differ by
-``g n`` alone, so that their forces along n are equal and opposite on one line: forces and moments balance to round-off.
-Source: M. A. Puso, T. A. Laursen, A mortar segment-to-segment contact method for large deformation solid mechanics,
-Comput. Methods Appl. Mech. Engrg. 193 (2004) 601-629 (averaged nodal normals).
+The ray from a point p along its unit normal n intersects a side with shape functions N where ``sum N_k(xi, eta) x_k = p
++ g n``; Newton's iteration solves for xi, eta and the gap g. The ray has the direction of the smoothed normal of the
+face of the point, not that to the closest point of the other face, for two reasons. The smoothed normal turns steadily,
+so a point that slides over the edge of a facet does not jump as its closest point does. And the two points of a pair
+then differ by ``g n`` alone, so that their forces along n are equal and opposite on one line: forces and moments
+balance to round-off. Source: M. A. Puso, T. A. Laursen, A mortar segment-to-segment contact method for large
+deformation solid mechanics, Comput. Methods Appl. Mech. Engrg. 193 (2004) 601-629 (averaged nodal normals).
 
-A point that misses every side by less than the edge tolerance takes the shape functions of the nearest side beyond its
-border: they still sum to 1 and still reproduce its place, so the balance holds there too.
+A point beyond every side by less than the edge tolerance takes the shape functions of the nearest side beyond its
+border: they still sum to 1 and still reproduce its position, so forces and moments balance there too.
 """
 
 from __future__ import annotations
@@ -25,28 +25,28 @@ from stickslip.core.validation import FloatArray
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.shapes import side_shape_functions
 
-PAIRED, BEYOND_EDGE, TOO_FAR, NOT_FACING = 0, 1, 2, 3
+PAIRED, BEYOND_EDGE, TOO_FAR, NOT_FACING = 0, 1, 2, 3  # indices in REASONS
 REASONS = ("paired", "beyond the edge", "farther than the search distance", "faces do not look at each other")
 LARGEST_ANGLE_DEG = 60.0  # between a normal and the reversed normal of the other face
-_NEWTON_STEPS = 20
-_NEAREST_SIDES = 8  # that are asked why a point found no partner
-_CONVERGED = 1e-10  # step in reference coordinates; the one before it was about its square root
+_NEWTON_STEPS = 20  # chosen: more than quadratic convergence needs; without it there is no partner
+_NEAREST_SIDES = 8  # searched for the reason why a point has no partner
+_CONVERGED = 1e-10  # step in reference coordinates; quadratic convergence: the one before was about its square root
 _ROUND_OFF = 1e-9  # in reference coordinates
-_POINTS_AT_ONCE = 20000  # which keeps the arrays of their candidates below about 200 MB
+_POINTS_AT_ONCE = 20000  # chosen: the arrays of their candidates stay below about 200 MB
 
 
 @dataclass(frozen=True)
 class Projection:
-    """What points (q,) found on a surface.
+    """Projections of points (q,) on a surface.
 
     Parameters
     ----------
     reason:
-        (q,) 0 where a partner was found, else a position in ``REASONS``.
+        (q,) 0 with a partner, else an index in ``REASONS``.
     side, weights:
-        (q,) and (q, 8) the side that was met and its shape functions there; meaningless where nothing was met.
+        (q,) and (q, 8) the side of the partner and its shape functions there; without meaning where there is none.
     gap:
-        (q,) m along the normal to the side, infinite where its surface does not reach there.
+        (q,) m along the normal to the side, infinite where the normal does not intersect its surface.
     overhang:
         (q,) m between the point and the border of the side, seen along the normal; 0 inside.
     """
@@ -63,8 +63,9 @@ def project(
 ) -> Projection:
     """Project points (q, 3) along unit normals (q, 3) on a surface; lengths in m.
 
-    A partner lies within ``search_distance`` along the normal, on either side, within ``edge_tolerance`` of the side's
-    border, and on a side whose normal opposes the point's within ``LARGEST_ANGLE_DEG``. Of several the nearest counts.
+    A partner is within ``search_distance`` along the normal, in both directions, within ``edge_tolerance`` of the
+    side's border, and on a side whose normal is opposite to the point's within ``LARGEST_ANGLE_DEG``. The nearest of
+    several counts.
     """
     tree = cKDTree(surface.centre)
     limits = (search_distance, edge_tolerance)
@@ -84,7 +85,7 @@ def _project(
     close = np.linalg.norm(points[point] - surface.centre[side], axis=1) <= reach + surface.radius[side]
     found = _best(points, normal, surface, point[close], side[close], limits)
     lone = np.flatnonzero(found.reason != PAIRED)
-    if lone.size:  # the sides nearest to the lone points tell why, however far they are
+    if lone.size:  # the sides nearest to unpaired points give the reason, at any distance
         count = min(_NEAREST_SIDES, len(surface.sides))
         nearest = np.asarray(tree.query(points[lone], k=count)[1]).reshape(len(lone), count)
         point, side = np.repeat(np.arange(len(lone)), count), nearest.ravel()
@@ -119,7 +120,7 @@ def _best(
     reason[(overhang > edge_tolerance) | ~np.isfinite(gap)] = BEYOND_EDGE
     reason[facing < np.cos(np.radians(LARGEST_ANGLE_DEG))] = NOT_FACING
     distance = overhang + np.where(np.isfinite(gap), np.abs(gap), 0.0)
-    # A side that looks away tells nothing about the others' edges, so it comes last.
+    # A side that faces away gives no reason about the edges of the others, so it comes last.
     rank = np.array([0, 1, 1, 2])[reason]
     order = np.lexsort((side, distance, rank, point))
     chosen = order[np.unique(point[order], return_index=True)[1]]
@@ -138,7 +139,8 @@ def _best(
 def _meet(
     points: FloatArray, normal: FloatArray, surface: SurfaceMesh, side: IntArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Where rays meet the (extended) sides: reference coordinates (c, 2) and gap (c,), infinite where they do not."""
+    """Intersections of rays with the (extended) sides: reference coordinates (c, 2) and gap (c,), infinite without
+    one."""
     where, gap = np.zeros((len(side), 2)), np.full(len(side), np.inf)
     for width, members in surface.by_width(side):
         length = surface.radius[side[members]]
@@ -150,7 +152,7 @@ def _meet(
 
 
 def _newton(width: int, corners: FloatArray, normal: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """xi, eta, g (c, 3) of ``sum N_k(xi, eta) x_k = g n`` for corners (c, k, 3), and whether (c,) it was solved."""
+    """xi, eta, g (c, 3) of ``sum N_k(xi, eta) x_k = g n`` for corners (c, k, 3), and whether (c,) it converged."""
     unknown = np.zeros((len(corners), 3))
     if width in (3, 6):
         unknown[:, :2] = 1.0 / 3.0
@@ -160,12 +162,12 @@ def _newton(width: int, corners: FloatArray, normal: FloatArray) -> tuple[FloatA
         values, gradients = side_shape_functions(width, unknown[active, :2])
         tangents = np.einsum("cka,ckx->cxa", gradients, corners[active])
         matrix = np.concatenate([tangents, -normal[active, :, None]], axis=2)
-        # A ray along the side never meets it.
+        # A ray parallel to the side has no intersection.
         regular = np.abs(np.linalg.det(matrix)) > 1e-9
         active = active[regular]
         residual = np.einsum("ck,ckx->cx", values[regular], corners[active]) - unknown[active, 2:] * normal[active]
         step = np.linalg.solve(matrix[regular], residual[..., None])[..., 0]
-        # Steps are bounded: far outside a distorted side the map folds back and a full step would leap away.
+        # Steps are bounded: far outside a distorted side the map folds back and a full step would diverge.
         unknown[active] -= step * np.minimum(1.0, 2.0 / np.maximum(np.abs(step[:, :2]).max(axis=1), 2.0))[:, None]
         arrived = np.abs(step).max(axis=1) < _CONVERGED
         converged[active[arrived]] = True
@@ -178,7 +180,8 @@ def _newton(width: int, corners: FloatArray, normal: FloatArray) -> tuple[FloatA
 def _overhang(
     points: FloatArray, normal: FloatArray, surface: SurfaceMesh, side: IntArray, where: FloatArray
 ) -> FloatArray:
-    """(c,) m from points to the borders of sides in the plane across the normal; 0 where the ray meets the side."""
+    """(c,) m from points to the borders of sides in the plane across the normal; 0 where the ray intersects the
+    side."""
     triangle = np.isin(surface.width[side], (3, 6))
     in_triangle = np.minimum(where.min(axis=1), 1.0 - where.sum(axis=1)) >= -_ROUND_OFF
     inside = np.where(triangle, in_triangle, np.abs(where).max(axis=1) <= 1.0 + _ROUND_OFF)

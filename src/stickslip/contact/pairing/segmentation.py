@@ -1,9 +1,10 @@
-"""Integration points of a face: its sides are cut by the projected sides of the other face, and each cell gets points.
+"""Integration points of a face: the projected sides of the other face cut its sides into cells, and each cell has
+points.
 
-Shape functions of the other face have kinks at the borders of its sides. A rule for a whole side of the first face
-integrates across them and so spreads a uniform pressure in a wrong way over the nodes. On a cell, where one side of
-each face meets, both sets of functions are smooth, and a low rule is exact: a uniform pressure then gives the exact
-nodal forces of both faces, and the patch test is passed to round-off where the sides are triangles or parallelograms.
+Shape functions of the other face have kinks at the borders of its sides. A rule for a complete side of the first face
+integrates across them and so gives wrong nodal forces for a uniform pressure. On a cell, the intersection of one side
+of each face, both sets of functions are smooth, and a low rule is exact: a uniform pressure then gives the exact nodal
+forces of both faces, and the patch test passes to round-off where the sides are triangles or parallelograms.
 
 Each convex part of a side (itself, or the parts between the nodes of a side with midside nodes) is projected on its own
 mean plane together with the facing parts of the other face, clipped there, and taken back to the reference coordinates
@@ -29,13 +30,13 @@ from stickslip.structure.mesh import IntArray
 from stickslip.structure.shapes import side_shape_functions, square_rule, triangle_rule
 from stickslip.structure.side_parts import SIDE_FACETS, SIDE_NODES
 
-_SMALLEST_CELL = 1e-12  # of its side, in reference coordinates: thinner slivers are round-off
+_SMALLEST_CELL = 1e-12  # of its side, in reference coordinates: smaller slivers are round-off
 _DOUBLE_COVER = 1e-6  # of a side, in reference coordinates
 
 
 @dataclass(frozen=True)
 class IntegrationPoints:
-    """Points of a face with the part of its area that each stands for.
+    """Points of a face with the part of its area that each represents.
 
     Parameters
     ----------
@@ -48,7 +49,7 @@ class IntegrationPoints:
     area:
         (q,) m2.
     covered:
-        (m,) share of each side, in its reference coordinates, that lies in cells.
+        (m,) fraction of each side, in its reference coordinates, that is in cells.
     """
 
     side: IntArray
@@ -59,7 +60,8 @@ class IntegrationPoints:
 
 
 def whole_side_points(surface: SurfaceMesh) -> IntegrationPoints:
-    """Points of a rule for each whole side: 3 (6 nodes: 6) in a triangle, 2 x 2 (8 nodes: 3 x 3) in a quadrilateral."""
+    """Points of a rule for each complete side: 3 (6 nodes: 6) in a triangle, 2 x 2 (8 nodes: 3 x 3) in a
+    quadrilateral."""
     side, corners, count = [], [], []
     for width, members in surface.by_width(np.arange(len(surface.sides))):
         n_corners = 3 if width in (3, 6) else 4
@@ -73,9 +75,9 @@ def whole_side_points(surface: SurfaceMesh) -> IntegrationPoints:
 
 
 def cut_points(first: SurfaceMesh, second: SurfaceMesh, search_distance: float) -> IntegrationPoints:
-    """Points of ``first`` in the cells that the facing sides of ``second`` within ``search_distance`` (m) cut.
+    """Points of ``first`` in its cells with the facing sides of ``second`` within ``search_distance`` (m).
 
-    Raises InputError where ``second`` lies over the same place of ``first`` twice.
+    Raises InputError where ``second`` covers a part of ``first`` twice.
     """
     side_1, reference, corners_1 = _parts(first)
     _, _, corners_2 = _parts(second)

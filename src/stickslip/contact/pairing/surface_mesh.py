@@ -1,4 +1,4 @@
-"""One face of a body as contact sees it: its cell sides, the area of its nodes, and its smoothed normal."""
+"""One face of a body for contact: its cell sides, the area of its nodes, and its smoothed normal."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ WIDEST_SIDE = 8  # nodes; rows of sides with fewer are filled up
 class SurfaceMesh:
     """The sides of a named face set or node set.
 
-    Sides of different widths stand in one table, so that a side is one number. The smoothed normal of a node is the
-    area-weighted mean of the sides around it; between nodes it is interpolated by the shape functions and made a unit
-    vector again, so that it turns steadily over a face of flat facets.
+    Sides of different widths are in one table, so that one number identifies a side. The smoothed normal of a node is
+    the area-weighted mean of the sides around it; between nodes it is interpolated by the shape functions and
+    normalised, so that it turns steadily over flat facets.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class SurfaceMesh:
     nodes:
         (k,) nodes of the face.
     node_area:
-        (k,) m2 that each stands for; sums to the area of the face.
+        (k,) m2 that each represents; sums to the area of the face.
     normal:
         (n_nodes, 3) smoothed outward unit normal, zero off the face.
     sides:
@@ -104,7 +104,7 @@ class SurfaceMesh:
 
     @cached_property
     def radius(self) -> FloatArray:
-        """(m,) m, of the ball around ``centre`` that holds the nodes of each side."""
+        """(m,) m, of the ball around ``centre`` that contains the nodes of each side."""
         return self._balls[1]
 
     @cached_property
@@ -116,9 +116,9 @@ class SurfaceMesh:
 
     @cached_property
     def facet_height(self) -> float:
-        """m, about how far flat sides stand off a curved face: chord . change of the normal / 8 (arc and chord).
+        """m, approximate distance of flat sides from a curved face: chord . change of the normal / 8 (arc and chord).
 
-        Sides with midside nodes follow the curve and are left out; 0 where all sides have them.
+        Sides with midside nodes follow the curve and do not count; 0 where all sides have them.
         """
         height = 0.0
         for width, members in self.by_width(np.arange(len(self.sides))):

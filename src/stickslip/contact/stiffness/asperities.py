@@ -1,8 +1,8 @@
 """Fractal contact of a rough face: roughness parameters, size distribution of the spots, load and area in closed form.
 
-Equations and sources: docs/theory_roughness.md. A spot is known by its truncated area a' (m2). All integrals over the
-spots are of the form "integral of a'^(e-1) da'", and areas are held as natural logarithms, so that
-D = 2.5 (e = 0) and D near 2 (a_c' over hundreds of decades) need no special case.
+Equations and sources: docs/theory_roughness.md. The variable of a spot is its truncated area a' (m2). All integrals
+over the spots are of the form "integral of a'^(e-1) da'", and areas are natural logarithms, so that D = 2.5 (e = 0) and
+D near 2 (a_c' over hundreds of decades) need no special case.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ SMALLEST_SPREAD = 1e-9  # of ln a' between the smallest and the largest spot; be
 
 @dataclass(frozen=True)
 class Roughness:
-    """Weierstrass-Mandelbrot roughness of a contact face and the material that decides how its spots deform.
+    """Weierstrass-Mandelbrot roughness of a contact face, and the material constants of its spots.
 
-    D says how the height is shared among the wavelengths, G how large it is. At the same G a larger D makes the
-    face smoother and stiffer; a larger G makes it rougher and softer. Raises InputError for a value out of range.
+    D determines the distribution of the height over the wavelengths, G its size. At the same G a face with larger D is
+    smoother and stiffer; a face with larger G is rougher and softer. Raises InputError for a value out of range.
     """
 
     fractal_dimension: float  # D of the surface, 2 < D < 3 (a profile has D - 1)
@@ -40,7 +40,7 @@ class Roughness:
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            if value is not None or field.default is not None:  # only the two lengths may be left out
+            if value is not None or field.default is not None:  # only the two lengths are optional
                 object.__setattr__(self, field.name, real_number(field.name, value))
         dimension = self.fractal_dimension
         hint = ""
@@ -72,12 +72,12 @@ class Roughness:
 
     @property
     def profile_dimension(self) -> float:
-        """d = D - 1, which stands in the equations of the spots."""
+        """d = D - 1, the dimension in the equations of the spots."""
         return self.fractal_dimension - 1.0
 
 
 def require_surface_dimension(fractal_dimension: float, hint: str = "") -> None:
-    """Raise InputError unless 2 < D < 3; ``hint`` ends the sentence."""
+    """Raise InputError unless 2 < D < 3; the message ends with ``hint``."""
     allowed = f"between 2 and 3: it is D of the surface{hint}"
     require_allowed("fractal_dimension", fractal_dimension, 2 < fractal_dimension < 3, allowed)
 
@@ -223,8 +223,8 @@ def spots_under_load(roughness: Roughness, load: float, log_smallest: float = -i
     """The spots that carry ``load`` (N, above 0): P(a_l') = load is solved for ln a_l' by Brent's method.
 
     P rises strictly with a_l'. Its root is at least the all-plastic value (2-d) F / (d H psi^((2-d)/2)), because no
-    spot carries more than H a', and it is that value if it lies below a_c' and a_s' = 0. Raises RoughnessError if
-    the load leads beyond the range of computer numbers, or is next to nothing beside that of one smallest spot.
+    spot carries more than H a', and it is that value if it lies below a_c' and a_s' = 0. Raises RoughnessError if the
+    load leads beyond the range of floating-point numbers, or is negligible beside that of one smallest spot.
     """
     d = roughness.profile_dimension
     lower = log(load * (2.0 - d) / (d * roughness.hardness * extension_power(roughness)))
@@ -246,7 +246,7 @@ def spots_under_load(roughness: Roughness, load: float, log_smallest: float = -i
                 f"{roughness.fractal_dimension:g} and fractal_roughness {roughness.fractal_roughness:g} m. "
                 "Check the units of G, H and E*."
             )
-    if upper == lower:  # the bound is the root, but for round-off
+    if upper == lower:  # the bound is the root, except for round-off
         return SpotPopulation(roughness, log_smallest, lower)
     return SpotPopulation(roughness, log_smallest, float(brentq(excess, lower, upper, xtol=1e-13, rtol=8.9e-16)))
 
@@ -271,7 +271,7 @@ def domain_extension_factor(fractal_dimension: float) -> float:
     d = fractal_dimension - 1.0
 
     def residual(log_psi: float) -> float:
-        # Both sides less 1, so that the root stays sharp where d nears 2 and each term nears its limit.
+        # Both sides minus 1, so that the root keeps its digits where d approaches 2 and each term its limit.
         power = expm1(0.5 * (2 - d) * log_psi) - expm1(-(2 - d) / d * log1p(exp(-0.5 * d * log_psi)))
         return power - (2 - d) / d
 

@@ -1,7 +1,7 @@
-"""Structure function of lines whose mean straight line was removed: measured, and expected of a fractal surface.
+"""Structure function of lines without their mean straight line: measured, and expected for a fractal surface.
 
-Removing a trend takes height out of long lags. The loss is a linear function of the structure function S itself, so the
-expected value after removal is exact for every wave: with the covariance C = -S/2 (the trend removes the constant in
+Removing a trend reduces S at long lags. The loss is a linear function of the structure function S itself, so the
+expected value after removal is exact for every wave: with the covariance C = -S/2 (the trend removes the constant by
 which it differs from the true one), E = P C P, P = 1 - Q Q^T, Q an orthonormal basis of the straight lines. See
 docs/theory_roughness_fit.md.
 """
@@ -38,9 +38,9 @@ def measured_structure(lines: FloatArray, lags: NDArray[np.intp]) -> FloatArray:
 
 
 def expected_structure(structure: FloatArray, lags: NDArray[np.intp]) -> FloatArray:
-    """What ``measured_structure`` gives on average for one detrended line.
+    """Mean of ``measured_structure`` for one detrended line.
 
-    ``structure``: S of the untouched surface at the lags 0, 1 ... points - 1; (n_lags,).
+    ``structure``: S of the surface with its trend at the lags 0, 1 ... points - 1; (n_lags,).
     """
     points, basis = structure.size, straight_lines(structure.size)
     covariance = -0.5 * structure
@@ -72,7 +72,7 @@ class LineModel:
 
     waves: FloatArray  # wavelengths in m, longest first
     each: FloatArray  # (n_waves, n_lags): of one wave of weight 1, mean over its directions
-    flat: FloatArray  # (n_lags,): of heights that differ from point to point by chance, S = 1 at every lag
+    flat: FloatArray  # (n_lags,): of independent random heights, S = 1 at every lag
 
     @classmethod
     def build(cls, points: int, spacing: float, waves: FloatArray, lags: NDArray[np.intp]) -> LineModel:
@@ -82,6 +82,7 @@ class LineModel:
         return cls(waves, each, expected_structure((distance > 0).astype(float), lags))
 
     def structure(self, hurst: float) -> FloatArray:
-        """Expected S / G^(2(D-2)) in m^(2H) at the lags, H = 3 - D; waves below the spacing act as chance heights."""
+        """Expected S / G^(2(D-2)) in m^(2H) at the lags, H = 3 - D; waves below the spacing act as independent random
+        heights."""
         weights, shorter = wave_weights(self.waves, hurst)
         return np.asarray(weights @ self.each + shorter * self.flat)

@@ -36,9 +36,9 @@ __all__ = [
 StiffnessMode = Literal["consistent", "varying-curvature", "unloading"]
 
 LARGEST_AREA_SHARE = 0.1  # real over nominal area above which spots touch each other
-LARGEST_ASPERITY_SLOPE = 0.1  # interference over radius above which Hertz's small strain fails
-NEAR_LIMIT = 0.05  # distance of D from 2 or 3 below which the exponents 2/(D-2) and 1/(3-D) explode
-DIMENSION_STEPS = 1000  # a D that is proposed has as many steps from 2 to 3: three decimals
+LARGEST_ASPERITY_SLOPE = 0.1  # interference over radius above which Hertz's assumption of small strain fails
+NEAR_LIMIT = 0.05  # chosen: distance of D from 2 or 3 below which the exponents 2/(D-2) or 1/(3-D) exceed 40 or 20
+DIMENSION_STEPS = 1000  # steps from 2 to 3 of a proposed D: three decimals
 
 
 class ContactStatus(StrEnum):
@@ -57,12 +57,12 @@ class ContactStatus(StrEnum):
     VALID = "valid"
 
 
-Finding = tuple[ContactStatus, str]  # what is wrong, and a sentence that says so with numbers
+Finding = tuple[ContactStatus, str]  # the status, and a message with numbers
 
 
 @dataclass(frozen=True)
 class ContactStiffness:
-    """Stiffness of a whole rough face under one load, and what the contact law says beside it."""
+    """Stiffness of a whole rough face under one load, with areas, status and messages of the contact law."""
 
     normal: float  # N/m
     tangential: float  # N/m
@@ -70,8 +70,8 @@ class ContactStiffness:
     largest_area: float  # a_l' in m2
     real_area: float  # A_r in m2
     plastic_load_share: float  # load on plastic spots over the whole load
-    status: ContactStatus  # the worst that was found
-    messages: tuple[str, ...]  # a sentence for each thing that was found, worst first
+    status: ContactStatus  # the worst of all findings
+    messages: tuple[str, ...]  # one for each finding, worst first
 
 
 def reduced_modulus(
@@ -96,7 +96,7 @@ def reduced_modulus(
 def contact_stiffness(
     roughness: Roughness, load: float, mode: StiffnessMode = "consistent", nominal_area: float | None = None
 ) -> ContactStiffness:
-    """Normal and tangential stiffness (N/m) of a face that is pressed with ``load`` (N); all zero for a load <= 0.
+    """Normal and tangential stiffness (N/m) of a face under ``load`` (N); all zero for a load <= 0.
 
     consistent: K_n is the sum of dF/ddelta = 2 E* r over the elastic spots at fixed curvature (Hertz),
         K_n = sqrt(2/pi) E* b,   b = psi^((2-d)/2) d/(d-1) [a_l'^(d/2) a_c'^((1-d)/2) - a_l'^(1/2)],   d = D - 1.
@@ -107,8 +107,8 @@ def contact_stiffness(
     K_t = K_n(fixed curvature) 2(1-nu)/(2-nu) (Mindlin, equal materials) in all modes.
     Derivation and sources: docs/theory_roughness.md, sections 2 to 4.
 
-    ``nominal_area`` in m2, if given, is compared with the real area. A stiffness of zero is returned, with its status
-    and its sentence; ``springs_of_pairs`` rejects it. Raises InputError for values that are not usable.
+    ``nominal_area`` in m2 is optional, for comparison with the real area. A stiffness of zero is a valid result, with
+    its status and message; ``springs_of_pairs`` rejects it. Raises InputError for values that are not usable.
     """
     require_choice("mode", mode, get_args(StiffnessMode))
     load = real_number("load", load)
@@ -166,7 +166,7 @@ def _spot_stiffness(spots: SpotPopulation, mode: StiffnessMode) -> tuple[float, 
 
 
 def _findings(spots: SpotPopulation, load: float, mode: StiffnessMode, nominal_area: float | None) -> Iterator[Finding]:
-    """Every regime in which the contact law is not to be trusted."""
+    """Every regime in which the contact law is not reliable."""
     yield from _plasticity_findings(spots, load, mode)
     if nominal_area is not None:
         yield from _area_findings(spots, nominal_area)
@@ -255,7 +255,7 @@ def _asperity_slope(spots: SpotPopulation) -> float:
     log_radius = 0.5 * (spots.log_median_area - log(pi))
     waves = sqrt(log(roughness.frequency_ratio)) * 2.0 ** (3.0 - d)
     log_slope = log(waves) + (d - 1.0) * (log(roughness.fractal_roughness) - log_radius)
-    # As D nears 3 half of the load moves to spots smaller than any number that a computer holds.
+    # As D approaches 3 half of the load moves to spots smaller than the smallest floating-point number.
     return exp(log_slope) if log_slope < LOG_LARGEST_NUMBER else inf
 
 
@@ -292,5 +292,6 @@ def _least_dimension(roughness: Roughness, load: float) -> float | None:
 
 
 def _rounded(value: float, digits: int, direction: str) -> str:
-    """``value`` with so many significant digits, rounded in one direction, so that the text still keeps a bound."""
+    """``value`` with ``digits`` significant digits, rounded in one direction, so that the text still satisfies a
+    bound."""
     return f"{float(Context(prec=digits, rounding=direction).create_decimal(value)):g}"

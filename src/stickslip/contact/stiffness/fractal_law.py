@@ -20,8 +20,8 @@ from stickslip.core.validation import FloatArray, positive_number
 class FractalStiffness:
     """``kappa(p) = K(p A_ref) / A_ref`` with the stiffness K of a whole face (:func:`contact_stiffness`).
 
-    The fractal law holds no nominal area of its own, so that it depends on the area that it is used with: ``A_ref``,
-    one fixed physical face, keeps the stiffness independent of the mesh.
+    The fractal law has no nominal area, so its stiffness per area depends on the area of the face: with one fixed
+    physical face ``A_ref`` it is independent of the mesh.
 
     ``reference_area`` in m2; InputError unless it is above zero.
     """
@@ -42,7 +42,7 @@ class FractalStiffness:
         return np.array([each.tangential for each in self._faces(pressure)]) / self.reference_area
 
     def valid(self, pressure: FloatArray) -> tuple[str, ...]:
-        """What is wrong at the pressures, each kind once, worst first; why there is no stiffness comes before all."""
+        """Messages on the pressures, each kind once, worst first; a missing stiffness comes before all others."""
         found: dict[str, str] = {}
         for value, face in zip(pressure, self._faces(pressure), strict=True):
             if not face.normal > 0.0:

@@ -16,9 +16,9 @@ class MeasuredStiffness:
     """A stiffness law through measured points, a power law between neighbours: straight in logarithms.
 
     Measured contact stiffness grows with a power of the pressure (for Ti-6Al-4V k_t with p^0.64: Kartal, Mulvihill,
-    Nowell, Hills, Tribol. Int. 44 (2011) 1188), so the table is interpolated in logarithms. Beyond its ends the
-    last power goes on, and :meth:`valid` says so; an ultrasonic and a mechanical measurement of one contact differ by
-    a factor of 3 (Mulvihill et al., Exp. Mech. 53 (2013) 1245).
+    Nowell, Hills, Tribol. Int. 44 (2011) 1188), so the table is interpolated in logarithms. Beyond its ends the last
+    power continues, and :meth:`valid` reports it; an ultrasonic and a mechanical measurement of one contact differ by a
+    factor of 3 (Mulvihill et al., Exp. Mech. 53 (2013) 1245).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Random isotropic fractal lines and maps with a given spectrum: what a fit of D and G is judged by."""
+"""Random isotropic fractal lines and maps with a given spectrum, for the intervals of a fit of D and G."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class LineSet:
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Height variance at each wavelength, in the form of its share of S, and of heights without neighbourhood."""
+    """Height variance at each wavelength, as its part of S, and of uncorrelated heights."""
 
     waves: FloatArray  # wavelengths in m
     weights: FloatArray  # (n_waves,) m2
@@ -37,7 +37,7 @@ class Spectrum:
     def of(cls, waves: FloatArray, hurst: float, factor: float, constant: float) -> Spectrum:
         """The spectrum with S = ``factor`` sum(lambda^(2H) ...) + ``constant`` (m2).
 
-        A negative constant says that short waves are missing: they are taken away from the shortest on.
+        A negative constant means that short waves are missing; they are removed, the shortest first.
         """
         weights, shorter = wave_weights(waves, hurst)
         weights, noise = factor * weights, factor * shorter + constant
@@ -48,7 +48,7 @@ class Spectrum:
 
     @property
     def shortest(self) -> float:
-        """Wavelength in m below which nothing is left, 0 if the waves go on below the spacing."""
+        """Wavelength in m below which the spectrum is zero, 0 if the waves continue below the spacing."""
         if self.noise > 0.0:
             return 0.0
         present = np.flatnonzero(self.weights > 0.0)
@@ -58,9 +58,10 @@ class Spectrum:
 def simulate(
     sets: tuple[LineSet, ...], spectrum: Spectrum, rng: np.random.Generator
 ) -> Iterator[tuple[FloatArray, ...]]:
-    """Surfaces without end, each as the lines (n, points) of every set; heights in m about a free constant.
+    """Unbounded surfaces, each as the lines (n, points) of every set; heights in m about an arbitrary constant.
 
-    Every wavelength gets new directions and complex normal amplitudes: a Gaussian surface, as measured ones nearly are.
+    Every wavelength has new random directions and complex normal amplitudes: a Gaussian surface, as measured ones
+    nearly are.
     """
     kept = spectrum.weights > 0.0
     waves, weights = spectrum.waves[kept], spectrum.weights[kept]

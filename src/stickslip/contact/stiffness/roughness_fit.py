@@ -1,7 +1,7 @@
 """Fractal dimension D and fractal roughness G from measured heights, by their structure function.
 
-S(tau) = G^(2(D-2)) sum_n ln gamma lambda_n^(2(3-D)) [1 - J0(2 pi tau / lambda_n)] + c,   c: noise, or missing waves
-is fitted to the structure function of detrended lines, what the detrending takes away included. Lags of one profile are
+S(tau) = G^(2(D-2)) sum_n ln gamma lambda_n^(2(3-D)) [1 - J0(2 pi tau / lambda_n)] + c,   c: noise, or missing waves is
+fitted to the structure function of detrended lines, with the loss by the detrending included. Lags of one profile are
 correlated, so weights and intervals come from simulated surfaces. Derivation and checks: docs/theory_roughness_fit.md.
 """
 
@@ -23,19 +23,19 @@ from stickslip.contact.stiffness.roughness_warnings import Evidence, sentences
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, real_number, require_allowed, whole_number
 
-FEWEST_POINTS = 100  # on a line; its tenth part then holds six lags
-MOST_POINTS = 100_000  # on a line; every simulated surface has as many
-SHARE_OF_LENGTH = 0.1  # longest lag: longer ones vary so much from surface to surface that they tell nothing of D
-FIRST_LAG = 2  # in spacings: one step is closest to what instrument and sampling do
-LAGS_PER_DECADE = 8
-FEWEST_LAGS = 5
-MOST_LINES = 32  # of a map in each direction; neighbouring lines tell nearly the same
-BEYOND = 100.0  # longest wave over line length where none is given; longer ones are straight lines, which are removed
-LONGEST_BEYOND = 1e4  # longest wave over line length where one is given: much longer ones are not in the heights at all
+FEWEST_POINTS = 100  # on a line; a tenth of it then has six lags
+MOST_POINTS = 100_000  # on a line; chosen to limit the time, since every simulated surface has as many
+SHARE_OF_LENGTH = 0.1  # longest lag: longer ones vary so much between surfaces that they contain no information on D
+FIRST_LAG = 2  # in spacings: at one spacing instrument and sampling have the largest effect
+LAGS_PER_DECADE = 8  # chosen: neighbouring lags are correlated, so more add little
+FEWEST_LAGS = 5  # chosen: two more than the three parameters of the fit
+MOST_LINES = 32  # of a map in each direction; neighbouring lines contain nearly the same information
+BEYOND = 100.0  # default of longest wave over line length: longer ones are straight lines, which are removed
+LONGEST_BEYOND = 1e4  # limit of longest wave over line length as an argument: the heights do not contain longer waves
 MODEL_ERROR = 0.02  # relative, of S: ripple of separate waves, few directions
-SIMULATIONS = 200
+SIMULATIONS = 200  # surfaces for weights and intervals; theory page, section 3
 WIDENING = 1.3  # surfaces like the fitted one can scatter less than those like the true one; theory page, section 4
-HURST_RANGE = (0.02, 0.98)
+HURST_RANGE = (0.02, 0.98)  # of H = 3 - D: the ends 0 and 1 themselves have no fractal surface
 CONSTANT_RANGE = (-3.0, 3.0)  # of ln[1 + c / S at the shortest lag]
 
 Interval = tuple[float, float]
@@ -43,7 +43,7 @@ Interval = tuple[float, float]
 
 @dataclass(frozen=True)
 class RoughnessFit:
-    """D and G of a measured surface, how sure they are, and what the measurement says beside them."""
+    """D and G of a measured surface with their intervals, and further statistics of the measurement."""
 
     fractal_dimension: float  # D of the surface, 2 < D < 3
     fractal_roughness: float  # G in m
@@ -53,13 +53,13 @@ class RoughnessFit:
     lag: FloatArray  # (n_lags,) m; for a map, those along x and then those along y
     structure_function: FloatArray  # (n_lags,) m2, of detrended lines
     fitted: FloatArray  # (n_lags,) m2, the fit at the same lags
-    points_along_x: int  # how many of the lags are along x
-    noise_height: float  # rms of heights without neighbourhood, m; 0 unless the constant c is above 0 beyond doubt
+    points_along_x: int  # number of lags along x
+    noise_height: float  # rms of uncorrelated heights, m; 0 unless the constant c is significantly above 0
     rms_height: float  # Sq in m about the mean lines
     rms_slope: float  # Sdq at the scale of ``slope_scale``; a line's slope times sqrt(2), as on an isotropic surface
     slope_scale: float  # m
-    fit_probability: float  # share of simulated surfaces of this D and G that fit worse
-    usable: bool  # False where D is at the end of its range: no surface of this law is like that
+    fit_probability: float  # fraction of simulated surfaces of this D and G that fit worse
+    usable: bool  # False where D is at the end of its range: no surface of this law fits
     warnings: tuple[str, ...]
 
 
@@ -76,14 +76,14 @@ def fit_roughness(
     ``spacing``
         distance of neighbouring points in m; for a map one number or (along y, along x).
     ``scales``
-        shortest and longest lag in m; unless given, two spacings and a tenth of the line.
+        shortest and longest lag in m; by default two spacings and a tenth of the line.
     ``longest_wave``
-        in m, where the surface or a high-pass filter of the instrument ends; without end unless given.
+        in m, where the surface or a high-pass filter of the instrument ends; by default unbounded.
     ``seed``
         of the simulated surfaces; the same seed gives the same intervals.
 
-    The mean straight line of every line is removed, and the fit knows what that takes away. Raises InputError for
-    heights that are not finite, not a line or map, all on straight lines, or too few, and for values out of range.
+    The mean straight line of every line is removed, and the fit accounts for the loss. Raises InputError for heights
+    that are not finite, not a line or map, all on straight lines, or too few, and for values out of range.
     """
     parts = _line_sets(finite_array("heights", heights), spacing)
     whole_number("seed", seed, 0)
@@ -92,7 +92,7 @@ def fit_roughness(
     rng = np.random.default_rng(seed)
     fitted = _Fitted.to(_Problem.build(parts, low, high, wave_end), rng)
     raised = False
-    while scales is None:  # waves that the instrument does not show must lie below the range
+    while scales is None:  # waves that the instrument does not resolve must be below the range
         shortest = fitted.problem.spectrum(fitted.best).shortest
         if shortest <= 2.0 * low or shortest > 0.3 * high:
             break
@@ -107,7 +107,7 @@ class _Part:
 
     lines: FloatArray  # (n, points)
     place: LineSet
-    trend_share: float  # share of the variance about the mean height that the trend held
+    trend_share: float  # fraction of the variance about the mean height in the trend
 
 
 def _line_sets(heights: FloatArray, spacing: float | Sequence[float]) -> tuple[_Part, ...]:
@@ -205,11 +205,11 @@ class _Problem:
     lags: tuple[NDArray[np.intp], ...]
     models: tuple[LineModel, ...]
     measured: FloatArray  # ln S at the lags of all parts
-    flat: FloatArray  # share of the constant c at each lag
+    flat: FloatArray  # factor of the constant c at each lag
 
     @classmethod
     def build(cls, parts: tuple[_Part, ...], low: float, high: float, longest_wave: float) -> _Problem:
-        """Raises InputError if the range holds too few lags."""
+        """Raises InputError if the range contains too few lags."""
         kept = [(part, lags) for part in parts if (lags := _lags(part.place, low, high)).size >= FEWEST_LAGS]
         if not kept:
             raise InputError(
@@ -254,11 +254,11 @@ class _Problem:
         return float(exp(log_factor) * self.shape(hurst)[0] * np.expm1(bend) / first)
 
     def spectrum(self, parameters: FloatArray) -> Spectrum:
-        """What a surface with these parameters is made of."""
+        """The spectrum of a surface with these parameters."""
         return Spectrum.of(self.models[0].waves, float(parameters[0]), exp(parameters[1]), self.constant(parameters))
 
     def first_guess(self) -> FloatArray:
-        """Ordinary least squares on ln S, short lags a little heavier since they are surer."""
+        """Ordinary least squares on ln S, with slightly larger weights of short lags, which scatter less."""
         hurst = 0.5
         start = np.array([hurst, self.measured[0] - log(self.shape(hurst)[0]), 0.0])
         return self.fit(self.measured, np.diag((self.lag / self.lag[0]) ** -0.25), start)[0]
@@ -277,7 +277,7 @@ class _Problem:
         return np.asarray(found.x), float(2.0 * found.cost)
 
     def simulated(self, parameters: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """ln S of simulated surfaces (SIMULATIONS, n_lags), taken as the measured one was."""
+        """ln S of simulated surfaces (SIMULATIONS, n_lags), evaluated like the measured one."""
         surfaces = simulate(tuple(part.place for part in self.parts), self.spectrum(parameters), rng)
         rows = [
             np.concatenate(
@@ -290,7 +290,7 @@ class _Problem:
 
 @dataclass(frozen=True)
 class _Fitted:
-    """The best parameters, with weights and shift from surfaces that are like the first guess."""
+    """The best parameters, with weights and shift from surfaces like the first guess."""
 
     problem: _Problem
     shift: FloatArray  # ln of a mean over few long waves lies below ln of its expectation
@@ -310,7 +310,7 @@ class _Fitted:
 
 
 def _judge(fitted: _Fitted, rng: np.random.Generator, raised: bool) -> RoughnessFit:
-    """The scatter of the fit over surfaces that are like the best one, and what follows from it."""
+    """Intervals and statistics from the scatter of the fit over surfaces like the best one."""
     problem, best, misfit, shift = fitted.problem, fitted.best, fitted.misfit, fitted.shift
     again = problem.simulated(best, rng)
     outcomes = [problem.fit(row - shift, fitted.whitening, best) for row in again]
@@ -376,7 +376,7 @@ def _log_roughness(parameters: FloatArray) -> FloatArray:
 
 
 def _roughness(log_roughness: FloatArray) -> FloatArray:
-    """G in m, held within the range of computer numbers where D is at its limit."""
+    """G in m, bounded by the range of floating-point numbers where D is at its limit."""
     return np.asarray(np.exp(np.clip(log_roughness, -LOG_LARGEST_NUMBER, LOG_LARGEST_NUMBER)))
 
 

@@ -1,21 +1,21 @@
-"""What speaks against D and G that were fitted to a measurement, in sentences with numbers."""
+"""Warnings on D and G from a measurement, with numbers."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-NEAR_LIMIT = 0.05  # of D to 2 or 3, where the exponents of the contact law explode
-FEW_POINTS = 500
-LARGE_TREND = 0.8  # share of the height variance
-LARGE_NOISE = 0.1  # share of S at the shortest lag
-UNLIKELY = 0.01
+NEAR_LIMIT = 0.05  # of D to 2 or 3, as in fractal.py
+FEW_POINTS = 500  # on a line; chosen: below it the intervals of D are wide
+LARGE_TREND = 0.8  # chosen: fraction of the height variance
+LARGE_NOISE = 0.1  # chosen: fraction of S at the shortest lag
+UNLIKELY = 0.01  # chosen: fraction of simulated surfaces that fit worse, the 1 % level of a test
 DIRECTIONS_DIFFER = 3.0  # standard deviations
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """What the fit found, as far as a warning can follow from it; lengths in m."""
+    """The results of the fit on which warnings depend; lengths in m."""
 
     dimension: float
     dimension_interval: tuple[float, float]
@@ -32,7 +32,7 @@ class Evidence:
 
 
 def sentences(found: Evidence) -> tuple[str, ...]:
-    """The warnings, gravest first."""
+    """The warnings, most severe first."""
     return tuple(_sentences(found))
 
 

@@ -1,4 +1,4 @@
-"""What a stiffness law is: contact stiffness per area over the pressure, and how pairs take their springs from it."""
+"""The stiffness law: contact stiffness per area over the pressure, and the springs of pairs from it."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class StiffnessLaw(Protocol):
         """(k,) N/m3."""
 
     def valid(self, pressure: FloatArray) -> tuple[str, ...]:
-        """Sentences on pressures that the law is not made for, worst first; empty where it can be trusted."""
+        """Messages on pressures outside the range of the law, worst first; empty where the law is reliable."""
 
     def describe(self) -> str:
         """The law in one line."""
@@ -41,10 +41,10 @@ def springs_of_pairs(
 
     area: ``k_i = A_i kappa(p)`` with the mean pressure p of the face, from the preloads of its closed pairs.
     pressure: ``k_i = A_i kappa(p_i)``, ``p_i = N0_i / A_i``; a pair that is open at rest (N0_i <= 0) has no pressure of
-        its own and gets kappa at the mean pressure of its face, for when it closes.
+        its own and takes kappa at the mean pressure of its face, for when it closes.
 
     ``area`` (n_pairs,) m2; ``preload`` N, one number or (n_pairs,); ``face`` integers, which face a pair belongs to.
-    Raises RoughnessError, with what the law says of it, if a pair would have no stiffness; InputError for unusable
+    Raises RoughnessError, with the messages of the law, if a pair would have no stiffness; InputError for unusable
     arrays.
     """
     areas = checked_area(area)

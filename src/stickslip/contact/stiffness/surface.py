@@ -42,8 +42,8 @@ def fractal_surface(
 
     ``fractal_dimension`` D, 2 < D < 3; ``fractal_roughness`` G in m; ``length`` L in m, the longest wave; ``ridges`` M
     directions; ``phases`` (ridges, n_max + 1) in rad, see ``draw_phases``; ``ratio`` gamma of successive wave numbers.
-    Every point is summed on its own in a fixed order, so its height does not depend on the other points of the call.
-    Raises InputError for shapes that do not match or values out of range.
+    The sum of each point has a fixed order, so its height does not depend on the other points of the call. Raises
+    InputError for shapes that do not match or values out of range.
     """
     check_surface(fractal_dimension, fractal_roughness, length, ratio)
     whole_number("ridges", ridges, 1)
@@ -110,7 +110,7 @@ def frequency_count(length: float, shortest_length: float, ratio: float = 1.5) -
     shortest_length = positive_number("shortest_length", shortest_length, "m")
     require_allowed("frequency ratio", ratio, ratio > 1, "above 1")
     require_allowed("length", length, length > shortest_length, f"above the shortest length, {shortest_length:g} m")
-    # L / Ls is often a whole power of gamma in tests and tables; round-off must not lose that last wave.
+    # L / Ls is often a whole power of gamma in tests and tables; round-off must not drop that last wave.
     return floor(log(length / shortest_length) / log(ratio) + 1e-9)
 
 
@@ -173,7 +173,7 @@ def structure_function(
 
 
 def structure_function_limit(distance: ArrayLike, fractal_dimension: float, fractal_roughness: float) -> FloatArray:
-    """Structure function in m2 for waves without end, gamma -> 1 and many ridges: it knows neither L nor gamma nor M.
+    """Structure function in m2 for unbounded waves, gamma -> 1 and many ridges: independent of L, gamma and M.
 
     S = G^(2(D-2)) (pi tau)^(2 Hq) Gamma(1 - Hq) / (2 Hq Gamma(1 + Hq)), Hq = 3 - D; ``distance`` tau in m.
     """
@@ -189,8 +189,8 @@ def fractal_roughness_from_sq(
 ) -> float:
     """G in m of the surface that has the root mean square height ``sq_height`` (m) between Ls and L: Sq ~ G^(D-2).
 
-    A measured Sq is that of its evaluation length and cut-off: give these as L and Ls. Raises InputError for values out
-    of range.
+    A measured Sq belongs to an evaluation length and a cut-off, which are L and Ls here. Raises InputError for values
+    out of range.
     """
     sq_height = positive_number("sq_height", sq_height, "m")
     log_ratio = log(sq_height / sq(fractal_dimension, length, length, shortest_length, ratio))  # Sq where G = L
@@ -199,7 +199,7 @@ def fractal_roughness_from_sq(
 
 @dataclass(frozen=True)
 class SurfaceStatistics:
-    """What a profilometer would say of the surface between its longest and shortest wave."""
+    """Statistics of the surface between its longest and shortest wave, as a profilometer measures them."""
 
     sq: float  # root mean square height, m
     sdq: float  # root mean square slope, pure number

@@ -14,8 +14,8 @@ from stickslip.core.processes import python_command
 from stickslip.formats.matrices.coordinates import Matrices
 from stickslip.formats.matrices.source import file_bytes, numpy_arrays
 
-# -P: no Python file of the current folder is taken for a package.
-# The reader is compiled code without checks: a damaged file may end its process or keep it busy for ever.
+# -P: the current folder is not in the module search path. The reader is compiled code without checks: a damaged file
+# may crash its process or keep it busy for ever.
 _SECONDS = 600
 _CHILD = """
 import sys
@@ -34,8 +34,8 @@ numpy.savez(sys.argv[2], **arrays)
 
 
 def ansys_full(path: Path) -> Matrices:
-    """Matrices ``stiffness`` and ``mass`` of a ``.full`` file, and ``unknowns`` (n, 2): node and direction of each
-    row; held displacements are left out.
+    """Matrices ``stiffness`` and ``mass`` of a ``.full`` file, and ``unknowns`` (n, 2): node and direction of each row,
+    without constrained displacements.
 
     The file is read in a process of its own. Raises MissingPackageError without the extra ``stickslip[ansys]``, and
     ImportFileError for a file that is damaged, lumped, unsymmetric or without one of the two matrices.

@@ -34,12 +34,12 @@ def numpy_matrices(path: Path) -> Matrices:
     with readable(path, "a SciPy sparse matrix"):
         matrix = scipy.sparse.load_npz(path)
         if matrix.format in ("csr", "csc", "bsr"):
-            matrix.check_format(full_check=True)  # an index out of range would be read from foreign memory
+            matrix.check_format(full_check=True)  # an index out of range would read other memory
         return {"": matrix.tocsr()}
 
 
 def matlab_matrices(path: Path) -> Matrices:
-    """Numeric matrices, dense and sparse, of a MATLAB ``.mat`` file of any version; structs and cells are left out.
+    """Numeric matrices, dense and sparse, of a MATLAB ``.mat`` file of any version, without structs and cells.
 
     Raises ImportFileError.
     """
@@ -92,7 +92,7 @@ def _matlab_73(path: Path) -> Matrices:
 
 
 def _sparse_group(group: Any, rows: int) -> Any:
-    # A matrix without entries has no data sets but its column pointers.
+    # A matrix without entries has only its column pointers.
     data = group["data"][()] if "data" in group else np.empty(0)
     index = group["ir"][()].astype(np.int64) if "ir" in group else np.empty(0, dtype=np.int64)
     pointer = group["jc"][()].astype(np.int64)

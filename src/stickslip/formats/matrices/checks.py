@@ -1,4 +1,4 @@
-"""What matrices of another program must be before they are used: symmetric, finite, positive semidefinite."""
+"""Checks of matrices of another program: symmetric, finite, positive semidefinite."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import scipy.sparse
 from stickslip.core.errors import InputError
 from stickslip.structure.mesh import IntArray
 
-# Text files of other programs carry 9 digits or more, single precision 7.
+# Text files of other programs have 9 digits or more, single precision 7.
 ASYMMETRY = 1e-6
 # Up to this size all eigenvalues are computed; it takes less than a second.
 DENSE_SIZE = 1000
 
 
 def checked_matrix(name: str, value: Any, node: IntArray, direction: IntArray) -> tuple[Any, str]:
-    """``value`` as a csr matrix that passes both checks below, and a sentence on what was done to it.
+    """``value`` as a csr matrix that passes both checks below, and a sentence on changes to it.
 
     Damping may be indefinite, so it is checked for symmetry only. Raises InputError.
     """
@@ -28,10 +28,10 @@ def checked_matrix(name: str, value: Any, node: IntArray, direction: IntArray) -
 
 
 def _symmetric_sparse(name: str, value: Any) -> tuple[Any, str]:
-    """``value`` as a symmetric csr matrix (n, n), and a sentence on what was done to it ("" for nothing).
+    """``value`` as a symmetric csr matrix (n, n), and a sentence on changes to it ("" for none).
 
-    A matrix of which only one triangle is stored is completed; round-off asymmetry below 1e-6 is taken out. Raises
-    InputError for a matrix that is not square, real, finite, or clearly neither triangular nor symmetric.
+    A matrix with only one stored triangle is completed; round-off asymmetry below 1e-6 is removed. Raises InputError
+    for a matrix that is not square, real, finite, or clearly neither triangular nor symmetric.
     """
     if np.ndim(value) != 2 or value.shape[0] != value.shape[1] or not value.shape[0]:
         raise InputError(f"{name} must be a square matrix with one row or more, but its shape is {np.shape(value)}.")
@@ -71,11 +71,11 @@ def _symmetric_sparse(name: str, value: Any) -> tuple[Any, str]:
 
 
 def _require_definite(name: str, matrix: Any, node: IntArray, direction: IntArray) -> None:
-    """Raise InputError where a symmetric csr matrix is seen not to be positive semidefinite.
+    """Raise InputError for a symmetric csr matrix that is clearly not positive semidefinite.
 
-    Necessary conditions that cost nothing are checked always: no negative diagonal, no off-diagonal entry above the
-    geometric mean of its diagonals (``|a_ij| <= sqrt(a_ii a_jj)``). Up to 1000 unknowns all eigenvalues are looked at.
-    A stiffness whose diagonal is zero somewhere has an unknown that nothing holds, and is refused.
+    Cheap necessary conditions are always checked: no negative diagonal, no off-diagonal entry above the geometric mean
+    of its diagonals (``|a_ij| <= sqrt(a_ii a_jj)``). Up to 1000 unknowns all eigenvalues are checked. A stiffness with
+    a zero on its diagonal has an unsupported unknown, and is rejected.
     """
     diagonal = matrix.diagonal()
     largest = float(diagonal.max(initial=0.0))
@@ -111,6 +111,6 @@ def _require_definite(name: str, matrix: Any, node: IntArray, direction: IntArra
 
 
 def _unknown(row: int, node: IntArray, direction: IntArray) -> str:
-    """How to name an unknown in a sentence."""
+    """Name of an unknown in messages."""
     words = ("x", "y", "z", "rotation x", "rotation y", "rotation z", "other")
     return f"node {node[row]}, {words[direction[row]]}"

@@ -64,8 +64,8 @@ def _name_bad_line(path: Path, lines: Sequence[str], numbers: IntArray, first_li
 def coordinate_matrix(path: Path, table: FloatArray, lines: IntArray, size: int | None = None) -> Any:
     """csr matrix of the rows ``row, column, value`` (k, 3), as stored; ``size`` rows, or the largest index.
 
-    Raises ImportFileError for an index that is no whole number or out of range, and for an entry that stands twice
-    (a triangle or a diagonal that is counted twice would give a wrong model).
+    Raises ImportFileError for an index that is not a whole number or out of range, and for an entry that occurs twice
+    (a triangle or a diagonal that counts twice would give a wrong model).
     """
     index = table[:, :2]
     bad = np.flatnonzero(~(np.isfinite(index) & (index == np.floor(index)) & (np.abs(index) < 2**31)).all(axis=1))
@@ -96,7 +96,7 @@ def coordinate_matrix(path: Path, table: FloatArray, lines: IntArray, size: int 
 
 
 def require_plausible(path: Path, size: int, entries: int) -> None:
-    """Raise ImportFileError for a size that only a damaged file has, before memory is asked for it."""
+    """Raise ImportFileError for a size that only a damaged file has, before memory is allocated."""
     if size < 1 or (size > _PLAUSIBLE_SIZE and entries < size):
         raise ImportFileError(f'"{path}" says that it has {size} rows, but it has {entries} entries. It is damaged.')
 
@@ -137,7 +137,7 @@ def matrix_market(path: Path) -> Matrices:
     """The matrix of a Matrix Market file: coordinate or array, real or integer, general or symmetric.
 
     Raises ImportFileError, which names the line, for other kinds, for a number of entries that the header does not
-    promise, and for entries that are out of range, stand twice, or lie in both triangles of a symmetric matrix.
+    promise, and for entries that are out of range, occur twice, or are in both triangles of a symmetric matrix.
 
     Source: R. F. Boisvert, R. Pozo, K. A. Remington, The Matrix Market exchange formats, NISTIR 5935 (1996).
     """

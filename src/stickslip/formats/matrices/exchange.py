@@ -15,16 +15,16 @@ from stickslip.structure.mesh import IntArray
 from stickslip.structure.superelement import Superelement
 
 FORMAT = "stickslip superelement"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 1  # raised when older code cannot read a new file
 FILE_NAME = "superelement.npz"
 _SET = "set_"
 
 
 def write_superelement(path: str | PathLike[str], superelement: Superelement) -> Path:
-    """Write a superelement, its unknown map, positions and node sets to one ``.npz`` file, whole or not at all.
+    """Write a superelement, its unknown map, positions and node sets to one ``.npz`` file, completely or not at all.
 
-    ``path`` is the file, or a folder that gets ``superelement.npz``. The recovery is not stored: it belongs to the
-    program that has the full model. Raises ImportFileError where the file cannot be written.
+    ``path`` is the file, or a folder for ``superelement.npz``. The recovery is not stored: it belongs to the program
+    that has the full model. Raises ImportFileError where the file cannot be written.
     """
     target = Path(path)
     if target.is_dir():
@@ -54,7 +54,7 @@ def read_superelement(path: str | PathLike[str]) -> Superelement:
 
     Nodes with all of x, y, z become boundary nodes, in the order of their first row; all other unknowns follow in the
     order of the file. Raises ImportFileError, naming the file and the array, for a file that is missing, damaged, of
-    another format or version, or whose arrays make no superelement.
+    another format or version, or whose arrays are not a superelement.
     """
     source = Path(path)
     if source.is_dir():

@@ -12,14 +12,14 @@ from stickslip.core.errors import ImportFileError
 from stickslip.formats.matrices.coordinates import Matrices, one_triangle, require_plausible
 from stickslip.formats.matrices.source import quoted, text_lines
 
-# (8I10), (4E20.12), (1P,3D25.16), (1P3E25.16), (10F7.1E3): how many a line, which letter, how many columns each.
+# (8I10), (4E20.12), (1P,3D25.16), (1P3E25.16), (10F7.1E3): numbers a line, letter, columns of each.
 _FORMAT = re.compile(r"^\((?:\d+P,?)?(\d*)([IEDFG])(\d+)(?:\.\d+)?(?:E\d+)?\)$")
 
 
 def harwell_boeing(path: Path) -> Matrices:
     """The matrix of a Harwell-Boeing file of type RSA (symmetric, one triangle) or RUA (all entries).
 
-    Right-hand sides behind the matrix are left out. Raises ImportFileError, which names the line, for other types
+    Right-hand sides after the matrix are ignored. Raises ImportFileError, which names the line, for other types
     (complex, pattern, unassembled), damaged headers, column pointers or row numbers, and files that end early.
 
     Source: I. S. Duff, R. G. Grimes, J. G. Lewis, Users' guide for the Harwell-Boeing sparse matrix collection,

@@ -15,7 +15,7 @@ from stickslip.formats.matrices.checks import checked_matrix
 from stickslip.structure.mesh import IntArray
 
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz", "other")
-OTHER = 6
+OTHER = 6  # direction of an unknown that is no displacement or rotation
 
 
 @dataclass(frozen=True)
@@ -29,21 +29,21 @@ class MatrixModel:
     damping:
         (n, n) N s/m, or None.
     node:
-        (n,) node number of each unknown, as the source counts them; below 0 for unknowns that belong to no node.
+        (n,) node number of each unknown, as the source counts them; below 0 for unknowns without a node.
     direction:
         (n,) 0, 1, 2 displacement along x, y, z; 3, 4, 5 rotation about x, y, z; 6 anything else (mode amplitudes).
     node_labels, position:
-        (k,) node numbers, and (k, 3) m where they are; position is None if that is not known.
+        (k,) node numbers, and their positions (k, 3) m, or None.
     node_sets:
         name -> node numbers.
     messages:
-        what was done to the matrices, in sentences.
+        messages on changes to the matrices.
 
     Raises
     ------
     InputError
         for matrices that are not square, of one size, finite, symmetric (a single stored triangle is completed) and
-        positive semidefinite as far as that is cheap to see; for an unknown that comes twice, an unknown without
+        positive semidefinite, as far as cheap checks show; for an unknown that comes twice, an unknown without
         stiffness, a direction outside 0 to 6, and positions that are not (k, 3) or name a node twice.
     """
 
@@ -80,7 +80,7 @@ class MatrixModel:
         """Node and direction of each unknown after checking them; raises InputError."""
         node, direction = np.asarray(self.node), np.asarray(self.direction)
         if not node.size and not direction.size:
-            # Without a map an unknown is known by its position, and nothing is said about its direction.
+            # Without a map the name of an unknown is its index, without a direction.
             node, direction = np.arange(size), np.full(size, OTHER)
         for name, array in (("node", node), ("direction", direction)):
             if array.shape != (size,) or not np.issubdtype(array.dtype, np.integer):
@@ -134,7 +134,7 @@ class MatrixModel:
         return self.size
 
     def unknowns_of(self, nodes: ArrayLike) -> IntArray:
-        """(k, 3) unknowns x, y, z of nodes (k,); raises InputError for a node that has not all three."""
+        """(k, 3) unknowns x, y, z of nodes (k,); raises InputError for a node without all three."""
         wanted = np.asarray(nodes, dtype=np.int64).ravel()
         position = np.full((3, wanted.size), -1, dtype=np.int64)
         for axis in range(3):
@@ -156,11 +156,11 @@ class MatrixModel:
         return position.T
 
     def expand(self, vectors: FloatArray) -> FloatArray:
-        """Displacements (n, ...) from the unknowns (n, ...): they are the same, for none is held."""
+        """Displacements (n, ...) from the unknowns (n, ...): they are equal, because none is constrained."""
         return vectors
 
     def positions_of(self, nodes: ArrayLike) -> FloatArray | None:
-        """(k, 3) m of the given nodes, None where positions are not known. Raises InputError for a missing node."""
+        """(k, 3) m of nodes, None without positions. Raises InputError for a missing node."""
         if self.position is None:
             return None
         wanted = np.asarray(nodes, dtype=np.int64)

@@ -35,11 +35,11 @@ class _Header:
 
     @property
     def words(self) -> int:
-        """Words that one number takes: types 1 (real) and 3 (complex) are of single, 2 and 4 of double precision."""
+        """Words of one number: types 1 (real) and 3 (complex) are of single, 2 and 4 of double precision."""
         return 1 if self.kind in (1, 3) else 2
 
     def entries(self, numbers: FloatArray) -> Any:
-        """The entries that numbers stand for; those of a complex matrix alternate."""
+        """The entries from numbers; real and imaginary parts of a complex matrix alternate."""
         if self.kind <= 2:
             return numbers
         if len(numbers) % 2:

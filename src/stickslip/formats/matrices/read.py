@@ -1,4 +1,4 @@
-"""One function that reads stiffness, mass and damping from any of the known kinds of files."""
+"""One function that reads stiffness, mass and damping from all supported kinds of files."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _READERS: dict[str, Callable[[Path], Matrices]] = {
     ".op4": output4,
     ".full": ansys_full,
 }
-# Names under which programs store a matrix, in files that hold several.
+# Names of matrices in files of other programs that contain several.
 _NAMES = {
     "stiffness": ("stiffness", "k", "kgg", "kaa", "kxx"),
     "mass": ("mass", "m", "mgg", "maa", "mxx"),
@@ -65,12 +65,12 @@ def read_matrices(
     stiffness, mass, damping:
         files: Matrix Market (``.mtx``, ``.mm``), NumPy (``.npy``, ``.npz``), MATLAB (``.mat``), CalculiX (``.sti``,
         ``.mas``), Harwell-Boeing (``.hb``, ``.rsa``, ``.rua``, ``.matrix``), Nastran OUTPUT4 (``.op4``), Ansys
-        (``.full``, extra ``stickslip[ansys]``). Of several matrices in a file the one with a usual name is taken
-        (K, M, C, stiffness, KGG ...), or the one named behind ``#``: ``"model.mat#Kred"``.
+        (``.full``, extra ``stickslip[ansys]``). Of several matrices in a file the function takes the one with a usual
+        name (K, M, C, stiffness, KGG ...), or that after ``#``: ``"model.mat#Kred"``.
     unknown_map:
-        file with node and direction of each row (:func:`read_unknown_map`). By default the ``.dof`` beside a
-        ``.sti``, the ``.mapping`` beside a ``.matrix``, and the map inside a ``.full``; without any of them unknown
-        ``i`` (counted from 0) is known as node ``i``, with no direction.
+        file with node and direction of each row (:func:`read_unknown_map`). By default the ``.dof`` beside a ``.sti``,
+        the ``.mapping`` beside a ``.matrix``, and the map inside a ``.full``; without any of them unknown ``i``
+        (counted from 0) is node ``i``, with no direction.
     node_positions:
         file with lines ``node, x, y, z`` in ``length_unit`` (:func:`read_node_positions`).
     length_unit, unit_system:
@@ -79,15 +79,15 @@ def read_matrices(
     Raises
     ------
     ImportFileError
-        which names the file and the line or entry: for a missing, damaged or unknown file, a map with another number
-        of rows, and matrices that :class:`MatrixModel` refuses.
+        which names the file and the line or entry: for a missing, damaged or unknown file, a map with another number of
+        rows, and matrices that :class:`MatrixModel` rejects.
     InputError
-        for a unit that is not known.
+        for an unknown unit.
     MissingPackageError
         for a ``.full`` file without the extra.
     """
     units = find_unit_system(length_unit, unit_system)
-    contents: dict[Path, Matrices] = {}  # a file that holds several matrices is read once
+    contents: dict[Path, Matrices] = {}  # a file with several matrices is read once
     files = {"stiffness": stiffness, "mass": mass, "damping": damping}
     matrices: dict[str, Any] = {}
     for name, file in files.items():
@@ -114,7 +114,7 @@ def read_matrices(
         position = position * units.length
     messages = []
     for name, matrix in matrices.items():
-        with concerning(name), told_of(Path(str(files[name]))):  # the model checks again, but does not know the files
+        with concerning(name), told_of(Path(str(files[name]))):  # the model checks again, but without names of files
             matrix, message = checked_matrix(name, matrix, node, direction)
         matrices[name] = factor[name] * (scale @ matrix @ scale)
         messages += [f'"{files[name]}": {message}'] if message else []
@@ -133,7 +133,7 @@ def _unknown_scale(direction: IntArray, metres: float) -> Any:
     """Diagonal D with ``M_SI = (kg in the unit of mass) D M D``: 1 for displacements, whose unit is ``metres``.
 
     Rotations are in rad in any system, and other unknowns keep their numbers: their entries are energies of the file's
-    units, which hold the square of a length. Without a map all unknowns are taken as displacements.
+    units, which contain the square of a length. Without a map all unknowns are displacements.
     """
     displacement = (direction < 3) | (direction.min() == OTHER)
     return scipy.sparse.diags(np.where(displacement, 1.0, metres), format="csr")
@@ -163,7 +163,7 @@ def _unknowns(
 
 
 def _matrix(source: str, role: str, contents: dict[Path, Matrices]) -> Any:
-    """The matrix of a file, or the one named behind ``#``, or the one whose name suits its role."""
+    """The matrix of a file: that after ``#``, or the one with a name for its role."""
     file, _, wanted = source.partition("#")
     path = Path(file)
     reader = _READERS.get(path.suffix.lower())

@@ -27,7 +27,7 @@ def reduce_matrices(
 ) -> Superelement:
     """Reduce a model to its boundary nodes and ``n_modes`` fixed-interface modes (:func:`craig_bampton`).
 
-    A model with no more than ``3 * n_boundary + n_modes`` unknowns is taken as it is: reduction would not make it
+    A model with no more than ``3 * n_boundary + n_modes`` unknowns stays unchanged: reduction would not make it
     smaller. Positions and node sets of the boundary nodes stay with the superelement; sets lose their other nodes.
 
     Parameters
@@ -36,7 +36,7 @@ def reduce_matrices(
         node numbers, as the source counts them, each with unknowns along x, y and z: contact nodes, and nodes with
         forces or outputs.
     contact_nodes:
-        those of the boundary nodes that a contact can hold; all of them unless given.
+        those of the boundary nodes that a contact can support; by default all of them.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def reduce_matrices(
     superelement = craig_bampton(model, nodes, n_modes, backend, threads, progress)
     nodes, count = superelement.boundary_nodes, 3 * nodes.size
     positions = model.positions_of(nodes)
-    # The boundary stiffness after static condensation moves without strain exactly as the whole does, and is small.
+    # The boundary stiffness after static condensation has the same motions without strain as the whole, and is small.
     require_rigid_bodies(
         superelement.stiffness[:count, :count],
         parts_of(model.stiffness)[model.unknowns_of(nodes).ravel()],

@@ -20,7 +20,7 @@ _BEGINS_WITH_NUMBER = re.compile(r"[-+]?\.?\d")
 
 @contextmanager
 def told_of(path: Path) -> Iterator[None]:
-    """Put the name of the file before the sentence of any InputError raised inside."""
+    """Put the name of the file before the message of any InputError raised inside."""
     try:
         yield
     except ImportFileError:
@@ -31,17 +31,17 @@ def told_of(path: Path) -> Iterator[None]:
 
 @contextmanager
 def readable(path: Path, kind: str) -> Iterator[None]:
-    """Turn whatever the reader of another package raises for a damaged or foreign file into an ImportFileError."""
+    """Turn any exception of the reader of another package for a damaged or foreign file into an ImportFileError."""
     try:
         with warnings.catch_warnings():
-            # Readers warn of damage that their errors, or the checks of the matrices, then name.
+            # Readers warn of damage that their errors, or the checks of the matrices, report later.
             warnings.simplefilter("ignore")
             yield
     except (InputError, MissingPackageError):
         raise
     except (FileNotFoundError, PermissionError, UnsuitableFileError) as error:
         raise not_opened(path, error) from error
-    except Exception as error:  # what a foreign reader raises on a damaged file is not documented
+    except Exception as error:  # exceptions of other readers for a damaged file are not documented
         raise ImportFileError(
             f'"{path}" could not be read as {kind}: {type(error).__name__}, {error}. It is damaged, incomplete or of '
             "another kind; write it again, and do not transfer binary files as text."
@@ -49,14 +49,14 @@ def readable(path: Path, kind: str) -> Iterator[None]:
 
 
 def not_opened(path: Path, error: OSError) -> ImportFileError:
-    """The error for a file that is not there or may not be read."""
+    """The error for a file that does not exist or cannot be read."""
     return ImportFileError(f'"{path}" could not be opened: {error.strerror or error}. Check the name and the folder.')
 
 
 def quoted(text: str) -> str:
     """The start of a line of numbers for a sentence, in quotes; nothing of a line that does not begin with a number.
 
-    Such a line is no damaged row: the file is another one than was meant, and what it holds is not for an error text.
+    Such a line is not a damaged row: the file is a wrong one, and its content must not be in an error message.
     """
     shown = text.strip()[:60]
     return f'"{shown}"' if _BEGINS_WITH_NUMBER.match(shown) else "what stands there"
@@ -76,7 +76,7 @@ def file_bytes(path: Path) -> bytes:
 def text_lines(path: Path, cut_is_seen: bool = False) -> list[str]:
     """The lines of a text file; raises ImportFileError for one that is missing, empty, binary or cut in a line.
 
-    ``cut_is_seen``: a last line without line end is taken, because the caller would refuse it if it were cut off.
+    ``cut_is_seen``: a last line without line end is allowed, because the caller rejects an incomplete one.
     """
     content = file_bytes(path)
     try:

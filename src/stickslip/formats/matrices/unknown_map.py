@@ -1,4 +1,4 @@
-"""Which node and direction each row of a matrix belongs to, and where the nodes are: small text files."""
+"""Small text files with node and direction of each row of a matrix, and with positions of nodes."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ def read_unknown_map(path: Path) -> tuple[IntArray, IntArray]:
 
     ``.dof`` (CalculiX): ``node.direction`` a line. ``.mapping`` (Ansys HBMAT): row, node and direction a line. Any
     other file: node and direction a line, with comma or blank, directions x, y, z, rx, ry, rz, other (or UX ... ROTZ,
-    or 1 to 6); a first line of words and lines that begin with ``#`` are left out.
+    or 1 to 6); a first line of words and lines that begin with ``#`` are ignored.
 
     Raises ImportFileError, which names the line.
     """
-    # No beginning of a direction is one, and the caller compares the number of lines with that of the rows.
+    # A cut direction is never a valid one, and the caller compares the number of lines with that of the rows.
     lines = text_lines(path, cut_is_seen=True)
     kind = path.suffix.lower()
     nodes: list[int] = []
@@ -74,8 +74,8 @@ def read_unknown_map(path: Path) -> tuple[IntArray, IntArray]:
 def read_node_positions(path: Path) -> tuple[IntArray, FloatArray]:
     """Node numbers (k,) and positions (k, 3), in the file's length unit, from lines ``node, x, y, z``.
 
-    A first line of words and lines that begin with ``#`` or ``*`` are left out, so that the node lines of an ``.inp``
-    file serve. Raises ImportFileError, which names the line, for other lines, and for a node that comes twice.
+    A first line of words and lines that begin with ``#`` or ``*`` are ignored, so the node lines of an ``.inp`` file
+    are valid. Raises ImportFileError, which names the line, for other lines, and for a node that occurs twice.
     """
     labels: dict[int, int] = {}
     positions = []

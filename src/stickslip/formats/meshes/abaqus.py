@@ -1,6 +1,6 @@
 """Abaqus and CalculiX decks (.inp): mesh, sets, surfaces, sections, materials, constraints and nodal forces.
 
-Numbers and names keep those of the deck; names are found whatever their capitals, as both programs do.
+Numbers and names are those of the deck; upper and lower case are equal in names, as in both programs.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def read_abaqus(source: Path, includes_outside: bool = False) -> RawModel:
 
 
 class _Reader:
-    """Takes the cards one after the other."""
+    """Reads the cards one after the other."""
 
     def __init__(self, source: Path) -> None:
         self.raw = RawModel(source, "Abaqus/CalculiX")
@@ -189,7 +189,7 @@ class _Reader:
             self._told.add(name)
 
     def _rows(self, card: Card, width: int) -> tuple[list[list[int]], list[int]]:
-        """Rows of ``width`` numbers, which may go on over several lines, and the line at which each starts."""
+        """Rows of ``width`` numbers, which may continue over several lines, and the line at which each starts."""
         rows: list[list[int]] = []
         lines: list[int] = []
         row: list[int] = []
@@ -207,17 +207,17 @@ class _Reader:
         return rows, lines
 
     def _add(self, what: str, name: str, members: IntArray, line: int) -> None:
-        """Add members to a set, which is made if it does not exist."""
+        """Add members to a set, or make it."""
         key = (what, name.upper())
         self._names.setdefault(key, name)
         self._pieces.setdefault(key, []).append(members)
         self.raw.set_lines.setdefault(self._names[key], line)
 
     def _find(self, card: Card, what: str, word: str, line: int) -> IntArray:
-        """Labels of a set by its name, or of the one node or element that ``word`` numbers."""
+        """Labels of a set by its name, or of the node or element with the number ``word``."""
         key = (what, word.upper().strip('"'))
         if key in self._pieces:
-            # joined once, however many lines name the set, and without the repeats of sets that take each other
+            # joined once, even if many lines name the set, and without repeated members of sets that contain each other
             self._pieces[key] = [np.unique(np.concatenate(self._pieces[key]))]
             return self._pieces[key][0]
         if not word[:1].isdigit():

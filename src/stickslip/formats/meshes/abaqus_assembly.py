@@ -1,4 +1,4 @@
-"""A deck with parts and instances as the flat deck that it means, with a number and a name for everything once.
+"""A deck with parts and instances as the equivalent flat deck, with unique numbers and names.
 
 Sets, surfaces and sections of a part are called ``INSTANCE.NAME``; numbers grow by an offset of each instance.
 """
@@ -24,7 +24,7 @@ _SMALLEST_OFFSET = 1000  # offsets are round, so that numbers stay easy to recog
 
 @dataclass(frozen=True)
 class FlatDeck:
-    """Cards of a flat deck, how the file writes their numbers, and what was done, in sentences."""
+    """Cards of a flat deck, their numbers in the file, and messages on the changes."""
 
     cards: list[Card]
     ranges: tuple[LabelRange, ...] = ()
@@ -34,8 +34,8 @@ class FlatDeck:
 def flatten(cards: list[Card]) -> FlatDeck:
     """Cards of every instance and of the assembly as those of one flat deck; a flat deck stays as it is.
 
-    Each card keeps its line and knows its instance. An instance keeps its numbers where they are above all before it;
-    else they grow by an offset, which a message tells. Raises ImportFileError that names file and line.
+    Each card has its line and its instance. An instance keeps its numbers if they are above all before it; else they
+    grow by an offset, which a message reports. Raises ImportFileError that names file and line.
     """
     if not any(card.keyword in STRUCTURE for card in cards):
         return FlatDeck(cards)
@@ -52,7 +52,7 @@ def flatten(cards: list[Card]) -> FlatDeck:
 
 
 def _number(scopes: list[Scope]) -> None:
-    """Find the numbers of each scope and give it an offset that keeps the numbers of all scopes apart."""
+    """Collect the numbers of each scope and set its offset, so that the numbers of all scopes differ."""
     largest = 0
     for scope in scopes:
         labels = [label for card in scope.cards for label in _labels(card)]
@@ -71,7 +71,7 @@ def _number(scopes: list[Scope]) -> None:
 
 
 def _labels(card: Card) -> list[int]:
-    """Numbers of nodes and elements that a card defines or joins; those of other scopes (with a dot) are left out."""
+    """Numbers of nodes and elements that a card defines or joins, without those of other scopes (with a dot)."""
     if card.keyword == "NODE":
         return [card.label(words[0], line) for line, words in card.data]
     if card.keyword == "ELEMENT":
@@ -175,7 +175,7 @@ def _nodes(scope: Scope, card: Card) -> list[Row]:
     numbered = [(line, [f"{card.label(words[0], line) + scope.offset}", *words[1:]]) for line, words in card.data]
     if scope.motion is None:
         return numbered
-    # a line without coordinates is left for the reader of the flat deck to refuse
+    # the reader of the flat deck rejects a line without coordinates
     rows = [at for at, (_, words) in enumerate(numbered) if any(words[1:])]
     places = np.zeros((len(rows), 3))
     for row, at in enumerate(rows):
@@ -192,7 +192,7 @@ def _generated(scope: Scope, card: Card, line: int, words: list[str]) -> list[Ro
     """First, last and step in the flat deck, cut to the numbers of the scope, because other numbers lie beside them."""
     limits = [card.label(word, line) for word in words if word]
     if len(limits) not in (2, 3) or limits[1] < limits[0]:
-        return [(line, words)]  # the reader of the flat deck refuses it
+        return [(line, words)]  # the reader of the flat deck rejects it
     start, stop, step = (*limits, 1)[:3]
     start += step * max(0, -((start - scope.first) // step))
     stop = min(stop, scope.last)

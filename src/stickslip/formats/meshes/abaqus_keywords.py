@@ -1,4 +1,4 @@
-"""Element types and keywords of Abaqus and CalculiX: what is read, what is left out, what is refused and why."""
+"""Element types and keywords of Abaqus and CalculiX: supported, ignored, and rejected ones with the reason."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ELEMENT_TYPES = {
     "C3D20R": "hexahedron20",
 }
 OTHER_FORMULATIONS = {"C3D4H", "C3D10M", "C3D10H", "C3D10HS", "C3D8", "C3D8R", "C3D20R"}
-# Nodes of elements without volume, which only give sets and are left out.
+# Nodes of elements without volume, which are used only for sets.
 NOT_SOLID = {
     **dict.fromkeys(("S3", "S3R", "M3D3", "SFM3D3", "STRI3", "CPS3", "CPE3", "CAX3"), 3),
     **dict.fromkeys(("S4", "S4R", "M3D4", "SFM3D4", "CPS4", "CPE4", "CPS4R", "CPE4R", "CAX4", "M3D4R", "R3D4"), 4),
@@ -34,7 +34,7 @@ _TIES = (
     "it ties nodes to each other, and the model would be another one without it. Take it out: hold or load the set of "
     "its nodes, merge meshes in the preprocessor, or make the faces an interface of the study"
 )
-# These change what the numbers of a deck mean, so the model would be another one without them.
+# These change the meaning of a deck's numbers; the model would be wrong without them.
 REFUSED = {
     **dict.fromkeys(
         (
@@ -52,7 +52,7 @@ REFUSED = {
         "generated nodes and elements are not read. Write them out",
     ),
 }
-# Understood here, or without effect on mesh, mass and stiffness.
+# Supported, or without effect on mesh, mass and stiffness.
 SILENT = {
     *(
         "HEADING",

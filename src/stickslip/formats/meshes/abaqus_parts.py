@@ -1,4 +1,4 @@
-"""Parts, instances and the assembly of an Abaqus deck: which card belongs to which, and where an instance stands."""
+"""Parts, instances and the assembly of an Abaqus deck: the scope of each card, and the position of an instance."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Motion:
 
 @dataclass
 class Scope:
-    """Where numbers and names are local: an instance, or the assembly with the level of the model (no name).
+    """A scope of numbers and names: an instance, or the assembly with the level of the model (no name).
 
     In the flat deck its numbers, ``first`` to ``last``, are larger by ``offset``.
     """
@@ -44,7 +44,7 @@ class Scope:
     offset: int = 0
 
     def flat(self, card: Card, label: int, line: int) -> int:
-        """Number in the flat deck. Raises ImportFileError for one that is none of this scope."""
+        """Number in the flat deck. Raises ImportFileError for a number of another scope."""
         if not self.first <= label <= self.last:
             where = f"the instance '{self.name}' has" if self.name else "the assembly itself has"
             advice = "" if self.name else " That of an instance is written INSTANCE.NUMBER."
@@ -69,7 +69,8 @@ def plain_name(text: str) -> str:
 
 
 def find_instances(cards: list[Card]) -> Assembly:
-    """Give each card its scope; the cards of a part come once for every instance of it, where the instance stands.
+    """Give each card its scope; the cards of a part occur once for each of its instances, at the position of the
+    instance.
 
     Raises ImportFileError for a name that comes twice, an unknown part, an instance of an earlier analysis, and a part,
     instance or assembly that does not end or begin.
@@ -81,7 +82,7 @@ def find_instances(cards: list[Card]) -> Assembly:
 
 
 class _Nest:
-    """Takes the cards one after the other and knows which part, assembly and instance are open."""
+    """Reads the cards one after the other and tracks the open part, assembly and instance."""
 
     def __init__(self) -> None:
         self._open: list[Card] = []
@@ -227,7 +228,7 @@ def _motion(card: Card) -> Motion | None:
 
 
 def _numbers(card: Card, line: int, words: list[str], count: int) -> FloatArray:
-    """``count`` numbers of a data line; entries that are left out are 0."""
+    """``count`` numbers of a data line; missing entries are 0."""
     given = words[:-1] if words[-1] == "" else words
     if len(given) > count:
         card.fail(f"{count} numbers are expected in this line; found {len(given)}.", line)

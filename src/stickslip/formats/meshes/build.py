@@ -1,4 +1,4 @@
-"""From the entries of a model file to a mesh in metres, with every entry checked and named when it is wrong."""
+"""From the entries of a model file to a mesh in metres, with a check of every entry."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from stickslip.structure.mesh import CellBlock, Mesh
 from stickslip.structure.model_facts import connected_parts, model_oddities
 
 LARGEST_COORDINATE = 1e6  # m
-_ONE_PLACE = 1e-6  # share of a body's size below which two of its nodes are at one place
+_ONE_PLACE = 1e-6  # fraction of a body's size below which two of its nodes coincide
 
 
 def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
@@ -132,7 +132,7 @@ def _bodies(raw: RawModel, cells: list[IntArray], element_labels: IntArray) -> t
 def _members(
     raw: RawModel, what: str, sets: dict[str, IntArray], labels: IntArray, messages: list[str]
 ) -> dict[str, IntArray]:
-    """Sets by number of node or element; those without any of a solid element are left out with a message."""
+    """Sets by number of node or element; sets without any solid element are dropped with a message."""
     order = np.argsort(labels)
     answer = {}
     for name, found in sets.items():
@@ -220,7 +220,7 @@ def _parts(mesh: Mesh) -> list[str]:
 
 
 class _NodeNumbers:
-    """Numbers of nodes by label. The labels are sorted once, because a deck may hold each node in a line of its own."""
+    """Numbers of nodes by label. The labels are sorted once, because a deck may have one line for each node."""
 
     def __init__(self, raw: RawModel, labels: IntArray) -> None:
         self._raw = raw
@@ -229,7 +229,7 @@ class _NodeNumbers:
         self._labels = labels[self._order]
 
     def of(self, wanted: IntArray, line: int) -> IntArray:
-        """Numbers of nodes given by label in ``line``, rising; those of no solid element are left out."""
+        """Numbers of nodes with labels in ``line``, rising, without nodes that belong to no solid element."""
         exists = _found(self._known, wanted)
         if not exists.all():
             self._raw.fail(f"node {self._raw.shown(wanted[~exists].min())} does not exist.", line)
@@ -238,14 +238,14 @@ class _NodeNumbers:
 
 
 def _found(known: IntArray, wanted: IntArray) -> NDArray[np.bool_]:
-    """Which of ``wanted`` (k,) are among ``known``, which are sorted."""
+    """Which of ``wanted`` (k,) are in the sorted ``known``."""
     if not known.size:
         return np.zeros(wanted.shape, dtype=bool)
     return np.asarray(known[np.searchsorted(known, wanted).clip(max=known.size - 1)] == wanted)
 
 
 def _fixed(raw: RawModel, numbers: _NodeNumbers, n_nodes: int) -> IntArray:
-    """Positions among the 3 * n_nodes displacements that the file holds at zero."""
+    """Indices among the 3 * n_nodes displacements that the file constrains to zero."""
     held = np.zeros((n_nodes, 3), dtype=bool)
     for each in raw.held:
         held[numbers.of(each.nodes, each.line)[:, None], list(each.directions)] = True

@@ -17,7 +17,7 @@ _EXPONENT = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))([-+]\d+)")  # 1.5-3 is 1.5e-
 
 @dataclass
 class RangesLeft:
-    """How many numbers the ranges of a deck may still name."""
+    """Limit on the numbers that further ranges of a deck may name."""
 
     count: int = MOST_IN_RANGES
 
@@ -26,7 +26,7 @@ class RangesLeft:
 class BulkCard:
     """One entry: its name in capitals, its fields from the second on, blank ones as "", and its line.
 
-    ``places`` says to which file and line of it ``line`` belongs; ``ranges`` is shared by all entries of a deck.
+    ``places`` maps ``line`` to its file and line; all entries of a deck have the same ``ranges``.
     """
 
     places: LinePlaces
@@ -40,7 +40,7 @@ class BulkCard:
         self.places.fail(f"{self.name}: {sentence}", self.line)
 
     def where(self) -> str:
-        """Its line for a sentence; its file is named where it is not that of the deck."""
+        """Its line for a message, with its file unless it is the deck itself."""
         return self.places.words(self.line)
 
     def word(self, position: int) -> str:

@@ -9,14 +9,14 @@ from stickslip.formats.meshes.raw_model import RawBlock, RawModel
 from stickslip.structure.cell_kinds import CELL_KINDS, IntArray
 from stickslip.structure.shapes import mass_rule, shape_functions, stiffness_rule
 
-_CELLS_AT_ONCE = 5000
-_SHOWN = 5
+_CELLS_AT_ONCE = 5000  # chosen to bound the memory
+_SHOWN = 5  # chosen: elements in a message
 
 
 def require_sound_elements(raw: RawModel, points: FloatArray, blocks: list[tuple[RawBlock, IntArray]]) -> None:
-    """Raise ImportFileError for labels or elements that come twice, and for flat, inverted or folded elements.
+    """Raise ImportFileError for labels or elements that occur twice, and for flat, inverted or folded elements.
 
-    ``points`` (n, 3) m; ``blocks`` hold each block with its cells in numbers of these points.
+    ``points`` (n, 3) m; ``blocks`` are each block with its cells in numbers of these points.
     """
     _require_distinct_labels(raw)
     for block, cells in blocks:
@@ -71,7 +71,7 @@ def _require_upright(raw: RawModel, points: FloatArray, block: RawBlock, cells: 
         part = points[cells[start : start + _CELLS_AT_ONCE]]
         corner = kind.corner_jacobians(part)
         largest = np.abs(corner).max(axis=1)
-        # relative to the size of the element, so that flat ones are found in any unit
+        # relative to the size of the element, so that flat ones are detected in any unit
         size = np.ptp(part, axis=1).max(axis=1) ** 3
         _fail_for(raw, block, start, corner.min(axis=1) <= 1e-9 * np.minimum(largest, size), corner.max(axis=1), "")
         inner = np.linalg.det(np.einsum("qka,mkb->mqab", gradients, part)) if len(gradients) else corner

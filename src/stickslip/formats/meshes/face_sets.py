@@ -18,7 +18,7 @@ Sides = tuple[IntArray, ...]
 class _Entries:
     """Entries of a face set of one kind: the same side of elements (k,), or all their free sides, or corners (k, c).
 
-    ``lines`` (k,) are those of the file. A file may name each side in a line of its own, so they are looked up at once.
+    ``lines`` (k,) are those of the file. A file may have one line for each side, so all are looked up at once.
     """
 
     side: int | None
@@ -61,7 +61,7 @@ class _RowNumbers:
         """Number (k,) of each of other rows (k, c), -1 for a row that is not there."""
         number = rows[:, 0]
         for level, column in zip(self._levels, rows[:, 1:].T, strict=True):
-            # an entry above all of the table, or -1, must not be taken for another row
+            # an entry above all of the table, or -1, must not match another row
             known = (number >= 0) & (column >= 0) & (column < self._factor)
             key = number * self._factor + column
             place = np.searchsorted(level, key).clip(max=max(len(level) - 1, 0))
@@ -109,8 +109,8 @@ def build_face_sets(
 ) -> tuple[dict[str, Sides], dict[str, IntArray]]:
     """Face sets by node number, and the nodes of each.
 
-    A face set with a side inside the solid (two cells have it) is left out with a message: no contact can be there.
-    Raises ImportFileError for an empty set and for sides that no element has.
+    A face set with a side inside the solid (of two cells) is dropped with a message: there can be no contact. Raises
+    ImportFileError for an empty set and for sides that no element has.
     """
     if not raw.face_sets:
         return {}, {}

@@ -1,4 +1,4 @@
-"""Checks of Gmsh files before meshio reads them, and small changes to what it would refuse or misread.
+"""Checks of Gmsh files before meshio reads them, and small changes to content that it would reject or misread.
 
 meshio makes a table as long as the largest node number of a 4.1 file; takes the version "4", as Gmsh writes 4.0, for
 4.1; and stops where only some of the entities belong to a physical group, which is so with Mesh.SaveAll.
@@ -82,7 +82,7 @@ def _damaged(section: str) -> str:
 
 
 def _section(source: Path, content: bytes, name: bytes) -> bytes:
-    """What stands in a section that must be there once. Raises ImportFileError."""
+    """The content of a section that must occur once. Raises ImportFileError."""
     head = b"$" + name + b"\n"
     start, end = content.find(head), content.find(b"$End" + name)
     if start < 0 or end < start or content.find(head, start + 1) > 0:
@@ -101,7 +101,7 @@ def _require_node_numbers(source: Path, numbers: _Binary | _Text) -> None:
 
 
 def _node_problem(numbers: _Binary | _Text) -> str:
-    """What is wrong with the $Nodes section of a 4.1 file, or nothing. Raises ValueError where it cannot be read."""
+    """The error in the $Nodes section of a 4.1 file, or "". Raises ValueError if it cannot be read."""
     n_blocks, missing, _, _ = numbers.take(4, "u8").tolist()
     for _ in range(n_blocks):
         if numbers.take(3, "i4")[2]:
@@ -121,7 +121,7 @@ def _node_problem(numbers: _Binary | _Text) -> str:
 def _with_groups(numbers: _Binary | _Text, point_size: int) -> tuple[bytes, int]:
     """The $Entities section with the physical group 0, which is none, where an entity has no group; most groups of one.
 
-    ``point_size`` coordinates stand with each point, 6 with all other entities. Raises ValueError.
+    Each point has ``point_size`` coordinates, all other entities 6. Raises ValueError.
     """
     counts = numbers.take(4, "u8")
     parts, most = [counts], 0

@@ -1,4 +1,4 @@
-"""What the readers of model files return."""
+"""The result of the readers of model files."""
 
 from __future__ import annotations
 
@@ -21,26 +21,25 @@ class ImportedModel:
     Parameters
     ----------
     mesh:
-        nodes, cells, bodies and sets; nodes without a solid cell are left out.
+        nodes, cells, bodies and sets, without nodes that have no solid cell.
     source, format:
         the file, and the name of its format.
     node_labels, element_labels:
-        (n_nodes,) and (n_cells,) numbers of the nodes and cells in the file; a message tells where those of an instance
-        have grown.
+        (n_nodes,) and (n_cells,) numbers of the nodes and cells in the file; a message reports offsets of instances.
     label_ranges:
-        which of these numbers belong to which instance.
+        ranges of these numbers that belong to instances.
     materials:
         body name -> material, for the bodies that have one in the file.
     fixed_unknowns:
-        positions among the 3 * n_nodes displacements (node, then x, y, z) that the file holds at zero.
+        indices among the 3 * n_nodes displacements (node, then x, y, z) that the file constrains to zero.
     node_forces:
         (n_nodes, 3) N, the file's constant loads on nodes; zero where there is none.
     length_unit, unit_system:
-        how the numbers of the file were taken.
+        units of the numbers of the file.
     messages:
-        what was left out or assumed, in sentences.
+        messages on ignored entries and assumptions.
     warnings:
-        sizes, densities, moduli and masses that only wrong units can explain, in sentences.
+        messages on sizes, densities, moduli and masses that only wrong units can explain.
     """
 
     mesh: Mesh
@@ -58,7 +57,7 @@ class ImportedModel:
     warnings: tuple[str, ...] = ()
 
     def shown(self, label: int) -> str:
-        """A node or element as the file writes it."""
+        """A node or element as in the file."""
         return shown_label(label, self.label_ranges)
 
     def node_numbers(self, labels: IntArray) -> IntArray:

@@ -1,4 +1,4 @@
-"""What a deck may bring in by its INCLUDE statements: from which folder, how deep, how often, how much."""
+"""Limits of the INCLUDE statements of a deck: folder, depth, number and size of files."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from stickslip.core.input_files import LARGEST_FILE, in_words
 from stickslip.formats.meshes.raw_model import fail, read_text
 
 DEEPEST_INCLUDE = 5  # files that include each other
-# Decks of whole engines have some hundred files; one file comes again for each part that shares it.
+# chosen: decks of whole engines have some hundred files; one file is repeated for each part that uses it.
 MOST_FILES = 1000
 MOST_REPEATS = 20
 
@@ -29,7 +29,7 @@ class IncludedFiles:
         self._foreign: set[Path] = set()
 
     def may_read(self, path: Path) -> bool:
-        """Whether a file lies where the deck may read it; whether it exists is not looked at."""
+        """Whether the deck may read from the folder of a file, which need not exist."""
         return self._outside or self._is_inside(path)
 
     def lines(self, path: Path, source: Path, number: int, depth: int) -> list[str]:
@@ -68,7 +68,7 @@ class IncludedFiles:
 
     @contextmanager
     def hidden_if_foreign(self) -> Iterator[None]:
-        """Take what a file outside of the deck's folder holds out of the sentence of an error about it."""
+        """Remove the content of a file outside of the deck's folder from the message of an error about it."""
         try:
             yield
         except ImportFileError as error:

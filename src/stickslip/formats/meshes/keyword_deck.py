@@ -31,7 +31,7 @@ class Card:
         fail(self.source, f"*{self.keyword}{where}: {sentence}", line or self.line)
 
     def parameter(self, name: str) -> str:
-        """A parameter that must be there; raises ImportFileError."""
+        """A required parameter; raises ImportFileError if it is missing."""
         value = self.parameters.get(name, "")
         if not value:
             self.fail(f"the parameter {name}= is missing.")
@@ -59,7 +59,7 @@ class Card:
 
 
 def read_cards(source: Path, included: IncludedFiles) -> list[Card]:
-    """Cards of a deck in their order; included files (path relative to the deck) stand in the place of *INCLUDE.
+    """Cards of a deck in their order; included files (path relative to the deck) replace *INCLUDE.
 
     Raises ImportFileError where a file cannot be read, may not be included, or does not start with a keyword.
     """
@@ -75,7 +75,7 @@ def _cards(source: Path, text: list[str], included: IncludedFiles, depth: int) -
             continue
         if line.startswith("*"):
             pieces = [line]
-            while pieces[-1].endswith(","):  # parameters go on in the next line
+            while pieces[-1].endswith(","):  # parameters continue in the next line
                 pieces.append(next(lines, (number, ""))[1].strip())
             card = _keyword(source, number, "".join(pieces).rstrip(","))
             if card.keyword == "INCLUDE":
@@ -86,7 +86,7 @@ def _cards(source: Path, text: list[str], included: IncludedFiles, depth: int) -
         elif cards:
             cards[-1].data.append((number, [word.strip() for word in line.split(",")]))
         else:
-            # not quoted: it is no entry of a deck, and may be any file
+            # not quoted: it is not an entry of a deck, and may be any file
             fail(source, "something stands before the first keyword; this is no Abaqus or CalculiX deck.", number)
     return cards
 

@@ -1,6 +1,6 @@
 """Gmsh .msh (2.2, 4.0, 4.1, text and binary), VTU and MED through meshio, with their groups as bodies and sets.
 
-Groups of solid cells are bodies if none overlap (a solid in no group is then refused), else element sets. Groups of
+Groups of solid cells are bodies if none overlap (a solid in no group is then rejected), else element sets. Groups of
 surface cells are face sets, groups of lines and points node sets. In a .vtu a group is an array of 0 and 1, of cells or
 of points, and the integer cell array ``body`` numbers the bodies.
 """
@@ -30,7 +30,7 @@ from stickslip.structure.meshio_cells import complete_meshio
 
 _SURFACES = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 4}
 _LINES = ("vertex", "line", "line3")
-# The same cell seen in a mirror: MED numbers solids the other way round than VTK, most programs that write it do so.
+# The mirrored cell: MED numbers solids in the opposite order of VTK, and most programs that write it do so.
 _MIRRORED = {
     "tetra": [0, 2, 1, 3],
     "tetra10": [0, 2, 1, 3, 6, 5, 4, 7, 9, 8],
@@ -56,7 +56,7 @@ def read_gmsh(source: Path) -> RawModel:
             if number:
                 name = names.get((int(number), int(block.dim)), f"group {number}")
                 groups.setdefault(name, _nobody(mesh))[at] |= tag == number
-    # a cell in several groups: version 4 tells all of them
+    # a cell in several groups: version 4 lists all of them
     for name, members in mesh.cell_sets.items():
         if not name.startswith("gmsh:"):
             for at, indices in enumerate(members):
@@ -100,7 +100,7 @@ def read_med(source: Path) -> RawModel:
 
 
 def _parsed(source: Path, kind: str, readable: Path | None = None) -> Any:
-    """The file as meshio reads it, or its ``readable`` copy, with what it can get wrong checked.
+    """The file as meshio reads it, or its ``readable`` copy, with checks of known defects of meshio.
 
     Raises ImportFileError.
     """
@@ -153,7 +153,7 @@ def _bounded(source: Path, kind: str) -> Iterator[None]:
         return
     from meshio.vtu import _vtu
 
-    # A VTU file may name the same packed data for many arrays, so that only what is unpacked tells the size.
+    # A VTU file may name the same packed data for many arrays, so that only unpacking shows the size.
     _vtu.zlib, _vtu.lzma = _Unpacker(count, zlib.decompressobj), _Unpacker(count, lzma.LZMADecompressor)
     try:
         yield
@@ -162,7 +162,7 @@ def _bounded(source: Path, kind: str) -> Iterator[None]:
 
 
 class _Unpacker:
-    """Stands for the module zlib or lzma in meshio's reader, and counts what it unpacks."""
+    """Replaces the module zlib or lzma in meshio's reader, and counts the unpacked bytes."""
 
     def __init__(self, count: UnpackedCount, new: Callable[[], Any]) -> None:
         self._count, self._new = count, new
@@ -217,7 +217,7 @@ def _raw(source: Path, form: str, mesh: Any, groups: dict[str, Members], nodes: 
 
 
 def _upright(points: FloatArray, name: str, cells: IntArray, form: str) -> tuple[IntArray, int]:
-    """Cells in VTK order, and how many had to be turned: in a MED file those that are inverted at every corner."""
+    """Cells in VTK order, and the number of reversed ones: in a MED file those that are inverted at every corner."""
     array = np.array(cells, dtype=np.int64)
     if form != "MED":
         return array, 0
@@ -227,7 +227,7 @@ def _upright(points: FloatArray, name: str, cells: IntArray, form: str) -> tuple
 
 
 def _add_group(raw: RawModel, name: str, mesh: Any, labels: list[IntArray], members: Members) -> None:
-    """A group as an element set, a face set or a node set, by the cells that it holds."""
+    """A group as an element set, a face set or a node set, depending on its cells."""
     chosen = [
         (block, label[flags], block.data[flags])
         for block, label, flags in zip(mesh.cells, labels, members, strict=True)

@@ -92,7 +92,7 @@ def _property_names(lines: list[str]) -> dict[int, str]:
 
 
 class _Reader:
-    """Takes the cards one after the other; what refers to other cards is put together at the end."""
+    """Reads the cards one after the other; references to other cards are resolved at the end."""
 
     def __init__(self, source: Path, places: LinePlaces, names: dict[int, str], case: CaseControl) -> None:
         self.raw = RawModel(source, "Nastran", places=places)
@@ -137,7 +137,7 @@ class _Reader:
         if card.name in self._cards:
             self._cards[card.name](card)
         elif card.name not in _SILENT:
-            # what is no name of an entry is not quoted: the file may be another than was meant
+            # text that is not the name of an entry is not quoted: the file may be a wrong one
             name = card.name if _CARD_NAME.fullmatch(card.name) else "lines that are no entries"
             self._left_out.setdefault(name, card.line)
 

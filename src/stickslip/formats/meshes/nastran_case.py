@@ -1,4 +1,4 @@
-"""Nastran case control: which sets of constraints and loads act, and how SPCADD and LOAD put sets together."""
+"""Nastran case control: active sets of constraints and loads, and combinations of sets by SPCADD and LOAD."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _COMBINATION = {"SPC": "SPCADD", "LOAD": "LOAD"}
 
 @dataclass(frozen=True)
 class CaseControl:
-    """What stands before BEGIN BULK: whether there is anything, and all sets that it selects, by SPC, LOAD and MPC."""
+    """The part before BEGIN BULK: whether it exists, and all sets that it selects, by SPC, LOAD and MPC."""
 
     exists: bool
     selected: Mapping[str, tuple[int, ...]]
@@ -37,7 +37,7 @@ class CaseControl:
         return cls(end > 0, selected)
 
     def ties_nodes(self) -> bool:
-        """Whether multipoint constraints of the bulk data act; without case control that must be assumed."""
+        """Whether multipoint constraints of the bulk data act; without case control this is an assumption."""
         return not self.exists or "MPC" in self.selected
 
 
@@ -50,9 +50,9 @@ def acting_entries(
 ) -> list[Entry]:
     """Constraints ("SPC") or forces ("LOAD") of the first set that the case control selects, else of all sets.
 
-    ``found`` holds them by the number of their set, ``combined`` the SPCADD or LOAD cards. Raises ImportFileError for a
-    selected or combined set of constraints that has no entries; for one of loads a message is added, as it may hold
-    loads of other kinds.
+    ``found`` contains them by the number of their set, ``combined`` the SPCADD or LOAD cards. Raises ImportFileError
+    for a selected or combined set of constraints that has no entries; for one of loads it adds a message, because the
+    set may contain loads of other kinds.
     """
     chosen = case.selected.get(what, ())
     if not chosen:

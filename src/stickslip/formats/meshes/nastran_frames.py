@@ -11,8 +11,8 @@ from stickslip.core.validation import FloatArray
 
 Kind = Literal["rectangular", "cylindrical", "spherical"]
 
-_SHORTEST = 1e-9  # share of the distances between the three points below which they give no axes
-_ON_AXIS = 1e-9  # share of the coordinates below which a place is on the axis of a system
+_SHORTEST = 1e-9  # fraction of the distances between the three points below which they define no axes
+_ON_AXIS = 1e-9  # fraction of the coordinates below which a point is on the axis of a system
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Frame:
         """Basic x, y, z (k, 3) of places (k, 3): x, y, z; r, theta, z; or r, theta from axis 3, phi. Angles in degrees.
 
         Cylindrical: (r cos theta, r sin theta, z); spherical: r (sin theta cos phi, sin theta sin phi, cos theta), in
-        the system's axes. What is too large for a number is not finite in the answer.
+        the system's axes. Values that overflow are not finite in the result.
         """
         first, second, third = places.T
         with np.errstate(over="ignore", invalid="ignore"):
@@ -64,7 +64,7 @@ class Frame:
         """
         if self.kind == "rectangular":
             return self.axes, frozenset()
-        with np.errstate(over="ignore", invalid="ignore"):  # places that are not finite are refused with their node
+        with np.errstate(over="ignore", invalid="ignore"):  # positions that are not finite are rejected with their node
             local = self.axes @ (place - self.origin)
             ring = float(np.hypot(local[0], local[1]))  # without the squares, which may be too large
             radius = float(np.hypot(ring, local[2]))

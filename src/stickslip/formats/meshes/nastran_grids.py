@@ -1,4 +1,4 @@
-"""Grids of Nastran: GRID with the defaults of GRDSET, their places, permanent constraints and directions."""
+"""Grids of Nastran: GRID with the defaults of GRDSET, positions, permanent constraints and directions."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from stickslip.formats.meshes.raw_model import RawHeld, RawModel
 from stickslip.structure.cell_kinds import IntArray
 
 _CP, _CD, _PS = 1, 5, 6  # fields after the name
-_PARALLEL = 1e-9  # largest deviation from x, y, z of directions that are taken for them
+_PARALLEL = 1e-9  # largest deviation from x, y, z of directions that count as equal to them
 
 
 class Grids:
-    """GRID and GRDSET cards, in any order; everything is asked after the last one."""
+    """GRID and GRDSET cards, in any order; other methods are called after the last one."""
 
     def __init__(self) -> None:
         self._cards: list[BulkCard] = []
@@ -37,7 +37,7 @@ class Grids:
         self._defaults = card
 
     def place(self, label: int) -> GivenPlace | None:
-        """Where a grid is given; None if there is none of this label."""
+        """Position of a grid as on its card; None if there is none of this label."""
         at = self._position.get(label)
         if at is None:
             return None
@@ -77,7 +77,7 @@ class Grids:
         return answer
 
     def permanent_constraints(self) -> list[RawHeld]:
-        """What the field PS of each grid holds, whatever the case control selects; 0 is nothing."""
+        """Constraints of the field PS of each grid, independent of the case control; 0 is none."""
         answer = []
         for card in self._cards:
             giver = self._giver(card, _PS)
@@ -90,9 +90,9 @@ class Grids:
     ) -> list[RawHeld]:
         """Constraints in basic x, y, z from those in the directions that CD gives each grid.
 
-        The components of all constraints of a grid are taken together: they can be told in x, y, z where the
-        directions that they hold span the same line, plane or space as some of x, y, z. Grids of no solid element have
-        no part in the model, so their CD is of no account. A message tells how many grids have a CD.
+        The components of all constraints of a grid are combined: they can be converted to x, y, z if the constrained
+        directions span the same line, plane or space as some of x, y, z. Grids without a solid element are not in the
+        model, so their CD has no effect. A message reports the number of grids with a CD.
 
         Raises ImportFileError for a CD that does not exist, and for constraints in other directions.
         """
@@ -132,7 +132,7 @@ class Grids:
 
 
 def _basic_directions(frame: Frame, place: FloatArray, held: set[int]) -> tuple[int, ...] | None:
-    """Which of x, y, z (0, 1, 2) span what the directions ``held`` of a system span; None where none do."""
+    """Which of x, y, z (0, 1, 2) span the same as the directions ``held`` of a system; None if none do."""
     rows, lacking = frame.directions(place)
     if lacking & held and not lacking <= held:
         return None
@@ -150,7 +150,7 @@ def _words(components: set[int]) -> str:
 
 
 def held_nodes(card: BulkCard, components: str, nodes: list[int]) -> RawHeld:
-    """Nodes held along the translations among ``components``, of 1 to 6, as a card names them.
+    """Constrained nodes along the translations among ``components``, of 1 to 6, as on a card.
 
     Raises ImportFileError for other components, and where there are none or no nodes.
     """

@@ -1,4 +1,4 @@
-"""Nastran decks in several files: the text of each included file stands in the place of its INCLUDE."""
+"""Nastran decks in several files: the text of each included file replaces its INCLUDE."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from stickslip.formats.meshes.included_files import IncludedFiles
 from stickslip.formats.meshes.raw_model import LinePlaces, fail, read_text
 
 _INCLUDE = re.compile(r"\s*INCLUDE\b(?P<name>.*)", re.IGNORECASE)
-_LONGEST_STATEMENT = 10  # lines; beyond them the closing quote has been forgotten
+_LONGEST_STATEMENT = 10  # lines; chosen: in a longer statement the closing quote is missing
 
 
 def join_files(source: Path, included: IncludedFiles) -> tuple[list[str], LinePlaces]:
     """All lines of a deck and of the files that it includes, and the file and line of each.
 
-    ``INCLUDE name`` may stand anywhere up to ENDDATA, the name in single, double or no quotes; inside quotes it may go
-    on over several lines, whose blanks at both ends do not count. A name is relative to the folder of the file that
-    includes, then to that of ``source``.
+    ``INCLUDE name`` may be anywhere up to ENDDATA, the name in single, double or no quotes; inside quotes it may
+    continue over several lines, whose blanks at both ends do not count. A name is relative to the folder of the file
+    that includes, then to that of ``source``.
 
     Raises ImportFileError, which names file and line, for a statement without a name, a missing file, one that
     ``included`` does not allow, files that include each other in a circle, and entries that follow an included ENDDATA.
@@ -30,7 +30,7 @@ def join_files(source: Path, included: IncludedFiles) -> tuple[list[str], LinePl
 
 
 class _Joiner:
-    """Puts the lines of one file after the other."""
+    """Joins the lines of the files."""
 
     def __init__(self, top: Path, included: IncludedFiles) -> None:
         self.lines: list[str] = []
@@ -39,7 +39,7 @@ class _Joiner:
         self._end: tuple[Path, int] | None = None  # where ENDDATA stands
 
     def take(self, source: Path, text: list[str], path: tuple[Path, ...]) -> None:
-        """Append a file; ``path`` holds those that include it, the first one being the deck itself."""
+        """Append a file; ``path`` are the files that include it, the deck itself first."""
         path = (*path, source)
         self.places.begin(len(self.lines) + 1, source, 1)
         at = 0
@@ -60,7 +60,8 @@ class _Joiner:
             self.places.begin(len(self.lines) + 1, source, at + 1)
 
     def _require_no_entry_after_the_end(self, source: Path, line: str, number: int) -> None:
-        """What follows ENDDATA in its file is no part of a deck; in a file that includes it, it must be a mistake."""
+        """Text after ENDDATA in its own file is not part of a deck; in a file that includes it, it is an input
+        error."""
         if self._end is None or self._end[0] == source or ends_bulk(line):
             return
         if line.partition("$")[0].strip():
@@ -79,7 +80,7 @@ class _Joiner:
         spellings = dict.fromkeys((name, name.replace("\\", "/")))  # decks of Windows are read elsewhere, too
         candidates = [folder / spelling for folder in folders for spelling in spellings]
         readable = [each for each in candidates if self._included.may_read(each)]
-        # a file that may not be read is refused by its name, whether it exists or not
+        # a file outside the folder is rejected by its name, whether it exists or not
         found = next((each for each in readable if os.path.exists(each) and not os.path.isdir(each)), None)
         if found is None and len(readable) < len(candidates):
             return next(each for each in candidates if each not in readable)

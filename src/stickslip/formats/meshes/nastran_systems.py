@@ -13,12 +13,12 @@ from stickslip.formats.meshes.nastran_frames import BASIC, Frame, Kind
 
 _KINDS: dict[str, Kind] = {"R": "rectangular", "C": "cylindrical", "S": "spherical"}
 SYSTEM_CARDS = tuple(f"CORD{way}{kind}" for way in (1, 2) for kind in _KINDS)
-_SHOWN = 6
+_SHOWN = 6  # chosen: systems in a message
 
 
 @dataclass(frozen=True)
 class GivenPlace:
-    """Three coordinates (3,) in the system of a number, which a card names."""
+    """Three coordinates (3,) in the system with a number, from a card."""
 
     system: int
     coordinates: FloatArray
@@ -35,10 +35,11 @@ class _Definition:
 
 
 class Systems:
-    """Systems by number. Each may be given in another one, or by grids that are; the order of the cards is free."""
+    """Systems by number. Each may be defined in another one, or by grids in another one; the order of the cards is
+    free."""
 
     def __init__(self, grid: Callable[[int], GivenPlace | None]) -> None:
-        """``grid`` gives the place of a grid by its label, or None; it is asked after the last card."""
+        """``grid`` returns the position of a grid by its label, or None; it is called after the last card."""
         self._grid = grid
         self._definitions: dict[int, _Definition] = {}
         self._known: dict[int, Frame] = {0: BASIC}
@@ -77,7 +78,7 @@ class Systems:
         Raises ImportFileError, each with the card that is wrong, for a system or a grid of it that does not exist,
         systems that are given in themselves, and three places in one line.
         """
-        waiting = {number: user}  # each is needed by the one before it
+        waiting = {number: user}  # the one before needs each
         while waiting:
             current, named_by = next(reversed(waiting.items()))
             definition = self._definitions.get(current)

@@ -1,4 +1,4 @@
-"""A model file as its reader finds it: labels and numbers of the file, with the place where each entry stands."""
+"""The content of a model file: labels and numbers of the file, with the line of each entry."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class RawBlock:
 
 @dataclass(frozen=True)
 class RawMaterial:
-    """Numbers of a material in the units of the file; None where the file gives none."""
+    """Numbers of a material in the units of the file; None where the file has none."""
 
     young_modulus: float | None
     poisson_ratio: float | None
@@ -39,7 +39,7 @@ class RawMaterial:
 
 @dataclass(frozen=True)
 class RawBody:
-    """Elements (k,) by label that share a name and, where ``material`` is given, a material."""
+    """Elements (k,) by label with a common name and, unless ``material`` is None, a common material."""
 
     name: str
     elements: IntArray
@@ -51,7 +51,7 @@ class RawBody:
 class RawSides:
     """Sides of solids: ``side`` (0, 1, ...) of elements (k,), or every free side of them where it is None.
 
-    ``corners`` instead holds the corner nodes (k, 3 | 4) of sides, as shell elements or surface cells name them.
+    Alternatively ``corners`` are the corner nodes (k, 3 | 4) of sides, from shell elements or surface cells.
     """
 
     line: int
@@ -83,7 +83,7 @@ class RawHeld:
     line: int
 
     def scaled(self, factor: float) -> RawHeld:
-        """A displacement of zero stays one."""
+        """A displacement of zero stays zero."""
         return self
 
 
@@ -92,7 +92,7 @@ class LinePlaces:
     """File and line of each line of a text that was joined from several files.
 
     ``starts`` are the numbers (from 1, rising) of the joined text's lines at which the lines of another file begin, or
-    those of the same file go on; ``files`` and ``lines`` say of which file, and at which of its lines.
+    those of the same file continue; ``files`` and ``lines`` are this file and its line.
     """
 
     starts: list[int] = field(default_factory=list)
@@ -100,7 +100,7 @@ class LinePlaces:
     lines: list[int] = field(default_factory=list)
 
     def begin(self, start: int, file: Path, line: int) -> None:
-        """From line ``start`` of the joined text on stand the lines of ``file`` from ``line`` on."""
+        """From line ``start`` on the joined text has the lines of ``file`` from ``line`` on."""
         self.starts.append(start)
         self.files.append(file)
         self.lines.append(line)
@@ -111,12 +111,12 @@ class LinePlaces:
         return self.files[at], self.lines[at] + line - self.starts[at]
 
     def words(self, line: int) -> str:
-        """The line for a sentence: "line 5", or "line 5 of blade.bdf" in another file than the first."""
+        """The line for a message: "line 5", or "line 5 of blade.bdf" in another file than the first."""
         file, own = self.of(line)
         return f"line {own}" if file == self.files[0] else f"line {own} of {file}"
 
     def fail(self, sentence: str, line: int) -> NoReturn:
-        """Raise ImportFileError with the file and its line, and the sentence."""
+        """Raise ImportFileError with the file, its line, and the sentence."""
         file, own = self.of(line)
         fail(file, sentence, own)
 
@@ -132,7 +132,7 @@ class LabelRange:
 
 
 def shown_label(label: int, ranges: tuple[LabelRange, ...]) -> str:
-    """A node or element as the file writes it: 12, or Part-1.12 in an instance."""
+    """A node or element as in the file: 12, or Part-1.12 in an instance."""
     for each in ranges:
         if each.first <= label <= each.last:
             return f"{each.instance}.{label - each.offset}" if each.instance else f"{label - each.offset}"
@@ -141,9 +141,9 @@ def shown_label(label: int, ranges: tuple[LabelRange, ...]) -> str:
 
 @dataclass
 class RawModel:
-    """All that a reader found. Node and element labels are those of the file, or of the flat file that it means.
+    """All entries of a file. Node and element labels are those of the file, or of the equivalent flat file.
 
-    Lines are those of ``source``; where ``places`` is given, those of a text that was joined from several files.
+    Lines are those of ``source``; with ``places``, those of a text joined from several files.
     """
 
     source: Path
@@ -175,7 +175,7 @@ class RawModel:
         fail(self.source, sentence, line)
 
     def where(self, line: int) -> str:
-        """A line for a sentence; its file is named where it is not ``source``."""
+        """A line for a message, with its file unless it is ``source``."""
         return self.places.words(line) if self.places is not None else f"line {line}"
 
 
@@ -185,7 +185,7 @@ def fail(source: Path, sentence: str, line: int = 0) -> NoReturn:
 
 
 def read_text(source: Path) -> list[str]:
-    """Lines of a text file. Raises ImportFileError where it cannot be read, is empty, or is no text."""
+    """Lines of a text file. Raises ImportFileError if it cannot be read, is empty, or is not text."""
     try:
         content = read_regular(source)
     except OSError as error:

@@ -1,4 +1,4 @@
-"""Reading a model file of another program into SI units."""
+"""Reader of model files of other programs, with conversion to SI units."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def _alone(reader: Callable[[Path], RawModel]) -> Reader:
     return lambda path, includes_outside: reader(path)
 
 
-# Readers by file ending. Decks may include other files; they are asked whether also from outside of their folder.
+# Readers by file ending. Decks may include other files; an argument allows those outside of their folder.
 _FORMATS: Registry[RawModel] = Registry(
     "model format",
     "stickslip.model_formats",
@@ -36,7 +36,7 @@ _FORMATS: Registry[RawModel] = Registry(
     },
 )
 register_model_format = _FORMATS.register
-# What to do with a file of another kind.
+# Advice for a file of another kind.
 _ADVICE = {
     **dict.fromkeys(
         (".stl", ".step", ".stp", ".iges", ".igs", ".brep", ".x_t", ".obj", ".ply"),
@@ -71,7 +71,7 @@ def read_model(
         consistent system of moduli, densities and forces in the file, a key of ``UNIT_SYSTEMS``; by default newtons and
         seconds with metric lengths (mm: MPa and t/mm3), pounds-force and seconds with inches and feet.
     includes_outside:
-        whether a deck may include files outside of its folder, for decks that are trusted.
+        whether a deck may include files outside of its folder, for trusted decks.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Consistent systems of units: what the plain numbers of a model file mean."""
+"""Consistent systems of units for the plain numbers of a model file."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ UNIT_SYSTEMS = {
         UnitSystem("ft-lbf-s", "ft", _POUND_FORCE / 0.3048, 1.0),  # lbf, lbf/ft2, slug/ft3
     )
 }
-# Unless another is named: N and s with metric lengths, lbf and s with inches and feet.
+# Defaults: N and s with metric lengths, lbf and s with inches and feet.
 USUAL_SYSTEM = {
     unit: next(
         name for name, system in UNIT_SYSTEMS.items() if system.length_unit == unit and not name.startswith("mm-kg")

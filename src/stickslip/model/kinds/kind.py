@@ -1,4 +1,4 @@
-"""What a kind of structure offers: how it finds its structure and joints, and reads loads, responses and words."""
+"""Interface of a kind of structure: its structure and joints, loads, responses and descriptions."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ class Kind(Protocol[CaseT]):
         """The rotating unbalances."""
 
     def base_motion(self, case: CaseT) -> BaseMotionOfSupport | None:
-        """The motion of the support; None where it stands still."""
+        """The motion of the support; None if it is fixed."""
 
     def outputs(self, case: CaseT) -> tuple[dict[str, Reading], dict[str, tuple[str, ...]]]:
-        """Name -> what is read, the response of the curve first; heading -> names that are drawn together."""
+        """Name -> output, the response of the curve first; heading -> names in one plot."""
 
     def force_amplitude(self, case: CaseT) -> float:
-        """N, the force that a response is divided by where several forces are compared."""
+        """N, the force by which a response is divided to compare several forces."""
 
     def description(self, case: CaseT) -> str:
         """One sentence on excitation, load and friction."""

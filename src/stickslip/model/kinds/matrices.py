@@ -39,15 +39,15 @@ from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.model_facts import material_oddities, matrix_oddities
 from stickslip.structure.superelement import Superelement
 
-_COINCIDENT = 1e-6  # m between the nodes of a pair, unless search_distance says more
+_COINCIDENT = 1e-6  # m between the nodes of a pair, unless search_distance is larger
 _NODE_NUMBER = re.compile(r"-?\d{1,18}", flags=re.ASCII)
 _MOST_BYTES = 100_000_000  # of a file of pairs
-_MAP_STEP = 1e-3  # m between pairs on a map, where the matrices have no positions
+_MAP_STEP = 1e-3  # m between pairs on a map, if the matrices have no positions
 
 
 @dataclass(frozen=True)
 class _Book:
-    """Nodes of matrices that have x, y and z: their numbers (k,), where they are (k, 3) m or None, and named sets."""
+    """Nodes of matrices that have x, y and z: numbers (k,), positions (k, 3) m or None, and named sets."""
 
     labels: IntArray
     positions: FloatArray | None
@@ -64,7 +64,7 @@ class _Book:
 
 @dataclass(frozen=True)
 class MatrixSetup:
-    """Matrices whose unknowns are known by node and direction, and how many modes a reduction of them keeps."""
+    """Matrices with node and direction of their unknowns, and the number of modes of a reduction."""
 
     matrices: Superelement | MatrixModel
     layout: Layout
@@ -103,12 +103,12 @@ class MatrixSetup:
 
 
 class MatrixKind(OwnKind[MatrixCase]):
-    """Matrices of another program. Their support cannot move: they do not hold the mass of its nodes."""
+    """Matrices of another program. Their support cannot move, because they do not contain the mass of its nodes."""
 
     def set_up(self, case: MatrixCase) -> MatrixSetup:
-        """Read the matrices, pair their nodes, and find the places of forces and responses.
+        """Read the matrices, pair their nodes, and locate forces and responses.
 
-        Raises ImportFileError for a file; InputError that names the entry of the study file for what does not fit.
+        Raises ImportFileError for a file; InputError that names the wrong entry of the study file.
         """
         matrices = _read(case)
         if matrices.damping is not None and case.damping.modal_damping_ratio is not None:
@@ -151,7 +151,7 @@ class MatrixKind(OwnKind[MatrixCase]):
 
 
 def _read(case: MatrixCase) -> Superelement | MatrixModel:
-    """The matrices of the files. Raises ImportFileError, and InputError for a unit that is not known."""
+    """The matrices of the files. Raises ImportFileError, and InputError for an unknown unit."""
     given = case.structure
     if isinstance(given, SuperelementSection):
         with concerning("structure.file"):
@@ -184,7 +184,7 @@ def _mass_along_x(matrices: Superelement | MatrixModel) -> float:
 
 
 def _odd_values(case: MatrixCase, matrices: Superelement | MatrixModel, book: _Book) -> tuple[OddValue, ...]:
-    """What only wrong units can explain about the matrices, and about the material of the rough faces."""
+    """Values of the matrices, and of the material of the rough faces, that only wrong units explain."""
     rows = _displacements(matrices)
     stiffness, mass = (np.asarray(each.diagonal())[rows] for each in (matrices.stiffness, matrices.mass))
     of_matrices = matrix_oddities(stiffness, mass, _mass_along_x(matrices), book.positions)
@@ -211,7 +211,7 @@ def _nodes(book: _Book, entry: str, name: str) -> IntArray:
 
 
 def _pairs(book: _Book, name: str, given: SetInterfaceSection | PairsInterfaceSection) -> tuple[FacePairs, list[str]]:
-    """Node to node pairs of an interface, or pairs of nodes and the ground; sentences on what was assumed."""
+    """Node-to-node pairs of an interface, or pairs of nodes and the ground; messages on assumptions."""
     entry = f"interfaces.{name}"
     messages: list[str] = []
     first, second = _sides(book, entry, given)
@@ -291,7 +291,7 @@ def _listed_pairs(book: _Book, entry: str, path: Path) -> tuple[IntArray, IntArr
 
 
 def _places(book: _Book, nodes: IntArray) -> FloatArray | None:
-    """(k, 3) m of nodes, None where that is not known."""
+    """(k, 3) m of nodes, None without positions."""
     if book.positions is None:
         return None
     order = np.argsort(book.labels)
@@ -300,9 +300,9 @@ def _places(book: _Book, nodes: IntArray) -> FloatArray | None:
 
 
 def _partners(book: _Book, entry: str, given: SetInterfaceSection, first: IntArray, others: IntArray) -> IntArray:
-    """The partner of each first node: the node at its place, or, without positions, the one with its rank in the set.
+    """The partner of each first node: the node at its position, or, without positions, the one at its index in the set.
 
-    Raises InputError for sets of different size, and for a node without a partner near enough.
+    Raises InputError for sets of different size, and for a node without a partner within the distance.
     """
     if first.size != others.size:
         raise InputError(
@@ -312,7 +312,7 @@ def _partners(book: _Book, entry: str, given: SetInterfaceSection, first: IntArr
         )
     places, opposite = _places(book, first), _places(book, others)
     if places is None or opposite is None:
-        return others  # _pairs tells that they are paired by their order
+        return others  # _pairs reports that they are paired by their order
     distance = np.linalg.norm(places[:, None] - opposite[None], axis=2)
     nearest = distance.argmin(axis=1)
     reach = given.search_distance or _COINCIDENT
@@ -345,7 +345,7 @@ def _port(book: _Book, name: str, given: PlaceSection) -> Port:
 
 
 def _nearest(book: _Book, name: str, point: FloatArray) -> Port:
-    """The node nearest to a point. Raises InputError where that is not known, far, or not a single one."""
+    """The node nearest to a point. Raises InputError without positions, and if the node is far or ambiguous."""
     if book.positions is None:
         raise InputError(f"{name}.point: the matrices do not say where their nodes are. Give node or set.")
     try:

@@ -35,7 +35,7 @@ PAIRS_FILE = "contact_pairs.vtu"
 
 @dataclass(frozen=True)
 class MeshSetup:
-    """A mesh with the material of each body and what is held, and the pairings of its interfaces."""
+    """A mesh with the material of each body, its constraints, and the pairings of its interfaces."""
 
     mesh: Mesh
     materials: tuple[Material, ...]
@@ -76,7 +76,7 @@ class MeshSetup:
         )
 
     def write_places(self, folder: Path) -> tuple[Path, ...]:
-        """The pairs, and the places of their faces that found no partner."""
+        """The pairs, and the points of their faces without a partner."""
         return (write_pairs(folder / PAIRS_FILE, self.pairings),)
 
 
@@ -84,10 +84,10 @@ class MeshKind(OwnKind[MeshCase]):
     """Bodies from a mesh file."""
 
     def set_up(self, case: MeshCase) -> MeshSetup:
-        """Read the mesh, pair its faces and find the places of forces and responses.
+        """Read the mesh, pair its faces and locate forces and responses.
 
-        Raises ImportFileError for the file; InputError that names the entry of the study file for a set that is
-        missing or empty, a material that is missing, faces that do not meet, and a body that nothing holds.
+        Raises ImportFileError for the file; InputError that names the entry of the study file for a set that is missing
+        or empty, a material that is missing, faces without a pair, and a body without support.
         """
         source = _source(case)
         mesh, materials = source.mesh, body_materials(case, source)
@@ -112,7 +112,7 @@ class MeshKind(OwnKind[MeshCase]):
         return 0.0 if case.rotation is None else case.rotation.speed
 
     def base_motion(self, case: MeshCase) -> BaseMotionOfSupport | None:
-        """The motion of all held nodes."""
+        """The motion of all constrained nodes."""
         given = case.base_motion
         return None if given is None else BaseMotionOfSupport(given.direction, given.amplitude, given.kind)
 
@@ -126,7 +126,7 @@ def _source(case: MeshCase) -> ImportedModel:
 
 @contextmanager
 def _entry(name: str) -> Iterator[None]:
-    """Put the entry of the study file before the sentence of an InputError, whose keys are those of the entry."""
+    """Put the entry of the study file before the message of an InputError, and set its keys."""
     try:
         with concerning(name):
             yield
@@ -157,7 +157,7 @@ def _material(case: MeshCase, name: str, source: ImportedModel) -> Material:
             values[key] = given[0]
     missing = [key for key in keys if key not in values]
     if missing:
-        # an incomplete material of the file is not taken in part
+        # an incomplete material of the file is not used in part
         said = [words for words in source.messages if words.startswith("material ") and f"body '{name}'" in words]
         section = f"[bodies.{bare_name(name)}]"
         raise InputError(
@@ -170,7 +170,7 @@ def _material(case: MeshCase, name: str, source: ImportedModel) -> Material:
 
 
 def _fixed_unknowns(case: MeshCase, source: ImportedModel) -> IntArray:
-    """Positions among 3 * n_nodes that the file or structure.fixed holds at zero."""
+    """Indices among 3 * n_nodes that the file or structure.fixed constrains to zero."""
     held = [source.fixed_unknowns]
     for name in case.structure.fixed:
         with _entry("structure.fixed"):
@@ -274,7 +274,7 @@ def _body_of(mesh: Mesh, name: str) -> int:
 
 
 def _port(source: ImportedModel, name: str, given: PlaceSection) -> Port:
-    """The nodes of a place with their shares. Raises InputError that names the entry."""
+    """The nodes of a place with their weights. Raises InputError that names the entry."""
     mesh = source.mesh
     with _entry(name):
         if given.node is not None:
@@ -293,7 +293,7 @@ def _port(source: ImportedModel, name: str, given: PlaceSection) -> Port:
 def _require_free(
     pairings: Mapping[str, Pairing], ports: Mapping[str, Port], fixed: IntArray, source: ImportedModel
 ) -> None:
-    """Raise InputError for a contact pair, a force or a response on a node that is held."""
+    """Raise InputError for a contact pair, a force or a response on a constrained node."""
     held = np.unique(fixed // 3)
     for name, pairing in pairings.items():
         wrong = np.intersect1d(pairing.pairs.nodes, held)

@@ -1,4 +1,4 @@
-"""What studies of a user's own mesh and of a user's own matrices share: loads of faces, forces, responses, words."""
+"""Common parts of studies of a user's own mesh or matrices: loads of faces, forces, responses, descriptions."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ OwnCaseT = TypeVar("OwnCaseT", bound=OwnCase)
 
 
 class OwnKind(Generic[OwnCaseT]):
-    """What the kinds "mesh" and "matrices" share."""
+    """Common parts of the kinds "mesh" and "matrices"."""
 
     def preload(self, case: OwnCaseT, layout: Layout) -> FloatArray:
-        """(n_pairs,) N: each face's normal load with uniform pressure on the pairs that touch, or as prescribed; where
-        it is solved, a pressure to start from.
+        """(n_pairs,) N: each face's normal load with uniform pressure on the pairs that touch, or as prescribed; if it
+        is solved, a starting pressure.
 
-        Raises InputError for a number of values that is not that of the pairs, and for a load on a face that is apart.
+        Raises InputError for a wrong number of values, and for a load on a face whose pairs are all open.
         """
         pairs = layout.face_pairs
         if case.preload.method == "solved":

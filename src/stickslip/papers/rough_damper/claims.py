@@ -13,7 +13,7 @@ from stickslip.papers.rough_damper.records import Solved
 from stickslip.papers.rough_damper.verdicts import Answer, Judgement, falls, judge, rises, rises_then_falls
 
 Solutions = Sequence[Solved]
-# Friction energy below this share of the input energy is none: the balance of energies is no better than this.
+# Friction energy below this fraction of the input energy counts as zero: the energy balance is not more accurate.
 NO_ENERGY = 1e-3
 MICRO = 1e6
 
@@ -33,13 +33,14 @@ class Claim:
 
 
 def friction_energy(one: Solved) -> float:
-    """J per cycle at the peak, 0 where it is below what the balance of energies can tell."""
+    """J per cycle at the peak, 0 if it is below the accuracy of the energy balance."""
     energy = one.numbers["friction_energy_j"]
     return energy if energy > NO_ENERGY * one.numbers["input_energy_j"] else 0.0
 
 
 def energy_at(one: Solved, frequency_hz: float) -> float:
-    """J per cycle at a fixed frequency, the largest branch; 0 below what can be told, or off the curve."""
+    """J per cycle at a fixed frequency, the largest branch; 0 below the accuracy of the energy balance, or outside the
+    curve."""
     f, energy = one.frequency_hz, one.energy_j
     low, high = np.minimum(f[:-1], f[1:]), np.maximum(f[:-1], f[1:])
     found = np.flatnonzero((low <= frequency_hz) & (frequency_hz <= high) & (high > low))
@@ -241,7 +242,7 @@ def _moves_left(solutions: Solutions) -> list[Answer]:
 
 
 def reduction(one: Solved) -> float:
-    """1 - peak / linear stuck peak: what friction takes off."""
+    """1 - peak / linear stuck peak: the reduction by friction."""
     return 1.0 - one.numbers["peak_m"] / one.numbers["stuck_peak_m"]
 
 

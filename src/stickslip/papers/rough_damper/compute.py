@@ -33,7 +33,7 @@ class SettingTask(CaseTask):
 
 @dataclass(frozen=True)
 class Failure:
-    """A computation without a result, and the sentence that says why."""
+    """A computation without a result, and a message with the reason."""
 
     setting: Setting
     message: str
@@ -70,7 +70,7 @@ def compute(plan: Sequence[Computation], out: Path, workers: int, progress: Prog
 
 
 def solve_setting(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
-    """Solve one case; its file holds a record. What stickslip refuses becomes the message."""
+    """Solve one case; its file contains a record. An error of stickslip becomes the message."""
     assert isinstance(task, SettingTask)
     try:
         with threadpool_limits(limits=task.threads):
@@ -84,7 +84,7 @@ def solve_setting(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
 
 
 class _Run:
-    """The computations and what became of them so far."""
+    """The computations and their outcomes so far."""
 
     def __init__(self, plan: Sequence[Computation], folder: Path, progress: Progress) -> None:
         self._plan, self._folder, self._progress = plan, folder, progress
@@ -111,7 +111,7 @@ class _Run:
         self.found = len(self.solved)
 
     def check(self) -> list[StructureGroup]:
-        """Joints of the cases that are left, grouped by structure; a joint without stiffness is a failure at once."""
+        """Joints of the remaining cases, grouped by structure; a joint without stiffness is a failure at once."""
         groups: dict[str, StructureGroup] = {}
         for each in self._plan:
             planned = each.planned

@@ -44,7 +44,7 @@ def write_page(
     inputs: str,
     provenance: Mapping[str, str],
 ) -> None:
-    """Write the page, whole or not at all. ``figures``: name -> PNG file. Raises InputError."""
+    """Write the page, completely or not at all. ``figures``: name -> PNG file. Raises InputError."""
     values = {
         "title": TITLE,
         "description": DESCRIPTION,

@@ -100,13 +100,14 @@ class Solved:
 
 
 def _subject(key: str) -> str:
-    """What the file of a curve is sealed as. The hash of its inputs covers the code that solves, not this folder."""
+    """Subject of the seal of the file of a curve. The hash of its inputs covers the code that solves, not this
+    folder."""
     return f"computation {key}, records {_code()}"
 
 
 @cache
 def _code() -> str:
-    """Digest of this module, which chooses what is kept."""
+    """Digest of this module, which determines the content of the file."""
     return source_digest([Path(__file__)])
 
 

@@ -12,11 +12,11 @@ from itertools import pairwise
 
 from stickslip.core.errors import InputError
 
-TOLERANCE = 0.01
+TOLERANCE = 0.01  # chosen: relative difference below which two values count as equal
 
 
 class Verdict(StrEnum):
-    """What became of a claim."""
+    """The verdict on a claim."""
 
     HOLDS = "holds"
     HOLDS_IF = "holds if"
@@ -31,7 +31,7 @@ class Answer:
     where:
         what the situation is: factor -> value, for example excitation -> same.
     holds:
-        whether the claim holds there; None where it says nothing, for example where no pair slips.
+        whether the claim is true there; None if it does not apply, for example if no pair slips.
     numbers:
         the numbers that decided, in words.
     """

@@ -28,7 +28,7 @@ from stickslip.solve.harmonic.compliance import Compliance, ExternalForce
 
 @dataclass(frozen=True)
 class Trial:
-    """A trial solution and what follows from it; coefficients (2H+1, m) with m = 3 * n_pairs rows t1, t2, n."""
+    """A trial solution with its forces and residual; coefficients (2H+1, m) with m = 3 * n_pairs rows t1, t2, n."""
 
     omega: float
     load: float
@@ -41,17 +41,17 @@ class Trial:
 
 
 def _share(part: FloatArray, whole: FloatArray) -> float:
-    """Norm of a part over that of the whole; the norm itself where the whole is zero."""
+    """Norm of a part over that of the whole; the norm itself if the whole is zero."""
     size, scale = float(np.linalg.norm(part)), float(np.linalg.norm(whole))
     return size / scale if scale > 0.0 else size
 
 
 @dataclass(frozen=True)
 class ActiveRows:
-    """Rows of the contact coefficients that the reduced Newton system keeps."""
+    """Rows of the contact coefficients in the reduced Newton system."""
 
     pairs: NDArray[np.int64]  # pairs that move
-    inputs: NDArray[np.int64]  # their 3 rows each: what the force depends on
+    inputs: NDArray[np.int64]  # their 3 rows each, on which the force depends
     outputs: NDArray[np.int64]  # rows where the deviation is not zero
     output_position: NDArray[np.int64]  # position of each output among 3 * len(pairs) rows
 
@@ -70,7 +70,7 @@ class Balance:
     Parameters
     ----------
     compliance:
-        answer of the stuck structure (m rows, n unknowns).
+        compliance of the stuck structure (m rows, n unknowns).
     pairs:
         contact pairs.
     force:
@@ -91,7 +91,7 @@ class Balance:
         self.force = force
         self.samples = samples
         self.harmonics = compliance.harmonics
-        # Springs of the pairs at rest, (2H+1, m). They carry no mean that no force depends on: a released pair that
+        # Springs of the pairs at rest, (2H+1, m). Means that no force depends on have no spring: a released pair that
         # sticks has its slider at the mean.
         springs = pairs.resting_stiffness().reshape(-1, 3)
         undetermined = pairs.undetermined()
@@ -125,11 +125,11 @@ class Balance:
         return self.compliance.relative(self.compliance.amplitude(omega, external, still), still)
 
     def evaluate(self, relative: FloatArray, omega: float, load: float = 1.0) -> Trial:
-        """Contact force, deviation and residual; what no force depends on follows (:meth:`determined`)."""
+        """Contact force, deviation and residual; means that no force depends on follow (:meth:`determined`)."""
         coefficients = np.ascontiguousarray(relative.T).reshape(self.pairs.n_pairs, 3, -1)
         contact = self.pairs.period(coefficients, self.samples)
         deviation = contact.force.reshape(self.rows, -1).T - self._springs * relative
-        # Where a force is that of the springs the deviation is zero by definition: round-off must not enter.
+        # Where a force is that of the springs the deviation is zero by definition, without round-off.
         deviation[:, ~contact.moves.ravel()] = 0.0
         external = self._external(omega, load)
         amplitude = self.compliance.amplitude(omega, external, deviation)
@@ -142,10 +142,10 @@ class Balance:
         return Trial(omega, load, relative, deviation, contact, amplitude, residual, error)
 
     def _closing_error(self, residual: FloatArray, contact: LawPeriod) -> float:
-        """Size of the residual as a force of springs that the compliance does not have, over the contact force.
+        """Residual times the springs that are not in the compliance, over the contact force.
 
-        Such as the springs of pairs with a gap that close: a residual that is small beside the motion of an open pair
-        can be a large force where it closes.
+        These are, for example, the springs of pairs with a gap that close: a residual that is small compared with the
+        motion of an open pair can be a large force where it closes.
         """
         springs = self.pairs.hidden_springs(contact)
         hidden = np.flatnonzero(springs.any(axis=1))
@@ -158,8 +158,8 @@ class Balance:
         """A copy (2H+1, m) without the means that no contact force depends on (:meth:`ContactPairs.undetermined`).
 
         The slider of a released pair starts at the mean of its motion, so its mean tangential displacement only follows
-        from the forces. Where friction alone holds a body it is huge and means nothing; no norm and no constraint may
-        contain it.
+        from the forces. Where friction alone supports a body it is huge and without meaning; no norm and no constraint
+        may contain it.
         """
         part = relative.copy()
         part[0, self._free] = 0.0
@@ -194,7 +194,7 @@ class Balance:
         )
 
     def load_slope(self, trial: Trial) -> FloatArray:
-        """dR/dload (2H+1, m) at fixed x: minus the linear answer to the force."""
+        """dR/dload (2H+1, m) at fixed x: minus the linear response to the force."""
         return -self.linear(trial.omega)
 
     def deviation_tangent(self, active: ActiveRows, trial: Trial) -> FloatArray:

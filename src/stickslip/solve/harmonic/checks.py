@@ -1,4 +1,4 @@
-"""After a curve: were the harmonics and the samples enough? Numbers, and sentences where they were not."""
+"""Checks of a curve: errors from the number of harmonics and samples, with warnings where they are large."""
 
 from __future__ import annotations
 
@@ -11,25 +11,26 @@ from numpy.typing import NDArray
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
 
-LARGEST_SAMPLE_RESIDUAL = 2e-3
-LARGEST_NEGLECTED_MOTION = 2e-2
-# Work of the normal forces over the input of the same point, where the input is more than a share of the largest one.
+LARGEST_SAMPLE_RESIDUAL = 2e-3  # chosen: 0.2 % of the relative displacement, below what a plot shows
+LARGEST_NEGLECTED_MOTION = 2e-2  # chosen: 2 % of the motion of the joint; that of the structure is far less
+# chosen: work of the normal forces over the input of the same point, and the fraction of the largest input below which
+# the work does not count; an error of the work is about twice that of the amplitude.
 LARGEST_NORMAL_WORK, SMALLEST_INPUT = 1e-2, 1e-3
 
 
 @dataclass(frozen=True)
 class ResolutionCheck:
-    """Worst values over the checked points, and where they are.
+    """Worst values over the checked points, and their frequencies.
 
     sample_residual:
-        relative residual of the kept harmonics when the friction law is sampled twice as finely; about the relative
-        error of the relative displacements that the sampling causes.
+        relative residual of the harmonics of the solution with twice the samples; about the relative error of the
+        relative displacements by sampling.
     neglected_motion:
-        relative displacement that the contact force would cause in the harmonics that were cut off (as many again as
-        were kept, at least four), over the kept one.
+        relative displacement by the contact force in neglected harmonics (as many as in the solution, at least four),
+        over that of the solution.
     last_harmonic_share:
-        share of the kinetic energy in the two highest kept harmonics that are not excited (two, because symmetry can
-        empty one of them); None where all kept harmonics are excited.
+        fraction of the kinetic energy in the two highest harmonics that are not excited (two, because one may be zero
+        by symmetry); None if all harmonics are excited.
     """
 
     sample_residual: float
@@ -39,7 +40,7 @@ class ResolutionCheck:
     last_harmonic_share: float | None
 
     def warnings(self, harmonics: int, samples: int) -> tuple[str, ...]:
-        """A sentence for each number above its limit."""
+        """A warning for each number above its limit."""
         sentences = []
         if self.sample_residual > LARGEST_SAMPLE_RESIDUAL:
             sentences.append(
@@ -64,11 +65,11 @@ class ResolutionCheck:
 def normal_work_warnings(
     omega: FloatArray, normal_work: FloatArray, input_energy: FloatArray, samples: int
 ) -> tuple[str, ...]:
-    """A sentence where the sampled normal forces do work; arrays (n_points,), rad/s and J per cycle.
+    """A warning where the sampled normal forces do work; arrays (n_points,), rad/s and J per cycle.
 
-    A normal force that depends on the closing alone does none. A pair that closes for a few samples only seems to: its
-    force acts as a source or a sink of energy that the joint does not have, and the amplitude is wrong by about half
-    its share.
+    A normal force that depends on the closing alone does no work. For a pair that closes only for a few samples the
+    sampled work is not zero: an energy source or sink that the joint does not have. The relative error of the amplitude
+    is about half the work over the input.
     """
     counted = input_energy > SMALLEST_INPUT * input_energy.max()
     share = np.where(counted, np.abs(normal_work) / np.where(counted, input_energy, 1.0), 0.0)
@@ -88,7 +89,7 @@ def check_resolution(
     trials: Sequence[Trial],
     limit: int = 24,
 ) -> ResolutionCheck:
-    """Check up to ``limit`` points spread over the curve, always with the one of largest relative displacement.
+    """Check up to ``limit`` points spread over the curve, always including that of largest relative displacement.
 
     ``fine`` is the same balance with more harmonics and twice the samples.
     """
@@ -110,7 +111,8 @@ def check_resolution(
 
 
 def _fine_residuals(fine: Balance, trial: Trial) -> tuple[float, float]:
-    """Residuals of a trial in the finer balance, in kept and in neglected harmonics, over the relative displacement."""
+    """Residuals of a trial in the finer balance, in its own and in neglected harmonics, over the relative
+    displacement."""
     kept = trial.relative.shape[0]
     padded = np.zeros((2 * fine.harmonics + 1, trial.relative.shape[1]))
     padded[:kept] = trial.relative
@@ -120,9 +122,9 @@ def _fine_residuals(fine: Balance, trial: Trial) -> tuple[float, float]:
 
 
 def last_harmonic_share(amplitude: FloatArray, excited: NDArray[np.bool_]) -> float | None:
-    """Share of the kinetic energy in the two highest kept harmonics that no force excites; None if there is none.
+    """Fraction of the kinetic energy in the two highest harmonics that no force excites; None if there are none.
 
-    ``amplitude`` (2H, n) of mass-normalised modes; ``excited`` (>= 2H+1,) says which coefficients the force has.
+    ``amplitude`` (2H, n) of mass-normalised modes; ``excited`` (>= 2H+1,) marks the nonzero coefficients of the force.
     """
     harmonics = amplitude.shape[0] // 2
     free = [h for h in range(1, harmonics + 1) if not excited[2 * h - 1 : 2 * h + 1].any()]

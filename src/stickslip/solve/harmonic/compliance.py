@@ -1,10 +1,10 @@
-"""How the structure with its contacts stuck answers to forces on the pairs, harmonic by harmonic.
+"""Response of the structure with stuck contacts to forces on the pairs, harmonic by harmonic.
 
-``k`` holds the springs of the pairs that are closed at rest; pairs that are open there have none until they close. With
-``Kbar = K + B^T k B`` and ``Z_h(w) = Kbar - (h w)^2 M + i h w C`` the compliance of the pairs is
-``A_h(w) = B Z_h^-1 B^T`` and the linear stuck response ``r_h = B Z_h^-1 P_h``. All of it goes through the modes of the
-stuck structure (``gain.py``). The mean (h = 0) is different where sliders are released: a stuck pair
-then carries no mean traction (its slider sits at the mean displacement), so ``k`` holds only the normal springs there.
+``k`` contains the springs of the pairs that are closed at rest; pairs that are open there have none until they close.
+With ``Kbar = K + B^T k B`` and ``Z_h(w) = Kbar - (h w)^2 M + i h w C`` the compliance of the pairs is ``A_h(w) = B
+Z_h^-1 B^T`` and the linear stuck response ``r_h = B Z_h^-1 P_h``. Both come from the modes of the stuck structure
+(``gain.py``). The mean (h = 0) is different where sliders are released: a stuck pair then carries no mean traction (its
+slider is at the mean displacement), so ``k`` contains only the normal springs there.
 """
 
 from __future__ import annotations
@@ -32,19 +32,21 @@ from stickslip.structure.superelement import Superelement
 
 IndexArray = NDArray[np.int64]
 
-# A body that only friction holds (a free damper along its axis) has no unique mean position. A spring of this fraction
-# of the tangential contact stiffness, on the mean alone, holds it; results do not depend on it (docs/theory.md).
+# A body that only friction supports (a free damper along its axis) has no unique mean position. A spring of this
+# fraction of the tangential contact stiffness, on the mean alone, restrains it; results do not depend on it
+# (docs/theory.md).
 MEAN_RESTRAINT = 1e-6
-# Reciprocal condition number below which the scaled mean system counts as singular.
+# Reciprocal condition number below which the scaled mean system counts as singular; chosen: five digits below
+# MEAN_RESTRAINT.
 SINGULAR_MEAN = 1e-11
-# Newton's matrix takes modes beyond this multiple of the highest harmonic as springs: an error of 1/30^2 of their share
-# in the matrix alone, which costs no accuracy (the residual takes all modes exactly) and hardly an iteration.
+# In Newton's matrix, modes above this multiple of the highest harmonic are springs: an error of 1/30^2 of their part of
+# the matrix alone, which costs no accuracy (all modes are exact in the residual) and hardly an iteration.
 NEAR_RANGE = 30.0
 
 
 @dataclass(frozen=True)
 class ExternalForce:
-    """The external force as the stuck structure sees it; it has no mean."""
+    """The external force in the modes of the stuck structure; it has no mean."""
 
     modal: FloatArray  # (2H, n) modal forces of the harmonics
 
@@ -59,7 +61,7 @@ class ExternalForce:
 
 @dataclass(frozen=True)
 class StaticFactor:
-    """Static answers of the structure with springs on its pairs: a Cholesky factor of ``K + B^T k B``, scaled."""
+    """Static response of the structure with springs on its pairs: a Cholesky factor of ``K + B^T k B``, scaled."""
 
     _scale: FloatArray
     _factor: Any
@@ -97,10 +99,10 @@ class StaticFactor:
 
 
 def mean_factor(superelement: Superelement, pairs: ContactPairs) -> tuple[StaticFactor, float]:
-    """The answer to mean forces, and the restraint in it: springs that carry no mean are left out.
+    """The response to mean forces, and its restraint; springs without a mean do not act here.
 
-    A body that only friction holds gets ``MEAN_RESTRAINT`` on the mean, also where residual tractions are kept: slip of
-    all its pairs forgets them. Raises InputError if the structure stays singular.
+    A body that only friction supports has ``MEAN_RESTRAINT`` on the mean, also with residual tractions: they vanish
+    when all its pairs slip. Raises InputError if the structure stays singular.
     """
     springs, frictional = pairs.resting_stiffness().reshape(-1, 3), pairs.frictional()
     undetermined = pairs.undetermined()
@@ -112,7 +114,7 @@ def mean_factor(superelement: Superelement, pairs: ContactPairs) -> tuple[Static
 
 
 def _require_held_at_rest(superelement: Superelement, pairs: ContactPairs) -> None:
-    """Raise InputError for a body that only pairs with a gap could hold: it has no state at rest."""
+    """Raise InputError for a body that only pairs with a gap could support: it has no state at rest."""
     closed = pairs.closed_at_rest
     if closed.all():
         return
@@ -167,7 +169,7 @@ class NewtonCompliance:
 
 
 class Compliance:
-    """The stuck structure's answers; m = 3 * n_pairs rows t1, t2, n of each pair, n unknowns and as many modes.
+    """The response of the stuck structure; m = 3 * n_pairs rows t1, t2, n of each pair, n unknowns and as many modes.
 
     Coefficients are (2H+1, ...) in the order mean, cos 1, sin 1, ...; ``amplitude`` (2H, n) are those of the modes,
     without mean. The modes are mass-normalised: the Euclidean norm of an amplitude is the mass norm of its motion.
@@ -188,12 +190,12 @@ class Compliance:
         self._kept: tuple[bytes, FloatArray, FloatArray] | None = None
 
     def restraint_force(self, mean_relative: FloatArray) -> FloatArray:
-        """(..., n_pairs, 2) N along t1, t2 that the restraint takes at mean relative displacements (..., 3 n_pairs)."""
+        """(..., n_pairs, 2) N along t1, t2 of the restraint at mean relative displacements (..., 3 n_pairs)."""
         shape = (*mean_relative.shape[:-1], -1, 3)
         return np.asarray(self._restraint * mean_relative.reshape(shape)[..., :2])
 
     def external(self, force: FloatArray) -> ExternalForce:
-        """What a force (2H+1, n) without mean does, computed once."""
+        """The modal form of a force (2H+1, n) without mean."""
         return ExternalForce(force[1:] @ self._modes)
 
     def amplitude(self, omega: float, external: ExternalForce | None, deviation: FloatArray) -> FloatArray:
@@ -226,7 +228,7 @@ class Compliance:
         return np.vstack([np.zeros((1, len(self._operator))), -(modal @ self._contact_modes.T)])
 
     def output_modes(self, output: FloatArray) -> FloatArray:
-        """What the modes (n,) contribute to a row ``output`` (n,) of the unknowns."""
+        """The row ``output`` (n,) of the unknowns in modal coordinates, (n,)."""
         return np.asarray(output @ self._modes)
 
     def displacement(self, amplitude: FloatArray, deviation: FloatArray) -> FloatArray:
@@ -249,7 +251,7 @@ class Compliance:
 
 @dataclass(frozen=True)
 class StuckStructure:
-    """The structure with every contact that is closed at rest stuck, ready for balances with any harmonics."""
+    """The structure with every contact that is closed at rest stuck, for balances with any number of harmonics."""
 
     pairs: ContactPairs
     mean: StaticFactor
@@ -257,7 +259,7 @@ class StuckStructure:
     circular_frequency: FloatArray  # (n,) rad/s, ascending
     modes: FloatArray  # (n, n), mass-normalised
     modal_damping: FloatArray  # (n,) if the modes diagonalise the damping, else (n, n)
-    damping: FloatArray  # (n, n) N s/m, also where modal ratios were given
+    damping: FloatArray  # (n, n) N s/m, also with modal damping ratios
     highest_omega: float  # rad/s
 
     @cached_property
@@ -284,7 +286,7 @@ def stuck_structure(
     highest_omega: float,
     modal_damping_ratio: float | None,
 ) -> StuckStructure:
-    """Modes, damping and static answer of the stuck structure.
+    """Modes, damping and static response of the stuck structure.
 
     ``modal_damping_ratio`` gives the stuck modes one ratio (see :func:`stickslip.solve.harmonic.damping.modal_damping`;
     ``highest_omega`` in rad/s is the highest excitation); None uses ``superelement.damping`` (zero if absent).

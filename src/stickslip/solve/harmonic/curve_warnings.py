@@ -1,4 +1,4 @@
-"""What a reader must know before trusting a curve: sentences on resolution, residuals, drift, folds and neighbours."""
+"""Warnings on a curve: resolution, residuals, drift, folds and neighbouring solutions."""
 
 from __future__ import annotations
 
@@ -11,13 +11,15 @@ from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.checks import ResolutionCheck, normal_work_warnings
 from stickslip.solve.harmonic.energy import CurveMeasures
 
-# Residual of the equation of motion, relative to its forces, above which a curve gets a warning.
+# chosen: residual of the equation of motion, relative to its forces, above which a curve has a warning; converged
+# points have 1e-9 or less (NewtonSettings.tolerance) unless a drift or round-off dominates.
 LARGEST_RESIDUAL = 1e-6
-# Closure error of a slider, over the friction limit, above which its force is uncertain.
+# chosen: closure error of a slider, over the friction limit, above which its force is uncertain; a periodic slider has
+# 1e-13 (coulomb_period.CLOSURE_TOLERANCE).
 LARGEST_CLOSURE = 1e-6
-# A free mode with so many times the damping ratio that was asked for gets a sentence.
+# chosen: a free mode with more than this multiple of the modal damping ratio has a warning.
 NOTABLE_DAMPING = 1.2
-# Force of the restraint on the mean, over the sum of the friction limits, that a reader must know.
+# chosen: force of the restraint on the mean, over the sum of the friction limits, above which there is a warning.
 LARGEST_RESTRAINT = 1e-3
 # Folds closer together than this fraction of their frequency are round-off of a vertical tangent.
 SMALLEST_FOLD = 1e-4
@@ -32,7 +34,7 @@ def curve_warnings(
     free_ratio: float | None,
     wanted_ratio: float | None,
 ) -> tuple[str, ...]:
-    """What a reader must know before trusting the curve."""
+    """All warnings on a curve."""
     sentences = list(check.warnings(balance.harmonics, balance.samples))
     omega = np.array([trial.omega for trial in trials])
     work = measures.normal_work.sum(axis=1)
@@ -58,7 +60,7 @@ def curve_warnings(
 
 
 def _folds(trials: list[Trial]) -> tuple[str, ...]:
-    """Where the curve turns back in frequency, and what that means for a sweep."""
+    """A warning where the curve turns back in frequency, with the consequence for a sweep."""
     frequency = np.array([trial.omega for trial in trials]) / (2.0 * np.pi)
     step = np.diff(frequency)
     turns = frequency[1:-1][step[:-1] * step[1:] < 0]
@@ -71,7 +73,7 @@ def _folds(trials: list[Trial]) -> tuple[str, ...]:
 
 
 def neighbour_warnings(retreats_hz: Sequence[float], corners_hz: Sequence[float]) -> tuple[str, ...]:
-    """Warnings where other solutions are so close that the branch came onto them, and where corners were passed."""
+    """Warnings where the branch came onto other solutions close by, and where it passed corners."""
     sentences = []
     if retreats_hz:
         sentences.append(
@@ -95,11 +97,11 @@ def _places(frequencies_hz: Iterable[float]) -> str:
 
 
 def _residual(balance: Balance, trials: list[Trial], residuals: FloatArray) -> tuple[str, ...]:
-    """A warning where the equation of motion is not met, with the cause.
+    """A warning where the solution does not satisfy the equation of motion, with the cause.
 
     The tolerance of the balance is relative to the norm of all relative displacements. Where a drift that only the
-    artificial restraint of the mean bounds makes up this norm, the motion itself has fewer digits by the share of the
-    motion in the norm; that the drift is the cause shows where the residual times this share is small enough.
+    artificial restraint of the mean bounds dominates this norm, the motion itself has fewer digits, by the ratio of the
+    motion to the norm. The drift is the cause if the residual times this ratio is small enough.
     """
     worst = int(residuals.argmax())
     residual, relative = float(residuals[worst]), trials[worst].relative

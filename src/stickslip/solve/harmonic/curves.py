@@ -1,6 +1,6 @@
-"""Curves of a balance: what changes along them, and what is held.
+"""Curves of a balance: their parameters and conditions.
 
-Each class states one problem (:mod:`stickslip.solve.path.problem`) with the balance ``R(x, w, load) = 0``: the circular
+Each class is one problem (:mod:`stickslip.solve.path.problem`) with the balance ``R(x, w, load) = 0``: the circular
 frequency ``w`` in rad/s and the load, a factor of the external force, are fixed, free, or follow from a condition.
 """
 
@@ -64,7 +64,7 @@ def _plane_row(plane: Plane | None, count: int) -> Row:
 
 
 class _BalanceCurve:
-    """What all curves of a balance share."""
+    """Common parts of all curves of a balance."""
 
     def __init__(self, balance: Balance) -> None:
         self.balance = balance
@@ -138,11 +138,11 @@ class LoadCurve(_BalanceCurve):
 
 
 class ControlledCurve(_BalanceCurve):
-    """The response along the frequency with its amplitude or phase held at an output while the force follows.
+    """The response along the frequency at a prescribed amplitude or phase of an output, with the force as unknown.
 
-    The parameters are the circular frequency and the load. The condition is that the first harmonic of the output,
-    ``o = output @ u_1`` as a complex amplitude ``c - i s`` of ``c cos + s sin``, keeps its amplitude,
-    ``|o| / target - 1 = 0``, or its phase, ``Im(o exp(-i target)) / |o| = 0`` with ``target`` in rad.
+    The parameters are the circular frequency and the load. The condition is that the first harmonic of the output, ``o
+    = output @ u_1`` as a complex amplitude ``c - i s`` of ``c cos + s sin``, has a prescribed amplitude, ``|o| / target
+    - 1 = 0``, or phase, ``Im(o exp(-i target)) / |o| = 0`` with ``target`` in rad.
 
     Where the response folds over the frequency the force only passes a minimum and a maximum, so folds are no folds
     here (response-controlled testing: T. Karaagacli and H. N. Ozguven, Mech. Syst. Signal Process. 148 (2021) 107156).
@@ -175,7 +175,8 @@ class ControlledCurve(_BalanceCurve):
         return value, weights
 
     def is_opposite(self, point: BalancePoint) -> bool:
-        """Whether the output has the held phase plus 180 degrees, which meets the condition of the phase too."""
+        """Whether the output has the prescribed phase plus 180 degrees, which satisfies the condition of the phase
+        too."""
         cosine, sine = (float(row @ self._modes) for row in point.trial.amplitude[:2])
         along = math.cos(self._target) * cosine - math.sin(self._target) * sine  # Re((c - i s) exp(-i t))
         return self._held == "phase" and point.trial.load * along < 0.0

@@ -10,12 +10,13 @@ from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array
 from stickslip.structure.superelement import Superelement
 
-# Modal damping ratios hold up to this many times the highest excitation frequency.
+# chosen: modal damping ratios apply up to this multiple of the highest excitation frequency, which includes the excited
+# modes and their harmonics but not modes that only deform the joint.
 DAMPED_RANGE = 20.0
 
 
 def stuck_stiffness_matrix(superelement: Superelement, pairs: ContactPairs) -> FloatArray:
-    """``K + B^T diag(k_t1, k_t2, k_n) B`` (n, n): every pair that is closed at rest is stuck, the others stay open."""
+    """``K + B^T diag(k_t1, k_t2, k_n) B`` (n, n): every pair that is closed at rest is stuck, the others are open."""
     operator = pairs.operator
     return superelement.stiffness + operator.T @ (pairs.resting_stiffness()[:, None] * operator)
 

@@ -1,4 +1,4 @@
-"""What is kept of converged points: displacement, energies per cycle, and the residual of the equation of motion."""
+"""Measures of converged points: displacement, energies per cycle, and the residual of the equation of motion."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from stickslip.structure.superelement import Superelement
 
 Orders = NDArray[np.int64]
 
-# Points that are measured together, for long matrix products.
+# Points that are evaluated together, for long matrix products.
 CHUNK = 32
 
 
 @dataclass(frozen=True)
 class CurveMeasures:
-    """What is kept of the points of a curve; the first axis counts the points."""
+    """Measures of the points of a curve; the first axis is that of the points."""
 
     displacement: FloatArray  # (n_points, 2H+1, n) m
     dissipated_energy: FloatArray  # (n_points, n_pairs) J per cycle
-    normal_work: FloatArray  # (n_points, n_pairs) of it by the normal forces, an error of sampling
+    normal_work: FloatArray  # (n_points, n_pairs) J, the part of the normal forces, an error of sampling
     input_energy: FloatArray  # (n_points,)
     viscous_energy: FloatArray  # (n_points,)
     residual: FloatArray  # (n_points,)

@@ -1,6 +1,6 @@
 """Amplitudes of the stuck modes under harmonic forces: one complex gain a mode, or damping that couples the modes.
 
-In mass-normalised modes of the stuck structure harmonic h obeys ``Z_h q = f`` with the modal damping matrix C and
+In mass-normalised modes of the stuck structure harmonic h satisfies ``Z_h q = f`` with the modal damping matrix C and
 ``Z_h = diag(w_j^2 - (h w)^2) + i h w C``. Coefficients are real, (2H, n) in the order cos 1, sin 1, cos 2, ...; complex
 amplitudes are ``c - i s`` of ``c cos + s sin``.
 """
@@ -17,7 +17,8 @@ from stickslip.core.validation import FloatArray
 
 ComplexArray = NDArray[np.complex128]
 
-# Coupled damping: the iteration over the coupling ends at this relative change, or gives way to a factor.
+# Coupled damping: the iteration over the coupling ends at this relative change, near round-off; after
+# COUPLING_ITERATIONS without it the matrix is factored.
 COUPLING_TOLERANCE = 1e-13
 COUPLING_ITERATIONS = 60
 
@@ -47,7 +48,7 @@ def times_gain(gain: ComplexArray, coefficients: FloatArray) -> FloatArray:
 
 
 class ModalGain(Protocol):
-    """How modal amplitudes follow modal forces at a circular frequency (rad/s)."""
+    """Modal amplitudes from modal forces at a circular frequency (rad/s)."""
 
     harmonics: int
     near_modes: int
@@ -56,7 +57,7 @@ class ModalGain(Protocol):
         """Modal amplitudes (2H, n) under modal forces (2H, n)."""
 
     def slope(self, omega: float, amplitude: FloatArray) -> FloatArray:
-        """Derivative (2H, n) by ``omega`` of the amplitudes (2H, n) that :meth:`answer` gave at fixed force."""
+        """Derivative (2H, n) by ``omega`` of the amplitudes (2H, n) of :meth:`answer` at fixed force."""
 
     def near(self, omega: float) -> ComplexArray:
         """Gains of the lowest ``near_modes`` modes alone, for :func:`times_gain`."""
@@ -77,7 +78,7 @@ class DiagonalGain:
         self._kept: tuple[float, ComplexArray] | None = None
 
     def _gain(self, omega: float) -> ComplexArray:
-        """(H, n) gains, kept for the frequency asked last."""
+        """(H, n) gains; those of the last frequency are cached."""
         if self._kept is None or self._kept[0] != omega:
             x = self._order * omega
             self._kept = omega, np.asarray(1.0 / (self._squares - x**2 + 1j * x * self._damping))
@@ -101,7 +102,7 @@ class CoupledGain:
     """Damping ``C`` (n, n) that couples the modes.
 
     The lowest modes are solved together, the others by an iteration over their coupling: above the excitation their
-    damping is a small part of their stiffness. Where the iteration does not settle the whole system is factored.
+    damping is a small part of their stiffness. Where the iteration does not converge the whole system is factored.
     """
 
     def __init__(self, circular_frequency: FloatArray, damping: FloatArray, harmonics: int, near_modes: int) -> None:
@@ -117,7 +118,8 @@ class CoupledGain:
         self._kept: tuple[float, ComplexArray, ComplexArray] | None = None
 
     def _inner(self, omega: float) -> tuple[ComplexArray, ComplexArray]:
-        """Inverse (H, p, p) of the near block and gains (H, n - p) of the far diagonal, kept for the last frequency."""
+        """Inverse (H, p, p) of the near block and gains (H, n - p) of the far diagonal; those of the last frequency are
+        cached."""
         if self._kept is None or self._kept[0] != omega:
             x, p = self._order * omega, self.near_modes
             block = 1j * x[:, :, None] * self._damping[:p, :p]

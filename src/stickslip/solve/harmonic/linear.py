@@ -13,15 +13,15 @@ from stickslip.solve.harmonic.damping import modal_basis
 from stickslip.solve.harmonic.gain import ComplexArray, to_complex
 from stickslip.structure.superelement import moves_freely
 
-POSSIBLY_RIGID = 1e-4
+POSSIBLY_RIGID = 1e-4  # chosen: slower modes, over the highest frequency, are tested for strain
 
 
 class LinearLimit:
     """Harmonic response of ``M u'' + C u' + K u = p`` for many frequencies from one eigen-decomposition.
 
-    ``C`` may couple the modes: with the projected ``C = D + O`` (diagonal and rest) the modal amplitudes solve
-    ``(w^2 - x^2 + i x D) q = f - i x O q``, iterated to 1e-10; where the iteration does not settle the full complex
-    system is solved.
+    ``C`` may couple the modes: with the projected ``C = D + O`` (diagonal and rest) the modal amplitudes solve ``(w^2 -
+    x^2 + i x D) q = f - i x O q``, iterated to 1e-10; where the iteration does not converge the full complex system is
+    solved.
     """
 
     def __init__(
@@ -33,7 +33,7 @@ class LinearLimit:
     ) -> None:
         """From mass-normalised modes (n, n); ``modal_damping`` (n,) if they diagonalise the damping, else (n, n).
 
-        ``rigid`` (n,) says which modes are bodies that move freely; None for none.
+        ``rigid`` (n,) marks modes of bodies that move freely; None for none.
         """
         self.circular_frequency, self._modes = circular_frequency, modes
         self.rigid = np.zeros(circular_frequency.size, dtype=bool) if rigid is None else rigid
@@ -47,7 +47,7 @@ class LinearLimit:
     def of_matrices(cls, mass: FloatArray, stiffness: FloatArray, damping: FloatArray) -> LinearLimit:
         """The limit of a structure given by its matrices (n, n)."""
         circular_frequency, modes = modal_basis(mass, stiffness)
-        # What round-off leaves of a frequency of zero is far below this fraction of the highest one.
+        # The round-off of a frequency of zero is far below this fraction of the highest one.
         slow = circular_frequency <= POSSIBLY_RIGID * circular_frequency.max()
         rigid = np.zeros(slow.size, dtype=bool)
         rigid[slow] = moves_freely(stiffness, modes[:, slow])
@@ -67,12 +67,12 @@ class LinearLimit:
         return float((self._diagonal[inside] / (2.0 * self.circular_frequency[inside])).max())
 
     def response_to(self, omega: FloatArray, force: ExcitationForce) -> FloatArray:
-        """Displacement coefficients (n_frequencies, n, 2H+1) under an excitation; the mean is left at zero."""
+        """Displacement coefficients (n_frequencies, n, 2H+1) under an excitation; the mean is zero."""
         parts = [(omega**power)[:, None, None] * self.response(omega, array) for power, array in force.terms]
         return np.asarray(sum(parts))
 
     def response(self, omega: FloatArray, force: FloatArray) -> FloatArray:
-        """Displacement coefficients (n_frequencies, n, 2H+1) under ``force`` (2H+1, n); the mean is left at zero."""
+        """Displacement coefficients (n_frequencies, n, 2H+1) under ``force`` (2H+1, n); the mean is zero."""
         amplitudes = to_complex(force[1:])
         answer = np.zeros((omega.size, force.shape[1], force.shape[0]))
         for order in np.flatnonzero(np.abs(amplitudes).any(axis=1)) + 1:
@@ -120,7 +120,7 @@ def linear_curves(
 
 
 def _refined_grid(window_hz: tuple[float, float], natural_hz: FloatArray, uniform: int = 121) -> FloatArray:
-    """A uniform grid with extra points that crowd towards each natural frequency inside the window."""
+    """A uniform grid with extra points, denser towards each natural frequency inside the window."""
     low, high = min(window_hz), max(window_hz)
     # Not the natural frequency itself: without damping the response has no bound there.
     offsets = np.concatenate([-np.geomspace(2e-2, 2e-5, 18), np.geomspace(2e-5, 2e-2, 18)])

@@ -1,9 +1,9 @@
 """Solve the reduced Newton system (I + D A) dd = -D R, bordered by k parameters and as many scalar equations.
 
 A small system is factored. A large one is solved by GMRES without ever forming the matrix: A is a static compliance
-plus a few modes, D works pair by pair. The structure around a joint is stiff compared with what friction lets go, so
-I + D A is well conditioned (170 on the two-blade model with all pairs slipping) and a dozen iterations give the digits
-that one Newton step can use; where they do not, the matrix is formed and factored.
+plus a few modes, D works pair by pair. The structure around a joint is stiff compared with the stiffness that slip
+releases, so I + D A is well conditioned (170 on the two-blade model with all pairs slipping) and a dozen iterations
+give the digits that one Newton step can use; otherwise the matrix is formed and factored.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import ActiveRows, Balance, Trial
 from stickslip.solve.path.problem import Step
 
-# Below this size a factor costs less than some tens of iterations.
+# Below this size a factor costs less than some tens of iterations. MAX_ITERATIONS chosen: ten times the usual number;
+# the factor follows.
 DIRECT_SIZE = 300
 MAX_ITERATIONS = 120
 
@@ -167,7 +168,7 @@ class BorderedSystem:
         return answer
 
     def _iterated(self, right: FloatArray, tolerance: float) -> FloatArray | None:
-        """The solution by GMRES, or None if it was not reached."""
+        """The solution by GMRES, or None if it did not converge."""
         if not right.any():
             return np.zeros_like(right)
         operator = LinearOperator((right.size, right.size), matvec=lambda v: self._apply(v.ravel()), dtype=float)
@@ -175,7 +176,7 @@ class BorderedSystem:
         return None if failure else np.asarray(answer)
 
     def _factored(self, right: FloatArray) -> FloatArray:
-        """The solution by a factor of the bordered matrix, which is kept."""
+        """The solution by a factor of the bordered matrix, which is cached."""
         if self._factor is None:
             size = self.system.size
             bordered = np.empty((right.size, right.size))
@@ -183,7 +184,7 @@ class BorderedSystem:
             for i, (column, line) in enumerate(zip(self._columns, self._lines, strict=True)):
                 bordered[:size, size + i], bordered[size + i, :size] = column, line
             bordered[size:, size:] = self._corner
-            # A singular matrix gives a step that is not finite; Newton ends there and says so.
+            # A singular matrix gives a step that is not finite; Newton ends there and reports it.
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", scipy.linalg.LinAlgWarning)
                 self._factor = scipy.linalg.lu_factor(bordered, overwrite_a=True, check_finite=False)

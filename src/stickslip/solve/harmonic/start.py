@@ -15,9 +15,11 @@ from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Correction, Newton
 from stickslip.solve.path.problem import Plane
 
-# The ramp begins with this load, and first grows by so much; it is given up where the load grows by less than the last.
+# chosen: load at the begin of the ramp, at which few pairs slip, its first increment, and the increment below which the
+# ramp fails.
 FIRST_LOAD, FIRST_GROWTH, SMALLEST_GROWTH = 0.01, 0.09, 1e-4
-# Harmonics of the simpler balances, and frequencies as multiples of the first one, that are tried in turn.
+# chosen: harmonics of simpler balances, and multiples of the first frequency (nearest first, on both sides), in the
+# order of the attempts.
 SIMPLER_HARMONICS = (1, 3)
 OUTSIDE = (0.97, 1.03, 0.9, 1.1)
 
@@ -29,11 +31,11 @@ def first_point(
     simpler: Callable[[int], Balance] | None = None,
     walk: Callable[[BalancePoint], Branch[BalancePoint]] | None = None,
 ) -> tuple[BalancePoint, str]:
-    """A converged solution of ``curve`` at ``omega`` (rad/s), and a sentence on how it was reached.
+    """A converged solution of ``curve`` at ``omega`` (rad/s), and a sentence on the way to it.
 
     ``newton`` solves ``curve``. ``simpler(h)`` gives the same balance with ``h`` harmonics, ``walk(point)`` the branch
-    from a solution at another frequency to ``omega``; None leaves that way out. Raises ConvergenceError with
-    the relative residual of each attempt when none succeeds.
+    from a solution at another frequency to ``omega``; None skips that attempt. Raises ConvergenceError with the
+    relative residual of each attempt if none succeeds.
     """
     attempts = []
     balance = curve.balance
@@ -82,7 +84,7 @@ def _at_frequency(
 def _amplitude_ramp(
     newton: Newton[BalancePoint], curve: FrequencyCurve, omega: float
 ) -> tuple[BalancePoint | None, float]:
-    """Raise the force from a hundredth in adaptive steps: solution at full force or None, and the fraction reached."""
+    """Raise the force from a hundredth in adaptive steps: solution at full force or None, and the last fraction."""
     ramp = LoadCurve(curve.balance, omega)
     ramp_newton = Newton(ramp, newton.settings, newton.on_iteration)
 

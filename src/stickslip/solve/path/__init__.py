@@ -1,1 +1,1 @@
-"""Following a curve of solutions; knows neither friction nor hertz."""
+"""Path following along a curve of solutions; independent of friction and of frequencies."""

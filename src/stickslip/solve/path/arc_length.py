@@ -1,4 +1,4 @@
-"""Directions of a branch, measured by the norm of the motion and the parameter as shares of a picture."""
+"""Directions of a branch, measured by the norm of the motion and the parameter, each over its scale."""
 
 from __future__ import annotations
 

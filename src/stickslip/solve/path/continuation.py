@@ -1,9 +1,9 @@
 """Follow a branch of solutions along the first parameter of a problem by pseudo-arc length, through folds.
 
 Steps and angles are measured in ``(motion / motion_scale, parameter / width)``: ``motion_scale`` is the largest norm of
-the measured motion so far and ``width`` the range of the parameter, so a step is a fraction of the picture that the
-user sees. (For a joint the measured motion is the vibration of the whole structure; the relative displacements of the
-pairs would be a poor measure, since they have a kink wherever a pair begins to slip.)
+the measured motion so far and ``width`` the range of the parameter, so a step is a fraction of the plot. (For a joint
+the measured motion is the vibration of the whole structure; the relative displacements of the pairs would be a poor
+measure, since they have a kink wherever a pair begins to slip.)
 
 Source of the method: H. B. Keller, "Numerical solution of bifurcation and nonlinear eigenvalue problems" (1977).
 """
@@ -32,31 +32,30 @@ from stickslip.solve.path.stepping import (
 )
 from stickslip.solve.path.visited import Visited
 
-# Relative accuracy of a tangent, which only predicts.
+# Relative accuracy of a tangent, which is only a prediction.
 TANGENT_TOLERANCE = 1e-4
-# Two solutions are the same point of a curve within this share of the chord that came near, or of their size: the legs
-# of a sharp corner, where the branch turns by 180 degrees, are as close as that only at its very tip.
+# Two solutions are the same point of a curve within this fraction of the chord that came near, or of their size: the
+# legs of a sharp corner, where the branch turns by 180 degrees, are that close only at the tip.
 SAME_POINT, SAME_POINT_OF_SIZE = 0.02, 1e-8
-# How often steps that came back to the branch are taken back; by how much shorter they are repeated and for how many,
-# and by how much longer where they came back to the same place.
+# chosen: the largest number of retreats from steps that came back to the branch; the factor of the next steps, and that
+# after a second retreat to the same point.
 MOST_RETREATS = 6
 SHORTER, LONGER = 0.25, 4.0
-# A step beyond a corner leaves the way that the branch came by at least this angle.
+# A step beyond a corner differs from the direction in which the branch came by at least this angle.
 LEAST_TURN_DEG = 2.0
 # Floor of the scale of the motion, whose square must not underflow.
 SMALLEST_MOTION = 1e-150
-# A branch that turned round is believed after as many points on its old way: at first the legs of a sharp corner are
-# too close to each other for Newton to keep them apart.
+# A branch counts as reversed after this number of points on its old path: at first the legs of a sharp corner are too
+# close to each other for Newton to distinguish them.
 POINTS_BACK = 4
 
 
 class Branch(Generic[PointT]):
     """The branch from ``start`` to the value ``stop`` of the parameter.
 
-    ``follow()`` walks it and returns the points that it keeps. ``on_event`` receives each point as it is accepted,
-    retreats (points are removed again because they are on another curve), and corners. Afterwards ``complete`` says
-    whether the stop was reached, ``message`` what happened; ``retreats`` and ``corners`` are the parameters of those
-    events.
+    ``follow()`` walks along it and returns its points. ``on_event`` receives each accepted point, retreats (points are
+    removed because they are on another curve), and corners. Afterwards ``complete`` is True if the branch ends at the
+    stop, ``message`` describes its end; ``retreats`` and ``corners`` are the parameters of those events.
     """
 
     def __init__(
@@ -79,7 +78,7 @@ class Branch(Generic[PointT]):
         self._largest = 0.0
         self._visited: Visited[PointT] = Visited()
         self._back: list[int] = []
-        self._left: PointT | None = None  # where the last retreat went, and how many before it went there too
+        self._left: PointT | None = None  # target of the last retreat, and the number of earlier ones with this target
         self._again = 0
         self._pace = Pace(settings.largest_step)
         self.points: list[BranchPoint[PointT]] = []
@@ -89,7 +88,7 @@ class Branch(Generic[PointT]):
         self.message = "The branch was not followed yet."
 
     def follow(self) -> list[BranchPoint[PointT]]:
-        """Walk to the stop, or as far as possible; returns the points that belong to the branch."""
+        """Follow to the stop, or as far as possible; returns the points of the branch."""
         self._accept(BranchPoint(self._start, 0))
         tangent = self._first_tangent()
         if tangent is None:
@@ -151,11 +150,11 @@ class Branch(Generic[PointT]):
         self._on_event(Accepted(point.point, len(self.points)))
 
     def _met(self) -> int | None:
-        """The point to go back to because the last step came back to the branch; None if it is new.
+        """The target of a retreat because the last step came back to the branch; None if the point is new.
 
-        On a loop, passed in the same direction again, that is the point before the loop's first; where the branch
-        turned round, the point that it met first. Newton, held to the plane through the earlier point and started on
-        the chord, decides whether that point lies on the curve that is followed now, or on one beside it.
+        On a second round of a loop in the same direction it is the point before the first of the loop; after a
+        reversal, the point that the branch came back to first. Newton, constrained to the plane through the earlier
+        point and started on the chord, decides whether that point is on the present curve or on one beside it.
         """
         points = self._visited.points
         metric = self._measure(points[-1])
@@ -176,7 +175,7 @@ class Branch(Generic[PointT]):
         return None
 
     def _same(self, first: PointT, second: PointT, chord: Tangent) -> bool:
-        """Whether two solutions are one point of a curve that was followed along ``chord``."""
+        """Whether two solutions are one point of a curve with the direction ``chord``."""
 
         def size(unknowns: FloatArray) -> float:
             return float(np.linalg.norm(self._problem.determined(unknowns)))
@@ -187,10 +186,10 @@ class Branch(Generic[PointT]):
         return away <= allowed and abs(_parameter(first) - _parameter(second)) <= allowed_parameter
 
     def _retreat(self, last: int) -> tuple[Tangent, float]:
-        """Forget the points after ``last``; the tangent there, and the next step.
+        """Remove the points after ``last``; returns the tangent there and the next step.
 
-        It is shorter than the one that left the branch; where shorter steps came back to the same place, longer ones
-        are to pass it.
+        It is shorter than the step that left the branch; where shorter steps came back to the same point, it is longer,
+        to pass it.
         """
         points = self._visited.points
         metric = self._measure(points[-1])
@@ -220,7 +219,7 @@ class Branch(Generic[PointT]):
         return metric.product(away, away) <= (LONGER * length) ** 2
 
     def _measure(self, point: PointT) -> Metric:
-        """The metric after ``point`` was reached."""
+        """The metric after ``point``."""
         self._largest = max(self._largest, float(np.linalg.norm(point.measured)), SMALLEST_MOTION)
         return Metric(self._largest, self._width)
 
@@ -236,14 +235,14 @@ class Branch(Generic[PointT]):
         if not (np.isfinite(tangent.parameters).all() and np.isfinite(tangent.measured).all()):
             return None
         if not self._start.measured.any():
-            # A curve that starts at rest: the motion that its first steps lead to is the scale.
+            # A curve that starts at rest: the motion of its first steps is the scale.
             self._largest = self._settings.first_step * self._width * float(np.linalg.norm(tangent.measured))
         return self._measure(self._start).unit(tangent)
 
     def _plane(self, point: PointT, tangent: Tangent, step: float) -> Plane:
         """The plane across the tangent at its end; the unknowns are scaled so that both parts of the normal count."""
         normal = self._problem.determined(tangent.unknowns)
-        size = max(float(np.linalg.norm(normal)), 1e-150)  # whose square is above zero: unknowns may stand still
+        size = max(float(np.linalg.norm(normal)), 1e-150)  # whose square is above zero: unknowns may be constant
         return Plane(
             normal / size**2,
             tangent.parameter / self._width**2,
@@ -257,8 +256,8 @@ class Branch(Generic[PointT]):
         """One accepted step: point, tangent, length, and next length; None (and a message) if none succeeds.
 
         ``bend`` is the change of the tangent over the last step per length: the guess follows the curvature. Where no
-        shorter step succeeds, a corner that turns back lies ahead, and the plane across the tangent does not meet the
-        branch there; a longer step may meet it behind the next corner, where it goes on.
+        shorter step succeeds, a corner that turns back is ahead, and the plane across the tangent does not intersect
+        the branch there; that of a longer step may intersect it behind the next corner.
         """
         settings, reason = self._settings, ""
         last: tuple[Correction[PointT], Tangent, float, float] | None = None
@@ -267,7 +266,7 @@ class Branch(Generic[PointT]):
             if not correction.converged:
                 reason = reason or f"Newton stopped at a relative residual of {correction.point.error:.1e}"
                 continue
-            # The last system of the correction is the point's own but for the last Newton step.
+            # The last system of the correction is that of the point, except for the last Newton step.
             system = correction.system or self._problem.linearised(
                 correction.point, self._plane(point, tangent, length)
             )
@@ -282,7 +281,7 @@ class Branch(Generic[PointT]):
                 return found
             reason = f"the branch turned by {angle:.0f} degrees"
             if length < 4.0 * settings.smallest_step:
-                last = found  # a corner, if no step goes past it
+                last = found  # a corner, if no step passes it
         if last is None:
             self.message = (
                 f"The branch was lost at {self._named(point)}: {reason} even at the smallest step "
@@ -295,8 +294,8 @@ class Branch(Generic[PointT]):
     ) -> tuple[Correction[PointT], Tangent, float, float] | None:
         """A step in the direction that the equations have beyond a corner; None if there is none.
 
-        Where every step along the tangent fails, the equations change just ahead, and the branch goes on along the
-        tangent of the piece beyond, in one of its two senses; not back where it came from.
+        Where every step along the tangent fails, the equations change just ahead, and the branch continues along the
+        tangent of the piece beyond, in the one of its two directions that does not lead back.
         """
         settings = self._settings
         for length in growing_lengths(4.0 * settings.smallest_step, settings.first_step):
@@ -320,7 +319,7 @@ class Branch(Generic[PointT]):
         return None
 
     def _guess(self, point: PointT, tangent: Tangent, bend: Tangent, step: float) -> tuple[PointT, Plane]:
-        """Where a step would end, and the plane that holds its correction."""
+        """The predicted end of a step, and the plane of its correction."""
         ahead = tangent.times(step).plus(bend.times(0.5 * step**2))
         guess = self._problem.evaluate(point.unknowns + ahead.unknowns, point.parameters + ahead.parameters)
         return guess, self._plane(point, tangent, step)
@@ -329,7 +328,7 @@ class Branch(Generic[PointT]):
     def _detour_deg(metric: Metric, before: PointT, after: PointT, tangent: Tangent) -> float:
         """Twice the angle from the tangent to the chord of a step: on an arc this is how much the tangent turns.
 
-        It is large where Newton came down on another part of the curve, whose tangent may look alike.
+        It is large where Newton converged to another part of the curve, whose tangent may be similar.
         """
         return 2.0 * metric.angle_deg(chord_between(before, after), tangent)
 

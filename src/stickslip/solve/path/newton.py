@@ -1,4 +1,4 @@
-"""Newton's method for a problem with parameters and a plane that holds the correction."""
+"""Newton's method for a problem with parameters and a plane that constrains the correction."""
 
 from __future__ import annotations
 
@@ -10,28 +10,30 @@ import numpy as np
 
 from stickslip.solve.path.problem import Linearised, Plane, PointT, Problem, Step
 
-# Relative accuracy of the linear solution of a step while Newton's own error dominates, and the finest ever asked for.
+# chosen: relative accuracy of the linear solution of a step while Newton's own error dominates, and the finest one;
+# quadratic convergence uses no more digits.
 FAR_STEP_TOLERANCE = 1e-3
 FINEST_STEP_TOLERANCE = 1e-8
-# A step that leaves more than this part of the residual did not pay.
+# chosen: a step that leaves more than this fraction of the residual had too few digits.
 POOR_STEP = 0.1
 
 
 @dataclass(frozen=True)
 class NewtonSettings:
-    """When to stop.
+    """Tolerance and limits of the iteration.
 
     tolerance:
         largest allowed relative error of a point (for a balance: the norm of the residual ``x - r + A d`` relative to
         the norm of ``x``; in pairs with a gap that close also that of its spring force relative to the contact force).
     max_iterations:
-        iterations before the step is given up.
+        largest number of iterations.
     round_off_factor:
         a point whose error is at most this many times the tolerance and no longer falls has reached its round-off:
         contact much stiffer than the structure amplifies it. Such a point counts as converged; the residual of the
         equation is reported with it.
     fractions:
-        parts of a step that are tried in turn until one lowers the error; the best is taken where none does.
+        fractions of a step, in the order of the attempts, until one lowers the error; otherwise the best of them
+        counts.
     """
 
     tolerance: float = 1e-9
@@ -42,7 +44,7 @@ class NewtonSettings:
 
 @dataclass(frozen=True)
 class Correction(Generic[PointT]):
-    """Outcome of a Newton correction; ``system`` is the last one solved (None if none was needed)."""
+    """Result of a Newton correction; ``system`` is the last linear system (None for a start that already converged)."""
 
     point: PointT
     converged: bool
@@ -51,7 +53,7 @@ class Correction(Generic[PointT]):
 
 
 class Newton(Generic[PointT]):
-    """Newton's method for one problem; ``on_iteration`` receives the number and the error of each that begins."""
+    """Newton's method for one problem; ``on_iteration`` receives number and error at the begin of each iteration."""
 
     def __init__(
         self,
@@ -66,7 +68,7 @@ class Newton(Generic[PointT]):
     def _step_tolerance(self, error: float, sharper: float) -> float:
         """Digits that a step can use: quadratic convergence ends far steps, the tolerance of Newton the last one.
 
-        ``sharper`` asks for more where steps did not pay: near corners of the branch the system is badly conditioned.
+        ``sharper`` lowers the tolerance after poor steps: near corners of the branch the system is badly conditioned.
         """
         wanted = FAR_STEP_TOLERANCE
         if error * error <= self.settings.tolerance:
@@ -74,7 +76,7 @@ class Newton(Generic[PointT]):
         return max(FINEST_STEP_TOLERANCE, sharper * wanted)
 
     def correct(self, start: PointT, plane: Plane | None = None) -> Correction[PointT]:
-        """Iterate from ``start`` until the error is below the tolerance or the iterations are used up.
+        """Iterate from ``start`` until the error is below the tolerance or ``max_iterations`` are done.
 
         A law may have kinks, so a full step can overshoot; a step that enlarges the error is shortened.
         """

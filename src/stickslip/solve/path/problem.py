@@ -1,4 +1,4 @@
-"""Equations with parameters, as Newton's method and the path see them: ``R(x, p) = 0`` and ``c(x, p) = 0``.
+"""Equations with parameters for Newton's method and the path: ``R(x, p) = 0`` and ``c(x, p) = 0``.
 
 ``x`` are the unknowns, ``R`` has as many equations. ``p`` are the free parameters (k,): none for a single solution, one
 for a curve. Each further parameter brings one condition ``c``. A curve is followed along the first parameter.
@@ -13,11 +13,11 @@ import numpy as np
 
 from stickslip.core.validation import FloatArray
 
-NO_PARAMETERS = np.empty(0)
+NO_PARAMETERS = np.empty(0)  # of a single solution
 
 
 class Point(Protocol):
-    """A trial solution; a problem adds whatever else it computed there."""
+    """A trial solution; a problem may add its own data."""
 
     @property
     def unknowns(self) -> FloatArray:
@@ -46,7 +46,7 @@ class Point(Protocol):
 
 @dataclass(frozen=True)
 class Plane:
-    """A plane that holds a correction: ``sum(weights (x - x_0)) + parameter_weight (p_0 - target) = 0``.
+    """The plane of a correction: ``sum(weights (x - x_0)) + parameter_weight (p_0 - target) = 0``.
 
     ``p_0`` is the first parameter.
     """
@@ -71,7 +71,7 @@ class Plane:
 class Step:
     """A solution of the linearised equations: changes of the unknowns and of the parameters (k,).
 
-    ``detail`` is what the problem needs to tell the change of the measured motion.
+    ``detail`` is data of the problem for the change of the measured motion.
     """
 
     unknowns: FloatArray

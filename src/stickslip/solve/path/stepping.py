@@ -8,13 +8,13 @@ from typing import Generic
 
 from stickslip.solve.path.problem import PointT
 
-# For how many of its own lengths a shorter limit on the step lasts after a retreat.
+# chosen: the shorter limit on the step after a retreat applies for this number of its lengths.
 SLOW_STEPS = 16
 
 
 @dataclass(frozen=True)
 class ContinuationSettings:
-    """Step control; steps are shares of the window (or of the largest response), angles between successive tangents.
+    """Step control; steps are fractions of the window (or of the largest response), angles between successive tangents.
 
     largest_step, smallest_step, first_step:
         allowed lengths of a step.
@@ -24,7 +24,7 @@ class ContinuationSettings:
     wanted_iterations:
         the step grows while Newton needs fewer.
     max_points:
-        the branch ends here at the latest.
+        largest number of points of the branch.
     """
 
     largest_step: float = 0.08
@@ -46,7 +46,7 @@ class BranchPoint(Generic[PointT]):
 
 @dataclass(frozen=True)
 class Accepted(Generic[PointT]):
-    """Event: a point was added to the branch; ``count`` is now its number of points."""
+    """Event: a new point of the branch; ``count`` is now its number of points."""
 
     point: PointT
     count: int
@@ -68,7 +68,7 @@ class Corner:
 
 
 class Pace:
-    """The longest step that is allowed now: shorter for a while after a retreat."""
+    """The present limit on the step: shorter for a while after a retreat."""
 
     def __init__(self, largest_step: float) -> None:
         self._largest = self.limit = largest_step
@@ -83,14 +83,14 @@ class Pace:
         self.limit = self._largest
 
     def walked(self, length: float) -> None:
-        """A step of ``length`` was made."""
+        """Count a step of ``length``."""
         self._rest -= length
         if self._rest <= 0.0:
             self.hurry()
 
 
 def lengths_to_try(step: float, settings: ContinuationSettings) -> Iterator[float]:
-    """The lengths to try in turn: the wanted one and its halves, then longer ones that pass a corner."""
+    """The lengths of successive attempts: the wanted one and its halves, then longer ones that pass a corner."""
     length = step
     while length >= settings.smallest_step:
         yield length

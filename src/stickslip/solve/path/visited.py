@@ -1,8 +1,8 @@
-"""Where a branch has been, and which of its points the last step may have come back to.
+"""The points of a branch, and those of them to which the last step may have come back.
 
-A curve of solutions does not meet itself. But friction that keeps tractions has closed curves of other solutions close
-beside it, and corners finer than a step: a step that is a little too long can come down on such a loop, which is then
-followed for ever, or turn round and follow its own branch back to the start.
+A curve of solutions does not intersect itself. But friction with residual tractions has closed curves of other
+solutions close beside it, and corners finer than a step: a step that is a little too long can end on such a loop, which
+has no end, or reverse and follow its own branch back to the start.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from stickslip.solve.path.problem import PointT
 
-# A chord passes an earlier point of the same curve within this share of its length: an arc that turns by 45 degrees
+# A chord passes an earlier point of the same curve within this fraction of its length: an arc that turns by 45 degrees
 # rises by 0.1 of its chord.
 NEAR = 0.2
 # The last points are neighbours of any new one.
@@ -22,7 +22,7 @@ NEIGHBOURS = 3
 
 
 class Visited(Generic[PointT]):
-    """The points of a branch in their order, with what finds those near the last chord quickly."""
+    """The points of a branch in their order, with a fast search for those near the last chord."""
 
     def __init__(self) -> None:
         self.points: list[PointT] = []
@@ -34,14 +34,15 @@ class Visited(Generic[PointT]):
         self._sizes.append(float(np.linalg.norm(point.measured)))
 
     def keep(self, count: int) -> None:
-        """Forget all but the first ``count`` points."""
+        """Remove all but the first ``count`` points."""
         del self.points[count:], self._sizes[count:]
 
     def near_last_chord(self, motion_scale: float, parameter_scale: float) -> Iterator[tuple[int, float]]:
-        """Earlier points that the last chord passes, the oldest first: their index, and the share of the chord there.
+        """Earlier points that the last chord passes, the oldest first: their index, and the fraction of the chord
+        there.
 
-        Distances are measured in ``(measured / motion_scale, parameter / parameter_scale)``. Near is only a suspicion:
-        different curves may run side by side.
+        Distances are measured in ``(measured / motion_scale, parameter / parameter_scale)``. Being near is no proof:
+        different curves may be close to each other.
         """
         last = len(self.points) - 1
         if last < NEIGHBOURS + 1:

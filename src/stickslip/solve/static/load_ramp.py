@@ -1,6 +1,6 @@
 """A static load that grows from zero in steps, so that friction follows its history.
 
-Each step is solved by Newton's method from the last state; where that fails, the step is cut or approached in damped
+Newton's method solves each step from the last state; where it fails, the step is shortened or approached in damped
 steps.
 """
 
@@ -25,19 +25,20 @@ from stickslip.solve.static.state import StaticState
 from stickslip.solve.static.step import RestingJoint
 from stickslip.structure.superelement import Superelement
 
-# Newton's method of a load step: a direct solution has no round-off to forgive, and a law with kinks wants short steps.
+# Newton's method of a load step: a direct solution has little round-off (round_off_factor 0), and a law with kinks
+# needs short steps.
 NEWTON = NewtonSettings(tolerance=1e-10, max_iterations=40, round_off_factor=0.0, fractions=(1.0, 0.5, 0.25, 0.1, 0.03))
 SMALLEST_INCREMENT = 1e-4  # of the load
 INCREMENT_GROWTH = 1.5  # of the next load step, up to the first one
-# A cut to this fraction of the first load step is approached by damped steps as well.
+# chosen: below this fraction of the first load step damped steps are an additional attempt.
 APPROACH_BELOW = 0.1
-LARGEST_RESIDUAL = 1e-6
-# Damping of the steps that approach a solution which plain Newton misses, as a share of the springs; each is looser by
-# DAMPING_DECAY, or stiffer by DAMPING_GROWTH where it fails, at most up to LARGEST_DAMPING.
+LARGEST_RESIDUAL = 1e-6  # of the forces; chosen: the limit of curve_warnings.LARGEST_RESIDUAL
+# chosen: damping of the steps towards a solution that plain Newton misses, as a fraction of the springs; the factor is
+# DAMPING_DECAY after a success and DAMPING_GROWTH after a failure, up to LARGEST_DAMPING.
 FIRST_DAMPING, LAST_DAMPING, LARGEST_DAMPING, DAMPED_STEPS = 1.0, 1e-5, 1e3, 60
 DAMPING_DECAY, DAMPING_GROWTH = 0.4, 4.0
-# Without friction: the share of the forces that the restraint may keep once it has been moved along, the share from
-# which it is moved along, and the factor by which each move must lower it.
+# Without friction: the fraction of the forces that the restraint may carry at the end, the fraction above which it is
+# moved, and the factor by which each move must lower it.
 LARGEST_RESTRAINT_SHARE, SMALLEST_RESTRAINT_SHARE, RESTRAINT_DECAY = 1e-3, 1e-10, 0.99
 
 
@@ -96,7 +97,7 @@ class LoadRamp:
         return self._state(point, count, damped)
 
     def _guess(self, history: History, reached: float, target: float) -> FloatArray:
-        """The bonded solution on the first step, the state in proportion to the load afterwards."""
+        """The bonded solution in the first step, later the state in proportion to the load."""
         if reached == 0.0:
             return np.asarray((target * self._joint.bonded).reshape(-1, 3))
         return history.relative * (target / reached)
@@ -218,8 +219,8 @@ class LoadRamp:
     def _release_restraint(self, point: StepPoint, history: History) -> StepPoint:
         """The solution without friction whose restraint carries nothing: it is moved along until that is so.
 
-        What the structure or other contacts hold takes the force over, step by step (a proximal point method). Where
-        nothing does, the force stays: ConvergenceError unless it is small, when the residual of the state shows it.
+        The structure or other contacts take over the force, step by step (a proximal point method). Where nothing does,
+        the force stays: ConvergenceError unless it is small; then it is part of the residual of the state.
         """
         held, share = self._restrained(point)
         while share > SMALLEST_RESTRAINT_SHARE:

@@ -2,8 +2,8 @@
 
     K u + B^T f = load,   N = N(closure) >= 0,   |T| <= mu N,   closure = B_n u - gap
 
-Friction remembers: the load grows in steps from zero, and in each the traction follows the friction law from the last
-step (:mod:`stickslip.solve.static.load_ramp`).
+Friction depends on the history: the load grows in steps from zero, and in each the traction follows the friction law
+from the last step (:mod:`stickslip.solve.static.load_ramp`).
 """
 
 from __future__ import annotations
@@ -24,10 +24,12 @@ from stickslip.solve.static.load_ramp import LoadRamp
 from stickslip.solve.static.state import StaticState
 from stickslip.structure.superelement import Superelement
 
-# Local stiffness is iterated until normal forces and stiffness change by less than this share of the largest.
+# chosen: local stiffness is iterated until normal forces and stiffness change by less than this fraction of the
+# largest.
 STIFFNESS_TOLERANCE = 1e-4
-STIFFNESS_ITERATIONS = 200
-# With gaps the load steps are multiplied until no traction changes by more than this share of the largest limit.
+STIFFNESS_ITERATIONS = 200  # chosen: half steps in the logarithm need about 15
+# chosen: with gaps the number of load steps is multiplied by MORE_STEPS, up to MOST_STEPS, until no traction changes by
+# more than this fraction of the largest limit.
 PATH_TOLERANCE = 0.01
 MORE_STEPS, MOST_STEPS = 4, 64
 
@@ -51,7 +53,7 @@ def static_preload(
     Parameters
     ----------
     superelement:
-        the structure; only its stiffness is used. Bodies that contact alone holds may be free.
+        the structure; only its stiffness matters. Bodies that contact alone supports may be free.
     pairs:
         the joint before the load, with any laws: ``preload`` of Coulomb pairs is 0 where they just touch, ``-k_n gap``
         for a gap, above 0 for an interference, and their tangential stiffness is equal in both directions.
@@ -61,7 +63,7 @@ def static_preload(
         False gives the state without traction, the rest state of released sliders: Jenkins elements and Iwan joints
         carry nothing along t1 and t2 either, elastic laws carry what they do.
     local_stiffness:
-        if given, the stiffness of each pair is found anew from its own normal force until both agree.
+        optional: the stiffness of each pair as a function of its own normal force, iterated until both agree.
     normal_law:
         a law instead of springs, such as :class:`PressureGapLaw`; ``local_stiffness`` then sets the tangential springs
         alone. The gaps are those of ``pairs``. Both are for joints of Coulomb pairs alone.
@@ -77,7 +79,7 @@ def static_preload(
         for a wrong shape, a load of zero, unequal tangential springs, a traction that pairs keep already, or a
         stiffness law on pairs of other laws.
     ConvergenceError
-        where no equilibrium was found; the message says how much of the load the joint carried.
+        if there is no equilibrium; the message gives the fraction of the load that the joint carried.
     """
     force = _checked_load(load, superelement, pairs)
     steps = whole_number("steps", steps, 1)
@@ -97,7 +99,7 @@ def static_preload(
     for iteration in range(STIFFNESS_ITERATIONS):
         told(iteration / STIFFNESS_ITERATIONS, f"local stiffness, iteration {iteration + 1}")
         normal, tangential = local_stiffness(state.normal_force)
-        # Half a step in the logarithm: stiffness grows nearly with the load, and a full step would overshoot.
+        # Half a step in the logarithm: stiffness is nearly proportional to the load, and a full step would overshoot.
         normal = np.sqrt(normal * state.normal_stiffness) if normal_law is None else state.normal_stiffness
         tangential = np.sqrt(tangential * state.tangential_stiffness)
         local = ContactPairs(pairs.operator, normal, tangential, pairs.friction_coefficient, -normal * gap)
@@ -105,7 +107,7 @@ def static_preload(
         law = normal_law or SpringLaw(normal)
         ramp = LoadRamp(superelement, local, force, law, gap, friction)
         state = ramp.run(steps)
-        # The stiffness too: forces that equilibrium alone determines do not tell whether it has reached its law.
+        # The stiffness too: forces that equilibrium alone determines do not show whether it satisfies its law.
         change = max(
             _change(state.normal_force, previous.normal_force),
             _change(state.normal_stiffness, previous.normal_stiffness) if normal_law is None else 0.0,
@@ -143,12 +145,13 @@ def _limits(pairs: ContactPairs, state: StaticState) -> FloatArray:
 
 
 def _change(new: FloatArray, old: FloatArray) -> float:
-    """Largest change as a share of the largest value."""
+    """Largest change as a fraction of the largest value."""
     return float(np.abs(new - old).max() / max(old.max(), 1e-300))
 
 
 def _settled(ramp: LoadRamp, pairs: ContactPairs, state: StaticState, steps: int) -> tuple[StaticState, int, str]:
-    """The state from so many load steps that more do not change its tractions, their number, and a sentence on it."""
+    """The state from a number of load steps above which its tractions do not change, this number, and a sentence on
+    it."""
     while True:
         finer = ramp.run(MORE_STEPS * steps)
         limit = max(float(_limits(pairs, finer).max()), 1e-300)

@@ -24,13 +24,13 @@ from stickslip.solve.harmonic.compliance import MEAN_RESTRAINT, StaticFactor
 from stickslip.solve.joint_step import JointStep
 from stickslip.structure.superelement import Superelement
 
-# A step this many times longer than the bonded solution and the gaps is a body that flies away.
+# chosen: a step longer than this multiple of the bonded solution and the gaps is a body without support.
 LARGEST_STEP = 1e6
 
 
 @dataclass(frozen=True)
 class RestingJoint:
-    """A joint with given stiffness under a static load, and the answers of its structure.
+    """A joint with constant stiffness under a static load, and the response of its structure.
 
     ``gap`` (n_pairs,) m, negative for an interference, is that of the Coulomb pairs, the whole normal force of which
     counts; pairs of other laws follow :meth:`ContactLaw.step`. Without ``friction`` whatever slip can release slides

@@ -1,1 +1,1 @@
-"""Time integration, written apart as an independent check."""
+"""Time integration, independent of the harmonic balance as a check."""

@@ -65,7 +65,8 @@ class TransientResponse:
     message: str
 
     def amplitude(self, output: ArrayLike) -> float:
-        """Largest ``|output @ u(t)|`` of the last period (0-to-peak, mean included), from a parabola at the peak."""
+        """Largest ``|output @ u(t)|`` of the last period (0-to-peak, including the mean), from a parabola at the
+        peak."""
         signal = self.displacement @ finite_array("output", output)
         if abs(signal.min()) > abs(signal.max()):
             signal = -signal
@@ -126,7 +127,7 @@ def _check_settings(
     tolerance: float,
     spectral_radius: float,
 ) -> None:
-    """Raise InputError for settings that have no meaning."""
+    """Raise InputError for invalid settings."""
     if pairs.operator.shape[1] != superelement.size:
         raise InputError(
             f"the operator of the contact pairs has {pairs.operator.shape[1]} columns, but the superelement has "
@@ -254,7 +255,7 @@ def integrate_to_steady_state(
     steps_per_period, max_periods:
         the error of an amplitude falls with the square of the step (docs/theory_transient.md).
     tolerance:
-        on the relative change from one period to the next; see ``TransientResponse.period_change``.
+        of the relative change from one period to the next; see ``TransientResponse.period_change``.
     initial_displacement, initial_velocity:
         (n,) m and m/s at time 0, rest by default. A harmonic-balance solution shortens the transient.
     initial_slider:
@@ -272,7 +273,7 @@ def integrate_to_steady_state(
     InputError
         for an array of another shape, entries that are not finite, or a setting out of range.
     ConvergenceError
-        if the Newton iteration of a step fails; the message names the step.
+        if the Newton iteration of a step fails; the message gives the step.
     """
     _check_settings(superelement, pairs, frequency_hz, steps_per_period, max_periods, tolerance, spectral_radius)
     n, n_pairs, operator = superelement.size, pairs.n_pairs, pairs.operator

@@ -1,6 +1,6 @@
 """Compiled parts of the time integration: the friction law over one step, and the march over one period.
 
-Written apart from the friction law of the harmonic balance on purpose: each checks the other.
+Independent of the friction law of the harmonic balance on purpose: each checks the other.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from stickslip.core.compiled import njit
 
 STUCK, SLIPPING, OPEN = (int(state) for state in ContactState)  # numba takes plain numbers
 
-# A force this close to the friction limit (relative, squared) counts as on it: slip then starts at once, and the
-# round-off of the step before cannot be taken for a short stick.
+# A force this close to the friction limit (relative, squared) counts as on it: slip then starts at once, and round-off
+# of the last step is not mistaken for a short stick.
 _ON_THE_LIMIT = 1e-13
-# Below this ratio of k * path to friction limit the direction of the step is lost in round-off.
+# Below this ratio of k * path to friction limit the direction of the step is round-off.
 _NO_MOTION = 1e-12
 
 
@@ -41,10 +41,9 @@ def step_law(  # type: ignore[no-untyped-def]  # pragma: no cover
     ``normal_force`` N the unclipped ``preload + k_n n`` there (negative: a gap). Fills ``force`` (3,) = T1, T2, N at
     the end and ``tangent`` (3, 3) = d force / d step, and returns STUCK, SLIPPING or OPEN.
 
-    The law is integrated exactly along the line: the instants of lift-off, touchdown and slip onset are found inside
-    the step, and the slip phase, in which the angle psi from the motion to the friction force obeys
-    ``d psi / d s = -k sin(psi) / (mu N)`` with N linear in s, is solved in closed form. Radial return is its
-    first-order approximation.
+    The law is integrated exactly along the line: lift-off, touchdown and slip onset are located inside the step, and
+    the slip phase, in which the angle psi from the motion to the friction force obeys ``d psi / d s = -k sin(psi) / (mu
+    N)`` with N linear in s, is solved in closed form. Radial return is its first-order approximation.
     """
     force[:] = 0.0
     tangent[:, :] = 0.0
@@ -60,7 +59,7 @@ def step_law(  # type: ignore[no-untyped-def]  # pragma: no cover
     limit_end = mu * normal_end
 
     if normal_force <= 0.0:
-        # Touchdown: friction grows from zero over the share of the step that is in contact.
+        # Touchdown: friction grows from zero over the part of the step in contact.
         share = normal_end / normal_change
         if pull <= mu * normal_change:
             force[0], force[1] = share * pull0, share * pull1
@@ -190,8 +189,9 @@ def march_period(  # type: ignore[no-untyped-def]  # pragma: no cover
     """March one period of the generalised-alpha scheme; all arrays are described in ``scheme.Scheme``.
 
     ``motion`` (3 n,) = displacement, velocity, acceleration; ``contact_motion`` (n_pairs, 3) and ``contact_force``
-    (n_pairs, 3) = T1, T2, N are updated in place, ``at_rest`` (n_pairs, 3) is what the static state balances of it; the
-    histories receive the start of each step. Returns -1, or the number of the step whose iteration did not converge.
+    (n_pairs, 3) = T1, T2, N are updated in place, ``at_rest`` (n_pairs, 3) is the part in equilibrium with the static
+    state; the histories receive the start of each step. Returns -1, or the number of the step whose iteration did not
+    converge.
     """
     n_steps, n = load_response.shape
     n_pairs = friction.shape[0]
