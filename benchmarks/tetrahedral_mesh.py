@@ -20,7 +20,7 @@ from both_factors import with_each_factor
 
 from stickslip.case.case import Case
 from stickslip.model.kinds.two_blade_mesh import BladePairElements, blade_pair_mesh
-from stickslip.model.model import ReducedStructure, connect, load_joint, port_rows, set_up
+from stickslip.model.model import ReducedStructure, connect, load_joint, node_group_rows, set_up
 from stickslip.structure.craig_bampton import craig_bampton
 from stickslip.structure.factor import Backend
 from stickslip.structure.mesh import Mesh
@@ -138,7 +138,7 @@ def measure(backend: Backend, threads: int = 2) -> dict[str, float | str]:
         lambda: craig_bampton(structure, layout.boundary_nodes, case.reduction.modes, backend, threads),
     )
     row["reduced unknowns"] = superelement.size
-    reduced = ReducedStructure(superelement, port_rows(superelement, layout), np.zeros(superelement.size))
+    reduced = ReducedStructure(superelement, node_group_rows(superelement, layout), np.zeros(superelement.size))
     joint = load_joint(case, layout)
     model = timed("static preload", lambda: connect(case, reduced, joint))
     assert model.preload is not None

@@ -94,17 +94,17 @@ def tied(structure: Structure, pairs: Pairs) -> tuple[Any, Any, np.ndarray]:
     size = structure.full_size
     follows = np.arange(size).reshape(-1, 3)
     follows[pairs.second_node] = follows[pairs.first_node]
-    kept = np.setdiff1d(structure.free_unknowns, (3 * pairs.second_node[:, None] + np.arange(3)).ravel())
+    retained = np.setdiff1d(structure.free_unknowns, (3 * pairs.second_node[:, None] + np.arange(3)).ravel())
     column = np.full(size, -1)
-    column[kept] = np.arange(len(kept))
+    column[retained] = np.arange(len(retained))
     tie = scipy.sparse.csr_matrix(
         (
             np.ones(len(structure.free_unknowns)),
             (np.arange(len(structure.free_unknowns)), column[follows.ravel()[structure.free_unknowns]]),
         ),
-        shape=(len(structure.free_unknowns), len(kept)),
+        shape=(len(structure.free_unknowns), len(retained)),
     )
-    return tie.T @ structure.stiffness @ tie, tie.T @ structure.mass @ tie, kept
+    return tie.T @ structure.stiffness @ tie, tie.T @ structure.mass @ tie, retained
 
 
 def run_calculix(folder: Path, mesh: Mesh, element: str, pairs: Pairs, count: int) -> np.ndarray:

@@ -28,7 +28,7 @@ from stickslip.structure.superelement import Superelement
 
 SIDES = ("left", "right")
 EDGES = ("damper_front_edge", "damper_back_edge")
-TANGENTIAL_SHARE = 0.8  # tangential over normal stiffness per area, and stick slope of CalculiX
+TANGENTIAL_FRACTION = 0.8  # tangential over normal stiffness per area, and stick slope of CalculiX
 SURFACE, NODE = "SURFACE TO SURFACE", "NODE TO SURFACE"
 # Sides of an 8-node brick, S1 to S6 of CalculiX.
 BRICK_SIDES = ((0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
@@ -90,7 +90,7 @@ def our_contact(model: PressedBlades, stiffness: float, friction: float, gap: Ar
     normal_stiffness = stiffness * model.pairs.area
     operator = model.pairs.operator(model.superelement)
     pairs = ContactPairs(
-        operator, normal_stiffness, TANGENTIAL_SHARE * normal_stiffness, friction or 0.3, -normal_stiffness * gap
+        operator, normal_stiffness, TANGENTIAL_FRACTION * normal_stiffness, friction or 0.3, -normal_stiffness * gap
     )
     state = static_preload(model.superelement, pairs, model.load, friction=friction > 0.0)
     seconds = time.perf_counter() - start
@@ -157,7 +157,7 @@ def _contact_lines(model: PressedBlades, stiffness: float, friction: float, kind
         f"{stiffness!r}, 1.",
     ]
     if friction > 0.0:
-        lines += ["*FRICTION", f"{friction!r}, {TANGENTIAL_SHARE * stiffness!r}"]
+        lines += ["*FRICTION", f"{friction!r}, {TANGENTIAL_FRACTION * stiffness!r}"]
     for side in SIDES:
         lines += [f"*CONTACT PAIR, INTERACTION=joint, TYPE={kind}", f"surface_damper_{side}, surface_{side}"]
     lines += ["*STEP, INC=1000", "*STATIC", "0.25, 1., 1e-5, 0.25"]
@@ -199,10 +199,10 @@ def _face_forces(model: PressedBlades, printed: str) -> tuple[np.ndarray, np.nda
 
 def closed_areas(printed: str) -> np.ndarray:
     """m2 of each face that is in contact, from the last statistics in a .dat file."""
-    found = re.findall(
+    actual = re.findall(
         r"statistics for slave set SURFACE_DAMPER_(\w+),.*?shear force \(size\)\s+(\S+)", printed, re.DOTALL
     )
-    area = {name.lower(): float(word) for name, word in found}
+    area = {name.lower(): float(word) for name, word in actual}
     return np.array([area[side] for side in SIDES])
 
 

@@ -18,7 +18,7 @@ def damaged(content: bytes, flips: int, seed: int = 18) -> Iterator[tuple[str, b
         changed = bytearray(content)
         changed[place] ^= int(flip)
         yield f"byte {place} ^ {flip}", bytes(changed)
-    for kept in (0, 1, len(content) // 3, len(content) - 1, *random.integers(len(content), size=10)):
-        yield f"cut after {kept} bytes", content[: int(kept)]
+    for retained in (0, 1, len(content) // 3, len(content) - 1, *random.integers(len(content), size=10)):
+        yield f"cut after {retained} bytes", content[: int(retained)]
     yield "one byte too many", content + b"\n"
     yield "twice", content + content

@@ -95,14 +95,14 @@ def write_parts(path: Path, mesh: Mesh, body_names: list[str], faces: list[str],
             if name not in faces and mine.size:
                 sets += [f"*Nset, nset={name}, instance={body.upper()}", rows(list(mine + 1))]
     for name in faces:
-        found = sides_of(mesh, name)
-        for side in sorted({side for _, side in found}):
+        actual = sides_of(mesh, name)
+        for side in sorted({side for _, side in actual}):
             for body, (_, cells) in zip(body_names, nodes_of, strict=True):
-                mine = np.flatnonzero(np.isin(cells, [cell for cell, each in found if each == side]))
+                mine = np.flatnonzero(np.isin(cells, [cell for cell, each in actual if each == side]))
                 if mine.size:
                     sets += [f"*Elset, elset=_{name}_S{side + 1}, internal, instance={body}", rows(list(mine + 1))]
         sets.append(f"*Surface, type=ELEMENT, name={name}")
-        sets += [f"_{name}_S{side + 1}, S{side + 1}" for side in sorted({side for _, side in found})]
+        sets += [f"_{name}_S{side + 1}, S{side + 1}" for side in sorted({side for _, side in actual})]
     text = ["*Heading", "written by a test", *parts, "*Assembly, name=Assembly", *instances, *sets, "*End Assembly"]
     text += ["*Material, name=STEEL", "*Density", f"{density},", "*Elastic", f"{young}, {poisson}"]
     text += ["*Boundary", f"{fixed}, 1, 3"]

@@ -263,7 +263,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     own = session.config.stash[_SESSION]
     if not own.updates or not own.collected:
         return
-    given = {Path(argument).resolve() for argument in session.config.args}
+    values = {Path(argument).resolve() for argument in session.config.args}
     whole = {(session.config.rootpath / place).resolve() for place in session.config.getini("testpaths")}
     has_errors = session.exitstatus in (pytest.ExitCode.INTERRUPTED, pytest.ExitCode.INTERNAL_ERROR)
-    own.write(is_whole=whole <= given and not has_errors)
+    own.write(is_whole=whole <= values and not has_errors)

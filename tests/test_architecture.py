@@ -56,8 +56,8 @@ HEAVY = (
 def public_homes() -> dict[str, str]:
     """Public name -> the module that defines it, from the list in ``__init__.pyi``."""
     tree = ast.parse((SOURCE / "__init__.pyi").read_text(encoding="utf-8"))
-    found = [node for node in tree.body if isinstance(node, ast.ImportFrom)]
-    return {alias.name: node.module or "" for node in found for alias in node.names}
+    actual = [node for node in tree.body if isinstance(node, ast.ImportFrom)]
+    return {alias.name: node.module or "" for node in actual for alias in node.names}
 
 
 def modules() -> dict[str, Path]:
@@ -78,13 +78,13 @@ def imports(module: str, at_once: bool = False) -> frozenset[str]:
 
 
 def _imports(nodes: Iterable[ast.AST]) -> Iterator[str]:
-    known = modules()
+    reference = modules()
     for node in nodes:
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, "imports are absolute"
-            names = [_home(node.module or "", alias.name, known) for alias in node.names]
+            names = [_home(node.module or "", alias.name, reference) for alias in node.names]
             names = [name for name in names if name != ROOT]  # what the package itself holds, such as __version__
         else:
             continue
@@ -241,7 +241,7 @@ ALLOWED = {
     # the other paper, which printers take
     "reporting/assets/page.js": ("// on paper the structure is a still picture",),
     "reporting/structure_still.py": ("still picture, for paper and for browsers",),
-    "reporting/sweep_plots.py": ("which white paper swallows",),
+    "reporting/sweep_plots.py": ("invisible on white paper",),
     "reporting/look.py": ('"paper_bgcolor":',),  # plotly's name of the ground of a figure
     "sweeps/work.py": ('package / name for name in ("papers", "reporting")',),  # the room
     # names of earlier versions, in study files and in results files
@@ -261,16 +261,16 @@ def foreign_words(text: str, allowed: tuple[str, ...] = ()) -> list[str]:
 
 
 def _without_source(text: str) -> Iterator[str]:
-    for found in _NUMBERED.finditer(text):
-        before = text[max(0, found.start() - 100) : found.start()]
+    for actual in _NUMBERED.finditer(text):
+        before = text[max(0, actual.start() - 100) : actual.start()]
         if not _SOURCE.search(before):
-            yield f"{before.splitlines()[-1] if before else ''}{found.group()}".strip()
+            yield f"{before.splitlines()[-1] if before else ''}{actual.group()}".strip()
 
 
 def general_files() -> dict[str, str]:
     """Path -> text of each file that belongs to no room of the study."""
-    found = (path for path in sorted(SOURCE.rglob("*")) if path.suffix in ENDINGS)
-    named = {path.relative_to(SOURCE).as_posix(): path for path in found}
+    actual = (path for path in sorted(SOURCE.rglob("*")) if path.suffix in ENDINGS)
+    named = {path.relative_to(SOURCE).as_posix(): path for path in actual}
     return {name: path.read_text("utf-8") for name, path in named.items() if name.split("/")[0] not in ITS_ROOMS}
 
 

@@ -108,7 +108,7 @@ WRONG = {
 def test_wrong_study_file(text: str, keys: tuple[str, ...], tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     path.write_text(text, encoding="utf-8")
-    _assert_refused(path, *keys)
+    _assert_rejected(path, *keys)
 
 
 def test_every_error_is_reported_at_once_in_the_order_of_the_file() -> None:
@@ -126,20 +126,20 @@ def test_every_error_is_reported_at_once_in_the_order_of_the_file() -> None:
 
 
 def test_missing_file(tmp_path: Path) -> None:
-    _assert_refused(tmp_path / "nowhere.toml")
+    _assert_rejected(tmp_path / "nowhere.toml")
 
 
 def test_folder_for_a_file(tmp_path: Path) -> None:
-    _assert_refused(tmp_path)
+    _assert_rejected(tmp_path)
 
 
 def test_not_utf8(tmp_path: Path) -> None:
     path = tmp_path / "latin.toml"
     path.write_bytes("[study]\ntitle = 'Dämpfer'".encode("latin-1"))
-    _assert_refused(path)
+    _assert_rejected(path)
 
 
-def _assert_refused(path: Path, *keys: str) -> None:
+def _assert_rejected(path: Path, *keys: str) -> None:
     """The command line prints the sentence of the Python function, and nothing else."""
     with rejects(StudyFileError, *keys) as caught:
         load_case(path)

@@ -42,9 +42,9 @@ def test_own_matrices(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.Mo
 
 @pytest.mark.slow
 def test_joint_laws(capsys: pytest.CaptureFixture[str]) -> None:
-    found = runpy.run_path(str(ROOT / "examples" / "joint_laws.py"))["main"]()
+    actual = runpy.run_path(str(ROOT / "examples" / "joint_laws.py"))["main"]()
     assert "0.2 N: peak at" in capsys.readouterr().out
-    frequencies, energies = zip(*found.values(), strict=True)
+    frequencies, energies = zip(*actual.values(), strict=True)
     assert frequencies == pytest.approx((1836.8, 1834.8, 1831.0), abs=0.3)  # the joints soften
     # friction grows with a power of the force between 1 (sliding) and 2.5 (microslip of this joint, exponent + 3)
     assert all(2.0 < more / less < 2.0**2.5 for less, more in pairwise(energies))
@@ -119,15 +119,15 @@ def test_readme_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
 
 def documented_commands() -> list[str]:
     """Every command of the README and the guide, in a block or in a sentence, without its comment."""
-    found = []
+    actual = []
     for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
         text = page.read_text(encoding="utf-8")
         blocks = "".join(re.findall(r"```sh\n(.*?)```", text, flags=re.DOTALL))
-        found += re.findall(r"^stickslip ([^#\n]+)", blocks, flags=re.MULTILINE)
-        found += re.findall(
+        actual += re.findall(r"^stickslip ([^#\n]+)", blocks, flags=re.MULTILINE)
+        actual += re.findall(
             r"`(?:\.venv/bin/)?stickslip ([a-z]+ [^`]*)`", re.sub(r"```.*?```", "", text, flags=re.DOTALL)
         )
-    return sorted({" ".join(line.split()) for line in found})
+    return sorted({" ".join(line.split()) for line in actual})
 
 
 @pytest.mark.parametrize("line", documented_commands())

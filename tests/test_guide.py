@@ -71,10 +71,10 @@ def test_harmonics_and_samples(capsys: pytest.CaptureFixture[str], monkeypatch: 
     assert len(printed) == len(promised) == 7
     error = {}
     for line, shown in zip(printed, promised, strict=True):
-        found, told = (re.fullmatch(row, words).groups() for words in (line, shown))
-        assert found[:2] == told[:2]
-        assert float(found[2]) == pytest.approx(float(told[2]), abs=0.05)
-        error[int(found[0]), int(found[1])] = abs(float(found[3]))
+        actual, reported = (re.fullmatch(row, words).groups() for words in (line, shown))
+        assert actual[:2] == reported[:2]
+        assert float(actual[2]) == pytest.approx(float(reported[2]), abs=0.05)
+        error[int(actual[0]), int(actual[1])] = abs(float(actual[3]))
     assert error[1, 256] > error[3, 256] > error[5, 256]
 
 

@@ -24,16 +24,16 @@ def tools(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 
 
 @HELD_HERE
-def test_every_installed_package_is_held_in_its_version(tools: ModuleType) -> None:
+def test_every_installed_package_is_pinned(tools: ModuleType) -> None:
     """All that the project, its extras and the group dev need, directly or not."""
-    found = tools.installed(tools.requirements(dev=True, extras=True))
-    assert {"numpy", "pandas", "pytest", "python-dateutil"} <= found.keys()
-    versions = {name: package.version for name, package in found.items()}
+    actual = tools.installed(tools.requirements(dev=True, extras=True))
+    assert {"numpy", "pandas", "pytest", "python-dateutil"} <= actual.keys()
+    versions = {name: package.version for name, package in actual.items()}
     held = tools.pins()
     assert {name: held.get(name) for name in versions} == versions
 
 
-def test_every_requirement_is_held_in_a_version_that_it_allows(tools: ModuleType) -> None:
+def test_every_requirement_is_pinned_to_a_version_that_it_allows(tools: ModuleType) -> None:
     """Also of extras and of the build, which need not be installed."""
     from packaging.requirements import Requirement
 
@@ -43,13 +43,13 @@ def test_every_requirement_is_held_in_a_version_that_it_allows(tools: ModuleType
         assert each.specifier.contains(held[tools.plain(each.name)]), each
 
 
-def test_no_package_is_held_twice(tools: ModuleType) -> None:
+def test_no_package_is_pinned_twice(tools: ModuleType) -> None:
     lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
     assert len([line for line in lines if not line.startswith("#")]) == len(tools.pins())
 
 
 @HELD_HERE
-def test_the_file_with_hashes_holds_the_same_versions(tools: ModuleType) -> None:
+def test_the_file_with_hashes_contains_the_same_versions(tools: ModuleType) -> None:
     lines = (ROOT / "requirements-hashed.txt").read_text(encoding="utf-8").splitlines()
     rows = [
         re.fullmatch(r"(\S+)==(\S+) --hash=sha256:([0-9a-f]{64})", line) for line in lines if not line.startswith("#")

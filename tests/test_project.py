@@ -28,7 +28,7 @@ def project() -> dict[str, Any]:
     return tomllib.loads(text("pyproject.toml"))
 
 
-def test_the_version_stands_in_one_place(project: dict[str, Any]) -> None:
+def test_the_version_is_in_one_place(project: dict[str, Any]) -> None:
     assert "version" not in project["project"]
     assert project["project"]["dynamic"] == ["version"]
     source = text(project["tool"]["hatch"]["version"]["path"])
@@ -36,8 +36,8 @@ def test_the_version_stands_in_one_place(project: dict[str, Any]) -> None:
 
 
 def test_the_citation_names_the_version() -> None:
-    found = re.findall(r"^version: (.+)$", text("CITATION.cff"), flags=re.MULTILINE)
-    assert found == [stickslip.__version__]
+    actual = re.findall(r"^version: (.+)$", text("CITATION.cff"), flags=re.MULTILINE)
+    assert actual == [stickslip.__version__]
 
 
 def test_the_changelog_has_one_line_for_each_change() -> None:

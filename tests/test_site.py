@@ -108,8 +108,8 @@ def test_an_example_without_a_picture_is_an_error(tmp_path: Path, monkeypatch: p
 def test_every_example_that_draws_has_a_page() -> None:
     pages = "".join(page.read_text(encoding="utf-8") for page in (ROOT / "docs" / "gallery").glob("*.md"))
     # The cluster example submits jobs; docs/sweeps.md shows it.
-    found = [path for ending in ("py", "toml") for path in (ROOT / "examples").rglob(f"*.{ending}")]
-    examples = {path.relative_to(ROOT).as_posix() for path in found}
+    actual = [path for ending in ("py", "toml") for path in (ROOT / "examples").rglob(f"*.{ending}")]
+    examples = {path.relative_to(ROOT).as_posix() for path in actual}
     assert set(re.findall(r"<!-- example: (\S+) -->", pages)) == examples - {"examples/cluster_sweep.py"}
 
 

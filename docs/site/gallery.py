@@ -64,7 +64,7 @@ def run_study(path: Path) -> Shown:
     """Run a study file. Its figures are the pictures; its report is a separate page."""
     import stickslip as ss
 
-    name = path.parent.name
+    name = path.parent.name if path.stem == "study" else f"{path.parent.name}_{path.stem}"
     with tempfile.TemporaryDirectory() as folder:
         outcome = ss.run(ss.load_case(path), folder)
         if not outcome.converged:

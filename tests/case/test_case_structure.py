@@ -35,7 +35,7 @@ def test_new_writes_a_file_of_each_kind_that_reads_back(kind: str, tmp_path: Pat
     assert ("length_unit" in text) == (kind != "two-blade")
 
 
-def test_new_of_another_kind_is_refused(tmp_path: Path) -> None:
+def test_new_of_another_kind_is_rejected(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["new", str(tmp_path / "study.toml"), "--kind", "shell"])
     assert result.exit_code == 2
     assert "two-blade, mesh, matrices" in result.stderr
@@ -68,7 +68,7 @@ def test_a_key_of_a_named_entry_is_replaced_and_swept() -> None:
         swept_keys({"interfaces.friction": "0.1,0.2"})
 
 
-def test_hashes_tell_what_changes_the_structure(tmp_path: Path) -> None:
+def test_hashes_show_what_changes_the_structure(tmp_path: Path) -> None:
     base = case_hashes(mesh_case())
     for key, value, shared in (
         ("interfaces.sole.friction", 0.6, True),
@@ -165,7 +165,7 @@ def test_wrong_study_file(text: str, keys: tuple[str, ...], tmp_path: Path) -> N
     "name", ["block/beam", "..", "/etc", "a=b", "a:b", " a", "a ", "a\\b", "a\tb", "", "n" * 65, 'a"b']
 )
 @pytest.mark.parametrize("section", ["interfaces", "forces", "responses", "static_loads"])
-def test_names_that_files_and_keys_cannot_take_are_refused(section: str, name: str) -> None:
+def test_names_that_files_and_keys_cannot_take_are_rejected(section: str, name: str) -> None:
     """A slash was met when the table of a solved sweep was written."""
     entries = {"interfaces": {"first": "a", "second": "b"}}.get(section, {"set": "a", "direction": [1.0, 0.0, 0.0]})
     structure = {"kind": "mesh", "file": "a.inp", "length_unit": "mm"}

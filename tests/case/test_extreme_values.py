@@ -32,7 +32,9 @@ COARSE = {
 BLADES: dict[str, Any] = {"mesh": COARSE, "reduction": {"modes": 3}}
 KINDS = ("two-blade", "mesh", "matrices")
 # (section, key, field) of all kinds of study; a key that several classes of a section have stands here once.
-ALL_FIELDS = tuple((name, key, Case.field_of(name, key)[1]) for name, keys in Case.known_keys().items() for key in keys)
+ALL_FIELDS = tuple(
+    (name, key, Case.field_of(name, key)[1]) for name, keys in Case.allowed_keys().items() for key in keys
+)
 
 
 def limits_in(annotation: Any) -> Iterator[Quantity | Count]:
@@ -53,8 +55,8 @@ def limits_of(field: FieldInfo) -> tuple[Quantity | Count, ...]:
 def numeric_keys() -> Iterator[tuple[str, str, tuple[Quantity | Count, ...]]]:
     """(section, key, limits) of every key that holds a number."""
     for name, key, inner in ALL_FIELDS:
-        if found := limits_of(inner):
-            yield name, key, found
+        if actual := limits_of(inner):
+            yield name, key, actual
 
 
 NUMERIC = tuple(numeric_keys())
@@ -126,7 +128,7 @@ def require_finite(case: Case) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(("section", "key", "limits"), NUMERIC, ids=[f"{name}.{key}" for name, key, _ in NUMERIC])
-def test_values_that_no_computer_can_use_are_refused_by_their_key(
+def test_values_that_no_computer_can_use_are_rejected_by_their_key(
     section: str, key: str, limits: tuple[Quantity | Count, ...], kind: str, bases: dict[str, dict[str, Any]]
 ) -> None:
     for value in (*EXTREME, 10**400):
@@ -149,11 +151,11 @@ def test_every_quantity_has_two_limits() -> None:
 
 def test_every_key_with_a_number_was_found() -> None:
     """A key whose type holds a float or an int has a Quantity, a Count or a direction."""
-    found = {(name, key) for name, key, _ in NUMERIC} | set(DIRECTIONS)
+    actual = {(name, key) for name, key, _ in NUMERIC} | set(DIRECTIONS)
     for name, key, inner in ALL_FIELDS:
         words = repr(inner.annotation)
         if "float" in words or "int" in words:
-            assert (name, key) in found, f"{name}.{key}"
+            assert (name, key) in actual, f"{name}.{key}"
 
 
 @pytest.mark.parametrize("value", [[5e-324, 0, 0], [1e308, 1e308, 0], [1e-310, 1e-310, 0], [10**400, 0, 0]])
@@ -218,7 +220,7 @@ WRONG_UNITS = {
 
 
 @pytest.mark.parametrize(("data", "key"), WRONG_UNITS.values(), ids=WRONG_UNITS)
-def test_values_that_only_a_wrong_unit_explains_are_refused(data: dict[str, Any], key: str) -> None:
+def test_values_that_only_a_wrong_unit_explains_are_rejected(data: dict[str, Any], key: str) -> None:
     with rejects(StudyFileError, key):
         Case.from_mapping(data)
 
@@ -240,17 +242,17 @@ ODD = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("data", "words"), ODD.values(), ids=ODD)
-def test_odd_values_of_the_two_blades_are_told_first(data: dict[str, Any], words: str) -> None:
+def test_odd_values_of_the_two_blades_are_reported_first(data: dict[str, Any], words: str) -> None:
     """As a warning of ``check``, or before the sentence that follows from them."""
     case = Case.from_mapping(BLADES | data)
     try:
-        said = dict(check(case))["Warnings"][0][1]
+        printed = dict(check(case))["Warnings"][0][1]
     except InputError as error:
-        said = str(error)
-        fitting = "Most likely because of that: " in said
+        printed = str(error)
+        fitting = "Most likely because of that: " in printed
     else:
         fitting = True
-    assert said.startswith(words)
+    assert printed.startswith(words)
     assert fitting
 
 
@@ -258,7 +260,7 @@ def test_the_default_study_has_no_odd_value() -> None:
     assert set_up(Case.from_mapping(BLADES)).layout.odd_values == ()
 
 
-def test_more_elements_than_memory_are_refused_before_the_mesh_is_made() -> None:
+def test_more_elements_than_memory_are_rejected_before_the_mesh_is_made() -> None:
     case = Case.from_mapping({"mesh": {"chordwise": 1000, "airfoil_rows": 1000}})
     with rejects(InputError, "mesh"):
         set_up(case)
@@ -282,13 +284,13 @@ def test_more_elements_than_memory_are_refused_before_the_mesh_is_made() -> None
         ),
     ],
 )
-def test_control_characters_in_texts_are_refused(data: dict[str, Any], keys: tuple[str, ...]) -> None:
+def test_control_characters_in_texts_are_rejected(data: dict[str, Any], keys: tuple[str, ...]) -> None:
     """NUL in a title lost a solved run: results files end a text there."""
     with rejects(StudyFileError, *keys):
         Case.from_mapping(data)
 
 
-def test_control_characters_in_names_of_entries_are_refused(bases: dict[str, dict[str, Any]]) -> None:
+def test_control_characters_in_names_of_entries_are_rejected(bases: dict[str, dict[str, Any]]) -> None:
     data = copy.deepcopy(bases["mesh"])
     data["interfaces"]["so\0le"] = data["interfaces"].pop("sole")
     with rejects(StudyFileError, "interfaces.so\u0000le"):

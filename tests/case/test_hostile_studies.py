@@ -57,12 +57,12 @@ def test_mutations(seed: int, tmp_path: Path) -> None:
     for _ in range(30):
         path.write_text(mutated(rng.choice((BLADES, mesh)), rng), encoding="utf-8")
         result = CliRunner().invoke(app, ["check", str(path)])
-        said = result.stdout + result.stderr
+        printed = result.stdout + result.stderr
         codes.add(result.exit_code)
-        assert result.exit_code in (0, 2, 3), (path.read_text(encoding="utf-8"), said)
-        assert "Traceback" not in said
-        assert len(said) < 20_000
-        assert not re.search("[\0\x1b\x9b\u202e]", said)
+        assert result.exit_code in (0, 2, 3), (path.read_text(encoding="utf-8"), printed)
+        assert "Traceback" not in printed
+        assert len(printed) < 20_000
+        assert not re.search("[\0\x1b\x9b\u202e]", printed)
         assert not re.search(r"\b(nan|inf)\b", result.stdout)
     assert 2 in codes
 

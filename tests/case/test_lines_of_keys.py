@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from own_cases import EXAMPLE, MATRIX_STUDY, mesh_case, write_matrices
 from sentences import printed_sentence, rejects
-from stickslip.case.toml_text import KeyPlaces
+from stickslip.case.toml_text import KeyPositions
 from stickslip.cli.main import app
 from stickslip.core.errors import ImportFileError, InputError, concerning, keys_of_section
 
@@ -100,7 +100,7 @@ MESH_WRONG = {
 }  # fmt: skip
 
 
-def refused(*arguments: object) -> str:
+def rejected(*arguments: object) -> str:
     """What the command line says on input that it refuses, without the lines on defaults."""
     result = CliRunner().invoke(app, [str(each) for each in arguments])
     assert result.exit_code == 2, result.output
@@ -115,7 +115,7 @@ def test_two_blades(found: str, put: str, start: str, tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     assert BLADES.count(found) == 1
     path.write_text(BLADES.replace(found, put), encoding="utf-8")
-    assert refused("check", path).startswith(f"{path}, {start}: ")
+    assert rejected("check", path).startswith(f"{path}, {start}: ")
 
 
 @pytest.mark.parametrize(("found", "put", "start"), MESH_WRONG.values(), ids=MESH_WRONG)
@@ -123,7 +123,7 @@ def test_own_mesh(found: str, put: str, start: str, tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     assert MESH.count(found) == 1
     path.write_text(MESH.replace(found, put), encoding="utf-8")
-    assert refused("check", path).startswith(f"{path}, {start}: ")
+    assert rejected("check", path).startswith(f"{path}, {start}: ")
 
 
 @pytest.mark.parametrize(
@@ -139,7 +139,7 @@ def test_matrices(found: str, put: str, start: str, matrices: Path) -> None:
     path = matrices / "study.toml"
     assert found in MATRIX_STUDY
     path.write_text(MATRIX_STUDY.replace(found, put), encoding="utf-8")
-    assert refused("check", path).startswith(f"{path}, {start}: ")
+    assert rejected("check", path).startswith(f"{path}, {start}: ")
 
 
 @pytest.fixture(scope="module")
@@ -156,9 +156,9 @@ def test_a_matrix_file_names_the_key_of_its_own(tmp_path: Path) -> None:
     head = 'kind = "matrices"\nstiffness = "stiffness.npy"\nmass = "mass.npy"\nlength_unit = "mm"'
     path = tmp_path / "study.toml"
     path.write_text(MATRIX_STUDY.replace('kind = "matrices"\nfile = "superelement.npz"', head), encoding="utf-8")
-    assert refused("check", path).startswith(f"{path}, line 4 (structure.mass), line 3 (structure.stiffness): ")
+    assert rejected("check", path).startswith(f"{path}, line 4 (structure.mass), line 3 (structure.stiffness): ")
     (tmp_path / "mass.npy").unlink()
-    assert refused("check", path).startswith(f"{path}, line 4 (structure.mass): ")
+    assert rejected("check", path).startswith(f"{path}, line 4 (structure.mass): ")
 
 
 def test_what_a_run_finds_out_late(tmp_path: Path) -> None:
@@ -167,16 +167,16 @@ def test_what_a_run_finds_out_late(tmp_path: Path) -> None:
     text = BLADES.replace("airfoil_rows = 4", coarse).replace("modes = 5", "modes = 2000")
     path.write_text(text, encoding="utf-8")
     line = 1 + text[: text.index("modes")].count("\n")
-    said = refused("run", path, "--out", tmp_path / "out")
-    assert said.startswith(f"{path}, line {line} (reduction.modes): ")
+    printed = rejected("run", path, "--out", tmp_path / "out")
+    assert printed.startswith(f"{path}, line {line} (reduction.modes): ")
 
 
 def test_a_sweep_names_the_option_instead_of_a_line(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     path.write_text(BLADES, encoding="utf-8")
     vary = "geometry.damper_length=29 mm,30 mm"
-    said = refused("sweep", path, "--vary", vary, "--out", tmp_path / "out", "--workers", 1)
-    assert said.startswith(f"{path}, --vary geometry.damper_length, geometry.width (not in the file: default): ")
+    printed = rejected("sweep", path, "--vary", vary, "--out", tmp_path / "out", "--workers", 1)
+    assert printed.startswith(f"{path}, --vary geometry.damper_length, geometry.width (not in the file: default): ")
 
 
 def test_a_key_without_a_line_of_its_own_has_that_around_it(tmp_path: Path) -> None:
@@ -184,13 +184,13 @@ def test_a_key_without_a_line_of_its_own_has_that_around_it(tmp_path: Path) -> N
     head, _, _ = MESH.partition("[responses.block]")
     table = '[responses]\nblock = {point = ["4.8 m", "0 m", "0 m"], direction = [1, 0, 0]}\n'
     path.write_text(head + table, encoding="utf-8")
-    assert refused("check", path).startswith(f"{path}, line 21 (responses.block.point): ")
+    assert rejected("check", path).startswith(f"{path}, line 21 (responses.block.point): ")
 
 
 def test_a_dotted_key_is_not_called_a_default(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     path.write_text('geometry.damper_length = "29 mm"\ngeometry.width = "28 mm"\n', encoding="utf-8")
-    assert refused("check", path).startswith(f"{path}, geometry.damper_length, geometry.width: ")
+    assert rejected("check", path).startswith(f"{path}, geometry.damper_length, geometry.width: ")
 
 
 @pytest.mark.slow
@@ -226,7 +226,7 @@ def test_the_closest_keys_win_and_the_kind_of_error_stays() -> None:
 def test_arguments_of_a_function_are_no_keys_of_the_study_file() -> None:
     """A section has the name of an argument by chance; who calls the function knows the key."""
     error = InputError("preload is -1, but it must be above 0.", arguments=["preload"])
-    places = KeyPlaces("study.toml", {"preload": {"values": [-1.0]}}, {("preload",): 3})
+    places = KeyPositions("study.toml", {"preload": {"values": [-1.0]}}, {("preload",): 3})
     assert places.sentence(error) == f"study.toml: {error}"
     assert places.sentence(InputError("it is -1.", ["preload"])) == "study.toml, line 3 (preload): it is -1."
     again = error.reworded("in words")

@@ -90,7 +90,7 @@ def test_new_writes_a_file_that_check_accepts(study: Study, tmp_path: Path) -> N
     assert invoke("check", path).exit_code == 0
 
 
-def test_new_refuses_to_overwrite_unless_forced(study_file: Path) -> None:
+def test_new_rejects_to_overwrite_unless_forced(study_file: Path) -> None:
     study_file.write_text("precious", encoding="utf-8")
     result = invoke("new", study_file)
     assert result.exit_code == 2
@@ -223,13 +223,13 @@ def test_output_folder_that_cannot_be_written(study: Study, study_file: Path, tm
     assert study.calls == []
 
 
-def test_output_folder_that_refuses_files(
+def test_output_folder_that_rejects_files(
     study: Study, study_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuse(**_: object) -> None:
+    def reject(**_: object) -> None:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr("tempfile.TemporaryFile", refuse)
+    monkeypatch.setattr("tempfile.TemporaryFile", reject)
     result = invoke("run", study_file, "--out", tmp_path)
     assert result.exit_code == 2
     assert "Permission denied" in result.stderr
@@ -264,7 +264,7 @@ def test_threads_reach_the_study(study: Study, study_file: Path, tmp_path: Path)
 
 
 @pytest.mark.slow
-def test_real_process_refuses_bad_input_without_traceback(tmp_path: Path) -> None:
+def test_real_process_rejects_bad_input_without_traceback(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     path.write_text("[material]\ndensity = -1\n", encoding="utf-8")
     result = _stickslip("run", str(path), "--out", str(tmp_path / "out"))
@@ -326,7 +326,7 @@ def _stickslip(*arguments: str, **environment: str) -> subprocess.CompletedProce
 
 
 @pytest.mark.parametrize("command", ["run", "sweep", "paper", "roughness"])
-def test_an_empty_folder_is_refused(study: Study, study_file: Path, command: str, tmp_path: Path) -> None:
+def test_an_empty_folder_is_rejected(study: Study, study_file: Path, command: str, tmp_path: Path) -> None:
     """An empty text would be the current folder: a script whose variable is not set writes nothing there."""
     more = ["--vary", "friction.coefficient=0.2,0.3"] if command == "sweep" else []
     result = invoke(command, *([] if command == "paper" else [study_file]), *more, "--out", "")

@@ -56,20 +56,20 @@ def require_end(numbers: list[int]) -> None:
 @pytest.mark.slow
 @posix
 @pytest.mark.parametrize("name", SIGNALS)
-def test_a_stopped_sweep_says_so_and_goes_on(tmp_path: Path, name: str) -> None:
+def test_a_stopped_sweep_reports_it_and_continues(tmp_path: Path, name: str) -> None:
     out = tmp_path / "out"
     loads = ("--vary", "preload.centrifugal_force=450:700:4", "--workers", 2)
     with start("sweep", quick_file(tmp_path), "--out", out, *loads) as process:
         wait_until(lambda: list(out.glob("cases/*/results.nc")), process)
         workers = children(process)
         process.send_signal(getattr(signal, name))
-        _, said = process.communicate(timeout=60)
+        _, printed = process.communicate(timeout=60)
     assert process.returncode == 128 + getattr(signal, name)
-    assert said.endswith(
+    assert printed.endswith(
         f"Stopped by {name}; the study did not end. Finished cases are kept; the same command goes on with the "
         "others.\n"
     )
-    assert "Traceback" not in said
+    assert "Traceback" not in printed
     require_end(workers)
     assert list(out.rglob(".*.part")) == []
 
@@ -77,7 +77,7 @@ def test_a_stopped_sweep_says_so_and_goes_on(tmp_path: Path, name: str) -> None:
 @pytest.mark.slow
 @posix
 @pytest.mark.parametrize("name", SIGNALS)
-def test_a_stopped_run_says_so_and_leaves_nothing(tmp_path: Path, name: str) -> None:
+def test_a_stopped_run_reports_it_and_leaves_nothing(tmp_path: Path, name: str) -> None:
     out = tmp_path / "out"
     with start("run", quick_file(tmp_path), "--out", out) as process:
         assert process.stderr is not None
@@ -85,9 +85,9 @@ def test_a_stopped_run_says_so_and_leaves_nothing(tmp_path: Path, name: str) -> 
             assert process.poll() is None
         drawing = children(process)
         process.send_signal(getattr(signal, name))
-        _, said = process.communicate(timeout=60)
+        _, printed = process.communicate(timeout=60)
     assert process.returncode == 128 + getattr(signal, name)
-    assert said.endswith(f"Stopped by {name}; the study did not end.\n")
+    assert printed.endswith(f"Stopped by {name}; the study did not end.\n")
     require_end(drawing)
     assert [path for path in out.rglob("*") if path.suffix == ".part"] == []
 
@@ -131,12 +131,12 @@ def test_a_reader_that_goes_away_is_no_error(tmp_path: Path, arguments: list[str
         assert process.stdout is not None
         process.stdout.close()
         process.stdout = None
-        _, said = process.communicate(timeout=120)
-    assert (process.returncode, said) == (0, "")
+        _, printed = process.communicate(timeout=120)
+    assert (process.returncode, printed) == (0, "")
 
 
 @pytest.mark.slow
-def test_a_run_goes_on_when_nobody_reads_what_it_tells(tmp_path: Path) -> None:
+def test_a_run_continues_when_nobody_reads_its_output(tmp_path: Path) -> None:
     out = tmp_path / "out"
     with start("run", quick_file(tmp_path), "--out", out) as process:
         for stream in (process.stdout, process.stderr):
@@ -159,10 +159,10 @@ def test_a_limit_of_file_sizes_is_found_before_solving(tmp_path: Path) -> None:
 
     out = tmp_path / "out"
     with start("run", quick_file(tmp_path), "--out", out, preexec_fn=limit) as process:
-        _, said = process.communicate(timeout=120)
+        _, printed = process.communicate(timeout=120)
     assert process.returncode == 2
-    assert "Error: one file may have 1.0 MB here (ulimit -f), but the largest will have about 11.0 MB." in said
-    assert "Response" not in said
+    assert "Error: one file may have 1.0 MB here (ulimit -f), but the largest will have about 11.0 MB." in printed
+    assert "Response" not in printed
     assert list(out.iterdir()) == []
 
 

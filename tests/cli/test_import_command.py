@@ -54,7 +54,7 @@ def test_a_bad_part_ends_with_2(tmp_path):
     assert "bad.inp, line 32: *PART: it stands inside of the part 'Cube' (line 7)" in " ".join(result.output.split())
 
 
-def test_without_a_unit_one_is_asked_for():
+def test_without_a_unit_one_is_requested():
     result = run(MODELS / "gmsh_4.1_text.msh")
     assert result.exit_code == 0, result.output
     assert "15 x 10 x 10 m with --length-unit m, and 15 x 10 x 10 mm with --length-unit mm" in result.output

@@ -31,12 +31,12 @@ def test_prints_lines_that_a_study_file_accepts_and_writes_files(tmp_path: Path)
     for words in ("1500 at 2 um, 3 mm long", "Sq ", "Sdq", "mean straight line", "4 um to 300 um"):
         assert words in result.stdout
     section = result.stdout.split("For the study file:\n")[1]
-    given = Case.from_text(section).roughness
-    assert given is not None
-    assert 2.3 < given.fractal_dimension < 2.5
+    values = Case.from_text(section).roughness
+    assert values is not None
+    assert 2.3 < values.fractal_dimension < 2.5
     low, high = re.search(r"G .*95 %: (\S+) to (\S+) m\)", result.stdout).groups()
     assert float(low) < 1e-9 < float(high)
-    assert float(low) < given.fractal_roughness < float(high)
+    assert float(low) < values.fractal_roughness < float(high)
     assert {path.name for path in tmp_path.iterdir()} == {f"structure_function.{end}" for end in ("svg", "png", "csv")}
     with (tmp_path / "structure_function.csv").open(encoding="utf-8", newline="") as stream:
         table = list(csv.DictReader(stream))
@@ -83,7 +83,7 @@ def test_a_profile_without_d_ends_with_a_sentence(tmp_path: Path) -> None:
         (("--hardness", "3 mm"), "roughness.hardness"),
     ],
 )
-def test_bad_options_are_refused(arguments: tuple[str, ...], words: str) -> None:
+def test_bad_options_are_rejected(arguments: tuple[str, ...], words: str) -> None:
     result = invoke(PROFILE, *arguments)
     assert result.exit_code == 2
     assert result.stderr.startswith("Error: ")
@@ -99,7 +99,7 @@ def test_missing_file_is_named(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("hardness", ["1 GPa", "3 GPa"])
-def test_the_load_that_is_told_parts_plastic_from_elastic_contact(hardness: str) -> None:
+def test_the_load_that_is_reported_parts_plastic_from_elastic_contact(hardness: str) -> None:
     result = invoke(PROFILE, "--hardness", hardness)
     assert result.exit_code == 0, result.output
     sentence, section = result.stdout.split("For the study file:\n")
@@ -115,5 +115,5 @@ def test_the_load_that_is_told_parts_plastic_from_elastic_contact(hardness: str)
 
 
 @pytest.mark.slow
-def test_without_a_hardness_that_of_a_new_study_file_is_told() -> None:
+def test_without_a_hardness_that_of_a_new_study_file_is_reported() -> None:
     assert "With the default hardness 3 GPa" in invoke(PROFILE).stdout

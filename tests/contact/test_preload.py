@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sentences import rejects
-from stickslip.contact.preload import area_share, prescribed_preload, uniform_preload
+from stickslip.contact.preload import area_fraction, prescribed_preload, uniform_preload
 from stickslip.core.errors import InputError
 
 AREA = np.array([1.0, 3.0, 2.0, 2.0, 4.0]) * 1e-6
@@ -34,7 +34,7 @@ def test_the_two_faces_balance_the_centrifugal_force(angle: float, friction: flo
 
 
 def test_area_share_adds_up_on_each_face() -> None:
-    share = area_share(AREA, [9, 9, -4, -4, -4])
+    share = area_fraction(AREA, [9, 9, -4, -4, -4])
     np.testing.assert_allclose(share, [0.25, 0.75, 0.25, 0.25, 0.5], rtol=1e-15)
 
 

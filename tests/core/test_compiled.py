@@ -29,7 +29,7 @@ def run(temporary: Path, code: str = CODE, **more: str) -> subprocess.CompletedP
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="folders of Windows have no owner's number")
-def test_code_is_kept_among_the_temporary_files_and_that_is_said_once(tmp_path: Path) -> None:
+def test_code_is_kept_among_the_temporary_files_and_that_is_reported_once(tmp_path: Path) -> None:
     done = run(tmp_path)
     folder = tmp_path / f"stickslip-numba-{os.getuid()}"
     assert done.stdout.strip() == str(folder), done.stderr
@@ -45,10 +45,10 @@ def test_a_folder_that_others_can_write_is_not_trusted(tmp_path: Path) -> None:
     folder = tmp_path / f"stickslip-numba-{os.getuid()}"
     folder.mkdir()
     folder.chmod(0o777)
-    kept = Path(run(tmp_path).stdout.strip())
-    assert kept.parent == tmp_path
-    assert kept != folder
-    assert kept.stat().st_mode & 0o077 == 0
+    retained = Path(run(tmp_path).stdout.strip())
+    assert retained.parent == tmp_path
+    assert retained != folder
+    assert retained.stat().st_mode & 0o077 == 0
 
 
 @pytest.mark.slow
@@ -60,6 +60,6 @@ def test_without_any_folder_the_code_is_compiled_each_time(tmp_path: Path) -> No
 
 
 @pytest.mark.slow
-def test_a_number_of_threads_that_makes_no_sense_is_told_before_numba_meets_it(tmp_path: Path) -> None:
+def test_a_number_of_threads_that_makes_no_sense_is_reported_before_numba_meets_it(tmp_path: Path) -> None:
     done = run(tmp_path, NUMBA_NUM_THREADS="0")
     assert "InputError: the environment variable NUMBA_NUM_THREADS is '0'" in done.stderr

@@ -12,8 +12,15 @@ import pytest
 
 from sentences import rejects
 from stickslip.core import files
-from stickslip.core.errors import InputError, PlaceError, ResultsFileError
-from stickslip.core.files import remove_abandoned, require_folder, require_room, whole_file, work_folder, write_solved
+from stickslip.core.errors import InputError, OutputError, ResultsFileError
+from stickslip.core.files import (
+    remove_abandoned,
+    require_disk_space,
+    require_folder,
+    whole_file,
+    work_folder,
+    write_solved,
+)
 
 WRITER = """
 import sys, time
@@ -72,7 +79,7 @@ def test_names_of_parts_do_not_come_from_numbers_of_processes(tmp_path: Path) ->
     assert os.listdir(tmp_path) == ["results.nc"]
 
 
-def test_a_part_that_was_taken_for_abandoned_before_it_was_locked_is_made_again(
+def test_a_part_that_was_mistaken_for_abandoned_before_it_was_locked_is_made_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def meanwhile(held: int) -> None:
@@ -112,9 +119,9 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_what_was_solved_is_kept_where_there_is_room(tmp_path: Path, elsewhere: Path) -> None:
     with rejects(ResultsFileError) as error:
         write_solved(tmp_path / "gone" / "results.nc", b"curve", "results", ResultsFileError, then="look at it")
-    (kept,) = elsewhere.rglob("results.nc")
-    assert str(kept) in str(error.value)
-    assert kept.read_bytes() == b"curve"
+    (retained,) = elsewhere.rglob("results.nc")
+    assert str(retained) in str(error.value)
+    assert retained.read_bytes() == b"curve"
 
 
 def test_without_a_cache_folder_it_is_kept_among_the_temporary_files(
@@ -128,7 +135,7 @@ def test_without_a_cache_folder_it_is_kept_among_the_temporary_files(
     assert next((tmp_path / "temporary").rglob("results.nc")).read_bytes() == b"curve"
 
 
-def test_no_room_anywhere_is_said(tmp_path: Path, elsewhere: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_room_anywhere_is_reported(tmp_path: Path, elsewhere: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     elsewhere.write_text("not a folder")
     monkeypatch.setattr("tempfile.tempdir", str(elsewhere))
     with rejects(ResultsFileError):
@@ -146,32 +153,32 @@ def test_a_user_without_a_home_has_no_cache_folder(monkeypatch: pytest.MonkeyPat
     assert files.user_cache_folder() is None
 
 
-def test_places_that_are_taken_are_told_before(tmp_path: Path) -> None:
+def test_places_that_are_taken_are_reported_before(tmp_path: Path) -> None:
     (tmp_path / "results.nc").mkdir()
     (tmp_path / "figures").write_text("a file")
-    with rejects(PlaceError):
+    with rejects(OutputError):
         require_folder(tmp_path, files=["results.nc"])
-    with rejects(PlaceError):
+    with rejects(OutputError):
         require_folder(tmp_path, folders=["figures"])
-    with rejects(PlaceError):
+    with rejects(OutputError):
         require_folder(tmp_path / "figures" / "out")
     require_folder(tmp_path / "new", files=["results.nc"], folders=["figures"])
     assert list((tmp_path / "new").iterdir()) == []
 
 
-def test_too_little_room_is_told(tmp_path: Path) -> None:
-    with rejects(PlaceError):
-        require_room(tmp_path, 10**18, 1)
-    require_room(tmp_path, 1, 1)
-    with rejects(PlaceError):
-        require_room(tmp_path / "removed", 1, 1)
+def test_too_little_room_is_reported(tmp_path: Path) -> None:
+    with rejects(OutputError):
+        require_disk_space(tmp_path, 10**18, 1)
+    require_disk_space(tmp_path, 1, 1)
+    with rejects(OutputError):
+        require_disk_space(tmp_path / "removed", 1, 1)
 
 
 @pytest.mark.skipif(os.name != "posix", reason="limits of files are of POSIX systems")
-def test_a_limit_of_the_size_of_files_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_limit_of_the_size_of_files_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import resource
 
     monkeypatch.setattr(resource, "getrlimit", lambda _: (1_024_000, resource.RLIM_INFINITY))
-    with rejects(PlaceError):
-        require_room(tmp_path, 1, 2_000_000)
-    require_room(tmp_path, 1, 1_000_000)
+    with rejects(OutputError):
+        require_disk_space(tmp_path, 1, 2_000_000)
+    require_disk_space(tmp_path, 1, 1_000_000)

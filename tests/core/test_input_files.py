@@ -43,7 +43,7 @@ def rejects_file(name):
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
 @pytest.mark.parametrize("name", READERS)
-def test_a_named_pipe_is_refused_at_once(tmp_path, name):
+def test_a_named_pipe_is_rejected_at_once(tmp_path, name):
     os.mkfifo(tmp_path / name)
     with rejects_file(name):
         READERS[name](tmp_path / name)
@@ -51,21 +51,21 @@ def test_a_named_pipe_is_refused_at_once(tmp_path, name):
 
 @pytest.mark.skipif(not os.path.exists("/dev/zero"), reason="this system has no /dev/zero")
 @pytest.mark.parametrize("name", READERS)
-def test_a_device_is_refused_at_once(tmp_path, name):
+def test_a_device_is_rejected_at_once(tmp_path, name):
     (tmp_path / name).symlink_to("/dev/zero")
     with rejects_file(name):
         READERS[name](tmp_path / name)
 
 
 @pytest.mark.parametrize("name", READERS)
-def test_a_folder_is_refused(tmp_path, name):
+def test_a_folder_is_rejected(tmp_path, name):
     (tmp_path / name).mkdir()
     with rejects_file(name):
         READERS[name](tmp_path / name)
 
 
 @pytest.mark.parametrize("name", [name for name in READERS if name != "results.nc"])
-def test_a_huge_file_is_refused_before_it_is_read(tmp_path, name):
+def test_a_huge_file_is_rejected_before_it_is_read(tmp_path, name):
     """A sparse file takes no room on the disk. Own results may have any size."""
     with (tmp_path / name).open("wb") as stream:
         stream.truncate(input_files.LARGEST_FILE + 1)
@@ -150,7 +150,7 @@ BOMBS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", BOMBS)
-def test_a_packed_bomb_is_refused(tmp_path, monkeypatch, name):
+def test_a_packed_bomb_is_rejected(tmp_path, monkeypatch, name):
     monkeypatch.setattr(
         input_files, "LARGEST_UNPACKED", 200_000_000
     )  # as the bombs are counted while they are unpacked
@@ -213,7 +213,7 @@ def virtual_data(file, secret):
 
 @pytest.mark.parametrize("make", [external_storage, external_link, virtual_data])
 @pytest.mark.parametrize("name", ["k.mat", "m.med", "results.nc"])
-def test_hdf5_files_that_read_other_files_are_refused(tmp_path, name, make):
+def test_hdf5_files_that_read_other_files_are_rejected(tmp_path, name, make):
     secret = tmp_path / "secret"
     secret.write_bytes(b"password")
     with h5py.File(tmp_path / name, "w") as file:

@@ -24,7 +24,7 @@ class Log:
         return self._stream.getvalue().splitlines()
 
 
-def test_news_within_half_a_minute_are_one_line() -> None:
+def test_reports_within_half_a_minute_are_one_line() -> None:
     log = Log()
     for second in range(100):
         log.seconds = float(second)
@@ -37,7 +37,7 @@ def test_news_within_half_a_minute_are_one_line() -> None:
     ]
 
 
-def test_a_step_without_news_is_told_again() -> None:
+def test_a_step_without_reports_is_reported_again() -> None:
     log = Log()
     log.progress.update("Response", 0.0, "modes")
     for second in range(1, 65):
@@ -46,7 +46,7 @@ def test_a_step_without_news_is_told_again() -> None:
     assert log.lines[1:] == ["Response: modes (0 % done, 30 s)", "Response: modes (0 % done, 60 s)"]
 
 
-def test_nothing_is_told_between_the_stages_and_each_has_its_own_time() -> None:
+def test_nothing_is_reported_between_the_stages_and_each_has_its_own_time() -> None:
     log = Log()
     log.progress.update("Structure", 0.5)
     log.seconds = 10.0
@@ -61,7 +61,7 @@ def test_nothing_is_told_between_the_stages_and_each_has_its_own_time() -> None:
     assert log.lines[3:] == ["Response: 484 Hz (20 % done, 31 s)"]
 
 
-def test_a_stage_that_is_done_again_is_told_of() -> None:
+def test_a_stage_that_is_done_again_is_reported() -> None:
     log = Log()
     log.progress.update("Response", 1.0, "9 points")
     log.seconds = 100.0
@@ -85,14 +85,14 @@ def test_reminders_come_while_the_computation_is_silent(monkeypatch) -> None:
     before = threading.active_count()
     printed = threading.Event()
 
-    class Told(LineProgress):
+    class Reported(LineProgress):
         def remind(self) -> None:
             if threading.current_thread() is not threading.main_thread():
                 super().remind()
                 printed.set()
 
     stream = io.StringIO()
-    lines = Told(Console(file=stream))
+    lines = Reported(Console(file=stream))
     with lines.reminding(every_seconds=0.001):
         lines.update("Response", 0.25, "modes")
         printed.clear()

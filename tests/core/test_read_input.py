@@ -33,7 +33,7 @@ KINDS = {
 @pytest.mark.skipif(os.name != "posix", reason="pipes and devices with names are those of POSIX")
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("command", ["check", "roughness"])
-def test_what_is_no_file_is_refused_at_once(kind: str, command: str, tmp_path: Path) -> None:
+def test_what_is_no_file_is_rejected_at_once(kind: str, command: str, tmp_path: Path) -> None:
     result = CliRunner().invoke(
         app, [command, str(odd_path(kind, tmp_path)), *(["--unit", "um"] * (command != "check"))]
     )
@@ -50,6 +50,6 @@ def test_a_file_has_a_largest_size(tmp_path: Path) -> None:
         read_input(tmp_path / "file", "Give less.", 10, StudyFileError)
 
 
-def test_a_name_with_nul_is_refused() -> None:
+def test_a_name_with_nul_is_rejected() -> None:
     with rejects(InputError):
         read_input("a\0b", "", 10)

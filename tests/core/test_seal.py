@@ -44,7 +44,7 @@ def test_every_changed_byte_every_cut_and_every_addition_is_noticed() -> None:
             require_seal(io.BytesIO(content), "case 1")
 
 
-def test_another_subject_and_a_file_without_seal_are_told_apart() -> None:
+def test_another_subject_and_a_file_without_seal_are_distinguished() -> None:
     for other in ("case 2", "case 10", ""):
         with rejects(ResultsFileError):
             require_seal(io.BytesIO(sealed(CONTENT, "case 1")), other)

@@ -50,9 +50,9 @@ def test_names_of_sets_cannot_act_on_the_terminal(command: str, tmp_path: Path) 
     (tmp_path / "study.toml").write_text(study, encoding="utf-8")
     arguments = [str(tmp_path / "study.toml")] if command == "check" else [str(deck), "--length-unit", "mm"]
     result = CliRunner().invoke(app, [command, *arguments])
-    said = result.stdout + result.stderr
-    assert "owned" in said.replace("\n", "").casefold()
-    assert not any(letter in said for letter in "\x1b\x07\x9b\u202e")
+    printed = result.stdout + result.stderr
+    assert "owned" in printed.replace("\n", "").casefold()
+    assert not any(letter in printed for letter in "\x1b\x07\x9b\u202e")
 
 
 def test_progress_lines_are_printable() -> None:

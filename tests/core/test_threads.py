@@ -28,7 +28,7 @@ def test_the_argument_wins_over_the_environment(monkeypatch: pytest.MonkeyPatch)
 
 
 @pytest.mark.parametrize("text", ["0", "-1", "two", "1.5"])
-def test_an_environment_that_makes_no_sense_is_refused(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_environment_that_makes_no_sense_is_rejected(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("STICKSLIP_THREADS", text)
     with rejects(InputError):
         thread_count()
@@ -51,7 +51,7 @@ def test_usual_variables_pass(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("threads", [0, -2, 1.5, True, 1025, 10**9])
-def test_a_count_that_makes_no_sense_is_refused(threads: int) -> None:
+def test_a_count_that_makes_no_sense_is_rejected(threads: int) -> None:
     with rejects(InputError, "threads"):
         thread_count(threads)
 

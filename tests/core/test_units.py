@@ -68,12 +68,12 @@ def test_plain_number_is_si() -> None:
         (Quantity("pure number"), "3 N"),
     ],
 )
-def test_refusal_is_a_sentence(quantity: Quantity, value: object) -> None:
+def test_rejection_is_a_sentence(quantity: Quantity, value: object) -> None:
     with rejects(InputError):
         quantity.parse(value)
 
 
-def test_open_bounds_are_refused_and_closed_ones_allowed() -> None:
+def test_open_bounds_are_rejected_and_closed_ones_allowed() -> None:
     dimension = Quantity("pure number", above=2.0, below=3.0)
     for value in (2, 3.0, 1.9):
         with rejects(InputError):
@@ -111,7 +111,7 @@ def test_shown_value_is_read_back_to_15_digits(value: float) -> None:
 @pytest.mark.slow
 @settings(max_examples=300)
 @given(st.text(max_size=12) | st.text("mNkgs*/^-+12 nafiNAF%µ(", max_size=8))
-def test_any_text_is_read_or_refused(text: str) -> None:
+def test_any_text_is_read_or_rejected(text: str) -> None:
     try:
         value = LENGTH.parse(f"1 {text}")
     except InputError:

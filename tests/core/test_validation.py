@@ -53,9 +53,9 @@ def test_whole_numbers_have_a_least(value: object) -> None:
 
 
 def test_whole_numbers_become_integers() -> None:
-    found = [whole_number("seed", value, 0) for value in (0, np.int32(7))]
-    assert found == [0, 7]
-    assert [type(each) for each in found] == [int, int]
+    actual = [whole_number("seed", value, 0) for value in (0, np.int32(7))]
+    assert actual == [0, 7]
+    assert [type(each) for each in actual] == [int, int]
 
 
 def test_choices_are_listed() -> None:
@@ -65,7 +65,7 @@ def test_choices_are_listed() -> None:
             require_choice("mode", value, ("consistent", "paper"))  # type: ignore[arg-type]
 
 
-def test_the_allowed_range_is_said() -> None:
+def test_the_allowed_range_is_reported() -> None:
     require_allowed("angle", 45.0, True, "between 0 and 90 degrees")
     with rejects(InputError, "angle"):
         require_allowed("angle", 95.0, False, "between 0 and 90 degrees")
@@ -97,6 +97,6 @@ def test_a_number_alone_must_be_finite_too() -> None:
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_a_single_number_that_is_not_finite_is_refused_as_an_entry_of_an_array_is(value: float) -> None:
+def test_a_single_number_that_is_not_finite_is_rejected_as_an_entry_of_an_array_is(value: float) -> None:
     with rejects(InputError, "height"):
         finite_array("height", value)

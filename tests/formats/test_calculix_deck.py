@@ -31,10 +31,16 @@ def compared(request, tmp_path_factory):
     mesh, pairs = blades(kind)
     folder = tmp_path_factory.mktemp("calculix")
     printed = run_calculix(folder, mesh, request.param, pairs, 10)
-    stiffness, mass, kept = tied(our_structure(mesh, ours), pairs)
+    stiffness, mass, retained = tied(our_structure(mesh, ours), pairs)
     model = read_matrices(folder / "matrices.sti", folder / "matrices.mas")
     return SimpleNamespace(
-        element=request.param, mesh=mesh, pairs=pairs, printed=printed, ours=(stiffness, mass), kept=kept, model=model
+        element=request.param,
+        mesh=mesh,
+        pairs=pairs,
+        printed=printed,
+        ours=(stiffness, mass),
+        kept=retained,
+        model=model,
     )
 
 
@@ -46,8 +52,8 @@ def test_frequencies(compared):
 
 @pytest.mark.slow
 def test_stored_matrices_give_the_frequencies_that_calculix_prints(compared):
-    found = frequencies(compared.model.stiffness, compared.model.mass, 10)
-    np.testing.assert_allclose(found, compared.printed, rtol=1e-6)
+    actual = frequencies(compared.model.stiffness, compared.model.mass, 10)
+    np.testing.assert_allclose(actual, compared.printed, rtol=1e-6)
 
 
 @pytest.mark.slow
@@ -64,11 +70,11 @@ def test_stored_matrices_entry_by_entry(compared):
         stiffness = stiffness - coupling.T @ scipy.sparse.linalg.spsolve(
             model.stiffness[inner][:, inner].tocsc(), coupling
         )
-    for own, found, limit in (
+    for own, actual, limit in (
         (compared.ours[0], stiffness, STIFFNESS[compared.element]),
         (compared.ours[1], mass, MASS[compared.element]),
     ):
-        assert abs(own - found).max() <= limit * abs(own).max()
+        assert abs(own - actual).max() <= limit * abs(own).max()
 
 
 @pytest.mark.slow

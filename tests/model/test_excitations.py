@@ -62,7 +62,7 @@ def test_base_motion_drives_with_the_mass_that_it_carries(kind: str) -> None:
     assert not force[2].any()
 
 
-def test_base_motion_needs_nodes_that_are_held(tmp_path: Path) -> None:
+def test_base_motion_needs_constrained_nodes(tmp_path: Path) -> None:
     deck = tmp_path / "free.inp"
     text = (EXAMPLE / "beam_and_block.inp").read_text(encoding="utf-8")
     deck.write_text(text[: text.index("*BOUNDARY")], encoding="utf-8")

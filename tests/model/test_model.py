@@ -97,13 +97,13 @@ def test_given_stiffness_is_spread_by_area(structure: Structure) -> None:
     assert joint.rough_faces == (None, None)
 
 
-def test_a_face_without_stiffness_is_refused_with_advice(structure: Structure) -> None:
+def test_a_face_without_stiffness_is_rejected_with_advice(structure: Structure) -> None:
     case = Case().replace({"roughness.fractal_dimension": 2.2})
     with rejects(RoughnessError, "roughness", "preload.centrifugal_force"):
         build_joint(case, structure)
 
 
-def test_wrong_number_of_preloads_is_refused(structure: Structure) -> None:
+def test_wrong_number_of_preloads_is_rejected(structure: Structure) -> None:
     case = Case.from_mapping({"preload": {"values": [2.5, 2.5, 2.5]}})
     with rejects(InputError, "preload.values"):
         build_joint(case, structure)
@@ -115,10 +115,10 @@ def test_excitation_modes(structure: Structure, model: Model, mode: str, right: 
     excitation = build_model(case, structure, model.joint).excitation
     force = excitation.on(model.superelement, 1).coefficients(0.0)[2]
     sets = structure.mesh.node_sets
-    found = [
+    actual = [
         force[model.superelement.unknowns_of(int(sets[name][0]))] for name in ("excitation_left", "excitation_right")
     ]
-    assert np.allclose(found, [[300.0, 0, 0], [right, 0, 0]])
+    assert np.allclose(actual, [[300.0, 0, 0], [right, 0, 0]])
     assert np.count_nonzero(force) == (1 if mode == "single" else 2)
 
 

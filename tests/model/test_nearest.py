@@ -27,6 +27,6 @@ def test_one_place_is_a_fraction_of_the_size(scale: float) -> None:
         nearest_node(scale * same, scale * np.array([0.0999, 0.0, 0.0]))
 
 
-def test_a_far_point_is_refused() -> None:
+def test_a_far_point_is_rejected() -> None:
     with rejects(InputError):
         nearest_node(LINE, np.array([0.25, 0.0, 0.0]))

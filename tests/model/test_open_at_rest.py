@@ -25,11 +25,11 @@ from stickslip.study import run as study
 from stickslip.study.analyses import solve
 from stickslip.study.check import check
 from stickslip.study.facts import resting_state
-from stickslip.study.record import compare_modes, held_contact
+from stickslip.study.record import compare_modes, contact_of_modes
 from stickslip.sweeps.work import CaseTask, reduce_task, solve_task
 from sweep_cases import COARSE_MESH, quick_case
 
-HELD = "stuck (pairs closed at rest)"
+CONSTRAINED = "stuck (pairs closed at rest)"
 GIVEN = {"normal_stiffness": "5e7 N/m", "tangential_stiffness": "4e7 N/m"}
 
 
@@ -80,9 +80,9 @@ def test_one_state_in_report_shapes_and_curve(tmp_path: Path, preload: dict[str,
     shapes = meshio.read(tmp_path / "mode_shapes.vtu")
     named = [float(name.removesuffix(" Hz").split()[-1]) for name in shapes.point_data]
     assert named == pytest.approx(stuck_hz[:4], abs=0.06)
-    assert record.mode_contact == HELD
+    assert record.mode_contact == CONSTRAINED
     page = html.unescape((tmp_path / "report.html").read_text(encoding="utf-8"))
-    assert f"Natural frequencies, contact {HELD}" in page
+    assert f"Natural frequencies, contact {CONSTRAINED}" in page
     assert "linear, stuck (pairs closed at rest)" in page
     assert "all stuck" not in page
     words = {name: meaning for name, _, _, meaning in record.derived}
@@ -92,12 +92,12 @@ def test_one_state_in_report_shapes_and_curve(tmp_path: Path, preload: dict[str,
 
 def test_closing_the_open_pairs_would_be_seen() -> None:
     """The springs of the lid are no trifle here: with them the frequencies are others by a fifth and more."""
-    found = built(block_case(PRESCRIBED))
-    all_closed = replace(found.joint, preload=np.ones(48)).resting_springs
-    wrong = reduction_table(found.structure, found.superelement, found.joint.face_pairs, 3, all_closed)
-    right = table_of(found)
-    assert np.count_nonzero(found.joint.resting_springs) == 72
-    np.testing.assert_array_equal(found.joint.resting_springs, found.pairs.resting_stiffness())
+    actual = built(block_case(PRESCRIBED))
+    all_closed = replace(actual.joint, preload=np.ones(48)).resting_springs
+    wrong = reduction_table(actual.structure, actual.superelement, actual.joint.face_pairs, 3, all_closed)
+    right = table_of(actual)
+    assert np.count_nonzero(actual.joint.resting_springs) == 72
+    np.testing.assert_array_equal(actual.joint.resting_springs, actual.pairs.resting_stiffness())
     assert max(one.full_hz / two.full_hz for one, two in zip(wrong, right, strict=False)) > 1.2
 
 
@@ -108,19 +108,19 @@ def test_check_shows_the_frequencies_of_the_run(preload: dict[str, object], word
     case = block_case(preload)
     sections = dict(check(case))
     shown = dict(sections["Would run"])[f"first natural frequencies, contact stuck {words}"]
-    found = [float(number) for number in shown.removesuffix(" Hz").split(", ")]
-    assert found == pytest.approx([row.full_hz for row in table_of(built(case))[:4]], abs=0.06)
+    actual = [float(number) for number in shown.removesuffix(" Hz").split(", ")]
+    assert actual == pytest.approx([row.full_hz for row in table_of(built(case))[:4]], abs=0.06)
     assert dict(sections["Derived quantities"])["Normal load, lid"] == "0 N"
 
 
 def test_matching_faces_with_open_pairs_are_not_tied() -> None:
-    found = two_blades("released")
-    closed = found.pairs.closed_at_rest
+    actual = two_blades("released")
+    closed = actual.pairs.closed_at_rest
     assert 0 < np.count_nonzero(closed) < closed.size
-    assert held_contact(found.joint.face_pairs, all_closed=True) == "tied"
-    assert held_contact(found.joint.face_pairs, all_closed=False) == HELD
-    omega, _ = modal_basis(found.superelement.mass, stuck_stiffness_matrix(found.superelement, found.pairs))
-    table = table_of(found)
+    assert contact_of_modes(actual.joint.face_pairs, all_closed=True) == "tied"
+    assert contact_of_modes(actual.joint.face_pairs, all_closed=False) == CONSTRAINED
+    omega, _ = modal_basis(actual.superelement.mass, stuck_stiffness_matrix(actual.superelement, actual.pairs))
+    table = table_of(actual)
     assert [row.reduced_hz for row in table] == pytest.approx(omega[: len(table)] / (2.0 * np.pi), rel=1e-6)
     assert max(abs(row.difference_percent) for row in table[:2]) < 0.1
 
@@ -128,11 +128,11 @@ def test_matching_faces_with_open_pairs_are_not_tied() -> None:
 def test_a_body_that_open_pairs_leave_free_moves_at_0_hz() -> None:
     """Table and check show it; the response refuses it. Its motions have neither difference nor modal assurance."""
     case = block_case({"values": [-1.0] * 24 + [0.0] * 24})
-    found = built(case)
-    table = table_of(found)
+    actual = built(case)
+    table = table_of(actual)
     assert max(max(row.full_hz, row.reduced_hz) for row in table[:6]) < 0.1
     assert all(math.isnan(row.difference_percent) and math.isnan(row.mac) for row in table[:6])
-    beam, _ = natural_frequencies(found.structure.stiffness, found.structure.mass, 8)
+    beam, _ = natural_frequencies(actual.structure.stiffness, actual.structure.mass, 8)
     assert [row.full_hz for row in table[6:8]] == pytest.approx(beam[6:], rel=1e-9)
     assert all(row.mac > 0.999 and row.difference_percent < 0.1 for row in table[6:8])
     sections = dict(check(case))
@@ -140,26 +140,26 @@ def test_a_body_that_open_pairs_leave_free_moves_at_0_hz() -> None:
     assert frequencies == "0.00, 0.00, 0.00, 0.00 Hz"
     assert "a body that moves freely: the pairs closed at rest do not hold it" in sections["Warnings"][0][1]
     with rejects(InputError, "preload"):
-        solve(case, found)
+        solve(case, actual)
 
 
 def test_friction_limit_only_where_the_state_was_found_with_friction() -> None:
-    kept, released = (
+    retained, released = (
         {name: (value, words) for name, value, _, words in resting_state(two_blades(traction))}
         for traction in ("kept", "released")
     )
-    limit = [name for name in kept if name.startswith("Pairs on the friction limit at rest")]
+    limit = [name for name in retained if name.startswith("Pairs on the friction limit at rest")]
     assert len(limit) == 2
     state = two_blades("kept").preload.state  # type: ignore[union-attr]
     size = np.hypot(*state.traction.T)
     friction = two_blades("kept").joint.friction_coefficient
     touching = (state.normal_force > 0.0) & (size > (1.0 - 1e-9) * friction * state.normal_force)
-    assert sum(int(kept[name][0]) for name in limit) == np.count_nonzero(touching) > 0
+    assert sum(int(retained[name][0]) for name in limit) == np.count_nonzero(touching) > 0
     assert not any("friction limit" in name or "slip" in words for name, (_, words) in released.items())
     forces = {name: row for name, row in released.items() if name.startswith("Friction force at rest")}
     assert len(forces) == 2
     assert all(value == 0.0 and "without friction" in words for value, words in forces.values())
-    assert all(kept[name][0] > 1.0 and "resultant" in kept[name][1] for name in forces)
+    assert all(retained[name][0] > 1.0 and "resultant" in retained[name][1] for name in forces)
 
 
 @pytest.mark.slow

@@ -46,15 +46,15 @@ def force_on_damper(found: Model) -> np.ndarray:
 @pytest.mark.slow
 def test_contact_carries_the_centrifugal_force_with_and_without_friction() -> None:
     for traction in ("released", "kept"):
-        found = model(preload__residual_traction=traction)
-        np.testing.assert_allclose(force_on_damper(found), [0.0, 0.0, -500.0], atol=5e-3)
-        assert found.pairs.released == (traction == "released")
+        actual = model(preload__residual_traction=traction)
+        np.testing.assert_allclose(force_on_damper(actual), [0.0, 0.0, -500.0], atol=5e-3)
+        assert actual.pairs.released == (traction == "released")
     face = model().joint.face_sum(np.maximum(model().joint.preload, 0.0))
     assert face == pytest.approx([250.0 / np.cos(FACE_ANGLE)] * 2, rel=2e-3)
-    kept = model(preload__residual_traction="kept")
-    assert kept.preload is not None
+    retained = model(preload__residual_traction="kept")
+    assert retained.preload is not None
     # The damper slips up both faces, so friction takes its full part.
-    face = kept.joint.face_sum(kept.preload.state.normal_force)
+    face = retained.joint.face_sum(retained.preload.state.normal_force)
     assert face == pytest.approx([250.0 / (np.cos(FACE_ANGLE) + 0.3 * np.sin(FACE_ANGLE))] * 2, rel=2e-3)
 
 
@@ -68,9 +68,9 @@ def test_the_pressure_is_far_from_uniform() -> None:
 
 def test_stiffness_follows_the_solved_load_of_the_face() -> None:
     """Iterated: the stiffness of each face is that of the normal force it ends with."""
-    found = model(preload__residual_traction="kept")
-    expected = [face.stiffness.normal for face in found.joint.rough_faces if face is not None]
-    assert found.joint.face_sum(found.joint.normal_stiffness) == pytest.approx(expected, rel=1e-3)
+    actual = model(preload__residual_traction="kept")
+    expected = [face.stiffness.normal for face in actual.joint.rough_faces if face is not None]
+    assert actual.joint.face_sum(actual.joint.normal_stiffness) == pytest.approx(expected, rel=1e-3)
     without_friction = [face.stiffness.normal for face in model().joint.rough_faces if face is not None]
     assert expected[0] < 0.95 * without_friction[0]
 
@@ -78,17 +78,17 @@ def test_stiffness_follows_the_solved_load_of_the_face() -> None:
 @pytest.mark.slow
 def test_local_stiffness_concentrates_the_load_that_the_pressure_gap_law_spreads() -> None:
     local, curve = model(roughness__allocation="pressure"), model(preload__normal_law="pressure-gap")
-    for found in (local, curve):
-        np.testing.assert_allclose(force_on_damper(found), [0.0, 0.0, -500.0], atol=5e-3)
-        per_area = found.joint.normal_stiffness / found.joint.face_pairs.area
-        pressure = found.joint.preload / found.joint.face_pairs.area
+    for actual in (local, curve):
+        np.testing.assert_allclose(force_on_damper(actual), [0.0, 0.0, -500.0], atol=5e-3)
+        per_area = actual.joint.normal_stiffness / actual.joint.face_pairs.area
+        pressure = actual.joint.preload / actual.joint.face_pairs.area
         closed = pressure > 0.1 * pressure.max()
         # A pair that is pressed harder is stiffer: the law of the rough face, not a constant.
         assert np.corrcoef(np.log(per_area[closed]), np.log(pressure[closed]))[0, 1] > 0.95
     # N = A kappa(p) closure takes the slope of the curve as its secant, which concentrates the load: it is told.
-    shares = [np.sort(found.joint.preload)[-5:].sum() / found.joint.preload.sum() for found in (local, curve)]
-    assert shares[0] > 2.0 * shares[1]
-    assert [any("normal_law" in words for words in found.joint.layout.messages) for found in (local, curve)] == [
+    weights = [np.sort(actual.joint.preload)[-5:].sum() / actual.joint.preload.sum() for actual in (local, curve)]
+    assert weights[0] > 2.0 * weights[1]
+    assert [any("normal_law" in words for words in actual.joint.layout.messages) for actual in (local, curve)] == [
         True,
         False,
     ]
@@ -124,16 +124,16 @@ def test_solved_pressure_and_springs_share_the_reference_area(normal_law: str, r
 
 @pytest.mark.slow
 def test_rotation_loads_the_damper_with_its_mass() -> None:
-    found = model(rotation__speed="3000 rpm", rotation__axis=(0, 1, 0), rotation__point=("0 m", "0 m", "-300 mm"))  # type: ignore[arg-type]
-    assert found.preload is not None
+    actual = model(rotation__speed="3000 rpm", rotation__axis=(0, 1, 0), rotation__point=("0 m", "0 m", "-300 mm"))  # type: ignore[arg-type]
+    assert actual.preload is not None
     setup = set_up(Case().replace(SOLVED))
-    mesh = found.structure.mesh
-    assert set(setup.layout.ports) >= {"damper_front_edge", "damper_back_edge"}
+    mesh = actual.structure.mesh
+    assert set(setup.layout.node_groups) >= {"damper_front_edge", "damper_back_edge"}
     damper = mesh.cells[mesh.body == 2]
     centre = mesh.points[np.unique(damper)].mean(axis=0)
     volume = 0.0114 / 7800.0
     expected = (100.0 * np.pi) ** 2 * 7800.0 * volume * (0.3 + centre[2])
-    assert -force_on_damper(found)[2] == pytest.approx(expected, rel=0.03)
+    assert -force_on_damper(actual)[2] == pytest.approx(expected, rel=0.03)
 
 
 @pytest.mark.parametrize(
@@ -159,7 +159,7 @@ def test_rotation_loads_the_damper_with_its_mass() -> None:
         ({"preload.method": "solved", "preload.values": [1.0]}, "preload.values"),
     ],
 )
-def test_what_does_not_fit_is_refused_in_the_file(changes: dict[str, object], key: str) -> None:
+def test_what_does_not_fit_is_rejected_in_the_file(changes: dict[str, object], key: str) -> None:
     with rejects(StudyFileError, key):
         Case().replace(changes)
 

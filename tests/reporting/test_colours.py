@@ -61,7 +61,7 @@ def test_marks_stand_out_from_white() -> None:
     assert contrast(plain_figure.ORANGE, "#ffffff") > 2.2
 
 
-def test_shape_and_dash_tell_the_same_as_colour() -> None:
+def test_shape_and_dash_show_the_same_as_colour() -> None:
     assert len({state.plotly_symbol for state in style.STATES}) == len(style.STATES)
     assert len(set(style.LINE_DASHES)) == len(style.LINE_COLOURS)
 

@@ -87,7 +87,7 @@ def test_all_figures_are_written(case, tmp_path):
 
 
 @pytest.mark.slow
-def test_png_pdf_and_refused_endings(case, tmp_path):
+def test_png_pdf_and_rejected_endings(case, tmp_path):
     figure = figures.energy_curve(*case)
     assert figures.save(figure, tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     assert figures.save(figure, tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")

@@ -97,7 +97,7 @@ def test_every_text_is_read_as_it_is_and_makes_no_element(pages: Any, kind: str)
 
 
 @KINDS
-def test_no_attack_stands_in_a_page_unescaped(pages: Any, kind: str) -> None:
+def test_no_attack_is_in_a_page_unescaped(pages: Any, kind: str) -> None:
     text, _ = pages[kind]
     for attack in ATTACKS:
         if html.escape(attack) != attack and "%{" not in attack:
@@ -166,8 +166,8 @@ def _texts(value: Any) -> Any:
 
 
 def test_texts_of_a_figure_are_escaped_unless_they_are_markup() -> None:
-    given = {"a": ["<b>50 % & %{x}</b>", 1.5, None], "b": PlotMarkup("{}<br>%{{x}} {:.1f}").format("<i>%{y}", 2.0)}
-    assert plain_figures(given) == {
+    values = {"a": ["<b>50 % & %{x}</b>", 1.5, None], "b": PlotMarkup("{}<br>%{{x}} {:.1f}").format("<i>%{y}", 2.0)}
+    assert plain_figures(values) == {
         "a": ["&lt;b&gt;50 &#37; &amp; &#37;{x}&lt;/b&gt;", 1.5, None],
         "b": "&lt;i&gt;&#37;{y}<br>%{x} 2.0",
     }
@@ -195,9 +195,9 @@ def test_a_figure_shows_names_as_they_are(tmp_path: Path, name: str) -> None:
 
 
 def files_of_pages(pattern: str) -> list[Path]:
-    found = sorted((SOURCE / "reporting").glob(pattern))
-    assert found, f"no {pattern}: has the folder another name?"
-    return found
+    actual = sorted((SOURCE / "reporting").glob(pattern))
+    assert actual, f"no {pattern}: has the folder another name?"
+    return actual
 
 
 def _modules_of_pages() -> list[Path]:

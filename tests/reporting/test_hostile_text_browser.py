@@ -60,8 +60,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     save_results(folder / "results.nc", hostile_response(), hostile_study())
     (folder / "again").mkdir()
     (folder / "results.nc").rename(folder / "again" / "results.nc")
-    told = CliRunner().invoke(cli.app, ["report", str(folder / "again")])
-    assert told.exit_code == 0, told.output
+    reported = CliRunner().invoke(cli.app, ["report", str(folder / "again")])
+    assert reported.exit_code == 0, reported.output
     (folder / "again" / "report.html").rename(folder / "report-of-a-file.html")
     write_page(folder / "plain-report.html", synthetic_response(), synthetic_study())
     view = sweep_view((load_key((100.0, 200.0)), MODE), [1e-4, 2e-4, 3e-4, 4e-4])
@@ -128,8 +128,8 @@ def test_a_choice_of_the_reader_shows_names_as_they_are(browser: Any, folder: Pa
 @pytest.mark.parametrize("kind", ["plain-report", "plain-sweep", "paper"])
 def test_the_policy_stops_what_the_page_does_not_carry(browser: Any, folder: Path, kind: str) -> None:
     page = browser.new_page()
-    said: list[str] = []
-    page.on("console", lambda message: said.append(message.text))
+    printed: list[str] = []
+    page.on("console", lambda message: printed.append(message.text))
     page.goto((folder / f"{kind}.html").as_uri())
     page.evaluate(
         """() => {
@@ -154,7 +154,7 @@ def test_the_policy_stops_what_the_page_does_not_carry(browser: Any, folder: Pat
     failed = page.evaluate("fetch('https://localhost:9/').then(() => 'asked', error => 'stopped')")
     page.wait_for_timeout(200)
     assert (page.evaluate("window.pwned"), failed) == ([], "stopped")
-    assert sum("Content Security Policy" in each for each in said) >= 5
+    assert sum("Content Security Policy" in each for each in printed) >= 5
     page.close()
 
 
@@ -165,8 +165,8 @@ def test_a_plot_is_saved_as_a_picture_and_sent_to_nobody(browser: Any, folder: P
             ".modebar-btn", "all => [...new Set(all.map(each => each.getAttribute('data-title')))]"
         )
         assert any(button.startswith("Download plot") for button in buttons)
-        known = ("Download plot", "Zoom", "Pan", "Reset axes", "Toggle Spike", "Show closest", "Compare data")
-        assert [button for button in buttons if not button.startswith(known)] == []
+        reference = ("Download plot", "Zoom", "Pan", "Reset axes", "Toggle Spike", "Show closest", "Compare data")
+        assert [button for button in buttons if not button.startswith(reference)] == []
         settings = page.evaluate(
             "[...document.querySelectorAll('.js-plotly-plot')].map(plot => plot._context).map("
             "known => [known.showSendToCloud, known.displayModeBar])"

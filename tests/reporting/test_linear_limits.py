@@ -17,7 +17,7 @@ FREE = [30e-6, 36e-6, 42e-6, 48e-6]
 PEAKS = [3e-4, 1e-4, 2e-4, 4e-4]
 
 
-def test_a_free_limit_that_follows_the_load_is_told_with_numbers_and_reason() -> None:
+def test_a_free_limit_that_follows_the_load_is_reported_with_numbers_and_reason() -> None:
     (sentence,) = differing_limits(sweep_view((LOADS,), PEAKS, limits={"stuck": [2e-4] * 4, "free": FREE}))
     assert "for all values of preload.centrifugal_force" in sentence
     assert "without contact runs from 30 µm (100 N) to 48 µm (800 N), because damping.modal_damping_ratio" in sentence
@@ -65,7 +65,7 @@ def test_without_damping_linear_peaks_have_no_height_to_compare() -> None:
     assert differing_limits(view) == ()
 
 
-def test_the_page_says_so_and_draws_each_limit_as_a_curve_over_the_load() -> None:
+def test_the_page_reports_it_and_draws_each_limit_as_a_curve_over_the_load() -> None:
     view = sweep_view((LOADS,), PEAKS, limits={"stuck": [2e-4] * 4, "free": FREE})
     text = sweep_page(view, "Blades", "[study]", {"date": "2026-01-01T00:00:00+00:00", "stickslip": "0"})
     assert text.count("The linear limits differ between the cases") == 1

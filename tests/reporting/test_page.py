@@ -192,8 +192,8 @@ def test_no_page_grows_beyond_its_limit_where_all_pairs_need_their_forces() -> N
     """Tractions that are kept at rest: the page needs the friction force of stuck pairs too."""
     response, study = large_result(3000, 200)
     law = dataclasses.replace(response.pairs.coulomb, residual_traction=np.zeros((response.pairs.n_pairs, 2)))
-    kept = ContactPairs.with_laws(response.pairs.operator, [law])
-    text = page(dataclasses.replace(response, pairs=kept), study)
+    retained = ContactPairs.with_laws(response.pairs.operator, [law])
+    text = page(dataclasses.replace(response, pairs=retained), study)
     assert 11e6 < len(text.encode()) < LARGEST_PAGE
 
 

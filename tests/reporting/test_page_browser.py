@@ -162,8 +162,8 @@ def test_the_keyboard_alone_moves_the_point_and_the_pair(page):
     stops = tab_stops(page)
     wanted = ["scale", "point", "to-peak", "previous-pair", "pair", "next-pair"]
     wanted += [f"{quantity}-map-{face}" for quantity in ("state", "energy") for face in (0, 1)]
-    found = [stop["id"] for stop in stops]
-    assert [name for name in found if name in wanted] == wanted  # all of them, in the order of the page
+    actual = [stop["id"] for stop in stops]
+    assert [name for name in actual if name in wanted] == wanted  # all of them, in the order of the page
     assert {"Inputs", "Measures at the peak", "Natural frequencies"} <= {stop["name"] for stop in stops}
 
     def go_to(name: str) -> None:
@@ -207,7 +207,7 @@ def test_size_and_points_of_a_long_curve(browser, tmp_path):
 
 
 @pytest.mark.parametrize(("n_pairs", "characters", "has_loops"), [(2000, 9_000_000, True), (110, 216_000, False)])
-def test_what_a_page_of_very_many_pairs_leaves_out_is_said(
+def test_what_a_page_of_very_many_pairs_leaves_out_is_reported(
     browser, tmp_path, monkeypatch, n_pairs, characters, has_loops
 ):
     monkeypatch.setattr("stickslip.reporting.page_data.DATA_CHARACTERS", characters)
@@ -225,12 +225,12 @@ def test_what_a_page_of_very_many_pairs_leaves_out_is_said(
         )
         words = f"(maps are held for {len(data['mapPoints'])} of the points; this is the nearest)"
         page.wait_for_function("words => document.querySelector('.now').textContent.includes(words)", arg=words)
-        told = page.text_content("#loop-now")
+        reported = page.text_content("#loop-now")
         if has_loops:
-            assert f"(loops are held for {len(data['loops']['points'])} of the points; this is the nearest)" in told
+            assert f"(loops are held for {len(data['loops']['points'])} of the points; this is the nearest)" in reported
             assert page.evaluate("document.getElementById('loop').data[0].x.length") > 60
         else:
-            assert "(loops of so many pairs would make this page too large; the results file holds them)" in told
+            assert "(loops of so many pairs would make this page too large; the results file holds them)" in reported
             assert page.evaluate("document.getElementById('loop').data[0].x.length") == 0
         counts = page.eval_on_selector_all("#state-legend b", "all => all.map(each => Number(each.textContent))")
         assert sum(counts) == data["nPairs"]

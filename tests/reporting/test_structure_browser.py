@@ -114,8 +114,8 @@ def test_everything_can_be_read_and_labels_are_inside_and_apart(browser: Any, re
         require_readable(page)
         frame = page.locator("#structure-plot").bounding_box()
         assert 300 < frame["width"] <= width
-        found = page.locator("#structure-plot .annotation-text-g rect.bg")
-        boxes = [found.nth(number).bounding_box() for number in range(found.count())]
+        actual = page.locator("#structure-plot .annotation-text-g rect.bg")
+        boxes = [actual.nth(number).bounding_box() for number in range(actual.count())]
         words = page.locator("#structure-plot .annotation-text").all_text_contents()
         assert words == ["Left face", "shaker, 5 N", "tip"]
         assert len(boxes) == 3

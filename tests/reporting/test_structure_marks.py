@@ -76,17 +76,17 @@ def test_labels_are_apart_and_inside_even_where_their_places_are_one(size: tuple
     changes = {"response_names": names, "response_places": np.repeat(place, 5, axis=0)}
     camera = best_camera(stacked_boxes())
     frame = Frame(camera, np.full(3, 0.05), 2000.0, width, height)
-    found = labels_of(frame, **changes)
-    assert [label.words for label in found] == ["Left face", "shaker, 5 N", *names]
+    actual = labels_of(frame, **changes)
+    assert [label.words for label in actual] == ["Left face", "shaker, 5 N", *names]
     places = marked(stacked_boxes(**changes)).places
-    at = 2000.0 * (places[[label.at for label in found]] - 0.05) @ camera.axes[:2].T * [1.0, -1.0]
-    middles = at + np.array([label.offset for label in found])
-    rooms = np.array([[6.8 * len(label.words), 16.0] for label in found])
+    at = 2000.0 * (places[[label.at for label in actual]] - 0.05) @ camera.axes[:2].T * [1.0, -1.0]
+    middles = at + np.array([label.offset for label in actual])
+    rooms = np.array([[6.8 * len(label.words), 16.0] for label in actual])
     assert (np.abs(middles) + 0.5 * rooms <= 0.5 * np.array(size)).all()
-    for number in range(len(found)):
+    for number in range(len(actual)):
         for other in range(number):
             apart = np.abs(middles[number] - middles[other]) >= 0.5 * (rooms[number] + rooms[other])
-            assert apart.any(), (found[number], found[other])
+            assert apart.any(), (actual[number], actual[other])
 
 
 def test_a_face_is_named_at_a_point_of_it() -> None:

@@ -45,16 +45,16 @@ def test_every_side_is_there_with_its_outward_normal_and_the_contact_has_its_col
     traces = picture.data["figure"]["data"]
     surfaces = [number for number, trace in enumerate(traces) if trace["type"] == "mesh3d"]
     assert [traces[number]["color"] for number in surfaces] == [body_colour(0), body_colour(1), face_colour(0)]
-    found = {}
+    actual = {}
     for number in surfaces:
         corner = triangles(picture, number)
         area = 0.5 * np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-        found[number] = area
+        actual[number] = area
         assert (np.einsum("ij,ij->i", area, corner.mean(axis=1) - corner.mean(axis=(0, 1))) >= -1e-9).all()
-    lower, upper, contact = (np.abs(found[number]).sum() for number in surfaces)
+    lower, upper, contact = (np.abs(actual[number]).sum() for number in surfaces)
     assert (lower, contact) == pytest.approx((6 * 100.0**2, 20.0**2))
     assert upper == pytest.approx(20.0**2 + 4 * 20.0 * 10.0)  # without the contact face
-    assert found[surfaces[2]].sum(axis=0) == pytest.approx([0.0, 0.0, -(20.0**2)])
+    assert actual[surfaces[2]].sum(axis=0) == pytest.approx([0.0, 0.0, -(20.0**2)])
 
 
 def test_a_contact_face_lies_a_little_inside_its_body_and_moves_with_it() -> None:
@@ -152,13 +152,13 @@ def test_the_deflected_shape_is_the_motion_times_the_magnification(phase: float)
     share = 0.5 + np.sin(phase) + 0.25 * np.cos(2 * phase)
     expected = 1e3 * sketch.points
     expected[:, 0] += 1e3 * shape.magnification * 2e-4 * share * sketch.points[:, 2] / 0.11
-    found = moved(picture, phase)
+    actual = moved(picture, phase)
     reach = 1e3 * shape.magnification * shape.largest
-    assert found[:16] == pytest.approx(expected, abs=1e-4 * reach)
-    shift = found - unpacked(picture.data["points"], "f4").reshape(-1, 3)
+    assert actual[:16] == pytest.approx(expected, abs=1e-4 * reach)
+    shift = actual - unpacked(picture.data["points"], "f4").reshape(-1, 3)
     assert shift[17] == pytest.approx(shift[18])  # tail and tip of the arrow move as one
     limits = picture.data["figure"]["layout"]["scene"]["xaxis"]["range"]
-    assert limits[0] < found[:, 0].min() < found[:, 0].max() < limits[1]
+    assert limits[0] < actual[:, 0].min() < actual[:, 0].max() < limits[1]
 
 
 def test_harmonics_that_cannot_be_seen_are_left_out_of_the_page() -> None:
@@ -167,7 +167,7 @@ def test_harmonics_that_cannot_be_seen_are_left_out_of_the_page() -> None:
     assert motion["coefficients"] == 5
 
 
-def test_a_mean_that_is_far_larger_than_the_motion_is_left_out_and_that_is_said() -> None:
+def test_a_mean_that_is_far_larger_than_the_motion_is_left_out_and_that_is_reported() -> None:
     """A body that only friction holds has no unique mean position: its mean can be a metre at a motion of 50 um."""
     sketch = shaken(stacked_boxes())
     assert sketch.motion is not None

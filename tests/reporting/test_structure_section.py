@@ -28,7 +28,7 @@ def section(sketch: Sketch, **changes: Any) -> str:
     return STRUCTURE.on_page(View.of(synthetic_response(), study)).html
 
 
-def test_the_picture_is_told_in_words() -> None:
+def test_the_picture_is_reported_in_words() -> None:
     sketch = stacked_boxes(
         load_names=("shaker", "weight"), load_places=CUBE[[5, 6]], loads=np.array([[3.0, 4.0, 0.0], [0.0, 0.0, -2.0]]),
         constant=np.array([False, True]),
@@ -69,7 +69,7 @@ def test_magnification_and_largest_displacement_are_written() -> None:
     assert 'id="structure-play"' in text
 
 
-def test_a_mean_that_is_left_out_is_told() -> None:
+def test_a_mean_that_is_left_out_is_reported() -> None:
     sketch = shaken(stacked_boxes())
     assert sketch.motion is not None
     points = sketch.motion.points.copy()
@@ -87,12 +87,12 @@ def test_without_a_motion_the_page_says_why_nothing_moves() -> None:
 
 
 @pytest.mark.slow
-def test_a_coarser_picture_says_so() -> None:
+def test_a_coarser_picture_reports_it() -> None:
     assert "1000000 outer sides, too many for a page" in section(stacked_boxes(mesh_sides=10**6))
     assert "too many" not in section(stacked_boxes())
 
 
-def test_more_bodies_than_the_legend_holds() -> None:
+def test_more_bodies_than_the_legend_shows() -> None:
     cubes = [CUBE + np.array([0.2 * i, 0.0, 0.0]) for i in range(15)]
     text = section(sketch_of_boxes(*cubes))
     assert "box 12</label>" in text

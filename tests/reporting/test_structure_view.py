@@ -54,7 +54,7 @@ def test_the_box_of_a_plane_has_a_thickness_and_its_corners_span_it() -> None:
     assert np.ptp(extent.corners, axis=0) == pytest.approx(extent.size)
     assert extent.corners.mean(axis=0) == pytest.approx([1.0, 0.5, 1.0])
     camera = Camera(20.0, 40.0)
-    assert extent.seen_size(camera) == pytest.approx(np.ptp(extent.corners @ camera.axes.T, axis=0))
+    assert extent.projected_size(camera) == pytest.approx(np.ptp(extent.corners @ camera.axes.T, axis=0))
 
 
 @pytest.mark.parametrize(

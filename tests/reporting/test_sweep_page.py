@@ -41,7 +41,7 @@ def test_every_curve_is_drawn_whole() -> None:
     assert len({trace["line"]["color"] for trace in traces}) == 4
 
 
-def test_a_huge_sweep_is_thinned_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_huge_sweep_is_thinned_and_reports_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(plots, "DRAWN_POINTS", 300)
     view = sweep_view((LOADS,), BOWL, points=2001)
     traces = figures_of(view)["curves"]["data"]
@@ -142,7 +142,7 @@ def test_spacing_decides_the_axis() -> None:
     assert not is_logarithmic(np.array([0.0, 1.0, 10.0]))
 
 
-def test_a_place_that_cannot_be_written_is_told(tmp_path: Path) -> None:
+def test_a_place_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
     with rejects(InputError):
         write_sweep_page(tmp_path / "no" / "sweep.html", sweep_view((LOADS,), BOWL), "", "", PROVENANCE)
 

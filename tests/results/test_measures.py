@@ -50,9 +50,9 @@ def test_peak_of_a_curve_that_folds_stays_on_its_own_branch():
 
 def test_peaks_come_highest_first_and_the_end_of_a_curve_is_not_bracketed():
     frequency = np.arange(7.0)
-    found = peaks(frequency, np.array([0.0, 2.0, 1.0, 1.0, 4.0, 3.0, 3.0]))
-    assert [peak.point for peak in found] == [4, 1]
-    assert found[0].amplitude >= 4.0
+    actual = peaks(frequency, np.array([0.0, 2.0, 1.0, 1.0, 4.0, 3.0, 3.0]))
+    assert [peak.point for peak in actual] == [4, 1]
+    assert actual[0].amplitude >= 4.0
     rising = peaks(frequency, frequency)
     assert rising == [Peak(6, 6.0, 6.0, bracketed=False)]
     assert half_power_damping(frequency, frequency, rising[0]) is None
@@ -98,7 +98,7 @@ def test_summary_of_a_damped_case():
     assert abs(result.first_harmonic) + abs(result.mean) > 0.9 * result.peak.amplitude
 
 
-def test_summary_without_a_linear_peak_in_range_says_so():
+def test_summary_without_a_linear_peak_in_range_reports_it():
     response, study = synthetic_response(), synthetic_study()
     low = response.linear.frequency_hz < 412.0
     linear = dataclasses.replace(

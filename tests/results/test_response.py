@@ -84,12 +84,12 @@ def test_equality_looks_at_every_entry(response):
         ({"frequency_hz": np.empty(0)}, "frequency_hz"),
     ],
 )
-def test_wrong_arrays_are_refused(response, change, key):
+def test_wrong_arrays_are_rejected(response, change, key):
     with rejects(InputError, key):
         dataclasses.replace(response, **change)
 
 
-def test_wrong_questions_are_refused(response):
+def test_wrong_questions_are_rejected(response):
     with rejects(InputError, "output"):
         response.amplitude(np.ones(3))
     with rejects(InputError, "harmonic"):
@@ -115,7 +115,7 @@ def test_the_curve_is_drawn_in_hz_and_um_zero_to_peak(response: ForcedResponse) 
         response.plot(np.ones(3))
 
 
-def test_one_line_tells_what_a_result_is(response: ForcedResponse) -> None:
+def test_one_line_shows_what_a_result_is(response: ForcedResponse) -> None:
     top = response.input_energy.argmax()
     assert repr(response) == (
         f"ForcedResponse(20 points from 411.11 to 429.96 Hz, 24 pairs; peak at {response.frequency_hz[top]:.2f} Hz, "

@@ -72,7 +72,7 @@ def test_a_file_without_a_rough_face_is_read(response, tmp_path):
         ),
     ],
 )
-def test_a_rough_face_that_is_no_grid_is_refused(change, keys):
+def test_a_rough_face_that_is_no_grid_is_rejected(change, keys):
     with rejects(InputError, *keys):
         dataclasses.replace(synthetic_study(4, 3).rough_patch, **change)  # type: ignore[type-var]
 
@@ -90,7 +90,7 @@ def test_response_alone_and_anisotropic_pairs(response, tmp_path):
     assert load_results(tmp_path / "a.nc").study is None
 
 
-def test_kept_tractions_come_back(response, tmp_path):
+def test_residual_tractions_come_back(response, tmp_path):
     traction = 0.5 * response.pairs.friction_coefficient[:, None] * response.pairs.normal_load[:, None] * [[0.6, -0.8]]
     changed = dataclasses.replace(response, pairs=changed_pairs(response, residual_traction=traction))
     changed.save(tmp_path / "kept.nc")
@@ -209,7 +209,7 @@ save_results(Path(sys.argv[1]) / "results.nc", response, study)
 
 
 @pytest.mark.skipif(not Path("/proc/self/mem").exists(), reason="only Linux has a file that no disk can read")
-def test_a_disk_that_fails_while_it_is_read_is_told(tmp_path):
+def test_a_disk_that_fails_while_it_is_read_is_reported(tmp_path):
     (tmp_path / "results.nc").symlink_to("/proc/self/mem")
     with rejects(ResultsFileError):
         load_results(tmp_path / "results.nc")
@@ -220,7 +220,7 @@ def test_folder_that_does_not_exist(response, tmp_path):
         save_results(tmp_path / "none" / "results.nc", response)
 
 
-def test_study_of_another_run_is_refused(response, tmp_path):
+def test_study_of_another_run_is_rejected(response, tmp_path):
     with rejects(InputError):
         save_results(tmp_path / "results.nc", response, synthetic_study(11, 5))
 
@@ -238,7 +238,7 @@ def test_study_of_another_run_is_refused(response, tmp_path):
         ({"mode_table": ({"reference_hz": 0.0},)}, "mode_table"),
     ],
 )
-def test_wrong_study_records_are_refused(change, key):
+def test_wrong_study_records_are_rejected(change, key):
     with rejects(InputError, key):
         dataclasses.replace(synthetic_study(4, 3), **change)
 
@@ -297,12 +297,12 @@ def test_texts_that_no_run_writes_get_a_sentence(saved, text):
     for place in ("warnings", "settings", "provenance", "study/output_names", "study/signal_groups", "study/face_names",
                   "study/mode_table", "study/derived", "study/warnings", "study/rough_numbers"):  # fmt: skip
         with h5py.File(saved, "r+") as file:
-            kept = file[place][()]
+            retained = file[place][()]
             file[place][()] = text
         with rejects(ResultsFileError):
             load_results(saved)
         with h5py.File(saved, "r+") as file:
-            file[place][()] = kept
+            file[place][()] = retained
     load_results(saved)
 
 
@@ -311,12 +311,12 @@ def test_texts_that_no_run_writes_get_a_sentence(saved, text):
 def test_values_that_no_run_writes_get_a_sentence(saved, value):
     for place in ("frequency", "displacement_cosine", "pairs/preload", "linear/stuck_mean", "study/pair_area"):
         with h5py.File(saved, "r+") as file:
-            kept = file[place][()]
-            file[place][(0,) * kept.ndim] = value
+            retained = file[place][()]
+            file[place][(0,) * retained.ndim] = value
         with rejects(ResultsFileError):
             load_results(saved)
         with h5py.File(saved, "r+") as file:
-            file[place][()] = kept
+            file[place][()] = retained
 
 
 def replaced(path, name, make):
@@ -339,13 +339,13 @@ def replaced(path, name, make):
         lambda file: file.create_dataset("residual", data=np.zeros(3)),
     ],
 )
-def test_variables_from_elsewhere_and_of_other_kinds_are_refused(saved, make):
+def test_variables_from_elsewhere_and_of_other_kinds_are_rejected(saved, make):
     replaced(saved, "residual", make)
     with rejects(ResultsFileError):
         load_results(saved)
 
 
-def test_a_contact_state_beyond_a_byte_is_not_taken_for_another(saved):
+def test_a_contact_state_beyond_a_byte_is_not_mistaken_for_another(saved):
     def make(file):
         file.create_dataset("contact_state", data=np.full((20, 24), 256, dtype=np.int32))
 
@@ -382,7 +382,7 @@ def test_the_command_says_one_sentence_and_no_traceback(saved, share):
 def test_flipped_bits_anywhere_end_in_a_sentence_or_a_sound_file(saved):
     """Seeded damage: a file is read whole, or a sentence without words of Python says that it is not."""
     whole, rng = saved.read_bytes(), random.Random(18)
-    refused = 0
+    rejected = 0
     for _ in range(120):
         data = bytearray(whole)
         data[rng.randrange(len(data))] ^= 1 << rng.randrange(8)
@@ -390,9 +390,9 @@ def test_flipped_bits_anywhere_end_in_a_sentence_or_a_sound_file(saved):
         try:
             load_results(saved)
         except ResultsFileError as error:
-            refused += 1
-            said = str(error)
+            rejected += 1
+            printed = str(error)
         else:
-            said = ""
-        assert not re.search(r"\w+Error|h5py|object", said)
-    assert refused > 60
+            printed = ""
+        assert not re.search(r"\w+Error|h5py|object", printed)
+    assert rejected > 60

@@ -52,8 +52,8 @@ def test_a_file_without_a_sketch_is_read_as_one(study: StudyRecord, tmp_path: Pa
     path = stored(tmp_path, study)
     with h5py.File(path, "r+") as file:
         del file["sketch"]
-    found = load_results(path).study
-    assert found == dataclasses.replace(study, sketch=None)
+    actual = load_results(path).study
+    assert actual == dataclasses.replace(study, sketch=None)
 
 
 def test_a_motion_comes_back_equal_in_single_precision(study: StudyRecord, tmp_path: Path) -> None:
@@ -116,7 +116,7 @@ def test_a_motion_of_another_run_is_rejected(study: StudyRecord, tmp_path: Path)
         {"motion_of_points_mean": None},
     ],
 )
-def test_a_damaged_motion_is_told(study: StudyRecord, tmp_path: Path, damaged: dict) -> None:
+def test_a_damaged_motion_is_reported(study: StudyRecord, tmp_path: Path, damaged: dict) -> None:
     path = stored(tmp_path, dataclasses.replace(study, sketch=shaken(stacked_boxes())))
     with h5py.File(path, "r+") as file:
         for name, values in damaged.items():
@@ -150,13 +150,13 @@ def test_no_group_where_there_is_no_sketch(study: StudyRecord, tmp_path: Path) -
         ({"mesh_sides": 11}, ("mesh_sides",)),
     ],
 )
-def test_what_does_not_fit_is_refused(change: dict, keys: tuple[str, ...]) -> None:
+def test_what_does_not_fit_is_rejected(change: dict, keys: tuple[str, ...]) -> None:
     with rejects(InputError, *keys):
         stacked_boxes(**change)
 
 
 @pytest.mark.parametrize("face", [-2, 2])
-def test_a_face_that_the_record_does_not_have_is_refused(study: StudyRecord, face: int) -> None:
+def test_a_face_that_the_record_does_not_have_is_rejected(study: StudyRecord, face: int) -> None:
     with rejects(InputError, "face"):
         dataclasses.replace(study, sketch=stacked_boxes(face=np.full(12, face)))
 

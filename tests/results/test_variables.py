@@ -54,14 +54,14 @@ def response() -> ForcedResponse:
 
 def listing(path: Path) -> dict[str, Any]:
     """Every variable with its dimensions, kind and labels, and the labels of each group."""
-    found: dict[str, Any] = {}
+    actual: dict[str, Any] = {}
     with h5netcdf.File(path, "r") as file:
         for name in ("", *file.groups):
             group = file[name] if name else file
-            found[name] = {label: str(value) for label, value in group.attrs.items()}
+            actual[name] = {label: str(value) for label, value in group.attrs.items()}
             for variable, values in group.variables.items():
-                found[f"{name}/{variable}"] = (values.dimensions, str(values.dtype), dict(values.attrs))
-    return found
+                actual[f"{name}/{variable}"] = (values.dimensions, str(values.dtype), dict(values.attrs))
+    return actual
 
 
 @pytest.mark.slow
@@ -158,9 +158,9 @@ def test_pairs_of_any_law_come_back(mixed: ForcedResponse, tmp_path: Path) -> No
     mixed.save(tmp_path / "mixed.nc")
     again = ForcedResponse.load(tmp_path / "mixed.nc")
     assert again == mixed
-    found = again.pairs.laws[1]
-    assert isinstance(found, _Springs)
-    assert (found.order.dtype, found.active.dtype, found.limit) == (np.int64, bool, None)
+    actual = again.pairs.laws[1]
+    assert isinstance(actual, _Springs)
+    assert (actual.order.dtype, actual.active.dtype, actual.limit) == (np.int64, bool, None)
     assert again.pairs.state_names == {0: "stuck or held", 1: "stick-slip", 2: "separating"}
 
 
@@ -175,7 +175,7 @@ def test_a_law_that_is_not_known_here_is_named(mixed: ForcedResponse, tmp_path: 
     "constant",
     [{"label": ("a", "b")}, {"exponent": np.inf}],
 )
-def test_a_constant_that_no_file_can_hold_is_refused(mixed: ForcedResponse, tmp_path: Path, constant: Any) -> None:
+def test_a_constant_that_no_file_can_store_is_rejected(mixed: ForcedResponse, tmp_path: Path, constant: Any) -> None:
     changed = dataclasses.replace(mixed.pairs.laws[1], **constant)  # type: ignore[type-var]
     pairs = ContactPairs.with_laws(mixed.pairs.operator, [mixed.pairs.laws[0], changed], mixed.pairs.members)
     with rejects(InputError):

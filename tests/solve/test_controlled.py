@@ -11,7 +11,7 @@ from helpers import Blade
 from sentences import rejects
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.compliance import stuck_structure
-from stickslip.solve.harmonic.curves import ControlledCurve, Held
+from stickslip.solve.harmonic.curves import Control, ControlledCurve
 from stickslip.solve.path.problem import Plane
 
 STIFFNESS, MASS, RATIO = 4e6, 1.0, 0.01
@@ -62,7 +62,7 @@ def test_the_phase_resonance_of_a_linear_structure_is_its_natural_frequency() ->
 
 
 @pytest.mark.slow
-def test_a_held_amplitude_reaches_the_middle_of_a_fold(blade: Blade) -> None:
+def test_a_prescribed_amplitude_reaches_the_middle_of_a_fold(blade: Blade) -> None:
     """The ten-contact blade folds between 683.7 and 686.1 Hz; a held amplitude has one force at every frequency."""
     settings = {"harmonics": 3, "samples": 128}
     forced = ss.forced_response(
@@ -86,7 +86,7 @@ def test_a_held_amplitude_reaches_the_middle_of_a_fold(blade: Blade) -> None:
 
 
 @pytest.mark.parametrize(("held", "target"), [("amplitude", 1e-4), ("phase", 0.7)])
-def test_the_bordered_system_is_the_exact_derivative(blade: Blade, held: Held, target: float) -> None:
+def test_the_bordered_system_is_the_exact_derivative(blade: Blade, held: Control, target: float) -> None:
     force = ss.Excitation.force(blade.force_cos, blade.force_sin) + ss.Excitation.unbalance(
         blade.force_sin, blade.force_cos, 1e-8
     )
@@ -114,7 +114,7 @@ def test_the_bordered_system_is_the_exact_derivative(blade: Blade, held: Held, t
     assert curve.measured_change(point, step) == pytest.approx(motion, rel=1e-4, abs=1e-5 * np.abs(motion).max())
 
 
-def test_what_cannot_be_held_is_refused(blade: Blade) -> None:
+def test_what_cannot_be_constrained_is_rejected(blade: Blade) -> None:
     excitation = ss.Excitation.force(blade.force_cos)
 
     def call(output: object = None, **options: object) -> None:
@@ -144,7 +144,7 @@ def two_masses_beside_a_contact() -> tuple[ss.Superelement, ss.ContactPairs, ss.
 
 @pytest.mark.slow
 @pytest.mark.parametrize("phase_deg", [90.0, -90.0])
-def test_the_opposite_of_a_held_phase_is_not_taken_for_it(phase_deg: float) -> None:
+def test_the_opposite_of_a_prescribed_phase_is_not_mistaken_for_it(phase_deg: float) -> None:
     """At the opposed mode the far mass lags by -90 degrees: tan of the phase alone cannot tell it from 90."""
     superelement, pairs, excitation, natural = two_masses_beside_a_contact()
     stiffness, damping = superelement.stiffness[:2, :2], superelement.damping[:2, :2]  # type: ignore[index]
@@ -169,7 +169,7 @@ def test_the_opposite_of_a_held_phase_is_not_taken_for_it(phase_deg: float) -> N
         assert np.degrees(np.arctan2(coefficients[2], coefficients[1])) == pytest.approx(-90.0, abs=1e-6)
 
 
-def test_a_contact_that_does_not_move_lets_the_path_go_on() -> None:
+def test_a_contact_that_does_not_move_lets_the_path_continue() -> None:
     """The plane of the path has no part of unknowns that stand still; its normal was divided by zero."""
     superelement, pairs, excitation, natural = two_masses_beside_a_contact()
     window = (0.9 * natural / (2 * np.pi), 1.1 * natural / (2 * np.pi))

@@ -121,6 +121,6 @@ def test_words_and_arrays_as_before() -> None:
         (lambda: response_to(ss.Excitation.force(0.0 * ROW)), ("force_cos", "force_sin")),
     ],
 )
-def test_what_is_no_excitation_is_refused(make: object, keys: tuple[str, ...]) -> None:
+def test_what_is_no_excitation_is_rejected(make: object, keys: tuple[str, ...]) -> None:
     with rejects(ss.InputError, *keys):
         make()  # type: ignore[operator]

@@ -38,7 +38,7 @@ def test_one_harmonic_oscillator_with_a_jenkins_element() -> None:
     response = forced_response(superelement, pairs, [force], frequency_hz=(14.0, 22.0), harmonics=1, samples=4096)
     assert response.converged
     assert (response.contact_state == 1).any()
-    for frequency, found in zip(response.frequency_hz, response.harmonic_amplitude([1.0], 1), strict=True):
+    for frequency, actual in zip(response.frequency_hz, response.harmonic_amplitude([1.0], 1), strict=True):
         omega = 2 * np.pi * frequency
 
         def surplus(amplitude: float, omega: float = omega) -> float:
@@ -51,7 +51,7 @@ def test_one_harmonic_oscillator_with_a_jenkins_element() -> None:
             return float(np.hypot(dynamic, -damping * omega * amplitude + sine) - force)
 
         expected = brentq(surplus, 1e-9, 1.0, xtol=1e-16)
-        assert found == pytest.approx(expected, rel=1e-5)
+        assert actual == pytest.approx(expected, rel=1e-5)
 
 
 @pytest.mark.slow
@@ -103,8 +103,8 @@ def test_impact_of_a_few_samples_is_no_friction() -> None:
             friction.sum(axis=1) + work + response.viscous_energy, response.input_energy, rtol=1e-6
         )
         largest.append(float(np.abs(work / response.input_energy).max()))
-        told = any("normal forces of the pairs" in sentence for sentence in response.warnings)
-        assert told == (largest[-1] > 1e-2)
+        reported = any("normal forces of the pairs" in sentence for sentence in response.warnings)
+        assert reported == (largest[-1] > 1e-2)
     assert largest[0] > 0.1 > largest[1] > 5.0 * largest[2]
 
 
@@ -154,7 +154,7 @@ def test_force_in_two_harmonics_superposes_while_stuck(blade: Blade) -> None:
     assert both.harmonic_amplitude(blade.tip, 2)[-1] == pytest.approx(expected, rel=1e-8)
 
 
-def test_too_few_harmonics_and_samples_are_told(blade: Blade) -> None:
+def test_too_few_harmonics_and_samples_are_reported(blade: Blade) -> None:
     coarse = blade.response(
         frequency_hz=(690.0, 735.0),
         harmonics=3,
@@ -165,14 +165,14 @@ def test_too_few_harmonics_and_samples_are_told(blade: Blade) -> None:
     assert "Too few harmonics: those above 3 would move the joint by" in text
 
 
-def test_one_harmonic_is_not_enough_and_is_told(blade: Blade) -> None:
+def test_one_harmonic_is_not_enough_and_is_reported(blade: Blade) -> None:
     single = forced_response(
         blade.superelement, blade.pairs, blade.force_cos, frequency_hz=(680.0, 735.0), harmonics=1, samples=128
     )
     assert any("Too few harmonics: those above 1" in sentence for sentence in single.warnings)
 
 
-def test_an_excited_harmonic_is_not_taken_for_the_tail(blade: Blade) -> None:
+def test_an_excited_harmonic_is_not_mistaken_for_the_tail(blade: Blade) -> None:
     force = np.zeros((blade.superelement.size, 2))
     force[:, 1] = 1e-3 * blade.force_cos
     second = forced_response(blade.superelement, blade.pairs, force, frequency_hz=(300.0, 305.0), harmonics=3)
@@ -190,14 +190,14 @@ def two_bodies(contact_stiffness: float, damping: float | None) -> tuple[Superel
 
 
 @pytest.mark.slow
-def test_no_viscous_damping_is_solved_and_told() -> None:
+def test_no_viscous_damping_is_solved_and_reported() -> None:
     superelement, pairs = two_bodies(1e6, None)
     response = forced_response(superelement, pairs, [5.0, 0, 0, 0, 0, 0], frequency_hz=(140.0, 190.0), harmonics=3)
     assert any("no viscous damping" in sentence for sentence in response.warnings)
     assert np.isfinite(response.linear.stuck).all()
 
 
-def test_a_joint_too_stiff_for_the_arithmetic_is_told() -> None:
+def test_a_joint_too_stiff_for_the_arithmetic_is_reported() -> None:
     superelement, pairs = two_bodies(1e9, 0.01)
     response = forced_response(superelement, pairs, [50.0, 0, 0, 0, 0, 0], frequency_hz=(150.0, 175.0), harmonics=3)
     assert (response.contact_state > 0).any()
@@ -281,12 +281,12 @@ def test_no_first_point_raises_with_every_attempt(blade: Blade) -> None:
         )
 
 
-def test_progress_is_told(blade: Blade) -> None:
-    heard: list[float] = []
+def test_progress_is_reported(blade: Blade) -> None:
+    received: list[float] = []
     words: list[str] = []
 
     def listen(fraction: float, detail: str) -> None:
-        heard.append(fraction)
+        received.append(fraction)
         words.append(detail)
 
     forced_response(
@@ -297,9 +297,9 @@ def test_progress_is_told(blade: Blade) -> None:
         harmonics=1,
         progress=listen,
     )
-    assert heard == sorted(heard)
-    assert heard[-1] == 1.0
-    assert heard.count(1.0) == 1, "the curve is not the end: checks and linear limits follow"
+    assert received == sorted(received)
+    assert received[-1] == 1.0
+    assert received.count(1.0) == 1, "the curve is not the end: checks and linear limits follow"
     assert words[:3] == [
         f"modes of the stuck structure, {blade.superelement.size} unknowns",
         f"compliance of {blade.n_pairs} pairs",
@@ -308,7 +308,7 @@ def test_progress_is_told(blade: Blade) -> None:
     assert words[-3:-1] == ["energies and checks of the curve", "linear limits"]
 
 
-def test_iterations_of_newton_are_told_at_the_start_and_along_the_curve(blade: Blade) -> None:
+def test_iterations_of_newton_are_reported_at_the_start_and_along_the_curve(blade: Blade) -> None:
     words: list[str] = []
     blade.response(
         frequency_hz=(684.0, 686.0), harmonics=1, samples=64, progress=lambda fraction, detail: words.append(detail)

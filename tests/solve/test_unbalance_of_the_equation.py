@@ -43,7 +43,7 @@ def test_an_undamped_resonance_ends_the_curve(mass: float) -> None:
 
 
 @pytest.mark.parametrize("stiffness", [1e14, 1e16, 1e18])
-def test_contact_beyond_the_arithmetic_is_refused(stiffness: float) -> None:
+def test_contact_beyond_the_arithmetic_is_rejected(stiffness: float) -> None:
     """The residual was 1e11."""
     with rejects(ss.InputError):
         two_masses(stiffness, 0.01)

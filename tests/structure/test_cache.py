@@ -99,9 +99,9 @@ def test_damaged_file_is_named_and_made_again(reduction: Counted) -> None:
     whole = file.read_bytes()
     place = whole.index(first.stiffness.tobytes()[:64])
     file.write_bytes(whole[:place] + np.nextafter(first.stiffness[0, 0], 0.0).tobytes() + whole[place + 8 :])
-    with pytest.warns(StickslipWarning) as told:
+    with pytest.warns(StickslipWarning) as reported:
         again = reduction.cached()
-    assert [str(warning.message) for warning in told] == [
+    assert [str(warning.message) for warning in reported] == [
         f'The reduced structure kept in "{file}" is not used: its digest does not fit: it is damaged, or belongs to '
         "other inputs or another version. It is computed again."
     ]
@@ -135,7 +135,7 @@ def test_a_file_under_the_name_of_another_is_not_taken(reduction: Counted) -> No
     assert (more_modes.calls, reduction.calls) == (2, 1)
 
 
-def test_a_file_that_cannot_be_read_is_told(reduction: Counted) -> None:
+def test_a_file_that_cannot_be_read_is_reported(reduction: Counted) -> None:
     reduction.cached()
     file = kept_file()
     file.unlink()

@@ -116,8 +116,8 @@ def test_frequencies_converge_with_the_order_of_the_cell(make_block, name, sizes
 
     exact = elastic("hexahedron20", 5)
     error = np.array([np.abs(elastic(name, n) / exact - 1.0).mean() for n in sizes])
-    found = -np.polyfit(np.log(sizes), np.log(error), 1)[0]
-    assert slope[0] < found < slope[1]
+    actual = -np.polyfit(np.log(sizes), np.log(error), 1)[0]
+    assert slope[0] < actual < slope[1]
 
 
 @pytest.mark.parametrize("name", KINDS)
@@ -132,7 +132,7 @@ def test_face_areas_are_shared_among_the_nodes_and_look_outwards(make_block, nam
     assert sum(len(sides) for sides in mesh.outer_sides(0)) == sum(len(sides) for sides in mesh.outer_sides())
 
 
-def test_several_materials_and_single_held_directions(make_block):
+def test_several_materials_and_single_constrained_directions(make_block):
     mesh = block_of("wedge", make_block, (2, 1, 1), (2.0, 1.0, 1.0))
     (block,) = mesh.blocks
     body = (mesh.points[block.cells].mean(axis=1)[:, 0] > 1.0).astype(int)

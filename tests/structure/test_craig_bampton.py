@@ -59,10 +59,10 @@ def test_all_modes_give_the_full_model_and_more_modes_never_raise_a_frequency(he
     previous = np.full(5, np.inf)
     for n_modes in (0, 5, 20, 60):
         reduced = craig_bampton(held_block, nodes, n_modes)
-        found, _ = natural_frequencies(reduced.stiffness, reduced.mass, 5)
-        assert (found <= previous * (1 + 1e-9)).all()
-        assert (found >= exact * (1 - 1e-9)).all()
-        previous = found
+        actual, _ = natural_frequencies(reduced.stiffness, reduced.mass, 5)
+        assert (actual <= previous * (1 + 1e-9)).all()
+        assert (actual >= exact * (1 - 1e-9)).all()
+        previous = actual
     np.testing.assert_allclose(previous, exact, rtol=1e-4)
 
 
@@ -90,13 +90,13 @@ def test_matrices_are_the_projection_of_the_full_ones(held_block):
         ([20], 105, ("n_modes",)),
     ],
 )
-def test_a_bad_boundary_or_mode_count_is_refused(held_block, nodes, n_modes, keys):
+def test_a_bad_boundary_or_mode_count_is_rejected(held_block, nodes, n_modes, keys):
     with rejects(InputError, *keys):
         craig_bampton(held_block, nodes, n_modes)
 
 
 @pytest.mark.slow
-def test_a_boundary_that_leaves_the_damper_free_is_refused(blade_mesh, blade_structure):
+def test_a_boundary_that_leaves_the_damper_free_is_rejected(blade_mesh, blade_structure):
     with rejects(InputError):
         craig_bampton(blade_structure, blade_mesh.node_set("left_face"))
 
@@ -114,19 +114,19 @@ def test_tetrahedra_and_wedges_are_reduced_and_kept(make_block, kind, tmp_path, 
     ends = [np.flatnonzero(mesh.points[:, 0] == place) for place in (0.0, 3.0)]
     structure = assemble_bodies(mesh, [Material()], fixed_nodes=ends[0])
     whole_hz, _ = natural_frequencies(structure.stiffness, structure.mass, 4)
-    found = craig_bampton(structure, ends[1], 30)
-    reduced_hz, shapes = natural_frequencies(found.stiffness, found.mass, 4)
+    actual = craig_bampton(structure, ends[1], 30)
+    reduced_hz, shapes = natural_frequencies(actual.stiffness, actual.mass, 4)
     np.testing.assert_allclose(reduced_hz, whole_hz, rtol=1e-3)
-    assert (found.recovery @ shapes).shape == (3 * mesh.n_nodes, 4)
+    assert (actual.recovery @ shapes).shape == (3 * mesh.n_nodes, 4)
     calls = []
 
     def reduce():
         calls.append(1)
         return craig_bampton(structure, ends[1], 30)
 
-    kept = [cache.cached_superelement(structure, ends[1], 30, reduce) for _ in range(2)]
+    retained = [cache.cached_superelement(structure, ends[1], 30, reduce) for _ in range(2)]
     assert len(calls) == 1
-    np.testing.assert_array_equal(kept[0].stiffness, kept[1].stiffness)
+    np.testing.assert_array_equal(retained[0].stiffness, retained[1].stiffness)
     moved = assemble_bodies(replace(mesh, points=1.01 * mesh.points), [Material()], fixed_nodes=ends[0])
     cache.cached_superelement(moved, ends[1], 30, reduce)
     assert len(calls) == 2, "another mesh is reduced anew"

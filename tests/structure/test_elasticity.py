@@ -149,7 +149,7 @@ def test_a_bad_material_is_named(change, key):
         Material(**change)
 
 
-def test_an_element_that_does_not_suit_is_refused(make_block):
+def test_an_element_that_does_not_suit_is_rejected(make_block):
     block = make_block((1, 1, 1), (1.0, 1.0, 1.0))
     with rejects(InputError, "element"):
         assemble(block, SOFT, "hexahedron")
@@ -157,7 +157,7 @@ def test_an_element_that_does_not_suit_is_refused(make_block):
         assemble(block.quadratic(), SOFT, "trilinear")
 
 
-def test_negative_stiffness_and_bad_counts_are_refused(make_block):
+def test_negative_stiffness_and_bad_counts_are_rejected(make_block):
     structure = assemble(make_block((1, 1, 1), (1.0, 1.0, 1.0)), SOFT, fixed_nodes=[0, 1, 2, 3])
     with rejects(InputError, "count"):
         natural_frequencies(structure.stiffness, structure.mass, 12)

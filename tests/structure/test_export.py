@@ -28,12 +28,12 @@ def test_mode_shapes_read_back(tmp_path, block, quadratic):
     mesh = block.quadratic() if quadratic else block
     modes = np.random.default_rng(0).standard_normal((3 * mesh.n_nodes, 2))
     path = write_mode_shapes(tmp_path / "modes.vtu", mesh, modes, [507.29, 526.7])
-    found = meshio.read(path)
-    np.testing.assert_array_equal(found.points, mesh.points)
-    np.testing.assert_array_equal(found.cells[0].data, mesh.cells)
-    assert found.cells[0].type == ("hexahedron20" if quadratic else "hexahedron")
-    assert list(found.point_data) == ["mode 01, 507.3 Hz", "mode 02, 526.7 Hz"]
-    shape = found.point_data["mode 02, 526.7 Hz"]
+    actual = meshio.read(path)
+    np.testing.assert_array_equal(actual.points, mesh.points)
+    np.testing.assert_array_equal(actual.cells[0].data, mesh.cells)
+    assert actual.cells[0].type == ("hexahedron20" if quadratic else "hexahedron")
+    assert list(actual.point_data) == ["mode 01, 507.3 Hz", "mode 02, 526.7 Hz"]
+    shape = actual.point_data["mode 02, 526.7 Hz"]
     assert np.linalg.norm(shape, axis=1).max() == pytest.approx(1.0)
     np.testing.assert_allclose(shape / shape[0, 0], modes[:, 1].reshape(-1, 3) / modes[0, 1])
     assert [item.name for item in tmp_path.iterdir()] == ["modes.vtu"]
@@ -46,9 +46,9 @@ def test_deflected_period_reads_back(tmp_path, block):
     assert [float(entry.get("timestep")) for entry in entries] == [frame / 8 for frame in range(8)]
     angle = 2 * np.pi * 3 / 8
     weight = [1.0, np.cos(angle), np.sin(angle), np.cos(2 * angle), np.sin(2 * angle)]
-    found = meshio.read(tmp_path / entries[3].get("file"))
-    np.testing.assert_allclose(found.point_data["displacement"].ravel(), coefficients @ weight)
-    np.testing.assert_array_equal(found.points, block.points)
+    actual = meshio.read(tmp_path / entries[3].get("file"))
+    np.testing.assert_allclose(actual.point_data["displacement"].ravel(), coefficients @ weight)
+    np.testing.assert_array_equal(actual.points, block.points)
 
 
 def test_a_second_period_replaces_the_first_one(tmp_path, block, modes):
@@ -103,8 +103,8 @@ def test_mode_shapes_of_tetrahedra_and_wedges_read_back(tmp_path, block, kind):
     modes = np.random.default_rng(0).standard_normal((3 * mesh.n_nodes, 1))
     with patch.dict(topological_dimension):
         topological_dimension.pop("wedge15", None)  # as meshio has it in a new process
-        found = meshio.read(write_mode_shapes(tmp_path / "modes.vtu", mesh, modes, [507.0]))
-    assert found.cells[0].type == kind
-    np.testing.assert_array_equal(found.cells[0].data, mesh.blocks[0].cells)
-    shape = found.point_data["mode 01, 507.0 Hz"]
+        actual = meshio.read(write_mode_shapes(tmp_path / "modes.vtu", mesh, modes, [507.0]))
+    assert actual.cells[0].type == kind
+    np.testing.assert_array_equal(actual.cells[0].data, mesh.blocks[0].cells)
+    shape = actual.point_data["mode 01, 507.0 Hz"]
     np.testing.assert_allclose(shape / shape[0, 0], modes[:, 0].reshape(-1, 3) / modes[0, 0])

@@ -32,7 +32,7 @@ def test_area_and_normals_of_a_curved_face(quadratic):
     np.testing.assert_allclose(normal[inner], radial[inner], atol=1e-12)
 
 
-def test_linear_shares_follow_the_shape_functions():
+def test_linear_fractions_follow_the_shape_functions():
     points = np.array([[0, 0, 0], [2, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [2, 0, 1], [1, 1, 1], [0, 1, 1]], float)
     mesh = Mesh(points, np.arange(8)[None], node_sets={"top": np.arange(4, 8)})
     nodes, area, _ = face_geometry(mesh, "top")

@@ -32,7 +32,7 @@ def test_sparse_right_hand_sides(stiffness):
     np.testing.assert_allclose(stiffness @ factorize(stiffness).solve(columns, block=3), columns.toarray(), atol=1e-12)
 
 
-def test_a_free_body_is_singular_and_told_so(make_block):
+def test_a_free_body_is_singular_and_reported_so(make_block):
     with rejects(SingularMatrixError):
         factorize(assemble(make_block((2, 2, 2), (1.0, 1.0, 1.0)), Material()).stiffness)
 
@@ -43,19 +43,19 @@ def test_a_zero_row_is_singular():
 
 
 @pytest.mark.parametrize("shape", [(2, 3), (0, 0)])
-def test_a_matrix_that_is_not_square_is_refused(shape):
+def test_a_matrix_that_is_not_square_is_rejected(shape):
     with rejects(InputError):
         factorize(scipy.sparse.csr_matrix(shape))
 
 
-def test_a_factor_with_a_large_residual_is_refused(stiffness, monkeypatch):
+def test_a_factor_with_a_large_residual_is_rejected(stiffness, monkeypatch):
     sound = factor_module._superlu
     monkeypatch.setattr(factor_module, "_superlu", lambda matrix: lambda b: sound(matrix)(b) * (1.0 + 1e-6))
     with rejects(ConvergenceError):
         factorize(stiffness)
 
 
-def test_an_unknown_backend_is_refused(stiffness):
+def test_an_unknown_backend_is_rejected(stiffness):
     with rejects(InputError, "backend"):
         factorize(stiffness, backend="cholmod")
 
@@ -91,12 +91,12 @@ def test_the_best_backend_needs_its_package_and_a_size_where_it_pays(monkeypatch
     assert best_backend(10**6) == "pardiso"
 
 
-def test_blocks_in_threads_give_the_same_columns_and_tell_their_progress(stiffness):
+def test_blocks_in_threads_give_the_same_columns_and_report_their_progress(stiffness):
     right = np.random.default_rng(0).normal(size=(stiffness.shape[0], 50))
-    heard: list[float] = []
+    received: list[float] = []
     one = factorize(stiffness).solve(right, block=8)
     out = np.empty_like(right)
-    two = factorize(stiffness, threads=3).solve(right, block=8, out=out, progress=heard.append)
+    two = factorize(stiffness, threads=3).solve(right, block=8, out=out, progress=received.append)
     assert two is out
     np.testing.assert_array_equal(one, two)
-    assert sorted(heard) == pytest.approx(np.arange(1, 8) / 7)
+    assert sorted(received) == pytest.approx(np.arange(1, 8) / 7)

@@ -19,7 +19,7 @@ def test_a_tied_unknown_may_follow_several_or_none():
 
 
 @pytest.mark.parametrize(("leaders", "followers"), [([0, 1], [2, 2]), ([0, 2], [2, 3])])
-def test_unknowns_that_cannot_be_tied_one_to_one_are_refused(leaders, followers):
+def test_unknowns_that_cannot_be_tied_one_to_one_are_rejected(leaders, followers):
     with rejects(InputError):
         tie_matrix(np.array(followers), np.array(leaders)[:, None], np.ones((2, 1)), 5)
 
@@ -34,7 +34,7 @@ def test_very_stiff_springs_come_to_the_tied_frequencies(blade_mesh, blade_super
     assert np.abs(pairs.mesh_operator(blade_mesh.n_nodes) @ modes).max() < 1e-12 * np.abs(modes).max()
 
 
-def test_springs_of_the_wrong_number_are_refused(blade_mesh, blade_superelement, pairs_of):
+def test_springs_of_the_wrong_number_are_rejected(blade_mesh, blade_superelement, pairs_of):
     with rejects(InputError, "springs"):
         joined_modes(blade_superelement, pairs_of(blade_mesh), 2, np.ones(110))
 
@@ -52,8 +52,8 @@ def test_a_body_that_moves_freely_has_no_frequency_and_a_soft_one_has() -> None:
             return rows
 
     mass = np.eye(6)
-    softly_held = Superelement(mass, np.diag([1.0, 1.0, 1.0, 4.0, 4.0, 4.0]))
-    frequency_hz, _ = joined_modes(softly_held, Unpaired(), 5, np.zeros(3))
+    softly_supported = Superelement(mass, np.diag([1.0, 1.0, 1.0, 4.0, 4.0, 4.0]))
+    frequency_hz, _ = joined_modes(softly_supported, Unpaired(), 5, np.zeros(3))
     assert (frequency_hz > 0.1).all()
     loose = Superelement(mass, np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]))
     frequency_hz, _ = joined_modes(loose, Unpaired(), 5, np.zeros(3))

@@ -28,7 +28,7 @@ CELL = np.arange(8)[None]
         (CUBE * [1, 1, 0], CELL, ()),
     ],
 )
-def test_unusable_mesh_is_refused(points, cells, keys):
+def test_unusable_mesh_is_rejected(points, cells, keys):
     with rejects(InputError, *keys):
         Mesh(points, cells)
 
@@ -95,7 +95,7 @@ def test_sides_inside_a_body_are_left_out(make_block):
     assert len(mesh.sides("all")[0]) == 10
 
 
-def test_a_set_without_a_whole_side_is_refused():
+def test_a_set_without_a_whole_side_is_rejected():
     mesh = Mesh(CUBE, CELL, node_sets={"edge": np.array([0, 1])})
     with rejects(InputError):
         mesh.sides("edge")
@@ -110,7 +110,7 @@ def test_quadratic_adds_shared_edge_nodes(make_block):
     assert quadratic.quadratic() is quadratic
 
 
-def test_one_line_tells_what_a_mesh_and_what_follows_from_it_are() -> None:
+def test_one_line_shows_what_a_mesh_and_what_follows_from_it_are() -> None:
     block = brick_block((2, 1, 1), (2.0, 1.0, 1.0))
     assert repr(block) == "Mesh(12 nodes, 2 cells (hexahedron) in 1 body; node sets: all)"
     many = dataclasses.replace(block, node_sets={f"set {i}": np.array([i]) for i in range(9)})

@@ -74,7 +74,7 @@ def test_midside_nodes_are_left_out() -> None:
     assert (both[1].face == 0).all()
 
 
-def test_a_set_that_is_missing_is_refused() -> None:
+def test_a_set_that_is_missing_is_rejected() -> None:
     with rejects(InputError):
         outer_surface(row_of_bricks(1, "hexahedron"), (("nowhere",),), (np.arange(4),))
 

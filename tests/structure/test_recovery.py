@@ -49,7 +49,7 @@ def test_a_projected_row_reads_the_recovered_displacement(held_block):
     assert reduced_load(superelement, row) @ motion == pytest.approx(row @ (superelement.recovery @ motion))
 
 
-def test_loads_without_recovery_or_of_another_length_are_refused(held_block):
+def test_loads_without_recovery_or_of_another_length_are_rejected(held_block):
     superelement = craig_bampton(held_block, [40, 20], 3)
     with rejects(InputError, "load"):
         reduced_load(superelement, np.zeros(7))

@@ -31,16 +31,16 @@ def cubes(*shifts):
 @pytest.mark.parametrize("held", [NOTHING, np.array([0, 1, 2])], ids=["free", "held"])
 def test_motions_are_the_zero_eigenvalues_of_the_stiffness(shifts, parts, regions, strainless, held):
     mesh = cubes(*shifts)
-    found = part_motions(mesh, held)
-    assert len(found) == parts
-    assert [part.n_regions for part in found] == regions
-    assert [part.is_hinged for part in found] == [count > 6 for count in strainless]
+    actual = part_motions(mesh, held)
+    assert len(actual) == parts
+    assert [part.n_regions for part in actual] == regions
+    assert [part.is_hinged for part in actual] == [count > 6 for count in strainless]
     structure = assemble_bodies(mesh, [Material(3.0, 0.3, 2.0)], fixed_unknowns=held)
     eigenvalues = np.linalg.eigvalsh(structure.stiffness.toarray())
-    assert sum(part.strainless for part in found) == (eigenvalues < 1e-9 * eigenvalues[-1]).sum()
+    assert sum(part.strainless for part in actual) == (eigenvalues < 1e-9 * eigenvalues[-1]).sum()
     if not held.size:
-        assert [part.strainless for part in found] == strainless
-        assert [part.rigid for part in found] == [6] * parts
+        assert [part.strainless for part in actual] == strainless
+        assert [part.rigid for part in actual] == [6] * parts
 
 
 def test_a_clamped_part_has_no_motion():

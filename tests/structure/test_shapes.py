@@ -42,7 +42,7 @@ def test_mass_sums_to_density_times_volume():
     assert consistent_mass(corners[None], 7800.0).sum() == pytest.approx(7800.0 * 3.0)
 
 
-def test_a_folded_cell_is_refused():
+def test_a_folded_cell_is_rejected():
     nodes = NODES.copy()[None]
     nodes[0, 8] = [0.0, 3.0, -1.0]
     with rejects(InputError):

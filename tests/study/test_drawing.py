@@ -45,8 +45,8 @@ def test_every_grid_shows_the_same_face() -> None:
     assert (coarse.length, coarse.width) == (0.028, 0.0065)
     assert coarse.height[0, 0] == 0.0
     statistics = derived_quantities(CASE, load_joint(CASE, set_up(CASE).layout))
-    told = {name: value for name, value, _, _ in statistics}
-    assert (1e6 * coarse.sq, coarse.sdq) == pytest.approx((told["Sq"], told["Sdq"]), rel=1e-12)
+    reported = {name: value for name, value, _, _ in statistics}
+    assert (1e6 * coarse.sq, coarse.sdq) == pytest.approx((reported["Sq"], reported["Sdq"]), rel=1e-12)
     changed = rough_patch(CASE.replace({"roughness.seed": 2}), (5, 9))
     assert changed is not None
     assert changed.height.std() != coarse.height.std()
@@ -59,14 +59,14 @@ def test_no_formats_no_files(tmp_path: Path) -> None:
 
 
 def test_given_stiffness_has_no_rough_face(tmp_path: Path) -> None:
-    given = {"normal_stiffness": 1e8, "tangential_stiffness": 1e8}
-    case = Case.from_mapping({"contact_stiffness": given})
+    values = {"normal_stiffness": 1e8, "tangential_stiffness": 1e8}
+    case = Case.from_mapping({"contact_stiffness": values})
     assert Drawing(tmp_path, case).of_roughness() == []
     assert rough_patch(case, (5, 9)) is None
 
 
 @pytest.mark.slow
-def test_what_the_drawing_refuses_is_raised_here(tmp_path: Path) -> None:
+def test_what_the_drawing_rejects_is_raised_here(tmp_path: Path) -> None:
     (tmp_path / "amplitude_frequency.svg").mkdir()
     with SecondProcess(Drawing(tmp_path, CASE)) as artist:
         artist.start(synthetic_response(), synthetic_study())
@@ -75,7 +75,7 @@ def test_what_the_drawing_refuses_is_raised_here(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_made_is_reported(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("not a folder", encoding="utf-8")
     with SecondProcess(Drawing(tmp_path / "file", CASE)) as artist:
         artist.start(synthetic_response(), synthetic_study())
@@ -91,7 +91,7 @@ def test_a_fault_of_the_drawing_comes_with_its_traceback(tmp_path: Path) -> None
             artist.files()
 
 
-def test_a_process_that_died_is_told(tmp_path: Path) -> None:
+def test_a_process_that_died_is_reported(tmp_path: Path) -> None:
     with SecondProcess(Drawing(tmp_path, CASE)) as artist:
         artist._process.kill()
         artist._process.wait()

@@ -184,9 +184,9 @@ def test_a_prescribed_load_of_a_pair_that_takes_none_is_rejected(tmp_path: Path)
     write_masses(tmp_path, 2)
     text = [interface_text(name, law, name) for name, law in (("mass1", "coulomb"), ("mass2", "iwan"))]
     text[0] = text[0].replace('normal_load = "3 N"\n', "")
-    for values, found in (([3.0, 0.0], True), ([3.0, 1.0], False)):
+    for values, actual in (([3.0, 0.0], True), ([3.0, 1.0], False)):
         case = ss.load_case(write_study(tmp_path, *text, rest=f"[preload]\nvalues = {values}\n{REST}"))
-        if found:
+        if actual:
             assert ss.build_model(case).pairs.normal_load.tolist() == values
             continue
         with rejects(ss.InputError, "preload.values"):

@@ -150,9 +150,9 @@ def test_loads_and_responses_move_as_the_mean_of_their_nodes(shaken: tuple[Sketc
     for place, (reading, row) in enumerate(zip(kind_of(case).outputs(case)[0].values(), rows, strict=True)):
         along = np.asarray(reading.direction) @ sketch.motion.responses[place]
         np.testing.assert_allclose(along, row @ displacement, rtol=1e-5, atol=1e-5)
-    port = model.joint.layout.ports[kind_of(case).forces(case)[0].port]
+    node_group = model.joint.layout.node_groups[kind_of(case).forces(case)[0].node_group]
     full = (model.superelement.recovery @ displacement).reshape(-1, 3, 5)
-    expected = sum(share * full[node] for share, node in zip(port.shares, port.nodes, strict=True))
+    expected = sum(share * full[node] for share, node in zip(node_group.weights, node_group.nodes, strict=True))
     np.testing.assert_allclose(sketch.motion.loads[0], expected, rtol=1e-5, atol=1e-5)
 
 

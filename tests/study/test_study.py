@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 from sentences import rejects
 from stickslip.case.case import Case
 from stickslip.cli.main import app
-from stickslip.core.errors import InputError, PlaceError, ResultsFileError
+from stickslip.core.errors import InputError, OutputError, ResultsFileError
 from stickslip.model.model import build_joint, build_model, build_structure
 from stickslip.results.measures import energy_imbalance
 from stickslip.results.storage import load_results
@@ -52,19 +52,19 @@ class Heard:
 
 @pytest.fixture(scope="module")
 def solved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, study.StudyOutcome, Heard]:
-    folder, heard = tmp_path_factory.mktemp("study"), Heard()
-    return folder, study.run(Case().replace(COARSE), folder, heard), heard
+    folder, received = tmp_path_factory.mktemp("study"), Heard()
+    return folder, study.run(Case().replace(COARSE), folder, received), received
 
 
 def test_run_writes_every_file(solved: tuple[Path, study.StudyOutcome, Heard]) -> None:
-    folder, outcome, heard = solved
+    folder, outcome, received = solved
     assert outcome.converged, outcome.message
     names = {str(path.relative_to(folder)) for path in outcome.files}
     assert {"results.nc", "report.html", "mode_shapes.vtu", "deflected_shape.pvd"} <= names
     assert {"figures/amplitude_frequency.png", "figures/contact_states.png", "figures/rough_face.png"} <= names
     assert all(path.stat().st_size > 0 for path in outcome.files)
-    assert next(stage for stage, fraction in heard.news if fraction == 1.0) == "Structure"
-    assert heard.news[-1] == ("Files", 1.0)
+    assert next(stage for stage, fraction in received.news if fraction == 1.0) == "Structure"
+    assert received.news[-1] == ("Files", 1.0)
 
 
 def test_the_curve_is_physical(solved: tuple[Path, study.StudyOutcome, Heard]) -> None:
@@ -106,8 +106,8 @@ def test_the_mode_table_has_no_reference_unless_the_study_gives_one(
 
 
 def test_a_reference_goes_from_the_study_file_to_results_page_and_figure(tmp_path: Path) -> None:
-    given = Case().replace({**COARSE, "solver.harmonics": 1, "output.deflected_shape_frames": 0})
-    text = given.to_text().partition("# [reference]")
+    values = Case().replace({**COARSE, "solver.harmonics": 1, "output.deflected_shape_frames": 0})
+    text = values.to_text().partition("# [reference]")
     reference = '[reference]\nmode_frequencies = ["0.5 kHz", 0, 1200]\nsource = "modal test <2024>"\n'
     rest = text[2][text[2].index("[analysis]") :]
     (tmp_path / "study.toml").write_text(f"{text[0]}{reference}{rest}", encoding="utf-8")
@@ -131,7 +131,7 @@ def test_a_reference_goes_from_the_study_file_to_results_page_and_figure(tmp_pat
     assert second.endswith("<td>–</td><td>–</td></tr>")
 
 
-def test_report_of_an_empty_folder_is_refused(tmp_path: Path) -> None:
+def test_report_of_an_empty_folder_is_rejected(tmp_path: Path) -> None:
     with rejects(ResultsFileError):
         study.report(tmp_path)
 
@@ -195,9 +195,9 @@ def test_a_folder_that_is_removed_while_the_case_is_solved_loses_no_curve(
     monkeypatch.setattr(solution, "solve", solve_and_remove)
     with rejects(ResultsFileError) as error:
         study.run(Case().replace(COARSE), tmp_path / "out")
-    (kept,) = (tmp_path / "cache").rglob("results.nc")
-    assert str(kept) in str(error.value)
-    assert load_results(kept).response.converged
+    (retained,) = (tmp_path / "cache").rglob("results.nc")
+    assert str(retained) in str(error.value)
+    assert load_results(retained).response.converged
     assert not (tmp_path / "out").exists()
 
 
@@ -207,12 +207,12 @@ def test_places_that_are_taken_are_found_before_anything_is_built(
     monkeypatch.setattr(solution, "set_up", None)
     for name in ("results.nc", "report.html", "mode_shapes.vtu", "deflected_shape.pvd", "contact_pairs.vtu"):
         (tmp_path / name).mkdir()
-        with rejects(PlaceError):
+        with rejects(OutputError):
             study.run(Case().replace(COARSE), tmp_path)
         (tmp_path / name).rmdir()
     for name in ("figures", "deflected_shape_frames"):
         (tmp_path / name).write_text("a file", encoding="utf-8")
-        with rejects(PlaceError):
+        with rejects(OutputError):
             study.run(Case().replace(COARSE), tmp_path)
         (tmp_path / name).unlink()
 
@@ -231,7 +231,7 @@ def test_too_little_room_is_found_before_solving(tmp_path: Path, monkeypatch: py
     monkeypatch.setattr(solution, "solve", None)
     usage = SimpleNamespace(free=11_500_000)  # enough at the start, not for the results of this model
     monkeypatch.setattr(shutil, "disk_usage", lambda _: usage)
-    with rejects(PlaceError):
+    with rejects(OutputError):
         study.run(Case().replace(COARSE), tmp_path)
 
 
@@ -240,10 +240,10 @@ def test_the_estimate_of_the_room_covers_what_a_run_writes(
 ) -> None:
     folder, _, _ = solved
     asked: list[tuple[int, int]] = []
-    monkeypatch.setattr(run_places, "require_room", lambda _, whole, largest: asked.append((whole, largest)))
+    monkeypatch.setattr(run_places, "require_disk_space", lambda _, whole, largest: asked.append((whole, largest)))
     case = Case().replace(COARSE)
     structure = build_structure(case)
-    run_places.require_room_for(case, build_model(case, structure, build_joint(case, structure)), folder)
+    run_places.require_space_for(case, build_model(case, structure, build_joint(case, structure)), folder)
     sizes = [path.stat().st_size for path in folder.rglob("*") if path.is_file()]
     ((whole, largest),) = asked
     assert sum(sizes) < whole < 3 * sum(sizes)

@@ -33,15 +33,15 @@ def values(name: str, given: object) -> tuple:
     ],
 )
 def test_values_are_si(name: str, given: object, expected: tuple) -> None:
-    found = values(name, given)
-    assert found == expected
-    assert [type(value) for value in found] == [type(value) for value in expected]
+    actual = values(name, given)
+    assert actual == expected
+    assert [type(value) for value in actual] == [type(value) for value in expected]
 
 
 def test_logarithmic_range_has_a_constant_factor_and_exact_ends() -> None:
-    found = values("roughness.fractal_roughness", "1e-10 m:1e-7 m:4:log")
-    assert (found[0], found[-1]) == (1e-10, 1e-7)
-    assert np.diff(np.log10(found)) == pytest.approx(1.0)
+    actual = values("roughness.fractal_roughness", "1e-10 m:1e-7 m:4:log")
+    assert (actual[0], actual[-1]) == (1e-10, 1e-7)
+    assert np.diff(np.log10(actual)) == pytest.approx(1.0)
 
 
 def test_labels_and_shown_numbers_are_in_the_unit_of_engineers() -> None:
@@ -90,12 +90,12 @@ def test_labels_and_shown_numbers_are_in_the_unit_of_engineers() -> None:
         ("preload.centrifugal_force", (True,)),
     ],
 )
-def test_what_cannot_be_read_is_said(name: str, given: object) -> None:
+def test_what_cannot_be_read_is_reported(name: str, given: object) -> None:
     with rejects(InputError, name):
         swept_keys({name: given})
 
 
-def test_nothing_to_vary_is_refused() -> None:
+def test_nothing_to_vary_is_rejected() -> None:
     with rejects(InputError):
         swept_keys({})
 

@@ -40,16 +40,16 @@ def test_a_worker_that_is_killed_loses_no_case(tmp_path: Path) -> None:
         wait_until(lambda: finished() >= 2 or sweep.poll() is not None, "no case is finished")
         assert finished() < 6, "the worker was to be killed half-way"
         doomed.kill()
-        said, complained = sweep.communicate(timeout=PATIENCE_SECONDS)
+        printed, complained = sweep.communicate(timeout=PATIENCE_SECONDS)
     assert sweep.returncode == 0, complained
-    assert "6 cases, 0 of them finished before; 0 failed." in said
+    assert "6 cases, 0 of them finished before; 0 failed." in printed
     assert "Traceback" not in complained
     assert "Warning" not in complained
     here = ss.sweep(load_case(study), {"preload.centrifugal_force": LOADS}, out=tmp_path / "here", workers=1)
     assert (out / "sweep.csv").read_bytes() == here.files[0].read_bytes()
 
 
-def test_an_address_where_nobody_answers_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_address_where_nobody_answers_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     require_distributed()
     monkeypatch.setattr(cluster, "CONNECT_SECONDS", 1)
     with (
@@ -66,14 +66,14 @@ def test_an_address_where_nobody_answers_is_told(monkeypatch: pytest.MonkeyPatch
 def test_a_wrong_address_is_exit_2_at_once(tmp_path: Path, address: str) -> None:
     require_distributed()
     with started_sweep(quick_file(tmp_path), tmp_path / "out", "600", address) as sweep:
-        said, complained = sweep.communicate(timeout=PATIENCE_SECONDS)
-    assert (sweep.returncode, said) == (2, ""), complained
+        printed, complained = sweep.communicate(timeout=PATIENCE_SECONDS)
+    assert (sweep.returncode, printed) == (2, ""), complained
     assert f'no Dask scheduler answers at "{address}"' in complained
     assert "Traceback" not in complained
 
 
 @pytest.mark.slow
-def test_a_scheduler_without_workers_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_scheduler_without_workers_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     require_distributed()
     monkeypatch.setattr(cluster, "CONNECT_SECONDS", 2)
     with (
@@ -84,7 +84,7 @@ def test_a_scheduler_without_workers_is_told(tmp_path: Path, monkeypatch: pytest
         pass
 
 
-def test_without_the_extra_its_name_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_extra_its_name_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     monkeypatch.setitem(sys.modules, "dask", None)
     with (

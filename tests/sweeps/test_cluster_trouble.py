@@ -131,7 +131,7 @@ def test_a_worker_without_stickslip_is_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_scheduler_without_stickslip_is_told(tmp_path: Path) -> None:
+def test_a_scheduler_without_stickslip_is_reported(tmp_path: Path) -> None:
     with (
         started(*without_stickslip(scheduler_arguments(tmp_path))),
         started(*worker_arguments(tmp_path)),
@@ -161,7 +161,7 @@ def test_a_scheduler_that_dies_ends_the_sweep_and_keeps_what_is_finished(tmp_pat
 
 
 @pytest.mark.slow
-def test_a_scheduler_that_hangs_is_told(own_cluster: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_scheduler_that_hangs_is_reported(own_cluster: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
     head, _, executor = own_cluster
     monkeypatch.setattr(cluster, "ANSWER_SECONDS", 1)
     head.send_signal(signal.SIGSTOP)
@@ -173,20 +173,20 @@ def test_a_scheduler_that_hangs_is_told(own_cluster: tuple, monkeypatch: pytest.
 
 
 @pytest.mark.slow
-def test_without_workers_the_wait_is_told_and_ends(own_cluster: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_workers_the_wait_is_reported_and_ends(own_cluster: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
     _, worker, executor = own_cluster
     monkeypatch.setattr(schedule, "reduce_task", sweep_deaths.reduce)
-    monkeypatch.setattr(schedule, "LOOK_SECONDS", 0.5)
+    monkeypatch.setattr(schedule, "CHECK_SECONDS", 0.5)
     assert executor.waiting_for() == ""
     worker.kill()
     wait_until(executor.waiting_for, "the scheduler does not miss its worker")
     monkeypatch.setattr(cluster, "WITHOUT_WORKER_SECONDS", 5.0)
-    told: list[str] = []
+    reported: list[str] = []
     with rejects(WorkersError):
-        Schedule(executor, lambda: executor.tasks_at_a_time, lambda *_: None, lambda *_: None, waiting=told.append).run(
-            [group()]
-        )
-    assert any(words.startswith("no worker is left, waiting for one since ") for words in told)
+        Schedule(
+            executor, lambda: executor.tasks_at_a_time, lambda *_: None, lambda *_: None, waiting=reported.append
+        ).run([group()])
+    assert any(words.startswith("no worker is left, waiting for one since ") for words in reported)
 
 
 @pytest.mark.slow

@@ -28,7 +28,7 @@ SOLVED = CaseOutcome(
     warnings=("steep",),
     file=b"\x89HDF\r\n\x1a\n" + bytes(range(256)) * 4,
 )
-REFUSED = CaseOutcome(converged=False, message="damper_length is 40 mm.", measures={})
+REJECTED = CaseOutcome(converged=False, message="damper_length is 40 mm.", measures={})
 
 
 @pytest.fixture
@@ -48,19 +48,19 @@ def file_of(folder: SweepFolder, planned: PlannedCase, name: str) -> Path:
 def test_what_was_stored_is_found(folder: SweepFolder, cases: tuple[PlannedCase, ...]) -> None:
     assert folder.finished(cases[0]) == (None, "")
     folder.store(cases[0], SOLVED)
-    folder.store(cases[1], REFUSED)
-    found, notice = folder.finished(cases[0])
+    folder.store(cases[1], REJECTED)
+    actual, notice = folder.finished(cases[0])
     assert notice == ""
-    assert (found.converged, found.message, found.warnings) == (True, SOLVED.message, SOLVED.warnings)
-    assert found.measures["peak_amplitude_m"] == SOLVED.measures["peak_amplitude_m"]
-    assert np.isnan(found.measures["damping_ratio"])
-    assert np.array_equal(found.curve.frequency_hz, CURVE.frequency_hz)
-    assert np.array_equal(found.curve.amplitude_m, CURVE.amplitude_m)
-    refused, notice = folder.finished(cases[1])
-    assert (refused.converged, refused.message, refused.curve, notice) == (False, REFUSED.message, None, "")
+    assert (actual.converged, actual.message, actual.warnings) == (True, SOLVED.message, SOLVED.warnings)
+    assert actual.measures["peak_amplitude_m"] == SOLVED.measures["peak_amplitude_m"]
+    assert np.isnan(actual.measures["damping_ratio"])
+    assert np.array_equal(actual.curve.frequency_hz, CURVE.frequency_hz)
+    assert np.array_equal(actual.curve.amplitude_m, CURVE.amplitude_m)
+    rejected, notice = folder.finished(cases[1])
+    assert (rejected.converged, rejected.message, rejected.curve, notice) == (False, REJECTED.message, None, "")
 
 
-@pytest.mark.parametrize(("outcome", "name"), [(SOLVED, "row.json"), (SOLVED, "results.nc"), (REFUSED, "failed.json")])
+@pytest.mark.parametrize(("outcome", "name"), [(SOLVED, "row.json"), (SOLVED, "results.nc"), (REJECTED, "failed.json")])
 def test_any_damage_is_named_and_never_taken(
     folder: SweepFolder, cases: tuple[PlannedCase, ...], outcome: CaseOutcome, name: str
 ) -> None:
@@ -68,8 +68,8 @@ def test_any_damage_is_named_and_never_taken(
     file = file_of(folder, cases[0], name)
     for what, content in damaged(file.read_bytes(), 200):
         file.write_bytes(content)
-        found, notice = folder.finished(cases[0])
-        assert found is None, what
+        actual, notice = folder.finished(cases[0])
+        assert actual is None, what
         assert notice.startswith(f'"{file}" is not used: '), what
         assert notice.endswith(" This case is solved again.")
 
@@ -85,7 +85,7 @@ def test_any_damage_is_named_and_never_taken(
         json.dumps({"message": ["no text"]}),
     ],
 )
-@pytest.mark.parametrize(("outcome", "name"), [(SOLVED, "row.json"), (REFUSED, "failed.json")])
+@pytest.mark.parametrize(("outcome", "name"), [(SOLVED, "row.json"), (REJECTED, "failed.json")])
 def test_what_no_row_is_is_named(
     folder: SweepFolder, cases: tuple[PlannedCase, ...], outcome: CaseOutcome, name: str, text: str
 ) -> None:
@@ -107,8 +107,8 @@ def test_files_of_another_case_are_not_taken(folder: SweepFolder, cases: tuple[P
     shutil.copy(results[0], results[1])  # both of the other case now
     assert str(rows[1]) in folder.finished(cases[1])[1]
     rows[1].write_bytes(whole[0])
-    found, notice = folder.finished(cases[1])
-    assert found is None
+    actual, notice = folder.finished(cases[1])
+    assert actual is None
     assert notice == (
         f'"{results[1]}" is not used: it is not the file that "row.json" beside it belongs to. '
         "This case is solved again."

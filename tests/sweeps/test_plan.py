@@ -111,6 +111,6 @@ def test_cases_that_are_not_valid_together_are_all_named_before_anything_runs() 
 
 
 @pytest.mark.slow
-def test_a_sweep_without_end_is_refused() -> None:
+def test_a_sweep_without_end_is_rejected() -> None:
     with rejects(InputError):
         planned({"friction.coefficient": "0.1:0.5:10000", "preload.centrifugal_force": "1:11:11"})

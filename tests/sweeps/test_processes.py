@@ -110,7 +110,7 @@ def test_a_worker_that_dies_while_it_sends_its_answer_is_noticed() -> None:
         pool.shutdown(wait=False)
 
 
-def test_a_script_without_main_guard_is_told(tmp_path: Path) -> None:
+def test_a_script_without_main_guard_is_reported(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(
         "from stickslip.sweeps.pool import LocalProcesses\nimport os\nLocalProcesses(1).require_start(os.getpid)\n",
@@ -169,16 +169,16 @@ def require_end(pids: list[int]) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="no process groups on this system")
-def test_an_interrupted_and_a_killed_sweep_go_on_without_solving_again(tmp_path: Path) -> None:
+def test_an_interrupted_and_a_killed_sweep_continue_without_solving_again(tmp_path: Path) -> None:
     study, out = quick_file(tmp_path), tmp_path / "out"
     with start_sweep(study, out) as process:
         wait_for_files(out, 1, process)
         workers = children(process)
         os.killpg(process.pid, signal.SIGINT)
-        _, said = process.communicate(timeout=60)
-        assert process.returncode == 130, said
-        assert "Finished cases are kept; the same command goes on" in said
-        assert "Traceback" not in said
+        _, printed = process.communicate(timeout=60)
+        assert process.returncode == 130, printed
+        assert "Finished cases are kept; the same command goes on" in printed
+        assert "Traceback" not in printed
         require_end(workers)
     before = len(list(out.glob("cases/*/results.nc")))
     with start_sweep(study, out) as process:
@@ -230,10 +230,10 @@ def test_workers_of_other_code_end_the_sweep_without_a_row(
 
 
 def test_a_process_that_cannot_be_started_is_a_worker_that_died(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refused(process: SpawnProcess) -> None:
+    def rejected(process: SpawnProcess) -> None:
         raise BlockingIOError("Resource temporarily unavailable")
 
-    monkeypatch.setattr(SpawnProcess, "start", refused)
+    monkeypatch.setattr(SpawnProcess, "start", rejected)
     pool = LocalProcesses(1)
     try:
         with rejects(InputError):

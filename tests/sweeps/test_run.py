@@ -55,12 +55,12 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, sweep_run.Swe
 
         patch.setattr(module, name, call)
 
-    folder, heard = tmp_path_factory.mktemp("sweep"), Heard()
+    folder, received = tmp_path_factory.mktemp("sweep"), Heard()
     with pytest.MonkeyPatch.context() as patch:
         for module, name in ((sweep_run, "set_up"), (work, "reduce_structure"), (work, "solve")):
             counted(module, name)
-        result = ss.sweep(quick_case(), VARY, out=folder, progress=heard, workers=1)
-    return folder, result, heard, calls
+        result = ss.sweep(quick_case(), VARY, out=folder, progress=received, workers=1)
+    return folder, result, received, calls
 
 
 @pytest.mark.slow
@@ -73,14 +73,14 @@ def test_one_row_and_one_file_for_each_case(swept: tuple) -> None:
     for row, file, curve in zip(table.rows, result.case_files, result.curves, strict=True):
         saved = load_results(file)
         assert file == folder / "cases" / row.name / "results.nc"
-        found = summary(saved.response, saved.study.outputs["blade tip A"])
-        assert row.measures["peak_amplitude_m"] == found.peak.amplitude
-        assert row.measures["shift_from_stuck_hz"] == found.shift_from_stuck_hz
+        actual = summary(saved.response, saved.study.outputs["blade tip A"])
+        assert row.measures["peak_amplitude_m"] == actual.peak.amplitude
+        assert row.measures["shift_from_stuck_hz"] == actual.shift_from_stuck_hz
         assert (row.measures["pairs_stuck"], row.measures["pairs_separating"]) == (
-            found.state_counts[0],
-            found.state_counts[2],
+            actual.state_counts[0],
+            actual.state_counts[2],
         )
-        assert row.measures["friction_energy_j"] == found.friction_energy
+        assert row.measures["friction_energy_j"] == actual.friction_energy
         assert curve.amplitude_m.max() == pytest.approx(row.measures["peak_amplitude_m"], rel=0.02)
         assert len(saved.study.mode_table) == 10
 
@@ -115,7 +115,7 @@ def test_progress_counts_the_cases(swept: tuple) -> None:
     assert fractions == [0.0, 0.25, 0.5, 0.75, 1.0]
 
 
-def test_table_files_hold_the_table(swept: tuple) -> None:
+def test_table_files_contain_the_table(swept: tuple) -> None:
     folder, result, _, _ = swept
     with (folder / "sweep.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
@@ -144,7 +144,7 @@ def test_two_processes_and_any_executor_give_the_same_table(swept: tuple, tmp_pa
     assert (other.files, other.case_files) == ((), (None, None))
 
 
-def test_an_executor_without_answer_is_told_and_its_version_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_executor_without_answer_is_reported_and_its_version_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     class Slow(Executor):
         """Answers, with another version, once the wait was told."""
 
@@ -158,15 +158,15 @@ def test_an_executor_without_answer_is_told_and_its_version_asked(monkeypatch: p
             if detail.startswith("no answer of the executor for "):
                 executor.future.set_result("0.0.9 (code 0)")
 
-    executor, heard = Slow(), Listening()
-    monkeypatch.setattr(sweep_run, "LOOK_SECONDS", 0.01)
+    executor, received = Slow(), Listening()
+    monkeypatch.setattr(sweep_run, "CHECK_SECONDS", 0.01)
     with rejects(InputError):
-        ss.sweep(quick_case(), VARY, executor, progress=heard)
-    assert heard.news[-1][2].endswith("has it workers?")
+        ss.sweep(quick_case(), VARY, executor, progress=received)
+    assert received.news[-1][2].endswith("has it workers?")
 
 
 @pytest.mark.slow
-def test_a_sweep_goes_on_where_it_ended(swept: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_sweep_continues_where_it_ended(swept: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
     folder, result, _, _ = swept
     monkeypatch.setattr(schedule, "solve_task", None)  # solving would be a fault
     monkeypatch.setattr(sweep_run, "set_up", None)
@@ -180,7 +180,7 @@ def test_a_sweep_goes_on_where_it_ended(swept: tuple, monkeypatch: pytest.Monkey
 
 
 @pytest.mark.slow
-def test_damaged_and_foreign_files_are_told_and_solved_again(swept: tuple, tmp_path: Path) -> None:
+def test_damaged_and_foreign_files_are_reported_and_solved_again(swept: tuple, tmp_path: Path) -> None:
     folder, result, _, _ = swept
     shutil.copytree(folder, tmp_path / "copy")
     files = [tmp_path / "copy" / row.file for row in result.table.rows]
@@ -208,7 +208,7 @@ def test_damaged_and_foreign_files_are_told_and_solved_again(swept: tuple, tmp_p
 
 
 @pytest.mark.slow
-def test_cases_that_fail_are_rows_and_the_others_go_on(swept: tuple, tmp_path: Path) -> None:
+def test_cases_that_fail_are_rows_and_the_others_continue(swept: tuple, tmp_path: Path) -> None:
     vary = {"roughness.fractal_roughness": ["1e-8 m", "1e-4 m"], "geometry.damper_length": ["28 mm", "40 mm"]}
     case = quick_case().replace({"preload.centrifugal_force": 450})
     result = ss.sweep(case, vary, out=tmp_path, workers=1)
@@ -261,7 +261,7 @@ def test_curves_without_end_or_start_are_kept_and_failed(tmp_path: Path, monkeyp
     assert once_more.table.rows[1].converged
 
 
-def test_wrong_input_is_refused_before_a_folder_is_made(tmp_path: Path) -> None:
+def test_wrong_input_is_rejected_before_a_folder_is_made(tmp_path: Path) -> None:
     out = tmp_path / "out"
     for vary, options, expected in (
         ({"preload.centrifugal_force": "-1"}, {}, (InputError, "preload.centrifugal_force")),

@@ -83,7 +83,7 @@ def test_a_sweep_none_of_whose_cases_can_be_solved_is_wrong_input(tmp_path: Path
     assert "damper_length is 40 mm" in result.stderr
 
 
-def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_made_is_reported(tmp_path: Path) -> None:
     file = quick_file(tmp_path)
     result = invoke(file, "--vary", f"{LOAD}=600", "--out", file / "out")
     assert result.exit_code == 2

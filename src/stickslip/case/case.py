@@ -44,7 +44,7 @@ from stickslip.case.own_sections import (
     StaticLoadSection,
     UnbalanceSection,
 )
-from stickslip.case.plain import keys_left_out, plain_section, with_absolute_files
+from stickslip.case.plain import omitted_keys, plain_section, with_absolute_files
 from stickslip.case.reference import ReferenceSection
 from stickslip.case.sections import (
     ContactStiffnessSection,
@@ -174,16 +174,16 @@ class Case(BaseModel):
         try:
             return cls.model_validate(data)
         except ValidationError as error:
-            own, found = _class_of(data) if cls is Case else cls, error.errors(include_url=False)
-            details = [part for each in found for part in explained(each, data, own, KINDS)]
-            raise case_file.report(details, source, data, Case.known_keys(), lines, Case.named_sections()) from error
+            own, problems = _class_of(data) if cls is Case else cls, error.errors(include_url=False)
+            details = [part for each in problems for part in explained(each, data, own, KINDS)]
+            raise case_file.report(details, source, data, Case.allowed_keys(), lines, Case.named_sections()) from error
 
     def __hash__(self) -> int:
         """Cases can be keys of dictionaries, although their named sections are dictionaries."""
         return hash(json.dumps(self.to_dict()))
 
     @classmethod
-    def known_keys(cls) -> dict[str, tuple[str, ...]]:
+    def allowed_keys(cls) -> dict[str, tuple[str, ...]]:
         """Section name -> its keys, in the order of the file; of all kinds of structure for ``Case`` itself."""
         return {
             name: tuple(dict.fromkeys(key for kind in classes for key in kind.model_fields))
@@ -196,9 +196,9 @@ class Case(BaseModel):
         kinds = KINDS.values() if cls is Case else (cls,)
         fields = {name: [kind.model_fields[name] for kind in kinds if name in kind.model_fields] for name in SECTIONS}
         return {
-            name: tuple(dict.fromkeys(each for field in found for each in section_types(field.annotation)))
-            for name, found in fields.items()
-            if found
+            name: tuple(dict.fromkeys(each for field in members for each in section_types(field.annotation)))
+            for name, members in fields.items()
+            if members
         }
 
     @classmethod
@@ -211,8 +211,8 @@ class Case(BaseModel):
     def named_sections(cls) -> tuple[str, ...]:
         """Sections whose entries have names of their own, [section.NAME]."""
         kinds = KINDS.values() if cls is Case else (cls,)
-        found = {name for kind in kinds for name, field in kind.model_fields.items() if is_named(field)}
-        return tuple(name for name in SECTIONS if name in found)
+        names = {name for kind in kinds for name, field in kind.model_fields.items() if is_named(field)}
+        return tuple(name for name in SECTIONS if name in names)
 
     @property
     def sections(self) -> dict[str, Any]:
@@ -230,14 +230,15 @@ class Case(BaseModel):
         Keys are ``section.key`` or ``section.NAME.key``, constants of a law ``section.NAME.constants.key``; values as
         in a study file. Raises StudyFileError.
         """
-        data = self._as_mapping(only_given=True)
+        data = self._as_mapping(only_explicit=True)
         for path, value in changes.items():
             section, name, table, key = parts_of_key(path)
             entries = self.sections.get(section, {})
             if name and name not in entries:
-                known = ", ".join(entries) or "none"
+                allowed = ", ".join(entries) or "none"
                 raise StudyFileError(
-                    f"the study: 1 error.\n  {path}: there is no [{section}.{name}] in the study; there are: {known}.",
+                    f"the study: 1 error.\n  {path}: there is no [{section}.{name}] in the study; there are: "
+                    f"{allowed}.",
                     (path,),
                 )
             home = data.setdefault(section, {})
@@ -248,7 +249,7 @@ class Case(BaseModel):
 
     def to_dict(self) -> dict[str, dict[str, Any]]:
         """Every value with its SI unit ("0.145 m"), for records; ``Case.from_mapping`` gives an equal case."""
-        return self._as_mapping(only_given=False)
+        return self._as_mapping(only_explicit=False)
 
     def to_text(self) -> str:
         """A commented study file of this case, in the units that engineers use (15 digits)."""
@@ -257,27 +258,27 @@ class Case(BaseModel):
     def defaulted_keys(self) -> tuple[str, ...]:
         """Keys that the study file omits, as ``section.key``, or ``[section]`` where it omits all of them."""
         shown = {name: section for name, section in self.sections.items() if name != "structure"}
-        return tuple(path for name, section in shown.items() for path in self._left_out(name, section))
+        return tuple(path for name, section in shown.items() for path in self._omitted_keys(name, section))
 
-    def _left_out(self, name: str, section: Any) -> list[str]:
+    def _omitted_keys(self, name: str, section: Any) -> list[str]:
         if section is None:
             return []
         if isinstance(section, dict):
-            return [f"{name}.{entry}.{key}" for entry, values in section.items() for key in keys_left_out(values)]
-        missing = keys_left_out(section, everything=name not in self.model_fields_set)
-        given = name in self.model_fields_set and section.model_fields_set
-        return [f"{name}.{key}" for key in missing] if given else [f"[{name}]"] * bool(missing)
+            return [f"{name}.{entry}.{key}" for entry, values in section.items() for key in omitted_keys(values)]
+        missing = omitted_keys(section, everything=name not in self.model_fields_set)
+        explicit = name in self.model_fields_set and section.model_fields_set
+        return [f"{name}.{key}" for key in missing] if explicit else [f"[{name}]"] * bool(missing)
 
-    def _as_mapping(self, only_given: bool) -> dict[str, dict[str, Any]]:
+    def _as_mapping(self, only_explicit: bool) -> dict[str, dict[str, Any]]:
         """Section -> key -> value as in a study file, without empty keys, or only with explicit keys of the file."""
         data: dict[str, dict[str, Any]] = {}
         for name, section in self.sections.items():
-            if not self.shows(name) or section is None or (only_given and name not in self.model_fields_set):
+            if not self.shows(name) or section is None or (only_explicit and name not in self.model_fields_set):
                 continue
             if isinstance(section, dict):
-                data[name] = {entry: plain_section(values, only_given) for entry, values in section.items()}
+                data[name] = {entry: plain_section(values, only_explicit) for entry, values in section.items()}
             else:
-                data[name] = plain_section(section, only_given)
+                data[name] = plain_section(section, only_explicit)
         return data
 
     def shows(self, name: str) -> bool:
@@ -467,11 +468,11 @@ def _class_of(data: Any) -> Any:
 
 def load_case(path: str | PathLike[str]) -> Case:
     """Read and validate a study file. Raises StudyFileError with one line for each error in the file."""
-    return load_case_and_places(path)[0]
+    return load_case_and_positions(path)[0]
 
 
-def load_case_and_places(path: str | PathLike[str]) -> tuple[Case, case_file.KeyPlaces]:
+def load_case_and_positions(path: str | PathLike[str]) -> tuple[Case, case_file.KeyPositions]:
     """:func:`load_case`, and the lines of the keys of the file, for errors after reading."""
     text = case_file.read_text(path)
-    places = case_file.KeyPlaces(str(path), case_file.parse_toml(text, str(path)), case_file.key_lines(text))
+    places = case_file.KeyPositions(str(path), case_file.parse_toml(text, str(path)), case_file.key_lines(text))
     return Case.in_folder(dict(places.data), Path(path).resolve().parent, places.source, places.lines), places

@@ -147,26 +147,28 @@ def place_errors(section: str, places: Mapping[str, PlaceSection], has_areas: bo
     """Places that are ambiguous or missing; ``has_areas`` is True if the structure has areas."""
     for name, place in places.items():
         where = (section, name)
-        given = [key for key in ("set", "point", "node") if getattr(place, key) is not None]
-        if len(given) != 1:
-            found = " and ".join(given) if given else "none"
-            yield EntryError(where, f"must have exactly one of set, point and node, but has {found}.")
+        choices = [key for key in ("set", "point", "node") if getattr(place, key) is not None]
+        if len(choices) != 1:
+            problem = " and ".join(choices) if choices else "none"
+            yield EntryError(where, f"must have exactly one of set, point and node, but has {problem}.")
         if place.spread is not None and place.set is None:
             yield EntryError((*where, "spread"), "says how a set is loaded, but there is no set. Take it out.")
         if place.spread == "area" and not has_areas:
             yield EntryError((*where, "spread"), 'is "area", but matrices have no areas. Take "equal".')
 
 
-def excitation_errors(excitations: Mapping[str, Any], harmonics: Mapping[str, int], kept: int) -> Iterator[EntryError]:
-    """A missing excitation, and forces in harmonics above ``kept``.
+def excitation_errors(
+    excitations: Mapping[str, Any], harmonics: Mapping[str, int], analysis_harmonics: int
+) -> Iterator[EntryError]:
+    """A missing excitation, and forces in harmonics above ``analysis_harmonics``.
 
     ``excitations`` are the sections that can excite the structure, ``harmonics`` those of the forces.
     """
     if not any(excitations.values()):
         yield EntryError(("forces",), "has no entry. Give at least one section [forces.NAME].")
     for name, harmonic in harmonics.items():
-        if harmonic > kept:
+        if harmonic > analysis_harmonics:
             yield EntryError(
                 ("forces", name, "harmonic"),
-                f"is {harmonic}, but only solver.harmonics = {kept} are kept. Raise solver.harmonics.",
+                f"is {harmonic}, but only solver.harmonics = {analysis_harmonics} are kept. Raise solver.harmonics.",
             )

@@ -27,7 +27,7 @@ def explained(
         return [details if sentence is None else _stated(details, sentence)]
     if details["type"] != "extra_forbidden":
         return [details]
-    sentence = _foreign_sentence(path, own, kinds)
+    sentence = _foreign_message(path, own, kinds)
     if sentence is None:
         return [details]
     return _wrong_values(path, data, own, kinds) or [_stated(details, sentence)]
@@ -47,7 +47,7 @@ def _required(own: type[BaseModel], path: tuple[str, ...]) -> list[Required]:
     return [entry for field in fields for entry in field.metadata if isinstance(entry, Required)]
 
 
-def _foreign_sentence(path: tuple[str, ...], own: type[BaseModel], kinds: Mapping[str, type[BaseModel]]) -> str | None:
+def _foreign_message(path: tuple[str, ...], own: type[BaseModel], kinds: Mapping[str, type[BaseModel]]) -> str | None:
     """The message on an entry that only studies of other kinds have; None if none has it."""
     if len(path) == 1:
         owners = [name for name, kind in kinds.items() if path[0] in kind.model_fields]
@@ -58,8 +58,8 @@ def _foreign_sentence(path: tuple[str, ...], own: type[BaseModel], kinds: Mappin
             f'does not belong to a structure of kind "{kind}", only to {" and ".join(owners)}. Take the section out, '
             "or set structure.kind."
         )
-    found = [each.foreign for each in _classes(own, path[0]) if issubclass(each, Section)]
-    return next((foreign[path[-1]] for foreign in found if path[-1] in foreign), None)
+    sections = [each.foreign for each in _classes(own, path[0]) if issubclass(each, Section)]
+    return next((foreign[path[-1]] for foreign in sections if path[-1] in foreign), None)
 
 
 def _wrong_values(
@@ -75,9 +75,9 @@ def _wrong_values(
         try:
             other.model_validate({"structure": {"kind": name}, path[0]: section})
         except ValidationError as error:
-            found = [each for each in error.errors(include_url=False) if _is_below(each, path)]
-            if found:
-                return found
+            details = [each for each in error.errors(include_url=False) if _is_below(each, path)]
+            if details:
+                return details
     return []
 
 

@@ -150,8 +150,8 @@ class MatrixFilesSection(StructureSection):
     @property
     def files(self) -> dict[str, str]:
         """The matrices and what describes them."""
-        found = {key: getattr(self, key) for key in ("stiffness", "mass", "damping", "unknown_map", "node_positions")}
-        return {key: name for key, name in found.items() if name is not None}
+        sources = {key: getattr(self, key) for key in ("stiffness", "mass", "damping", "unknown_map", "node_positions")}
+        return {key: name for key, name in sources.items() if name is not None}
 
 
 def _has(data: Any, key: str) -> bool:
@@ -329,13 +329,13 @@ class PlaceSection(Section):
     )
 
 
-class PortSection(PlaceSection):
+class NodeGroupSection(PlaceSection):
     """A place and a direction."""
 
     direction: Direction = Field(description="[x, y, z], any length")
 
 
-class ForceSection(PortSection):
+class ForceSection(NodeGroupSection):
     """A harmonic force, amplitude sin(harmonic w t + phase), spread over a set or at one node."""
 
     amplitude: Force = Field(description="0-to-peak, of the whole force")
@@ -385,11 +385,11 @@ BaseMotion = Annotated[
 ]
 
 
-class ResponseSection(PortSection):
+class ResponseSection(NodeGroupSection):
     """A displacement to be read: of one node, or the mean of a set. The first one is the curve of the report."""
 
 
-class StaticLoadSection(PortSection):
+class StaticLoadSection(NodeGroupSection):
     """A constant force, spread over a set or at one node, for a solved preload."""
 
     force: Force = Field(description="of the whole set")

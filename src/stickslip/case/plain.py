@@ -13,11 +13,11 @@ from stickslip.case.template import quantity_of
 _FILE_KEYS = ("file", "stiffness", "mass", "damping", "unknown_map", "node_positions")
 
 
-def plain_section(section: BaseModel, only_given: bool) -> dict[str, Any]:
+def plain_section(section: BaseModel, only_explicit: bool) -> dict[str, Any]:
     """Key -> value of one section as in a study file, without empty keys, or only with what the file gave."""
     values: dict[str, Any] = {}
     for key, value in section:
-        if value is None or (only_given and key not in section.model_fields_set):
+        if value is None or (only_explicit and key not in section.model_fields_set):
             continue
         if isinstance(value, LawConstants):
             if value:
@@ -29,10 +29,10 @@ def plain_section(section: BaseModel, only_given: bool) -> dict[str, Any]:
     return values
 
 
-def keys_left_out(section: BaseModel, everything: bool = False) -> list[str]:
+def omitted_keys(section: BaseModel, everything: bool = False) -> list[str]:
     """Keys of a section whose value is not in the file; ``everything``: the file has no such section."""
-    given = set() if everything else section.model_fields_set
-    return [key for key, value in section if key not in given and value is not None]
+    explicit = set() if everything else section.model_fields_set
+    return [key for key, value in section if key not in explicit and value is not None]
 
 
 def with_absolute_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:

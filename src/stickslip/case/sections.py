@@ -121,7 +121,7 @@ class Section(BaseModel):
 
     @model_validator(mode="before")
     @classmethod
-    def _foreign_keys_may_say_nothing(cls, data: Any) -> Any:
+    def _drop_empty_foreign_keys(cls, data: Any) -> Any:
         """Files of earlier versions contain foreign keys that are empty or zero, which have no effect."""
         if not isinstance(data, Mapping):
             return data
@@ -151,8 +151,8 @@ def of_kind(classes: Mapping[str, type[Section]], default: str) -> PlainValidato
         if isinstance(data, Section):
             return data
         kind = data.get("kind", default) if isinstance(data, Mapping) else default
-        known = isinstance(kind, str) and kind in classes
-        return (classes[kind] if known else unknown).model_validate(data)
+        is_valid = isinstance(kind, str) and kind in classes
+        return (classes[kind] if is_valid else unknown).model_validate(data)
 
     return PlainValidator(validated)
 
@@ -382,9 +382,9 @@ class OutputSection(Section):
     )
 
 
-def without_default(data: Any, given: tuple[str, ...], default: str) -> Any:
-    """``data`` with ``default`` switched off where a ``given`` key replaces it and the file does not name it."""
-    if isinstance(data, Mapping) and default not in data and any(key in data for key in given):
+def without_default(data: Any, alternatives: tuple[str, ...], default: str) -> Any:
+    """``data`` with ``default`` switched off where a ``alternatives`` key replaces it and the file does not name it."""
+    if isinstance(data, Mapping) and default not in data and any(key in data for key in alternatives):
         return {default: None, **data}
     return data
 

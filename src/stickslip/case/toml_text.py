@@ -67,7 +67,7 @@ def key_lines(text: str) -> dict[tuple[str, ...], int]:
 
 
 @dataclass(frozen=True)
-class KeyPlaces:
+class KeyPositions:
     """Lines of the keys of a study file, for errors after reading.
 
     ``data`` and ``lines`` are those of :func:`parse_toml` and :func:`key_lines`; for the keys ``varied`` a sweep
@@ -86,31 +86,33 @@ class KeyPlaces:
         elif len(error.keys) == 1 and error.keys[0] in str(error) and self._line(error.keys[0]):
             where = [f"line {self._line(error.keys[0])}"]  # the sentence names the key itself
         else:
-            where = [self._place(key) for key in error.keys]
+            where = [self._position(key) for key in error.keys]
         return f"{', '.join([self.source, *where])}: {error}"
 
-    def _place(self, key: str) -> str:
+    def _position(self, key: str) -> str:
         if key in self.varied:
             return f"--vary {key}"
-        if not _holds(self.data, key):
+        if not _contains(self.data, key):
             return f"{key} (not in the file: default)"
         line = self._line(key)
         return f"line {line} ({key})" if line else key
 
     def _line(self, key: str) -> int:
         """The line of a key of the file, else of its section; 0 if it is unknown or not in the file."""
-        if key in self.varied or not _holds(self.data, key):
+        if key in self.varied or not _contains(self.data, key):
             return 0
         around = {".".join(path): line for path, line in self.lines.items() if path}
-        found = [name for name in around if key == name or key.startswith(f"{name}.")]
-        return around[max(found, key=len)] if found else 0
+        around_key = [name for name in around if key == name or key.startswith(f"{name}.")]
+        return around[max(around_key, key=len)] if around_key else 0
 
 
-def _holds(data: Any, key: str) -> bool:
+def _contains(data: Any, key: str) -> bool:
     """Whether sections contain a dotted key; a name of an entry may contain dots."""
     if not isinstance(data, Mapping):
         return False
-    return key in data or any(key.startswith(f"{name}.") and _holds(data[name], key[len(name) + 1 :]) for name in data)
+    return key in data or any(
+        key.startswith(f"{name}.") and _contains(data[name], key[len(name) + 1 :]) for name in data
+    )
 
 
 def _header(line: str) -> tuple[str, ...]:
@@ -132,13 +134,13 @@ def report(
     errors: Sequence[ErrorDetails],
     source: str,
     data: Mapping[str, Any],
-    known: Mapping[str, Sequence[str]],
+    allowed: Mapping[str, Sequence[str]],
     lines: Mapping[tuple[str, ...], int],
     named: Sequence[str] = (),
 ) -> StudyFileError:
     """One line for each of pydantic's errors, in the order of the file, about all their keys.
 
-    ``known`` contains the keys of every section, ``lines`` the line of every key of the file; the entries of the
+    ``allowed`` contains the keys of every section, ``lines`` the line of every key of the file; the entries of the
     sections ``named`` have names of their own.
     """
     numbered = []
@@ -150,7 +152,7 @@ def report(
             sentence = f"{key} {details['ctx']['error']}"
         else:
             entry = _Entry(path, path[0] in named)
-            key, sentence = entry.key, _sentence(entry, details, data, known)
+            key, sentence = entry.key, _message(entry, details, data, allowed)
         line = next((lines[path[:depth]] for depth in (4, 3, 2, 1) if path[:depth] in lines), 0)
         where = f"line {line}: " if line else ""
         numbered.append((line, key, f"  {where}{_LONG_WORD.sub(_shortened, sentence)}"))
@@ -194,42 +196,44 @@ class _Entry:
         return ".".join(self.path[: self.depth]) + "".join(below)
 
 
-def _sentence(entry: _Entry, details: ErrorDetails, data: Mapping[str, Any], known: Mapping[str, Sequence[str]]) -> str:
+def _message(
+    entry: _Entry, details: ErrorDetails, data: Mapping[str, Any], allowed: Mapping[str, Sequence[str]]
+) -> str:
     """Key, value in the file, allowed values, what to do."""
     if entry.path[-1] == _OF_THE_NAME:
         return f"[{entry.path[0]}.{_toml(entry.path[1])}] {details['ctx']['error']}"
     if details["type"] == STATED:
         return f"{'.'.join(entry.path)} {details['ctx']['sentence']}"
-    found = f"{entry} = {_toml(details['input'])}"
+    statement = f"{entry} = {_toml(details['input'])}"
     match details["type"]:
         case "extra_forbidden":
-            return _unknown(entry, details["input"], known)
+            return _unknown(entry, details["input"], allowed)
         case "missing":
             return f"{entry} is missing. Add it to the section [{entry.section}]."
         case "model_type" | "dict_type":
             header = f"{entry.section}.NAME" if entry.is_named and len(entry.path) == 1 else entry.section
-            return f"{found} must be a section: write [{header}] on a line of its own and its keys below it."
+            return f"{statement} must be a section: write [{header}] on a line of its own and its keys below it."
         case "literal_error":
-            return f"{found} is not allowed: it must be {details['ctx']['expected']}.{_nearest_choice(details)}"
+            return f"{statement} is not allowed: it must be {details['ctx']['expected']}.{_nearest_choice(details)}"
         case "value_error":
-            default = "" if _given(data, entry.path) else " (the default)"
-            return f"{found}{default} {details['ctx']['error']}"
+            default = "" if _contains_path(data, entry.path) else " (the default)"
+            return f"{statement}{default} {details['ctx']['error']}"
         case "string_type":
-            return f"{found} must be a text in quotes."
+            return f"{statement} must be a text in quotes."
         case "tuple_type":
-            return f"{found} must be a list in square brackets."
-    return f"{found} is not allowed: {details['msg']}."
+            return f"{statement} must be a list in square brackets."
+    return f"{statement} is not allowed: {details['msg']}."
 
 
-def _unknown(entry: _Entry, value: object, known: Mapping[str, Sequence[str]]) -> str:
+def _unknown(entry: _Entry, value: object, allowed: Mapping[str, Sequence[str]]) -> str:
     """A message on an unknown section or key, with the nearest existing one."""
     path = entry.path
     if len(path) == 1:
-        home = next((section for section, keys in known.items() if path[0] in keys), None)
+        home = next((section for section, keys in allowed.items() if path[0] in keys), None)
         if home and not isinstance(value, Mapping):
             return f"{path[0]} stands outside a section; it belongs below the line [{home}]."
-        nearest = difflib.get_close_matches(path[0].lower(), known, n=1)
-        advice = f"Did you mean [{nearest[0]}]?" if nearest else f"Sections are {', '.join(known)}."
+        nearest = difflib.get_close_matches(path[0].lower(), allowed, n=1)
+        advice = f"Did you mean [{nearest[0]}]?" if nearest else f"Sections are {', '.join(allowed)}."
         kind = (
             f"[{path[0]}] is not a section" if isinstance(value, Mapping) else f"{path[0]} is neither section nor key"
         )
@@ -241,17 +245,17 @@ def _unknown(entry: _Entry, value: object, known: Mapping[str, Sequence[str]]) -
             f"[{entry}] is not a section of a study file: a name has no dot unless it stands in quotes. Write "
             f'[{section}."{name}"] if that is the name.'
         )
-    nearest = difflib.get_close_matches(key.lower(), known[section], n=1)
-    homes = [other for other, keys in known.items() if key in keys]
+    nearest = difflib.get_close_matches(key.lower(), allowed[section], n=1)
+    homes = [other for other, keys in allowed.items() if key in keys]
     if homes:
         advice = f"It belongs to [{homes[0]}]."
     elif nearest:
         advice = f"Did you mean {nearest[0]}?"
     else:
-        everywhere = {name: other for other, keys in known.items() for name in keys}
+        everywhere = {name: other for other, keys in allowed.items() for name in keys}
         elsewhere = difflib.get_close_matches(key.lower(), everywhere, n=1)
         advice = f"Did you mean {elsewhere[0]} of [{everywhere[elsewhere[0]]}]? " if elsewhere else ""
-        advice += f"Keys of [{entry.section}] are {', '.join(known[section])}."
+        advice += f"Keys of [{entry.section}] are {', '.join(allowed[section])}."
     return f"{entry} is not a key of a study file. {advice}"
 
 
@@ -261,7 +265,7 @@ def _nearest_choice(details: ErrorDetails) -> str:
     return f' Did you mean "{nearest[0]}"?' if nearest else ""
 
 
-def _given(data: Mapping[str, Any], path: tuple[str, ...]) -> bool:
+def _contains_path(data: Mapping[str, Any], path: tuple[str, ...]) -> bool:
     """Whether the file contains the entry at ``path``; a default can contradict another value."""
     inner: Any = data
     for part in path:

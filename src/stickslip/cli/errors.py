@@ -20,10 +20,10 @@ LOG_NAME = "stickslip-error.log"
 
 
 @contextmanager
-def error_sentences(debug: bool, log_folder: Path | None = None, kept: str = "") -> Iterator[None]:
+def error_messages(debug: bool, log_folder: Path | None = None, closing: str = "") -> Iterator[None]:
     """Turn any error into a message on stderr and an exit code; tracebacks go to a log or to --debug.
 
-    ``kept`` is the note on the results of an interrupted or stopped command.
+    ``closing`` is the note on the results of an interrupted or stopped command.
     """
     try:
         with stopping_signals(), plain_warnings():
@@ -38,11 +38,11 @@ def error_sentences(debug: bool, log_folder: Path | None = None, kept: str = "")
     except StoppedBySignal as error:
         with suppress(OSError):  # a lost terminal shows no message
             _show_traceback(debug)
-            echo(f"Stopped by {error}; the study did not end. {kept}".rstrip(), err=True)
+            echo(f"Stopped by {error}; the study did not end. {closing}".rstrip(), err=True)
         raise typer.Exit(128 + error.number) from error
     except KeyboardInterrupt as error:
         _show_traceback(debug)
-        echo(f"Interrupted; the study did not end. {kept}".rstrip(), err=True)
+        echo(f"Interrupted; the study did not end. {closing}".rstrip(), err=True)
         raise typer.Exit(EXIT_INTERRUPTED) from error
     except MemoryError as error:
         _show_traceback(debug)

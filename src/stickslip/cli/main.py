@@ -14,16 +14,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip.cli.errors import error_sentences
-from stickslip.cli.process import make_output_patient
-from stickslip.core.errors import InputError, PlaceError, ResultsFileError
+from stickslip.cli.errors import error_messages
+from stickslip.cli.process import tolerate_closed_output
+from stickslip.core.errors import InputError, OutputError, ResultsFileError
 from stickslip.core.files import require_folder, whole_file
 from stickslip.core.progress import terminal_progress
 from stickslip.core.terminal import echo
 
 if TYPE_CHECKING:
     from stickslip.case.case import Case
-    from stickslip.case.toml_text import KeyPlaces
+    from stickslip.case.toml_text import KeyPositions
     from stickslip.study.run import StudyOutcome
     from stickslip.sweeps.run import Sweep
 
@@ -47,7 +47,7 @@ def _folder(text: str) -> Path:
     return Path(text)
 
 
-FINISHED_ARE_KEPT = "Finished cases are kept; the same command goes on with the others."
+FINISHED_CASES_NOTE = "Finished cases are kept; the same command goes on with the others."
 StudyFile = Annotated[Path, typer.Argument(metavar="FILE", help="The study file (TOML).", show_default=False)]
 OutFolder = Annotated[
     Path,
@@ -58,7 +58,7 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an e
 
 def main() -> None:
     """Entry point of the command ``stickslip``."""
-    make_output_patient()
+    tolerate_closed_output()
     app()
 
 
@@ -89,7 +89,7 @@ def new(
     debug: Debug = False,
 ) -> None:
     """Write a commented study file to start from."""
-    with error_sentences(debug):
+    with error_messages(debug):
         from stickslip.case.case import Case
         from stickslip.case.examples import EXAMPLES
 
@@ -107,7 +107,7 @@ def new(
 @app.command()
 def check(path: StudyFile, debug: Debug = False) -> None:
     """Validate a study file and show what would run."""
-    with error_sentences(debug):
+    with error_messages(debug):
         case, places = _load(path)
         from stickslip.study.check import check as checked
 
@@ -137,7 +137,7 @@ def run(
     debug: Debug = False,
 ) -> None:
     """Solve a study and write results, report and figures into DIR."""
-    with error_sentences(debug, log_folder=out):
+    with error_messages(debug, log_folder=out):
         case, places = _load(path, quiet)
         require_folder(out)  # before the packages of the solver are loaded, which takes seconds
         from stickslip.study import run as study
@@ -176,7 +176,7 @@ def sweep(
     debug: Debug = False,
 ) -> None:
     """Solve a study for every combination of some values; goes on where an earlier sweep into DIR ended."""
-    with error_sentences(debug, log_folder=out, kept=FINISHED_ARE_KEPT):
+    with error_messages(debug, log_folder=out, closing=FINISHED_CASES_NOTE):
         if scheduler is not None and workers is not None:
             raise InputError("--workers and --scheduler cannot both be given: the cluster has its own workers.")
         case, places = _load(path, quiet)
@@ -205,7 +205,7 @@ def report(
     debug: Debug = False,
 ) -> None:
     """Make the report of a solved study again, without solving."""
-    with error_sentences(debug):
+    with error_messages(debug):
         if not folder.is_dir():
             raise InputError(f'there is no folder "{folder}". Give the --out folder of a run, which holds results.nc.')
         from stickslip.study import run as study
@@ -235,7 +235,7 @@ def roughness(
     debug: Debug = False,
 ) -> None:
     """Fractal dimension and fractal roughness of a measured profile."""
-    with error_sentences(debug):
+    with error_messages(debug):
         if out is not None:
             require_folder(out)
         from stickslip.cli import measured_roughness
@@ -249,7 +249,7 @@ def roughness(
         for file in measured_roughness.write(out, measured) if out is not None else ():
             echo(f"Wrote {file}")
         lines = measured_roughness.study_lines(measured.fit, hardness)
-        echo(measured_roughness.contact_sentence(measured.fit, hardness))
+        echo(measured_roughness.contact_message(measured.fit, hardness))
         echo(f"\nFor the study file:\n{lines.rstrip()}")
 
 
@@ -268,7 +268,7 @@ def import_model(
     debug: Debug = False,
 ) -> None:
     """Show bodies, sets, masses and size of a model file."""
-    with error_sentences(debug):
+    with error_messages(debug):
         from stickslip.cli.model_listing import print_model
 
         print_model(path, length_unit, unit_system, includes_outside)
@@ -290,7 +290,7 @@ def paper(
     debug: Debug = False,
 ) -> None:
     """Compute a published study again, with a verdict on each of its claims; goes on where it was stopped."""
-    with error_sentences(debug, log_folder=out, kept=FINISHED_ARE_KEPT.replace("cases", "curves")):
+    with error_messages(debug, log_folder=out, closing=FINISHED_CASES_NOTE.replace("cases", "curves")):
         from stickslip.papers.rough_damper.study import paper_study
 
         with terminal_progress(quiet) as progress:
@@ -307,11 +307,11 @@ def paper(
             raise typer.Exit(EXIT_NOT_CONVERGED)
 
 
-def _load(path: Path, quiet: bool = False) -> tuple[Case, KeyPlaces]:
+def _load(path: Path, quiet: bool = False) -> tuple[Case, KeyPositions]:
     """The case of a study file and the lines of its keys; reports which values are defaults. Raises StudyFileError."""
-    from stickslip.case.case import load_case_and_places
+    from stickslip.case.case import load_case_and_positions
 
-    case, places = load_case_and_places(path)
+    case, places = load_case_and_positions(path)
     defaults = case.defaulted_keys()
     if defaults and not quiet:
         echo(f"Not in the file, so the default is used: {', '.join(defaults)}", err=True)
@@ -352,11 +352,11 @@ def _close_sweep(result: Sweep, quiet: bool) -> None:
 
 
 @contextmanager
-def _about(places: KeyPlaces) -> Iterator[None]:
+def _about(places: KeyPositions) -> Iterator[None]:
     """Put the study file's name and the lines of its keys before errors after reading."""
     try:
         yield
-    except (PlaceError, ResultsFileError):
+    except (OutputError, ResultsFileError):
         raise  # the study file is not the cause
     except InputError as error:
         raise error.reworded(places.sentence(error)) from error

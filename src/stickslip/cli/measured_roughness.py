@@ -64,7 +64,7 @@ def rows(measured: MeasuredRoughness) -> list[tuple[str, str]]:
     profile, fit = measured.profile, measured.fit
     points, length = profile.heights.size, profile.heights.size * profile.spacing
     low, high = fit.scale_range
-    found = [
+    table = [
         ("points", f"{points} at {_shown(profile.spacing)}, {_shown(length)} long"),
         ("units", f"position in {profile.units[0]}, height in {profile.units[1]}"),
         ("removed", "mean straight line; the fit allows for it"),
@@ -73,13 +73,13 @@ def rows(measured: MeasuredRoughness) -> list[tuple[str, str]]:
         ("scales of the fit", f"{_shown(low)} to {_shown(high)}"),
     ]
     if fit.noise_height:
-        found.append(("noise", f"{_shown(fit.noise_height)} rms, left out of D and G"))
+        table.append(("noise", f"{_shown(fit.noise_height)} rms, left out of D and G"))
     if fit.usable:
-        found += [
+        table += [
             ("D of the surface", f"{fit.fractal_dimension:.3f} {_between(fit.fractal_dimension_interval, '.3f')}"),
             ("G", f"{fit.fractal_roughness:.3g} m {_between(fit.fractal_roughness_interval, '.2g', ' m')}"),
         ]
-    return found
+    return table
 
 
 def require_hardness(text: str) -> None:
@@ -87,7 +87,7 @@ def require_hardness(text: str) -> None:
     TwoBladeCase().replace({"roughness.hardness": text})
 
 
-def contact_sentence(fit: RoughnessFit, hardness: str | None = None) -> str:
+def contact_message(fit: RoughnessFit, hardness: str | None = None) -> str:
     """A message on the load above which a face of this roughness has a contact stiffness; ``hardness`` with its unit.
 
     Below that load the largest spot is smaller than the critical area a_c', so every spot is plastic and K = 0 in the
@@ -101,9 +101,9 @@ def contact_sentence(fit: RoughnessFit, hardness: str | None = None) -> str:
     case = TwoBladeCase().replace(chosen | ({} if hardness is None else {"roughness.hardness": hardness}))
     roughness = case_roughness(case, *[case_material(case)] * 2)
     least = fully_plastic_load(roughness)
-    given = "" if hardness else "the default "
+    origin = "" if hardness else "the default "
     return (
-        f"With {given}hardness {roughness.hardness / 1e9:g} GPa spots below the critical area "
+        f"With {origin}hardness {roughness.hardness / 1e9:g} GPa spots below the critical area "
         f"{exp(log_critical_area(roughness)):.3g} m2 are plastic. A face that carries less than {least:.3g} N has no "
         "other spots, so the law gives it no stiffness (mode unloading does); above that it has one, which stickslip "
         "check shows."

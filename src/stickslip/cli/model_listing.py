@@ -33,13 +33,13 @@ def print_model(path: Path, length_unit: str | None, unit_system: str | None, in
 
     if unit_system is not None and length_unit is None:
         raise InputError("--unit-system needs --length-unit, too: give both.")
-    known = length_unit is not None
+    units_known = length_unit is not None
     units = find_unit_system(length_unit or "m", unit_system)
     raw = read_raw(path, includes_outside)
     model = build_model(raw, units)
     console = Console(soft_wrap=True)
     console.print(printable(f"{model.source}: {model.format}"), markup=False)
-    for title, heading, rows in _tables(model, known):
+    for title, heading, rows in _tables(model, units_known):
         if rows:
             table = Table(title=title, title_justify="left")
             for column, name in enumerate(heading):
@@ -47,28 +47,28 @@ def print_model(path: Path, length_unit: str | None, unit_system: str | None, in
             for row in rows:
                 table.add_row(*map(printable, row))
             console.print(table, markup=False)
-    for sentence in _sentences(model, known):
+    for sentence in _messages(model, units_known):
         console.print(printable(sentence), markup=False)
-    if not known:
+    if not units_known:
         console.print(printable(_ask_for_unit(raw)), markup=False)
 
 
-def _tables(model: ImportedModel, known: bool) -> Iterator[tuple[str, tuple[str, ...], Rows]]:
+def _tables(model: ImportedModel, units_known: bool) -> Iterator[tuple[str, tuple[str, ...], Rows]]:
     mesh = model.mesh
     low, high = bounding_box(mesh.points)
-    if known:
+    if units_known:
         limits: Rows = [
             (axis, f"{1e3 * start:.6g}", f"{1e3 * stop:.6g}", f"{1e3 * (stop - start):.6g}")
             for axis, start, stop in zip(_AXES, low, high, strict=True)
         ]
         yield "Bounding box", ("axis", "from, mm", "to, mm", "size, mm"), limits
     yield "Bodies", ("name", "elements", "nodes", "free faces", "kinds"), _bodies(model)
-    if known:
+    if units_known:
         yield "Masses", ("name", "volume, mm3", "mass, kg", "E, GPa", "density, kg/m3"), _masses(model)
     yield (
         "Face sets",
-        ("name", "sides", "nodes", *(("area, mm2",) if known else ()), "body"),
-        [_face(mesh, name, known) for name in mesh.face_sets],
+        ("name", "sides", "nodes", *(("area, mm2",) if units_known else ()), "body"),
+        [_face(mesh, name, units_known) for name in mesh.face_sets],
     )
     others = [name for name in mesh.node_sets if name not in mesh.face_sets and name not in mesh.element_sets]
     yield "Node sets", ("name", "nodes"), [(name, f"{mesh.node_sets[name].size}") for name in others]
@@ -86,12 +86,12 @@ def _bodies(model: ImportedModel) -> Rows:
     return rows
 
 
-def _face(mesh: Mesh, name: str, known: bool) -> tuple[str, ...]:
+def _face(mesh: Mesh, name: str, units_known: bool) -> tuple[str, ...]:
     """Row of a face set: sides, nodes, area and the bodies that its nodes belong to."""
     nodes, area, _ = face_geometry(mesh, name)
     sides = sum(len(side) for side in mesh.sides(name))
     bodies = [each for number, each in enumerate(mesh.body_names) if np.isin(nodes, mesh.nodes_of_body(number)).any()]
-    size = (f"{1e6 * area.sum():.6g}",) if known else ()
+    size = (f"{1e6 * area.sum():.6g}",) if units_known else ()
     return name, f"{sides}", f"{nodes.size}", *size, ", ".join(bodies)
 
 
@@ -107,9 +107,9 @@ def _masses(model: ImportedModel) -> Rows:
     return rows
 
 
-def _sentences(model: ImportedModel, known: bool) -> Iterator[str]:
+def _messages(model: ImportedModel, units_known: bool) -> Iterator[str]:
     mesh = model.mesh
-    if known:
+    if units_known:
         yield f"Units: lengths in {model.length_unit}, materials and forces in the system {model.unit_system}."
     for number, part in enumerate(part_motions(mesh, model.fixed_unknowns), start=1):
         bodies = ", ".join(mesh.body_names[body] for body in np.unique(mesh.body[part.cells]))
@@ -125,15 +125,15 @@ def _sentences(model: ImportedModel, known: bool) -> Iterator[str]:
                 f"Connected part {number} ({bodies}) has {part.rigid} rigid-body motions that the file does not hold: "
                 "contact or the study must."
             )
-    held: IntArray = model.fixed_unknowns
-    if held.size:
-        yield f"The file holds {held.size} displacements of {np.unique(held // 3).size} nodes at zero."
+    constrained: IntArray = model.fixed_unknowns
+    if constrained.size:
+        yield f"The file holds {constrained.size} displacements of {np.unique(constrained // 3).size} nodes at zero."
     loaded = np.flatnonzero(model.node_forces.any(axis=1))
     if loaded.size:
         total = ", ".join(f"{force:.6g}" for force in model.node_forces.sum(axis=0))
-        yield f"Forces act on {loaded.size} nodes" + (f"; their sum is ({total}) N." if known else ".")
+        yield f"Forces act on {loaded.size} nodes" + (f"; their sum is ({total}) N." if units_known else ".")
     yield from (f"Note: {message}" for message in model.messages)
-    if known:
+    if units_known:
         yield from (f"Warning: {message}" for message in model.warnings)
 
 

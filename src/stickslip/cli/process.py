@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import TextIO
 
-from stickslip.core.errors import show_warnings_as_sentences
+from stickslip.core.errors import show_warnings_as_lines
 
 # Ctrl-C (SIGINT) is Python's own KeyboardInterrupt. Windows has no SIGHUP.
 STOPPING = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
@@ -57,11 +57,11 @@ def stopping_signals() -> Iterator[None]:
 def plain_warnings() -> Iterator[None]:
     """Show the warnings of stickslip as one line of stderr without file and line of the code; others as usual."""
     with warnings.catch_warnings():
-        show_warnings_as_sentences()
+        show_warnings_as_lines()
         yield
 
 
-class PatientOutput(io.TextIOWrapper):
+class TolerantOutput(io.TextIOWrapper):
     """Output to a reader that may close its end ("| head"): further output is dropped, and the command continues."""
 
     def write(self, text: str, /) -> int:
@@ -86,15 +86,15 @@ class PatientOutput(io.TextIOWrapper):
         os.close(nowhere)
 
 
-def make_output_patient() -> None:
+def tolerate_closed_output() -> None:
     """Keep the command running if the reader of stdout or stderr is gone."""
-    sys.stdout, sys.stderr = _patient(sys.stdout), _patient(sys.stderr)
+    sys.stdout, sys.stderr = _tolerant(sys.stdout), _tolerant(sys.stderr)
 
 
-def _patient(stream: TextIO) -> TextIO:
+def _tolerant(stream: TextIO) -> TextIO:
     if not isinstance(stream, io.TextIOWrapper):
         return stream  # none at all, or not that of a process
-    return PatientOutput(
+    return TolerantOutput(
         stream.buffer,
         encoding=stream.encoding,
         errors=stream.errors,

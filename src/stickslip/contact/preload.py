@@ -41,7 +41,7 @@ def uniform_preload(
     friction = real_number("friction_coefficient", friction_coefficient)
     require_allowed("platform_angle", angle, 0 <= angle < pi / 2, "from 0 to below pi/2 rad (an angle in radians)")
     require_allowed("friction_coefficient", friction, friction >= 0, "0 or above")
-    share = area_share(area, face)
+    share = area_fraction(area, face)
     return force / (2.0 * (cos(angle) + friction * sin(angle))) * share
 
 
@@ -59,7 +59,7 @@ def prescribed_preload(values: ArrayLike, n_pairs: int) -> FloatArray:
     return array.copy()
 
 
-def area_share(area: ArrayLike, face: ArrayLike) -> FloatArray:
+def area_fraction(area: ArrayLike, face: ArrayLike) -> FloatArray:
     """Fraction (n_pairs,) of each pair of the area of its own face, A_i / sum of A_j; the fractions of a face sum to 1.
 
     Raises InputError unless the areas are above zero and ``face`` contains one integer for each pair.

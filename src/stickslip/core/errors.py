@@ -24,7 +24,7 @@ class StickslipWarning(UserWarning):
     """stickslip corrected a problem by itself; the results are right."""
 
 
-def show_warnings_as_sentences() -> None:
+def show_warnings_as_lines() -> None:
     """From now on print a StickslipWarning as one line on stderr, without file and line of the code."""
     usual = warnings.showwarning
 
@@ -119,7 +119,7 @@ class WorkersError(StickslipError, RuntimeError):
     version."""
 
 
-class PlaceError(InputError):
+class OutputError(InputError):
     """A folder, a file or the disk cannot be written to; the study file is not the cause."""
 
 

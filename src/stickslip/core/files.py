@@ -13,11 +13,11 @@ from pathlib import Path
 
 from platformdirs import user_cache_path
 
-from stickslip.core.errors import PlaceError, StickslipError
+from stickslip.core.errors import OutputError, StickslipError
 
 _PART = ".part"
 _IN_USE = "in_use"  # in an unfinished folder: the file whose lock shows that its writer is alive
-_KEPT_FOLDER = "stickslip-unsaved"
+_UNSAVED_FOLDER = "stickslip-unsaved"
 _own_parts: set[Path] = set()
 
 
@@ -27,17 +27,17 @@ def whole_file(target: Path, what: str, error: type[StickslipError]) -> Iterator
 
     ``what`` names the content ("results"); an operating system error becomes ``error`` with a message.
     """
-    with _sentences(target, what, error):
-        part, held = _claimed(target)
+    with _errors_as(target, what, error):
+        part, descriptor = _claim(target)
         try:
             yield part
             _flush(part)
-            os.close(held)  # before the new name: Windows renames no open file
-            held = -1
+            os.close(descriptor)  # before the new name: Windows renames no open file
+            descriptor = -1
             os.replace(part, target)
         finally:
-            if held >= 0:
-                os.close(held)
+            if descriptor >= 0:
+                os.close(descriptor)
             part.unlink(missing_ok=True)
             _own_parts.discard(part)
 
@@ -48,12 +48,12 @@ def work_folder(target: Path, what: str, error: type[StickslipError]) -> Iterato
 
     ``what`` names the content; an operating system error becomes ``error`` with a message.
     """
-    with _sentences(target, what, error):
-        part, held = _claimed(target, is_folder=True)
+    with _errors_as(target, what, error):
+        part, descriptor = _claim(target, is_folder=True)
         try:
             yield part
         finally:
-            os.close(held)
+            os.close(descriptor)
             shutil.rmtree(part, ignore_errors=True)
             _own_parts.discard(part)
 
@@ -109,17 +109,17 @@ def write_solved(target: Path, content: bytes, what: str, error: type[StickslipE
         with whole_file(target, what, error) as part:
             part.write_bytes(content)
     except error as problem:
-        kept = _kept_elsewhere(target.name, content)
+        saved = _saved_elsewhere(target.name, content)
         words = (
             "It could not be kept in another place either: make room, and run the same command again."
-            if kept is None
-            else f'What was solved is kept in "{kept}": make room, move that file to the place above, and {then}.'
+            if saved is None
+            else f'What was solved is kept in "{saved}": make room, move that file to the place above, and {then}.'
         )
         raise error(f"{problem} {words}") from problem
 
 
 def require_folder(folder: Path, files: Iterable[str] = (), folders: Iterable[str] = ()) -> None:
-    """Create ``folder``; raise PlaceError before any long computation unless files can be written into it.
+    """Create ``folder``; raise OutputError before any long computation unless files can be written into it.
 
     ``files`` and ``folders`` are the names of the future content: no folder may have the name of such a file and no
     file that of such a folder, and existing folders must be writable. Unfinished files of killed runs are removed.
@@ -127,39 +127,39 @@ def require_folder(folder: Path, files: Iterable[str] = (), folders: Iterable[st
     _require_writable(folder)
     for name in files:
         if (folder / name).is_dir():
-            raise _taken(folder / name, "folder", "file")
+            raise _name_conflict(folder / name, "folder", "file")
     inner = [folder / name for name in folders]
     for place in inner:
         if place.is_dir():
             _require_writable(place)
         elif place.exists() or place.is_symlink():
-            raise _taken(place, "file", "folder")
+            raise _name_conflict(place, "file", "folder")
     for place in (folder, *inner):
         remove_abandoned(place)
 
 
-def _taken(place: Path, found: str, wanted: str) -> PlaceError:
-    return PlaceError(
-        f'"{place}" is a {found}, but a {wanted} of that name will be written. Move it, or give another folder.'
+def _name_conflict(place: Path, existing: str, wanted: str) -> OutputError:
+    return OutputError(
+        f'"{place}" is a {existing}, but a {wanted} of that name will be written. Move it, or give another folder.'
     )
 
 
-def require_room(folder: Path, whole_bytes: int, largest_file_bytes: int) -> None:
-    """Raise PlaceError unless the disk has ``whole_bytes`` free and a single file may have ``largest_file_bytes``."""
+def require_disk_space(folder: Path, whole_bytes: int, largest_file_bytes: int) -> None:
+    """Raise OutputError unless the disk has ``whole_bytes`` free and a single file may have ``largest_file_bytes``."""
     try:
         free = shutil.disk_usage(folder).free
     except OSError as error:
-        raise PlaceError(
+        raise OutputError(
             f"the folder {folder} is not there any more ({error.strerror}), and nothing is solved yet. Start again."
         ) from error
     if free < whole_bytes:
-        raise PlaceError(
+        raise OutputError(
             f"the disk of the folder {folder} has {_megabytes(free)} free, but about {_megabytes(whole_bytes)} will be "
             "written. Make room, or give a folder on another disk."
         )
     limit = _size_limit()
     if limit is not None and limit < largest_file_bytes:
-        raise PlaceError(
+        raise OutputError(
             f"one file may have {_megabytes(limit)} here (ulimit -f), but the largest will have about "
             f"{_megabytes(largest_file_bytes)}. Raise that limit."
         )
@@ -174,7 +174,7 @@ def source_digest(sources: Iterable[Path]) -> str:
 
 
 @contextmanager
-def _sentences(target: Path, what: str, error: type[StickslipError]) -> Iterator[None]:
+def _errors_as(target: Path, what: str, error: type[StickslipError]) -> Iterator[None]:
     try:
         yield
     except OSError as problem:
@@ -186,7 +186,7 @@ def _sentences(target: Path, what: str, error: type[StickslipError]) -> Iterator
         ) from problem
 
 
-def _claimed(target: Path, is_folder: bool = False) -> tuple[Path, int]:
+def _claim(target: Path, is_folder: bool = False) -> tuple[Path, int]:
     """A new unfinished file or folder, and the descriptor of its lock."""
     while True:
         # a random name: processes of two containers may share a number
@@ -195,25 +195,25 @@ def _claimed(target: Path, is_folder: bool = False) -> tuple[Path, int]:
             part.mkdir()
         mark = part / _IN_USE if is_folder else part
         try:
-            held = os.open(mark, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
+            descriptor = os.open(mark, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
         except FileNotFoundError:
             if is_folder and target.parent.is_dir():
                 continue  # removed as abandoned before it was marked
             raise
-        _lock(held)
+        _lock(descriptor)
         if mark.exists():
             _own_parts.add(part)
-            return part, held
-        os.close(held)  # removed as abandoned before it was locked
+            return part, descriptor
+        os.close(descriptor)  # removed as abandoned before it was locked
 
 
-def _lock(held: int) -> None:
+def _lock(descriptor: int) -> None:
     """Lock an open file until its descriptor is closed, where the file system has locks."""
     if os.name == "posix":
         import fcntl
 
         with suppress(OSError):  # no locks here: the file is then never removed as abandoned
-            fcntl.flock(held, fcntl.LOCK_EX)
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
 
 
 @contextmanager
@@ -242,14 +242,14 @@ def _flush(part: Path) -> None:
         os.fsync(stream.fileno())
 
 
-def _kept_elsewhere(name: str, content: bytes) -> Path | None:
+def _saved_elsewhere(name: str, content: bytes) -> Path | None:
     """Write content into a new folder of the user's cache, or of the temporary files; None if neither has space."""
     for base in (user_cache_folder(), Path(tempfile.gettempdir())):
         if base is None:
             continue
         try:
-            (base / _KEPT_FOLDER).mkdir(parents=True, exist_ok=True)
-            folder = Path(tempfile.mkdtemp(dir=base / _KEPT_FOLDER))
+            (base / _UNSAVED_FOLDER).mkdir(parents=True, exist_ok=True)
+            folder = Path(tempfile.mkdtemp(dir=base / _UNSAVED_FOLDER))
         except OSError:
             continue
         try:
@@ -277,7 +277,7 @@ def _require_writable(folder: Path) -> None:
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        raise PlaceError(
+        raise OutputError(
             f"the folder {folder} cannot be written ({error.strerror}). Give a folder in which you can make files."
         ) from error
 

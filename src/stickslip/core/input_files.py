@@ -186,7 +186,7 @@ def _require_own_data(path: Path, packed: int, file: h5py.File) -> None:
         for name in group:
             link = group.get(name, getlink=True)
             if isinstance(link, h5py.ExternalLink):
-                _refuse_foreign_data(path, group, name, "is a link to another file")
+                _reject_foreign_data(path, group, name, "is a link to another file")
             if not isinstance(link, h5py.HardLink):
                 continue  # the target of a soft link in this file is visited under its own name
             item = group[name]
@@ -198,9 +198,9 @@ def _require_own_data(path: Path, packed: int, file: h5py.File) -> None:
                 waiting.append(item)
             elif isinstance(item, h5py.Dataset):
                 if item.external:
-                    _refuse_foreign_data(path, group, name, "keeps its data in another file")
+                    _reject_foreign_data(path, group, name, "keeps its data in another file")
                 if item.is_virtual:
-                    _refuse_foreign_data(path, group, name, "is put together from data sets of other files")
+                    _reject_foreign_data(path, group, name, "is put together from data sets of other files")
                 # a chunk is unpacked completely, however little of it belongs to the data set
                 chunk = item.dtype.itemsize
                 for length in item.chunks or ():
@@ -209,7 +209,7 @@ def _require_own_data(path: Path, packed: int, file: h5py.File) -> None:
                 require_unpackable(path, packed, unpacked)
 
 
-def _refuse_foreign_data(path: Path, group: h5py.Group, name: str, what: str) -> None:
+def _reject_foreign_data(path: Path, group: h5py.Group, name: str, what: str) -> None:
     raise ImportFileError(
         f"\"{path}\": '{group.name.rstrip('/')}/{name}' {what}. Other files are not read through an HDF5 file; write "
         "all data into this one."

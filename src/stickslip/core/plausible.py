@@ -43,7 +43,7 @@ def suspecting(odd: Sequence[OddValue]) -> Iterator[None]:
             raise
         first = odd[0]
         sentence = f"{first.sentence} Most likely because of that: {error}"
-        told = error.reworded(sentence) if isinstance(error, InputError) else InputError(sentence)
+        reworded = error.reworded(sentence) if isinstance(error, InputError) else InputError(sentence)
         if first.key:
-            told.concern(first.key)
-        raise told from error
+            reworded.concern(first.key)
+        raise reworded from error

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 REMINDER_SECONDS = 30.0  # chosen: a user takes a longer silence for a hang
-REMINDER_SHARE = 0.02  # of the time of the stage so far: about 50 lines, however long it runs
+REMINDER_FRACTION = 0.02  # of the time of the stage so far: about 50 lines, however long it runs
 
 # A part of a computation calls it with its finished fraction and a message.
 ProgressCallback = Callable[[float, str], None]
@@ -56,7 +56,7 @@ class LineProgress:
     them.
 
     A reminder comes ``REMINDER_SECONDS`` after the last line of a stage, and in a stage that takes long after
-    ``REMINDER_SHARE`` of its time so far, so that a log of days stays short.
+    ``REMINDER_FRACTION`` of its time so far, so that a log of days stays short.
     """
 
     def __init__(self, console: Console, clock: Callable[[], float] = time.monotonic) -> None:
@@ -89,7 +89,7 @@ class LineProgress:
                 return
             now = self._clock()
             elapsed = now - self._began
-            if now - self._last_line < max(REMINDER_SECONDS, REMINDER_SHARE * elapsed):
+            if now - self._last_line < max(REMINDER_SECONDS, REMINDER_FRACTION * elapsed):
                 return
             stage, fraction, detail = self._current
             took = f"{elapsed:.0f} s" if elapsed < 600.0 else f"{elapsed / 60.0:.0f} min"

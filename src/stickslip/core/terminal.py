@@ -6,7 +6,9 @@ import unicodedata
 
 # Characters that reorder or hide text (Unicode TR 9 and TR 36), beside the control characters: marks, embeddings,
 # overrides and isolates of direction, line and paragraph separators.
-_ACTING = frozenset("\u061c\u200e\u200f\u2028\u2029\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069\ufeff")
+_TERMINAL_CONTROLS = frozenset(
+    "\u061c\u200e\u200f\u2028\u2029\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069\ufeff"
+)
 
 
 def printable(text: str) -> str:
@@ -26,4 +28,4 @@ def echo(text: str, err: bool = False) -> None:
 
 def _shown(letter: str) -> str:
     acts = unicodedata.category(letter) in ("Cc", "Cs") and letter not in "\n\t"
-    return letter.encode("unicode_escape").decode("ascii") if acts or letter in _ACTING else letter
+    return letter.encode("unicode_escape").decode("ascii") if acts or letter in _TERMINAL_CONTROLS else letter

@@ -30,9 +30,9 @@ def threads_of_variable(variable: str) -> int | None:
     parts = text.split(",") if variable == _OPENMP else [text]
     numbers = [int(part) if part.strip().isdecimal() and len(part) <= _LONGEST_TEXT else 0 for part in parts]
     if not all(1 <= number <= MOST_THREADS for number in numbers):
-        shown = text if len(text) <= 40 else f"{text[:36]} ..."
+        shortened = text if len(text) <= 40 else f"{text[:36]} ..."
         raise InputError(
-            f"the environment variable {variable} is {shown!r}, but it must be a whole number from 1 to "
+            f"the environment variable {variable} is {shortened!r}, but it must be a whole number from 1 to "
             f"{MOST_THREADS}. Change it, or take it out of the environment."
         )
     return numbers[0]

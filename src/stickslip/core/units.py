@@ -100,7 +100,7 @@ class Quantity:
         """The SI value of a number or of a string with a unit. Raises InputError."""
         number, unit = self._split(value)
         if unit is None:
-            self._refuse_missing_unit(value, number)
+            self._reject_missing_unit(value, number)
             unit = self.si_unit
         if not math.isfinite(number):
             raise InputError(f"must be a finite number. {self._example()}")
@@ -150,19 +150,19 @@ class Quantity:
         """``number unit`` in the SI unit. Raises InputError for an unknown unit or one of another kind."""
         example = self._usual_example()
         needed = f"{self._kind_with_article()} is needed, such as {example}."
-        found = _root_unit(unit)
-        if found is None:
+        root_unit = _root_unit(unit)
+        if root_unit is None:
             raise InputError(
                 f'has the unknown unit "{unit[:40]}"; {needed} Capitals matter: mm, um, GPa, MPa, N, kN, Hz, kg/m^3.'
             )
-        if found != _root_unit(self.si_unit):
-            other = next((name for name, (si, _) in KINDS.items() if _root_unit(si) == found), "another kind")
+        if root_unit != _root_unit(self.si_unit):
+            other = next((name for name, (si, _) in KINDS.items() if _root_unit(si) == root_unit), "another kind")
             angular = " For rad/s divide by 2 pi, for rpm by 60." if self.kind == "frequency" else ""
             raise InputError(f'has "{unit[:40]}", a unit of {other}, but {needed}{angular}')
         # 15 digits: the factor of a prefix is not exact in binary, and "36.7 mm" shall be the float 0.0367
         return float(f"{number * _factor_to_si(unit):.15g}")
 
-    def _refuse_missing_unit(self, value: object, number: float) -> None:
+    def _reject_missing_unit(self, value: object, number: float) -> None:
         if self.unit_required:
             raise InputError(
                 f"has no unit. {self.unit_required} Write the unit that you mean, for example "
@@ -176,7 +176,7 @@ class Quantity:
             (self.below, "below", self.below is None or value < self.below),
             (self.at_most, "of at most", self.at_most is None or value <= self.at_most),
         )
-        if all(held for _, _, held in limits):
+        if all(satisfied for _, _, satisfied in limits):
             return
         allowed = " and ".join(f"{word} {_short(bound)}" for bound, word, _ in limits if bound is not None)
         if value <= 0.0 and self.at_least is not None and self.at_least > 0.0:

@@ -80,10 +80,10 @@ def finite_array(name: str, value: ArrayLike) -> FloatArray:
     bad = np.argwhere(~np.isfinite(array))
     if len(bad):  # a single number has no index, so bad has no columns
         where = f"[{', '.join(str(i) for i in bad[0])}]" if array.ndim else ""
-        found = array[tuple(bad[0])]
+        entry = array[tuple(bad[0])]
         raise argument_error(
             name,
-            f"{name}{where} is {found}; every entry must be a finite number ({len(bad)} of {array.size} are not). "
+            f"{name}{where} is {entry}; every entry must be a finite number ({len(bad)} of {array.size} are not). "
             "Look for a division by zero or an empty cell where the array was made.",
         )
     return array

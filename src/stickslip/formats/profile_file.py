@@ -86,23 +86,27 @@ def _rows(source: Path) -> tuple[str, list[tuple[int, tuple[float, float]]]]:
                 heading.append(line)
         elif line and not rows and _is_names(line):
             if any(not each.startswith("#") for each in heading):
-                raise InputError(f'{source}, line {number}: "{line[:40]}" is a second line of column names. {_WANTED}')
+                raise InputError(
+                    f'{source}, line {number}: "{line[:40]}" is a second line of column names. {_EXPECTED_FORMAT}'
+                )
             heading.append(line)
         elif line:
             rows.append((number, _two_numbers(source, number, line)))
     if len(rows) < 2:
-        raise InputError(f"{source}: the file holds {len(rows)} lines of numbers, too few for a profile. {_WANTED}")
+        raise InputError(
+            f"{source}: the file holds {len(rows)} lines of numbers, too few for a profile. {_EXPECTED_FORMAT}"
+        )
     return " ".join(heading), rows
 
 
-_WANTED = "A profile is a position and a height on each line, such as 0.5, 1.25; comments start with #."
+_EXPECTED_FORMAT = "A profile is a position and a height on each line, such as 0.5, 1.25; comments start with #."
 
 
 def _lines(source: Path) -> Iterator[tuple[int, str]]:
     try:
         text = read_input(source, "Give the path of a profile.", LARGEST_PROFILE).decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InputError(f"{source}: this is not a text file in UTF-8. {_WANTED}") from error
+        raise InputError(f"{source}: this is not a text file in UTF-8. {_EXPECTED_FORMAT}") from error
     yield from enumerate(text.splitlines(), start=1)
 
 
@@ -123,12 +127,14 @@ def _two_numbers(source: Path, number: int, line: str) -> tuple[float, float]:
     words = _SEPARATOR.split(line)
     if len(words) != 2:
         comma = " Write decimals with a point, not a comma." if line.count(",") > 1 else ""
-        raise InputError(f'{source}, line {number}: "{line[:40]}" has {len(words)} columns, not 2.{comma} {_WANTED}')
+        raise InputError(
+            f'{source}, line {number}: "{line[:40]}" has {len(words)} columns, not 2.{comma} {_EXPECTED_FORMAT}'
+        )
     values = []
     for name, word in zip(_COLUMNS, words, strict=True):
         value = _number(word)
         if value is None:
-            raise InputError(f'{source}, line {number}: the {name} "{word[:40]}" is not a number. {_WANTED}')
+            raise InputError(f'{source}, line {number}: the {name} "{word[:40]}" is not a number. {_EXPECTED_FORMAT}')
         if not math.isfinite(value):
             raise InputError(
                 f"{source}, line {number}: the {name} is {word}, but gaps in a profile are refused. Fill them in the "
@@ -138,12 +144,12 @@ def _two_numbers(source: Path, number: int, line: str) -> tuple[float, float]:
     return values[0], values[1]
 
 
-def _units(source: Path, heading: str, given: tuple[str | None, str | None]) -> tuple[str, str]:
+def _units(source: Path, heading: str, options: tuple[str | None, str | None]) -> tuple[str, str]:
     """Units of both columns. Raises InputError if one is missing, or given and file differ."""
     named = _UNIT.findall(heading)
-    found = tuple(named) if len(named) == 2 else (None, None)
+    stated_units = tuple(named) if len(named) == 2 else (None, None)
     result = []
-    for name, wanted, stated in zip(_COLUMNS, given, found, strict=True):
+    for name, wanted, stated in zip(_COLUMNS, options, stated_units, strict=True):
         unit = wanted or stated
         if unit is None:
             raise InputError(

@@ -13,7 +13,7 @@ from stickslip.contact.constants import FRICTION, GAP, Constant, Declaration
 from stickslip.contact.law.law import ContactLaw
 from stickslip.contact.law.registry import contact_law
 from stickslip.contact.pairing.face_pairs import FacePairs
-from stickslip.contact.preload import area_share
+from stickslip.contact.preload import area_fraction
 from stickslip.contact.shared_constants import shared_constants
 from stickslip.contact.stiffness.registry import stiffness_law
 from stickslip.contact.stiffness.stiffness_law import Allocation, StiffnessLaw
@@ -85,7 +85,7 @@ class NamedLaw:
                 'meshes differ, set adjust = "closed".',
                 (self.section,),
             )
-        share = area_share(pairs.area[members], pairs.face[members])
+        share = area_fraction(pairs.area[members], pairs.face[members])
         arguments = shared_constants(self.declared, self.constants.values, share)
         try:
             law: ContactLaw = contact_law(self.name)(

@@ -17,7 +17,7 @@ from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.law import ContactLaw
 from stickslip.contact.pairing.pairing import FacePairs
-from stickslip.contact.preload import area_share, face_sum
+from stickslip.contact.preload import area_fraction, face_sum
 from stickslip.contact.stiffness.fractal import (
     ContactStiffness,
     Roughness,
@@ -65,10 +65,10 @@ class FaceSettings:
     @classmethod
     def of_case(cls, case: Case) -> FaceSettings:
         """The settings of [friction] and [contact_stiffness]. Raises InputError for a law that cannot be made."""
-        given, friction = case.contact_stiffness, case.friction.coefficient
-        if isinstance(given, StiffnessLawSection):
-            return cls(friction, None, pressure_law=pressure_law(given, "contact_stiffness"))
-        stiffness = None if given is None else (given.normal_stiffness, given.tangential_stiffness)
+        section, friction = case.contact_stiffness, case.friction.coefficient
+        if isinstance(section, StiffnessLawSection):
+            return cls(friction, None, pressure_law=pressure_law(section, "contact_stiffness"))
+        stiffness = None if section is None else (section.normal_stiffness, section.tangential_stiffness)
         return cls(friction, stiffness)
 
     @property
@@ -233,18 +233,18 @@ def describe_faces(
     pairs = layout.face_pairs
     faces: list[RoughFace | None] = []
     for face, own in enumerate(settings):
-        given, members = case.roughness, pairs.face == face
-        if not own.is_rough or given is None:
+        section, members = case.roughness, pairs.face == face
+        if not own.is_rough or section is None:
             faces.append(None)
             continue
         area, load = float(pairs.area[members].sum()), float(np.maximum(preload[members], 0.0).sum())
-        reference = given.reference_area or area
+        reference = section.reference_area or area
         with concerning(*_stiffness_keys(case, own)):
             roughness = case_roughness(case, *layout.face_materials[face])
             faces.append(
                 RoughFace(
-                    contact_stiffness(roughness, load * (reference / area), mode=given.mode, nominal_area=reference),
-                    surface_statistics(roughness, given.sample_length, given.shortest_length),
+                    contact_stiffness(roughness, load * (reference / area), mode=section.mode, nominal_area=reference),
+                    surface_statistics(roughness, section.sample_length, section.shortest_length),
                     reference,
                 )
             )
@@ -259,7 +259,7 @@ def pair_springs(
     Raises RoughnessError where the roughness gives no usable contact.
     """
     pairs = layout.face_pairs
-    share = area_share(pairs.area, pairs.face)
+    share = area_fraction(pairs.area, pairs.face)
     normal, tangential = np.zeros(pairs.n_pairs), np.zeros(pairs.n_pairs)
     for face, own in enumerate(settings):
         members = pairs.face == face
@@ -286,15 +286,15 @@ def face_law(case: Case, layout: Layout, face: int, settings: FaceSettings) -> S
     """The stiffness law of a face that has no stiffness of its own. Raises InputError."""
     if settings.pressure_law is not None:
         return settings.pressure_law.law
-    given = roughness_section(case)
-    if given.reference_area is not None and given.allocation != "pressure":
+    section = roughness_section(case)
+    if section.reference_area is not None and section.allocation != "pressure":
         raise InputError(
-            f'reference_area belongs to allocation "pressure", but allocation is "{given.allocation}".',
+            f'reference_area belongs to allocation "pressure", but allocation is "{section.allocation}".',
             ("roughness.reference_area",),
         )
     area = float(layout.face_pairs.area[layout.face_pairs.face == face].sum())
     roughness = case_roughness(case, *layout.face_materials[face])
-    return FractalStiffness(roughness, given.reference_area or area, given.mode)
+    return FractalStiffness(roughness, section.reference_area or area, section.mode)
 
 
 def _stiffness_keys(case: Case, settings: FaceSettings) -> tuple[str, ...]:
@@ -329,18 +329,18 @@ def roughness_section(case: Case) -> RoughnessSection:
 
 def case_roughness(case: Case, first: Material, second: Material) -> Roughness:
     """Roughness of a case that has one, between two bodies."""
-    given = roughness_section(case)
+    section = roughness_section(case)
     return Roughness(
-        fractal_dimension=given.fractal_dimension,
-        fractal_roughness=given.fractal_roughness,
-        hardness=given.hardness,
+        fractal_dimension=section.fractal_dimension,
+        fractal_roughness=section.fractal_roughness,
+        hardness=section.hardness,
         reduced_modulus=reduced_modulus(
             first.young_modulus, first.poisson_ratio, second.young_modulus, second.poisson_ratio
         ),
         poisson_ratio=_joint_poisson_ratio(first, second),
-        domain_extension=given.domain_extension,
-        sample_length=given.sample_length,
-        shortest_length=given.shortest_length,
+        domain_extension=section.domain_extension,
+        sample_length=section.sample_length,
+        shortest_length=section.shortest_length,
     )
 
 

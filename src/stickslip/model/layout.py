@@ -23,7 +23,7 @@ Derived = tuple[str, str | float | int, str, str]
 
 
 @dataclass(frozen=True)
-class Port:
+class NodeGroup:
     """Nodes (k,) of a force or a displacement output, and the weight of each (k,); the weights sum to 1.
 
     The weights distribute a force over the nodes, and a displacement is the weighted mean. In a reduction a single node
@@ -32,15 +32,15 @@ class Port:
     """
 
     nodes: IntArray
-    shares: FloatArray
+    weights: FloatArray
 
     @classmethod
-    def single(cls, node: int) -> Port:
+    def single(cls, node: int) -> NodeGroup:
         """The group of one node."""
         return cls(np.array([node], dtype=np.int64), np.ones(1))
 
     @classmethod
-    def equal(cls, nodes: IntArray) -> Port:
+    def equal(cls, nodes: IntArray) -> NodeGroup:
         """A group with equal weights."""
         return cls(nodes, np.full(nodes.size, 1.0 / nodes.size))
 
@@ -84,7 +84,7 @@ class Layout:
     face_pairs: FacePairs
     face_names: tuple[str, ...]
     face_materials: tuple[tuple[Material, Material], ...]
-    ports: Mapping[str, Port]
+    node_groups: Mapping[str, NodeGroup]
     body_load: FloatArray | None = None
     base_inertia: FloatArray | None = None
     facts: tuple[Derived, ...] = ()
@@ -96,7 +96,7 @@ class Layout:
     @cached_property
     def boundary_nodes(self) -> IntArray:
         """Nodes that keep their displacements in a reduction: those of contact pairs, and of groups of one node."""
-        single = [port.nodes for port in self.ports.values() if port.is_single]
+        single = [node_group.nodes for node_group in self.node_groups.values() if node_group.is_single]
         return np.unique(np.concatenate([self.face_pairs.nodes, *single])).astype(np.int64)
 
 
@@ -117,11 +117,11 @@ class Setup(Protocol):
 
 
 @dataclass(frozen=True)
-class PortForce:
+class GroupForce:
     """A force of ``amplitude`` N along a unit vector on a node group; a harmonic one times ``sin(harmonic w t +
     phase)``."""
 
-    port: str
+    node_group: str
     direction: Direction
     amplitude: float
     phase: float = 0.0
@@ -129,10 +129,10 @@ class PortForce:
 
 
 @dataclass(frozen=True)
-class PortUnbalance:
+class GroupUnbalance:
     """A rotating unbalance of ``mass_times_radius`` kg m at a node group; it turns to the right about a unit vector."""
 
-    port: str
+    node_group: str
     axis: Direction
     mass_times_radius: float
 
@@ -159,8 +159,8 @@ class BaseMotionOfSupport:
 
 
 @dataclass(frozen=True)
-class Reading:
+class Output:
     """The displacement of a node group along a unit vector."""
 
-    port: str
+    node_group: str
     direction: Direction

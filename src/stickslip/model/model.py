@@ -21,7 +21,7 @@ from stickslip.model.kinds.kind import Kind
 from stickslip.model.kinds.matrices import MatrixKind
 from stickslip.model.kinds.mesh import MeshKind
 from stickslip.model.kinds.two_blade import TwoBladeKind
-from stickslip.model.layout import BaseMotionOfSupport, Layout, Port, PortForce, PortUnbalance, Setup
+from stickslip.model.layout import BaseMotionOfSupport, GroupForce, GroupUnbalance, Layout, NodeGroup, Setup
 from stickslip.model.solved_preload import SolvedPreload, resting_joint, solve_preload
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.damping import rayleigh_damping_matrix
@@ -60,7 +60,7 @@ class ReducedStructure:
     """
 
     superelement: Superelement
-    ports: Mapping[str, FloatArray]
+    node_groups: Mapping[str, FloatArray]
     body_load: FloatArray
     base_inertia: FloatArray | None = None
     mode_table: tuple[ReductionRow, ...] = ()
@@ -139,23 +139,23 @@ def reduce_structure(
         np.zeros(superelement.size) if layout.body_load is None else reduced_load(superelement, layout.body_load)
     )
     inertia = None if layout.base_inertia is None else reduced_load(superelement, layout.base_inertia)
-    return ReducedStructure(superelement, port_rows(superelement, layout), body_load, inertia)
+    return ReducedStructure(superelement, node_group_rows(superelement, layout), body_load, inertia)
 
 
-def port_rows(superelement: Superelement, layout: Layout) -> dict[str, FloatArray]:
+def node_group_rows(superelement: Superelement, layout: Layout) -> dict[str, FloatArray]:
     """Name -> (3, n) rows of the mean displacement x, y, z of a node group."""
-    return {name: _rows_of(superelement, port) for name, port in layout.ports.items()}
+    return {name: _rows_of(superelement, node_group) for name, node_group in layout.node_groups.items()}
 
 
-def _rows_of(superelement: Superelement, port: Port) -> FloatArray:
-    if np.isin(port.nodes, superelement.boundary_nodes).all():
+def _rows_of(superelement: Superelement, node_group: NodeGroup) -> FloatArray:
+    if np.isin(node_group.nodes, superelement.boundary_nodes).all():
         rows = np.zeros((3, superelement.size))
-        for node, share in zip(port.nodes, port.shares, strict=True):
+        for node, share in zip(node_group.nodes, node_group.weights, strict=True):
             rows[np.arange(3), superelement.unknowns_of(int(node))] += share
         return rows
     full = np.zeros((superelement.recovery.shape[0], 3))
     for axis in range(3):
-        full[3 * port.nodes + axis, axis] = port.shares
+        full[3 * node_group.nodes + axis, axis] = node_group.weights
     return reduced_load(superelement, full).T
 
 
@@ -194,9 +194,13 @@ def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel
     excitation = _excitation(reduced, kind.forces(case), kind.unbalances(case), kind.base_motion(case))
     static_load = kind.rotation_speed(case) ** 2 * reduced.body_load
     for force in kind.static_forces(case):
-        static_load = static_load + force.amplitude * (np.asarray(force.direction) @ reduced.ports[force.port])
-    readings, groups = kind.outputs(case)
-    outputs = {name: np.asarray(each.direction) @ reduced.ports[each.port] for name, each in readings.items()}
+        static_load = static_load + force.amplitude * (
+            np.asarray(force.direction) @ reduced.node_groups[force.node_group]
+        )
+    named_outputs, groups = kind.outputs(case)
+    outputs = {
+        name: np.asarray(each.direction) @ reduced.node_groups[each.node_group] for name, each in named_outputs.items()
+    }
     solved = None
     if case.preload.method == "solved":
         settings = kind.face_settings(case)
@@ -210,8 +214,8 @@ def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel
 
 def _excitation(
     reduced: ReducedStructure,
-    forces: Sequence[PortForce],
-    unbalances: Sequence[PortUnbalance],
+    forces: Sequence[GroupForce],
+    unbalances: Sequence[GroupUnbalance],
     motion: BaseMotionOfSupport | None,
 ) -> Excitation:
     """The excitation on the reduced unknowns."""
@@ -220,12 +224,12 @@ def _excitation(
         shape = (reduced.superelement.size, max(force.harmonic for force in forces))
         cosine, sine = np.zeros(shape), np.zeros(shape)
         for force in forces:
-            row = np.asarray(force.direction) @ reduced.ports[force.port]
+            row = np.asarray(force.direction) @ reduced.node_groups[force.node_group]
             cosine[:, force.harmonic - 1] += force.amplitude * np.sin(force.phase) * row
             sine[:, force.harmonic - 1] += force.amplitude * np.cos(force.phase) * row
         parts.append(Excitation.force(cosine, sine))
     for each in unbalances:
-        first, second = (across @ reduced.ports[each.port] for across in each.turning)
+        first, second = (across @ reduced.node_groups[each.node_group] for across in each.turning)
         parts.append(Excitation.unbalance(first, second, each.mass_times_radius))
     if motion is not None and reduced.base_inertia is not None:
         carried = reduced.base_inertia @ np.asarray(motion.direction)

@@ -25,7 +25,7 @@ def require_single_joints(mesh: Mesh, interfaces: Mapping[str, MeshInterfaceSect
         for opposite in (others, others[::-1]):
             common = [mine & theirs for mine, theirs in zip(faces, opposite, strict=True)]
             if all(common):
-                _refuse(name, other, f"{max(map(len, common))} element sides")
+                _reject(name, other, f"{max(map(len, common))} element sides")
 
 
 def require_single_pairs(names: tuple[str, ...], pairs: FacePairs) -> None:
@@ -37,7 +37,7 @@ def require_single_pairs(names: tuple[str, ...], pairs: FacePairs) -> None:
         common = keys[one] & (keys[two] | {(after, before) for before, after in keys[two]})
         along = abs(float(pairs.normal[rows[0]] @ pairs.normal[others[0]])) > _PARALLEL
         if along and 2 * len(common) > min(len(keys[one]), len(keys[two])):
-            _refuse(names[one], names[two], f"{len(common)} node pairs")
+            _reject(names[one], names[two], f"{len(common)} node pairs")
 
 
 def _faces(pairs: FacePairs) -> list[np.ndarray]:
@@ -51,7 +51,7 @@ def _sides(mesh: Mesh, face: str | None) -> set[tuple[int, ...]]:
     return {tuple(side) for group in mesh.sides(face) for side in np.sort(group, axis=1).tolist()}
 
 
-def _refuse(name: str, other: str, what: str) -> None:
+def _reject(name: str, other: str, what: str) -> None:
     raise InputError(
         f"interfaces.{name} and interfaces.{other} join the same {what}, so contact would count twice there. Take one "
         "of the two out, or give them faces that do not overlap.",

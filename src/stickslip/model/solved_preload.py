@@ -73,10 +73,10 @@ def solve_preload(
     unloaded = replace(joint, preload=-joint.normal_stiffness * joint.face_pairs.gap).contact_pairs(
         joint.face_pairs.operator(superelement)
     )
-    kept = case.preload.residual_traction == "kept"
-    state = _state(case, joint, settings, superelement, unloaded, static_load, friction=kept)
+    retained = case.preload.residual_traction == "kept"
+    state = _state(case, joint, settings, superelement, unloaded, static_load, friction=retained)
     try:
-        other = _state(case, joint, settings, superelement, unloaded, static_load, friction=not kept)
+        other = _state(case, joint, settings, superelement, unloaded, static_load, friction=not retained)
     except ConvergenceError as error:
         return SolvedPreload(unloaded, state, None, str(error))
     return SolvedPreload(unloaded, state, other)

@@ -210,7 +210,7 @@ def save_all(
         "hysteresis_loop": hysteresis_loop(response, study),
         "energy_curve": energy_curve(response, study),
     }
-    if View.of(response, study).rest_is_uneven:
+    if View.of(response, study).rest_varies:
         drawn["rest_pressure"] = rest_pressure(response, study)
     if any(reference_deviation(row) is not None for row in study.mode_table):
         drawn["mode_comparison"] = mode_comparison(study)

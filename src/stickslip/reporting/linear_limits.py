@@ -38,11 +38,11 @@ def differing_limits(view: SweepView) -> tuple[str, ...]:
         if not _is_of_joint(key):
             continue
         parts = [_range(view, place, limit) for limit in _REASONS]
-        found = [part for part in parts if part]
-        if found:
+        nonempty = [part for part in parts if part]
+        if nonempty:
             sentences.append(
                 f"The linear limits are not the same for all values of {key.name}: the peak "
-                f"{'; the peak '.join(found)}. Shifts and reductions of a case count from its own limits."
+                f"{'; the peak '.join(nonempty)}. Shifts and reductions of a case count from its own limits."
             )
     return tuple(sentences)
 
@@ -57,10 +57,10 @@ def _is_of_joint(key: SweptKey) -> bool:
 def _range(view: SweepView, place: int, limit: str) -> str:
     """Smallest and largest peak of a limit, and why they differ, of the group where they differ most; "" if alike."""
     peak = view.number(f"{limit}_peak_amplitude_m")
-    known = ~np.isnan(peak) & (view.number("viscous_energy_j") > 0.0)
+    valid = ~np.isnan(peak) & (view.number("viscous_energy_j") > 0.0)
     words, largest = "", SAME_LIMIT
     for group in view.groups((place,)):
-        rows = group.members[known[group.members]]
+        rows = group.members[valid[group.members]]
         if rows.size < 2:
             continue
         low, high = int(rows[peak[rows].argmin()]), int(rows[peak[rows].argmax()])

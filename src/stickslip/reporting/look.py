@@ -40,7 +40,7 @@ def plain_figures(figures: Any) -> Any:
 
 FREQUENCY = "Excitation frequency, Hz"
 _SMALLEST_MARK = 3.0  # px; chosen: the smallest mark with a visible colour
-_CLOSE_SHARE = 0.1  # chosen: of the pairs may have a neighbour nearer than the size of a mark
+_CLOSE_FRACTION = 0.1  # chosen: of the pairs may have a neighbour nearer than the size of a mark
 _FONT = PlotMarkup("system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif")
 
 
@@ -109,4 +109,4 @@ def mark_size(position: FloatArray, drawing: tuple[float, float], largest: float
     places = position * np.array(drawing) / np.ptp(map_range(position), axis=1)
     # squares of width s are apart where |dx| or |dy| is above s
     nearest = KDTree(places).query(places, k=2, p=np.inf)[0][:, 1]
-    return float(np.clip(np.quantile(nearest, _CLOSE_SHARE), _SMALLEST_MARK, largest))
+    return float(np.clip(np.quantile(nearest, _CLOSE_FRACTION), _SMALLEST_MARK, largest))

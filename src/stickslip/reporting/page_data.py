@@ -27,7 +27,7 @@ DATA_CHARACTERS = 9_000_000
 PAIR_CHARACTERS = 350
 POINT_CHARACTERS = 150
 HEIGHT_CHARACTERS = 10  # of one height of a rough face
-LARGEST_MAP_SHARE = 0.5  # chosen: of the space for maps and loops
+LARGEST_MAP_FRACTION = 0.5  # chosen: of the space for maps and loops
 MAP_BYTES = 5  # of a pair at a point: state and energy
 LOOP_SAMPLES = 128
 
@@ -41,9 +41,9 @@ def page_data(view: View, picture_characters: int = 0) -> dict[str, Any]:
     response, study = view.response, view.study
     n_coefficients = 2 * response.harmonics + 1
     signals = {name: packed(MICRO * response.coefficients(study.outputs[name]), "f4") for name in _signal_names(view)}
-    room = _room(view, picture_characters + sum(len(text) for text in signals.values()))
-    held = _points_with_maps(view, room)
-    room -= held.size * MAP_BYTES * response.pairs.n_pairs
+    room = _free_bytes(view, picture_characters + sum(len(text) for text in signals.values()))
+    map_points = _points_with_maps(view, room)
+    room -= map_points.size * MAP_BYTES * response.pairs.n_pairs
     return {
         "points": response.n_points,
         "nPairs": response.pairs.n_pairs,
@@ -54,9 +54,9 @@ def page_data(view: View, picture_characters: int = 0) -> dict[str, Any]:
         "amplitude": [float(f"{value:.7g}") for value in view.amplitude_um],
         "energyUnit": view.energy_unit,
         "energyTotal": [float(f"{value:.7g}") for value in view.energy_factor * response.friction_energy.sum(axis=1)],
-        "mapPoints": held.tolist(),
-        "states": packed(response.contact_state[held], "i1"),
-        "energy": packed(view.energy_factor * response.friction_energy[held], "f4"),
+        "mapPoints": map_points.tolist(),
+        "states": packed(response.contact_state[map_points], "i1"),
+        "energy": packed(view.energy_factor * response.friction_energy[map_points], "f4"),
         "stateStyles": _state_styles(view),
         "lawStates": [[law.states.get(state) for state in ContactState] for law in response.pairs.laws],
         "lawOfPair": _law_of_pair(response.pairs).tolist(),
@@ -68,7 +68,7 @@ def page_data(view: View, picture_characters: int = 0) -> dict[str, Any]:
         "groups": [list(names) for names in study.signal_groups.values()],
         "groupLabels": [list(group_labels(names)) for names in study.signal_groups.values()],
         "signals": signals,
-        "loops": _loops(view, held, room),
+        "loops": _loops(view, map_points, room),
     }
 
 
@@ -109,25 +109,25 @@ def _signal_names(view: View) -> list[str]:
     return sorted({name for names in view.study.signal_groups.values() for name in names})
 
 
-def _room(view: View, taken: int) -> int:
-    """Bytes for maps and loops, which take four characters for three bytes; ``taken`` are characters of others."""
+def _free_bytes(view: View, used: int) -> int:
+    """Bytes for maps and loops, which take four characters for three bytes; ``used`` are characters of others."""
     response = view.response
-    taken += PAIR_CHARACTERS * response.pairs.n_pairs + POINT_CHARACTERS * response.n_points
+    used += PAIR_CHARACTERS * response.pairs.n_pairs + POINT_CHARACTERS * response.n_points
     if view.study.rough_patch is not None:
-        taken += HEIGHT_CHARACTERS * view.study.rough_patch.height.size
-    return max(0, (DATA_CHARACTERS - taken) * 3 // 4)
+        used += HEIGHT_CHARACTERS * view.study.rough_patch.height.size
+    return max(0, (DATA_CHARACTERS - used) * 3 // 4)
 
 
 def _points_with_maps(view: View, room: int) -> NDArray[np.int64]:
     """Points whose states and energies are on the page: all, or as many as fit into their part of the space."""
     response = view.response
     size = np.full(response.n_points, MAP_BYTES * response.pairs.n_pairs)
-    found = _points_within(size, np.arange(response.n_points), view.point, int(LARGEST_MAP_SHARE * room))
-    return found if found.size else np.array([view.point])
+    selected = _points_within(size, np.arange(response.n_points), view.point, int(LARGEST_MAP_FRACTION * room))
+    return selected if selected.size else np.array([view.point])
 
 
-def _loops(view: View, held: NDArray[np.int64], room: int) -> dict[str, Any]:
-    """Loops at points among those ``held`` with maps, in ``room`` bytes."""
+def _loops(view: View, map_points: NDArray[np.int64], room: int) -> dict[str, Any]:
+    """Loops at points among those ``map_points`` with maps, in ``room`` bytes."""
     response = view.response
     stride = max(1, round(response.samples / LOOP_SAMPLES))
     times = np.arange(0, response.samples, stride)
@@ -139,7 +139,7 @@ def _loops(view: View, held: NDArray[np.int64], room: int) -> dict[str, Any]:
     relative_size = response.pairs.n_pairs * (3 * (2 * response.harmonics + 1) * 4 + 4)  # and the slots of forces
     one_force = times.size * 2 + 4  # and its scale
     size = relative_size + moving.sum(axis=1) * 2 * one_force + np.count_nonzero(~coulomb) * one_force
-    points = _points_within(size, held, view.point, room)
+    points = _points_within(size, map_points, view.point, room)
     slots = np.full((points.size, response.pairs.n_pairs), -1)
     forces: list[NDArray[np.float64]] = []
     scales: list[NDArray[np.float64]] = []
@@ -158,7 +158,7 @@ def _loops(view: View, held: NDArray[np.int64], room: int) -> dict[str, Any]:
         normal_forces.append(np.rint(normal / normal_scales[-1]).T)
         force = whole[:, active, :2]
         scale = np.maximum(np.abs(force).max(axis=(0, 2)), 1e-30) / FULL_SCALE
-        slots[position, active] = sum(held.size for held in scales) + np.arange(active.size)
+        slots[position, active] = sum(map_points.size for map_points in scales) + np.arange(active.size)
         scales.append(scale)
         forces.append(np.rint(force / scale[None, :, None]).transpose(1, 2, 0))
     return {

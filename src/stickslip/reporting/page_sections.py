@@ -207,7 +207,7 @@ SECTIONS = (
 </div>""",
         _rest_values,
         _rest_figures,
-        lambda view: view.rest_is_uneven,
+        lambda view: view.rest_varies,
     ),
     Section(
         "Energy per cycle along the curve",

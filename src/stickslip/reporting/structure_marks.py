@@ -14,7 +14,7 @@ from stickslip.reporting.style import number
 from stickslip.results.record import StudyRecord
 from stickslip.results.sketch import Sketch
 
-_ARROW_SHARE = 0.16  # length of an arrow, of the diagonal of the box around the structure
+_ARROW_FRACTION = 0.16  # length of an arrow, of the diagonal of the box around the structure
 _SHARP_DEG = 30.0  # between the normals of two sides whose common edge is drawn
 _LONGEST_LABEL = 34  # letters
 _LETTER_PX, _LINE_PX = 6.8, 18.0  # width of a letter, height of a label with its margin
@@ -67,7 +67,7 @@ def marked(sketch: Sketch) -> Marked:
     """The places of a sketch, with an arrow for each load: all of one length, each on the side of its place that is
     farther from the middle of the bodies."""
     low, high = sketch.points.min(axis=0), sketch.points.max(axis=0)
-    length = _ARROW_SHARE * float(np.linalg.norm(high - low))
+    length = _ARROW_FRACTION * float(np.linalg.norm(high - low))
     along = length * sketch.loads / np.linalg.norm(sketch.loads, axis=1, keepdims=True)
     away = sketch.load_places - 0.5 * (low + high)
     pulls = (along * away).sum(axis=1) > 0.0
@@ -131,7 +131,7 @@ def _spread(places: FloatArray, words: list[str], limits: FloatArray) -> list[tu
     """
     angles = 2.0 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
     turns = np.column_stack([np.cos(angles), np.sin(angles)])
-    taken: list[tuple[FloatArray, FloatArray]] = []
+    occupied: list[tuple[FloatArray, FloatArray]] = []
     answer = []
     for place, text in zip(places, words, strict=True):
         room = np.array([_LETTER_PX * len(text) + 8.0, _LINE_PX])
@@ -142,9 +142,9 @@ def _spread(places: FloatArray, words: list[str], limits: FloatArray) -> list[tu
             choice
             for choice in choices
             if (np.abs(place + choice) + 0.5 * room <= limits).all()
-            and all((np.abs(place + choice - other) >= 0.5 * (room + size)).any() for other, size in taken)
+            and all((np.abs(place + choice - other) >= 0.5 * (room + size)).any() for other, size in occupied)
         )
         best = next(free, choices[0])
-        taken.append((place + best, room))
+        occupied.append((place + best, room))
         answer.append((float(best[0]), float(best[1])))
     return answer

@@ -36,14 +36,14 @@ from stickslip.results.sketch import Motion, Sketch
 WIDE_PX, NARROW_PX = (820, 560), (350, 400)  # width and height of the picture on a screen and on a phone
 _MM = 1e3  # m to mm
 _GLASS = 0.14  # opacity of bodies that would hide the contact
-_DEFLECTION_SHARE = 0.08  # of the diagonal of the structure, for its largest displacement
+_DEFLECTION_FRACTION = 0.08  # of the diagonal of the structure, for its largest displacement
 _LEAST_HARMONIC = 1e-3  # of the largest coefficient; harmonics that nowhere reach it are left out of the picture
 # chosen: multiple of the motion about the mean; a larger mean is not shown. A body that only friction supports has no
 # unique mean.
 _LARGEST_MEAN = 10.0
 _SUNK = 1e-3  # of the diagonal of the structure, for contact faces
 _TICKS = 5  # along the longest axis
-_CONE_SHARE = 0.3  # of the length of an arrow, for its head
+_CONE_FRACTION = 0.3  # of the length of an arrow, for its head
 _HALF_ANGLE = np.tan(np.radians(22.5))  # plotly.js sees 45 degrees from bottom to top
 _AROUND = 1.2  # room in a view for the axes and the labels, of the size of what it shows
 _MATT = {"ambient": 0.7, "diffuse": 0.5, "specular": 0.02, "roughness": 0.9, "fresnel": 0.02}
@@ -180,7 +180,7 @@ def _traces(
             tail, tip = shown.tails[which], shown.tips[which]
             shafts = _lines(np.column_stack([tail, tip]), INK, 5.0, "dash" if constant else "solid")
             along = shown.places[tip] - shown.places[tail]
-            heads = _cones([sketch.load_names[load] for load in which], tip, _CONE_SHARE * _MM * along)
+            heads = _cones([sketch.load_names[load] for load in which], tip, _CONE_FRACTION * _MM * along)
             show("constant" if constant else "load", INK, words, shafts, heads)
     if sketch.response_names:
         marks = _marks("response", shown.responses, BLUE, "circle", 3.5)
@@ -253,7 +253,7 @@ def _packed_motion(sketch: Sketch, motion: Motion, contact: _Contact) -> tuple[d
     of_points, responses, loads = (part[..., :columns] for part in parts)
     largest = _largest_displacement(of_points)
     size = float(np.linalg.norm(np.ptp(sketch.points, axis=0)))
-    magnification = float(f"{_DEFLECTION_SHARE * size / largest:.2g}") if largest > 0.0 else 1.0
+    magnification = float(f"{_DEFLECTION_FRACTION * size / largest:.2g}") if largest > 0.0 else 1.0
     moving = np.concatenate(
         [of_points, responses, loads, loads, of_points[contact.points]]
     )  # tail and tip of an arrow move with its place
@@ -336,7 +336,7 @@ def _view(shown: Extent, whole: Extent, camera: Camera) -> dict[str, list[Any]]:
     return {
         "centre": ((shown.middle - whole.middle) / _unit(whole)).round(6).tolist(),
         "towards": camera.axes[2].round(6).tolist(),
-        "corners": (_seen_corners(shown, camera) / _unit(whole)).round(6).tolist(),
+        "corners": (_projected_corners(shown, camera) / _unit(whole)).round(6).tolist(),
     }
 
 
@@ -345,7 +345,7 @@ def _unit(whole: Extent) -> float:
     return float(np.cbrt(whole.size.prod()))
 
 
-def _seen_corners(shown: Extent, camera: Camera) -> FloatArray:
+def _projected_corners(shown: Extent, camera: Camera) -> FloatArray:
     """(8, 3) m to the right, up and towards the eye from the middle of a box, with room around it."""
     return (shown.corners - shown.middle) @ camera.axes.T * [_AROUND, _AROUND, 1.0]
 
@@ -353,6 +353,6 @@ def _seen_corners(shown: Extent, camera: Camera) -> FloatArray:
 def _frame(shown: Extent, camera: Camera, size: tuple[int, int]) -> Frame:
     """The view of a box in a picture of ``size`` px, as structure.js shows it."""
     width, height = size
-    right, up, towards = np.abs(_seen_corners(shown, camera)).T
+    right, up, towards = np.abs(_projected_corners(shown, camera)).T
     distance = float((np.maximum(right * height / width, up) / _HALF_ANGLE + towards).max())
     return Frame(camera, shown.middle, 0.5 * height / (_HALF_ANGLE * distance), width, height)

@@ -33,7 +33,7 @@ _HEADING_INCHES = 0.25
 _DPI = 150  # chosen: sharp on screens and in print
 _POINTS_PER_PX = 0.6  # labels are placed for a view of structure_picture, which is larger than a panel
 _GLASS = 0.22  # opacity of bodies that would hide the contact
-_AXES_SHARE = 0.2  # of the width of a panel, for the axes below and the labels above
+_AXES_FRACTION = 0.2  # of the width of a panel, for the axes below and the labels above
 _FILLED = 0.8  # of a panel, by the box that it shows
 _DARKEST = 0.65
 _NEARER = 0.01  # of the diagonal of the structure
@@ -55,7 +55,7 @@ def structure_figure(study: StudyRecord, sketch: Sketch) -> Figure:
     whole = Extent.around(shown.places)
     close = contact_extent(sketch, camera)
     views = {"": whole} if close is None else {"Whole structure": whole, "Contact": close}
-    panel = _PANEL_INCHES * max(_height_share(extent, camera) for extent in views.values())
+    panel = _PANEL_INCHES * max(_height_fraction(extent, camera) for extent in views.values())
     height = panel + (_HEADING_INCHES if close is not None else 0.0)
     figure = blank_figure(_PANEL_INCHES * len(views), height)
     figure.set_layout_engine("none")  # each panel says where it is
@@ -67,7 +67,7 @@ def structure_figure(study: StudyRecord, sketch: Sketch) -> Figure:
         _bodies(axes, sketch, camera)
         _marks(axes, sketch, shown)
         width = _PANEL_INCHES * 72.0 / _POINTS_PER_PX
-        px_per_m = _FILLED * width / float(extent.seen_size(camera)[:2].max())
+        px_per_m = _FILLED * width / float(extent.projected_size(camera)[:2].max())
         for label in labels(
             study, sketch, Frame(camera, extent.middle, px_per_m, width, width * panel / _PANEL_INCHES)
         ):
@@ -77,10 +77,10 @@ def structure_figure(study: StudyRecord, sketch: Sketch) -> Figure:
     return figure
 
 
-def _height_share(extent: Extent, camera: Camera) -> float:
+def _height_fraction(extent: Extent, camera: Camera) -> float:
     """Height of a panel that shows a box, with its axes and labels, of its width."""
-    right, up, _ = extent.seen_size(camera)
-    return float(min(1.0, up / max(right, up) + _AXES_SHARE))
+    right, up, _ = extent.projected_size(camera)
+    return float(min(1.0, up / max(right, up) + _AXES_FRACTION))
 
 
 def _set_view(axes: Any, camera: Camera, extent: Extent, is_close: bool) -> None:
@@ -92,7 +92,7 @@ def _set_view(axes: Any, camera: Camera, extent: Extent, is_close: bool) -> None
     ends = _MM * (extent.middle + 0.5 * np.array([[-1.0], [1.0]]) * extent.size)
     axes.set(xlim=ends[:, 0], ylim=ends[:, 1], zlim=ends[:, 2])
     # matplotlib shows a box whose diagonal is as long as the panel is wide.
-    zoom = _FILLED * float(np.linalg.norm(extent.size) / extent.seen_size(camera)[:2].max())
+    zoom = _FILLED * float(np.linalg.norm(extent.size) / extent.projected_size(camera)[:2].max())
     axes.set_box_aspect(tuple(extent.size), zoom=zoom)  # an array would be changed in place
     axes.grid(False)
     if is_close:
@@ -147,8 +147,8 @@ def _side_colours(sketch: Sketch, vectors: FloatArray, camera: Camera) -> FloatA
 
 
 def _marks(axes: Any, sketch: Sketch, shown: Marked) -> None:
-    held = _MM * sketch.points[sketch.held]
-    axes.scatter(*held.T, marker="^", s=5, color=INK, linewidths=0.0, zorder=3, depthshade=False)
+    constrained = _MM * sketch.points[sketch.held]
+    axes.scatter(*constrained.T, marker="^", s=5, color=INK, linewidths=0.0, zorder=3, depthshade=False)
     ends = (_MM * shown.places[numbers] for numbers in (shown.tails, shown.tips))
     for tail, tip, constant in zip(*ends, sketch.constant, strict=True):
         style = "dashed" if constant else "solid"

@@ -55,7 +55,7 @@ class Extent:
         signs = np.array(np.meshgrid(*[[-0.5, 0.5]] * 3)).reshape(3, -1).T
         return self.middle + signs * self.size
 
-    def seen_size(self, camera: Camera) -> FloatArray:
+    def projected_size(self, camera: Camera) -> FloatArray:
         """(3,) m of the box to the right, up and towards the eye."""
         return np.asarray(np.abs(camera.axes) @ self.size)
 
@@ -88,12 +88,12 @@ def glass_bodies(sketch: Sketch, camera: Camera) -> NDArray[np.bool_]:
 def best_camera(sketch: Sketch) -> Camera:
     """The usual view, unless another one shows the contact clearly better once the bodies before it are transparent."""
     cameras = [Camera(azimuth, _ELEVATION_DEG) for azimuth in _AZIMUTHS_DEG]
-    shown = [_contact_shown(sketch, camera) for camera in cameras]
+    shown = [_visible_contact(sketch, camera) for camera in cameras]
     best = max(shown)
     return next(camera for camera, share in zip(cameras, shown, strict=True) if _CLEARLY_MORE * share >= best)
 
 
-def _contact_shown(sketch: Sketch, camera: Camera) -> float:
+def _visible_contact(sketch: Sketch, camera: Camera) -> float:
     """Visible fraction of the contact area: half of it is that of the least visible face, half that of all faces."""
     contact = sketch.face >= 0
     if not contact.any():
@@ -116,6 +116,6 @@ def contact_extent(sketch: Sketch, camera: Camera) -> Extent | None:
         return None
     close = Extent.around(sketch.points[contact.ravel()], _AROUND_CONTACT)
     whole = Extent.around(sketch.points)
-    if float(np.max(whole.seen_size(camera)[:2])) < _CLOSER * float(np.max(close.seen_size(camera)[:2])):
+    if float(np.max(whole.projected_size(camera)[:2])) < _CLOSER * float(np.max(close.projected_size(camera)[:2])):
         return None
     return close

@@ -60,7 +60,7 @@ def sweep_page(view: SweepView, title: str, inputs: str, provenance: Mapping[str
         "key_names": [key.name for key in view.table.keys],
         "optimum": _optimum_words(view) if view.place_of(LOAD_KEY) is not None else "",
         "map_headings": [heading for heading, _ in maps],
-        "maps_left_out": _maps_left_out(view),
+        "maps_left_out": _omitted_maps(view),
         "headings": [*map(short_name, view.table.keys), *(heading for heading, _, _ in _COLUMNS.values())],
         "rows": [_table_row(view, place, row) for place, row in enumerate(view.table.rows)],
         "inputs": inputs,
@@ -126,7 +126,7 @@ def _curves_note(view: SweepView, points: Thinned) -> str:
     keys = view.table.keys
     words = f"Colour tells {keys[0].name}" + (f", dash {keys[1].name}" if len(keys) > 1 else "")
     if points.tolerance:
-        drawn = sum(kept.size for kept in points.kept)
+        drawn = sum(each.size for each in points.indices)
         total = sum(curve.frequency_hz.size for curve in view.curves if curve is not None)
         words += (
             f". {drawn} of {total} points are drawn: those that the shapes need; none that is left out lies more than "
@@ -136,12 +136,12 @@ def _curves_note(view: SweepView, points: Thinned) -> str:
 
 
 def _optimum_words(view: SweepView) -> str:
-    found = plots.optima(view)
-    if not found:
+    best = plots.optima(view)
+    if not best:
         return "No peak lies inside its computed range, so there is no optimum."
     place = view.place_of(LOAD_KEY) or 0
     peak, sentences = view.number("peak_amplitude_m"), []
-    for optimum in found[: plots.LEGEND_ENTRIES]:
+    for optimum in best[: plots.LEGEND_ENTRIES]:
         load = view.table.keys[place].labels[view.positions[optimum.row, place]]
         group = f"{optimum.label}: " if optimum.label else ""
         end = (
@@ -149,12 +149,12 @@ def _optimum_words(view: SweepView) -> str:
         )
         words = f"{group}lowest computed peak {number(MICRO * float(peak[optimum.row]))} µm at F_N = {load}{end}."
         sentences.append(words[0].upper() + words[1:])
-    if len(found) > len(sentences):
-        sentences.append(f"{len(found) - len(sentences)} further lines have their own optimum, marked by a star.")
+    if len(best) > len(sentences):
+        sentences.append(f"{len(best) - len(sentences)} further lines have their own optimum, marked by a star.")
     return " ".join(sentences)
 
 
-def _maps_left_out(view: SweepView) -> str:
+def _omitted_maps(view: SweepView) -> str:
     """A message if there are more maps than on the page."""
     total = math.prod(len(key.values) for key in view.table.keys[2:])
     if total <= plots.LARGEST_MAP_COUNT:

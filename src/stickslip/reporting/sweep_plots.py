@@ -53,15 +53,15 @@ def all_curves(view: SweepView, points: Thinned) -> Figure:
     apart = len(rows) <= SEPARATE_CURVES
     colours = _colours(first)
     batches: dict[tuple[str, str], list[_Drawn]] = {}
-    for row, kept in zip(rows, points.kept, strict=True):
+    for row, indices in zip(rows, points.indices, strict=True):
         curve, place = view.curves[row], view.positions[row]
         assert curve is not None  # rows without a curve were removed above
         dash = DASHES[int(place[1]) % len(DASHES)] if place.size > 1 else "solid"
-        drawn = _Drawn(row, int(place[0]), curve.frequency_hz[kept], MICRO * curve.amplitude_m[kept])
+        drawn = _Drawn(row, int(place[0]), curve.frequency_hz[indices], MICRO * curve.amplitude_m[indices])
         batches.setdefault((colours[place[0]], f"{dash} {row if apart else ''}"), []).append(drawn)
     traces = [_curve_trace(view, colour, dash.split()[0], batch) for (colour, dash), batch in batches.items()]
     few = len(first.values) <= LEGEND_ENTRIES
-    _tell_once(traces, few)
+    _list_once(traces, few)
     if not few and first.shown:
         traces.append(_colour_bar(first))
     return figure_of(
@@ -152,7 +152,7 @@ def against_key(view: SweepView, place: int) -> Figure:
             hover = PlotMarkup("{}<br>%{{x}}<br>{}<extra></extra>").format(group.label or short_name(key), shown)
             look = {"xaxis": "x", "yaxis": axis, "hovertemplate": hover}
             traces += _group_lines(number, group.label, x, factor * view.number(column)[rows], inside[rows], look)
-    _tell_once(traces, len(groups) > 1)
+    _list_once(traces, len(groups) > 1)
     kind = {"type": "category"} if key.is_choice else _number_axis(np.array(key.shown))
     return figure_of(
         traces,
@@ -184,7 +184,7 @@ def _group_lines(
     common = {"type": "scatter", "name": label or "peak", "legendgroup": str(number)} | look
     yield common | {
         "mode": "lines+markers",
-        "x": [value for value, kept in zip(x, inside, strict=True) if kept],
+        "x": [value for value, is_inside in zip(x, inside, strict=True) if is_inside],
         "y": plain_list(y[inside]),
         "line": {"color": colour, "dash": dash, "width": 2.0},
         "marker": {"size": 8, "color": colour},
@@ -192,20 +192,20 @@ def _group_lines(
     if not inside.all():
         yield common | {
             "mode": "markers",
-            "x": [value for value, kept in zip(x, inside, strict=True) if not kept],
+            "x": [value for value, is_inside in zip(x, inside, strict=True) if not is_inside],
             "y": plain_list(y[~inside]),
             "marker": {"size": 9, "color": colour, "symbol": "circle-open", "line": {"width": 2}},
             "showlegend": False,
         }
 
 
-def _tell_once(traces: list[dict[str, Any]], shown: bool = True) -> None:
+def _list_once(traces: list[dict[str, Any]], shown: bool = True) -> None:
     """Keep the first line of each legend group in the legend, or none; with too many groups there are none."""
     groups = list(dict.fromkeys(trace["legendgroup"] for trace in traces if "lines" in trace["mode"]))
-    told = set() if shown and len(groups) <= LEGEND_ENTRIES else set(groups)
+    listed = set() if shown and len(groups) <= LEGEND_ENTRIES else set(groups)
     for trace in traces:
-        trace.setdefault("showlegend", trace["legendgroup"] not in told)
-        told.add(trace["legendgroup"])
+        trace.setdefault("showlegend", trace["legendgroup"] not in listed)
+        listed.add(trace["legendgroup"])
 
 
 @dataclass(frozen=True)
@@ -223,13 +223,13 @@ def optima(view: SweepView) -> list[Optimum]:
     if place is None:
         return []
     inside, peak = view.inside(), view.number("peak_amplitude_m")
-    found = []
+    marks = []
     for group in view.groups((place,)):
         rows = group.members[inside[group.members]]
         if rows.size:
             best = int(rows[peak[rows].argmin()])
-            found.append(Optimum(group.label, best, best in (int(rows[0]), int(rows[-1]))))
-    return found
+            marks.append(Optimum(group.label, best, best in (int(rows[0]), int(rows[-1]))))
+    return marks
 
 
 def performance(view: SweepView, by_ratio: bool) -> Figure:
@@ -256,7 +256,7 @@ def performance(view: SweepView, by_ratio: bool) -> Figure:
         traces += _group_lines(number, group.label, plain_list(x[rows]), peak[rows], inside[rows], look)
         traces += _limits(view, rows, x, scale, unit)
         traces += [_optimum_mark(x[row], peak[row], unit) for row in rows if row in best]
-    _tell_once(traces)
+    _list_once(traces)
     words = "Excitation force / F_N" if by_ratio else "F_N: centrifugal force of the damper, N"
     return figure_of(
         traces,
@@ -273,13 +273,13 @@ def _limits(view: SweepView, rows: Any, x: FloatArray, scale: FloatArray, unit: 
         ("free", "no contact", ORANGE, "dot"),
     ):
         heights = (scale * view.number(f"{limit}_peak_amplitude_m"))[rows]
-        known = ~np.isnan(heights)
-        if known.any():
+        valid = ~np.isnan(heights)
+        if valid.any():
             hover = _PEAK.format(f"linear, {words}", unit)
             yield line_trace(
                 f"linear, {words}",
-                x[rows][known],
-                heights[known],
+                x[rows][valid],
+                heights[valid],
                 colour,
                 dash,
                 1.6,

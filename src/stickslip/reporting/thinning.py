@@ -20,7 +20,7 @@ class Thinned:
     """Indices of the drawn points of each curve, and the largest distance of other points from the line, as a fraction
     of the figure."""
 
-    kept: tuple[NDArray[np.int64], ...]
+    indices: tuple[NDArray[np.int64], ...]
     tolerance: float
 
 
@@ -31,15 +31,15 @@ def thinned(curves: Sequence[tuple[FloatArray, FloatArray]], largest_total: int)
     largest values always stay. Method: U. Ramer (1972), D. H. Douglas and T. K. Peucker (1973).
     """
     everything = tuple(np.arange(x.size, dtype=np.int64) for x, _ in curves)
-    if sum(kept.size for kept in everything) <= largest_total:
+    if sum(indices.size for indices in everything) <= largest_total:
         return Thinned(everything, 0.0)
     width = max(max(float(x.max()) for x, _ in curves) - min(float(x.min()) for x, _ in curves), 1e-300)
     height = max(max(float(y.max()) for _, y in curves), 1e-300)
     tolerance = _FINEST
     while True:
-        kept = tuple(_shape_points(x / width, y / height, tolerance) for x, y in curves)
-        if sum(each.size for each in kept) <= largest_total or tolerance >= _COARSEST:
-            return Thinned(kept, tolerance)
+        indices = tuple(_shape_points(x / width, y / height, tolerance) for x, y in curves)
+        if sum(each.size for each in indices) <= largest_total or tolerance >= _COARSEST:
+            return Thinned(indices, tolerance)
         tolerance = min(2.0 * tolerance, _COARSEST)
 
 

@@ -82,7 +82,7 @@ class View:
         return "Friction force, N" if self.response.pairs.is_coulomb else "Tangential force, N"
 
     @property
-    def rest_is_uneven(self) -> bool:
+    def rest_varies(self) -> bool:
         """Whether the pressure at rest differs within a face, so that a map of it tells something."""
         pressure = np.nan_to_num(self.rest_pressure_mpa)  # zero for pairs without any
         faces = (pressure[self.study.pair_face == face] for face in range(len(self.study.face_names)))

@@ -96,10 +96,10 @@ def _read(source: Path, content: bytes, read: Callable[[StoredGroup], Result]) -
                 f'"{source}" is a NetCDF-4 file, but not one of stickslip: it has no attribute stickslip_format. Give '
                 'the results.nc that "stickslip run" wrote.'
             )
-        found = root.whole_number(_FORMAT, 0, 10**6)
-        if found != FORMAT_VERSION:
+        version = root.whole_number(_FORMAT, 0, 10**6)
+        if version != FORMAT_VERSION:
             raise ResultsFileError(
-                f'the results file "{source}" has format {found}, but this version of stickslip reads format '
+                f'the results file "{source}" has format {version}, but this version of stickslip reads format '
                 f"{FORMAT_VERSION}. Open it with the stickslip that wrote it, or solve again."
             )
         return read(root)

@@ -141,9 +141,9 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
     ]
 
 
-def _inside(found: Summary, limit: str, what: str) -> float | None:
+def _inside(measures: Summary, limit: str, what: str) -> float | None:
     """Amplitude or frequency of a linear peak, None if it is outside the computed range."""
-    peak = getattr(found, f"{limit}_peak")
+    peak = getattr(measures, f"{limit}_peak")
     return getattr(peak, what) if peak.bracketed else None
 
 

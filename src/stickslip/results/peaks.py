@@ -59,11 +59,11 @@ def peaks(frequency_hz: ArrayLike, amplitude: ArrayLike) -> list[Peak]:
             arguments=["amplitude"],
         )
     inside = np.flatnonzero((height[1:-1] >= height[:-2]) & (height[1:-1] > height[2:])) + 1
-    found = [_interpolated_peak(frequency, height, int(i)) for i in inside]
+    interpolated = [_interpolated_peak(frequency, height, int(i)) for i in inside]
     top = int(height.argmax())
     if top in (0, height.size - 1):
-        found.append(Peak(top, float(frequency[top]), float(height[top]), bracketed=False))
-    return sorted(found, key=lambda peak: -peak.amplitude)
+        interpolated.append(Peak(top, float(frequency[top]), float(height[top]), bracketed=False))
+    return sorted(interpolated, key=lambda peak: -peak.amplitude)
 
 
 def _interpolated_peak(frequency: FloatArray, height: FloatArray, i: int) -> Peak:

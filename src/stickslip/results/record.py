@@ -17,7 +17,17 @@ from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.response import ForcedResponse
 from stickslip.results.rough_patch import RoughPatch
 from stickslip.results.sketch import Sketch
-from stickslip.results.variables import Among, InGroup, Json, Labelled, NamedRows, Numbers, Text, WholeNumbers, stored
+from stickslip.results.variables import (
+    Embedded,
+    InGroup,
+    Json,
+    Labelled,
+    NamedRows,
+    Numbers,
+    Text,
+    WholeNumbers,
+    stored,
+)
 
 Value = str | float | int
 ModeRow = Mapping[str, Value]
@@ -120,7 +130,7 @@ class StudyRecord(Labelled):
     warnings: tuple[str, ...] = field(default=(), metadata=stored(Json(list[str], "warnings of the study, JSON list")))
     sketch: Sketch | None = field(default=None, metadata=stored(InGroup.of(Sketch, optional=True)))
     rough_patch: RoughPatch | None = field(
-        default=None, metadata=stored(Among(RoughPatch, name="rough_height", optional=True))
+        default=None, metadata=stored(Embedded(RoughPatch, name="rough_height", optional=True))
     )
 
     def __post_init__(self) -> None:
@@ -207,13 +217,21 @@ def _with_reference(table: Sequence[ModeRow], source: str) -> tuple[tuple[ModeRo
     rows = tuple({"reference_hz" if key == earlier else key: plain(row[key]) for key in row} for row in table)
     unknown = sorted({key for row in rows for key in row} - set(MODE_COLUMNS))
     if unknown:
-        raise InputError(f'mode_table has the key "{unknown[0]}"; the keys are {", ".join(MODE_COLUMNS)}.')
+        raise InputError(
+            f'mode_table has the key "{unknown[0]}"; the keys are {", ".join(MODE_COLUMNS)}.', arguments=["mode_table"]
+        )
     references = [row["reference_hz"] for row in rows if "reference_hz" in row]
     wrong = [value for value in references if isinstance(value, str) or not value > 0]
     if wrong:
-        raise InputError(f"mode_table has the reference_hz {wrong[0]!r}; leave it out where a mode has none above 0.")
+        raise InputError(
+            f"mode_table has the reference_hz {wrong[0]!r}; leave it out where a mode has none above 0.",
+            arguments=["mode_table"],
+        )
     if references and not source:
-        raise InputError("mode_table has reference_hz, but mode_reference does not say where they come from.")
+        raise InputError(
+            "mode_table has reference_hz, but mode_reference does not say where they come from.",
+            arguments=["mode_reference"],
+        )
     return rows, source
 
 

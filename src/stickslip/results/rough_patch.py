@@ -8,10 +8,10 @@ import numpy as np
 
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array
-from stickslip.results.variables import Gathered, Labelled, Numbers, stored
+from stickslip.results.variables import JsonMember, Labelled, Numbers, stored
 
 _SIZES = stored(
-    Gathered(
+    JsonMember(
         "length and width of that face, Sq (m) and Sdq of its roughness, JSON object",
         ("length", "width", "sq", "sdq"),
         name="rough_numbers",

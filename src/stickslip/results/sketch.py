@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, argument_error, finite_array, real_number
 from stickslip.results.variables import (
-    Among,
     Coefficients,
     Count,
+    Embedded,
     Flags,
     Json,
     Labelled,
@@ -132,7 +132,9 @@ class Sketch(Labelled):
     response_names: tuple[str, ...] = field(metadata=stored(Json(list[str], "names of the responses, JSON list")))
     response_places: FloatArray = field(metadata=stored(Numbers(("response", "axis"), "m", "where responses are read")))
     mesh_sides: int = field(metadata=stored(Count("number of outer sides of the mesh")))
-    motion: Motion | None = field(default=None, metadata=stored(Among(Motion, name="motion_frequency", optional=True)))
+    motion: Motion | None = field(
+        default=None, metadata=stored(Embedded(Motion, name="motion_frequency", optional=True))
+    )
 
     def __post_init__(self) -> None:
         points = finite_array("sketch points", self.points)
@@ -191,9 +193,9 @@ class Sketch(Labelled):
             object.__setattr__(self, name, value)
 
     def _require_shape(self, name: str, shape: tuple[int, ...]) -> None:
-        found = np.shape(getattr(self, name))
-        if found != shape:
-            raise argument_error(name, f"{name} of the sketch must have shape {shape}; found {found}.")
+        actual = np.shape(getattr(self, name))
+        if actual != shape:
+            raise argument_error(name, f"{name} of the sketch must have shape {shape}; found {actual}.")
 
     def __repr__(self) -> str:
         return f"Sketch({len(self.sides)} of {self.mesh_sides} outer sides of {', '.join(self.body_names)})"

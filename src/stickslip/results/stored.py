@@ -35,10 +35,10 @@ class StoredGroup:
 
     def subgroup(self, name: str) -> StoredGroup:
         """A group within."""
-        found = self._found(name)
-        if not isinstance(found, h5py.Group):
+        item = self._item(name)
+        if not isinstance(item, h5py.Group):
             raise UnreadableError(f'"{name}" is not a group')
-        return StoredGroup(found, self.most_bytes)
+        return StoredGroup(item, self.most_bytes)
 
     def numbers(self, name: str) -> FloatArray:
         """A variable as an array of floats of any shape."""
@@ -86,14 +86,14 @@ class StoredGroup:
         return np.asarray(dataset[()])
 
     def _dataset(self, name: str) -> h5py.Dataset:
-        found = self._found(name)
-        if not isinstance(found, h5py.Dataset):
+        item = self._item(name)
+        if not isinstance(item, h5py.Dataset):
             raise UnreadableError(f'"{name}" is not a variable')
-        if found.external or found.is_virtual:
+        if item.external or item.is_virtual:
             raise UnreadableError(f'the variable "{name}" takes its content from another file, which is not followed')
-        return found
+        return item
 
-    def _found(self, name: str) -> Any:
+    def _item(self, name: str) -> Any:
         link = self.group.get(name, getlink=True)
         if link is None:
             raise UnreadableError(f'"{name}" is missing')

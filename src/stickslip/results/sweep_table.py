@@ -190,7 +190,7 @@ def _csv_cell(name: str, cell: Any) -> str:
 def curve_and_measures(response: ForcedResponse, study: StudyRecord) -> tuple[SweepCurve, dict[str, float]]:
     """Amplitude curve of a study's response output, and those of its measures that are defined. Raises InputError."""
     row = study.outputs[study.response_output]
-    found = summary(response, row)
-    numbers = {name: entry[2](found) for name, entry in SUMMARY_COLUMNS.items()}
+    measures = summary(response, row)
+    numbers = {name: entry[2](measures) for name, entry in SUMMARY_COLUMNS.items()}
     cells = {name: float(number) for name, number in numbers.items() if number is not None}
     return SweepCurve(response.frequency_hz, response.amplitude(row)), cells

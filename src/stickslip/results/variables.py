@@ -229,7 +229,7 @@ class Json(Entry):
 
 
 @dataclass(frozen=True)
-class Gathered(Entry):
+class JsonMember(Entry):
     """A number in one JSON object with the others of ``together``."""
 
     long_name: str
@@ -273,7 +273,7 @@ class NamedRows(Entry):
 
 
 @dataclass(frozen=True)
-class Among(Entry):
+class Embedded(Entry):
     """An object whose variables are among those of its owner; absent where its variable ``name`` is."""
 
     of: type[Labelled]

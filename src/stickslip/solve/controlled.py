@@ -20,7 +20,7 @@ from stickslip.results.response import ForcedResponse
 from stickslip.solve.curve_result import follower, response_of
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.balance import Balance
-from stickslip.solve.harmonic.curves import BalancePoint, ControlledCurve, Held
+from stickslip.solve.harmonic.curves import BalancePoint, Control, ControlledCurve
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane
@@ -83,7 +83,7 @@ def controlled_response(
     """
     began = time.perf_counter()
     window = checked_window(frequency_hz)
-    held, target = _checked_target(amplitude, phase_deg)
+    control, target = _checked_target(amplitude, phase_deg)
     row = finite_array("output", output)
     if row.shape != (superelement.size,) or not row.any():
         raise InputError(
@@ -100,19 +100,19 @@ def controlled_response(
         )  # fmt: skip
         balance = balances.with_harmonics(harmonics)
         report.stage("first point")
-        start = _first_point(balance, row, held, target, start_omega, newton, report)
-        curve = ControlledCurve(balance, row, held, target)
+        start = _first_point(balance, row, control, target, start_omega, newton, report)
+        curve = ControlledCurve(balance, row, control, target)
         solver = Newton(curve, newton, report.iteration)
         branch = Branch(solver, start, stop_omega, continuation or ContinuationSettings(), follower(window, report))
         branch.follow()
         how = f"The first point was reached with a load factor of {start.trial.load:.4g}."
         response = response_of(branch, balances, balance, window, newton, how, report)
-    settings = {**response.settings, f"held_{held}": target if held == "amplitude" else -math.degrees(target)}
+    settings = {**response.settings, f"held_{control}": target if control == "amplitude" else -math.degrees(target)}
     provenance = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
     return replace(response, settings=settings, provenance=provenance)
 
 
-def _checked_target(amplitude: float | None, phase_deg: float | None) -> tuple[Held, float]:
+def _checked_target(amplitude: float | None, phase_deg: float | None) -> tuple[Control, float]:
     """The controlled quantity, and its value in SI units."""
     if (amplitude is None) == (phase_deg is None):
         raise InputError(
@@ -125,7 +125,7 @@ def _checked_target(amplitude: float | None, phase_deg: float | None) -> tuple[H
 
 
 def _first_point(
-    balance: Balance, output: FloatArray, held: Held, target: float, omega: float, newton: NewtonSettings,
+    balance: Balance, output: FloatArray, control: Control, target: float, omega: float, newton: NewtonSettings,
     report: StageReport,
 ) -> BalancePoint:  # fmt: skip
     """A solution at ``omega`` that satisfies the condition. Raises ConvergenceError."""
@@ -140,12 +140,12 @@ def _first_point(
         )
 
     def solved(goal: float, unknowns: FloatArray, load: float) -> BalancePoint | None:
-        curve = ControlledCurve(balance, output, held, goal)
+        curve = ControlledCurve(balance, output, control, goal)
         guess = curve.evaluate(unknowns, np.array([omega, load]))
         correction = Newton(curve, newton, report.iteration).correct(guess, Plane.fixed(unknowns, omega))
         return correction.point if correction.converged and not curve.is_opposite(correction.point) else None
 
-    if held == "phase":
+    if control == "phase":
         point = solved(target, linear, 1.0)
         if point is None:
             raise ConvergenceError(

@@ -153,8 +153,8 @@ def _settings(
         "residual_with_doubled_samples": check.sample_residual,
         "neglected_harmonics_motion": check.neglected_motion,
     }
-    if check.last_harmonic_share is not None:
-        settings["energy_share_of_last_harmonics"] = check.last_harmonic_share
+    if check.last_harmonic_fraction is not None:
+        settings["energy_share_of_last_harmonics"] = check.last_harmonic_fraction
     if balances.modal_damping_ratio is not None:
         settings["modal_damping_ratio"] = balances.modal_damping_ratio
     return settings

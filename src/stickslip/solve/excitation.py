@@ -64,8 +64,8 @@ class ExcitationForce:
 
         def resized(array: FloatArray) -> FloatArray:
             result = np.zeros((2 * harmonics + 1, array.shape[1]))
-            kept = min(len(result), len(array))
-            result[:kept] = array[:kept]
+            count = min(len(result), len(array))
+            result[:count] = array[:count]
             return result
 
         return ExcitationForce(tuple((power, resized(array)) for power, array in self.terms))

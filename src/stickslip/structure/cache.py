@@ -49,11 +49,11 @@ def cached_superelement(
         new = made[0]
         return {"mass": new.mass, "stiffness": new.stiffness, "modes": new.recovery.modes}
 
-    kept = _kept("superelement", _digest(structure, boundary_nodes, np.array([n_modes])), compute)
+    arrays = _cached_arrays("superelement", _digest(structure, boundary_nodes, np.array([n_modes])), compute)
     if made:
         return made[0]
-    recovery = Recovery(structure, boundary_nodes, kept["modes"])
-    return Superelement(kept["mass"], kept["stiffness"], boundary_nodes=boundary_nodes, recovery=recovery)
+    recovery = Recovery(structure, boundary_nodes, arrays["modes"])
+    return Superelement(arrays["mass"], arrays["stiffness"], boundary_nodes=boundary_nodes, recovery=recovery)
 
 
 def cached_tied_modes(structure: Structure, pairs: NodePairs, count: int) -> tuple[FloatArray, FloatArray]:
@@ -64,11 +64,11 @@ def cached_tied_modes(structure: Structure, pairs: NodePairs, count: int) -> tup
         return {"frequency_hz": frequency_hz, "modes": modes}
 
     sides = (pairs.first_nodes, pairs.first_weights, pairs.second_nodes, pairs.second_weights)
-    kept = _kept("modes", _digest(structure, *sides, np.array([count])), compute)
-    return kept["frequency_hz"], kept["modes"]
+    arrays = _cached_arrays("modes", _digest(structure, *sides, np.array([count])), compute)
+    return arrays["frequency_hz"], arrays["modes"]
 
 
-def _kept(kind: str, digest: str, compute: Callable[[], Arrays]) -> Arrays:
+def _cached_arrays(kind: str, digest: str, compute: Callable[[], Arrays]) -> Arrays:
     """The arrays of a file, or those of ``compute()``, which are then written for the next run."""
     folder = cache_folder()
     if folder is None:
@@ -133,12 +133,12 @@ def _write(path: Path, arrays: Arrays) -> None:
         with whole_file(path, "kept structure", StickslipError) as part, part.open("w+b") as stream:
             np.savez(stream, allow_pickle=False, **arrays)
             seal(stream, path.stem)
-        _make_room(path.parent)
+        _free_space(path.parent)
     except (OSError, StickslipError):
         return
 
 
-def _make_room(folder: Path) -> None:
+def _free_space(folder: Path) -> None:
     """Remove unfinished files of killed runs, and the least recently used files until the folder is small enough."""
     remove_abandoned(folder)
     files = sorted(folder.glob("*.npz"), key=lambda file: file.stat().st_mtime)

@@ -122,16 +122,16 @@ def all_sides(cells: Sequence[tuple[str, IntArray]]) -> tuple[tuple[IntArray, In
     One entry for each number of nodes of a side; cell by cell, cells numbered through the blocks. Inner sides come
     once from each of their two cells.
     """
-    found: dict[int, tuple[list[IntArray], list[IntArray]]] = {}
+    by_size: dict[int, tuple[list[IntArray], list[IntArray]]] = {}
     first = 0
     for name, block in cells:
         for width in sorted({len(side) for side in CELL_KINDS[name].sides}):
             local = np.array([side for side in CELL_KINDS[name].sides if len(side) == width])
-            sides, owners = found.setdefault(width, ([], []))
+            sides, owners = by_size.setdefault(width, ([], []))
             sides.append(block[:, local].reshape(-1, width))
             owners.append(np.repeat(np.arange(first, first + len(block)), len(local)))
         first += len(block)
-    return tuple((np.concatenate(sides), np.concatenate(owners)) for _, (sides, owners) in sorted(found.items()))
+    return tuple((np.concatenate(sides), np.concatenate(owners)) for _, (sides, owners) in sorted(by_size.items()))
 
 
 def single_sides(groups: Sequence[IntArray]) -> tuple[NDArray[np.bool_], ...]:
@@ -151,6 +151,6 @@ def single_sides(groups: Sequence[IntArray]) -> tuple[NDArray[np.bool_], ...]:
 
 def outer_sides(cells: Sequence[tuple[str, IntArray]]) -> tuple[tuple[IntArray, IntArray], ...]:
     """Sides (s, width) of only one cell, and numbers (s,) of their cells; entries as in :func:`all_sides`."""
-    found = all_sides(cells)
-    single = single_sides([sides for sides, _ in found])
-    return tuple((sides[keep], owners[keep]) for (sides, owners), keep in zip(found, single, strict=True))
+    tables = all_sides(cells)
+    single = single_sides([sides for sides, _ in tables])
+    return tuple((sides[keep], owners[keep]) for (sides, owners), keep in zip(tables, single, strict=True))

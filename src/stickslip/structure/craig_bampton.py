@@ -16,7 +16,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.structure.cache import cached_tied_modes
 from stickslip.structure.elasticity import Structure, natural_frequencies
 from stickslip.structure.factor import Backend, factor_forecast, factorize
-from stickslip.structure.floating_parts import floating_sentence
+from stickslip.structure.floating_parts import floating_message
 from stickslip.structure.joined import NodePairs, joined_modes
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.recovery import FullModel, Recovery, partition
@@ -97,7 +97,7 @@ def _reduced(
     try:
         factor = factorize(stiffness_ii, backend, threads)
     except SingularMatrixError as error:
-        raise InputError(floating_sentence(stiffness_ii, structure.node[interior])) from error
+        raise InputError(floating_message(stiffness_ii, structure.node[interior])) from error
     size, n_boundary = len(boundary) + n_modes, len(boundary)
 
     transformation = np.empty((len(interior), size))

@@ -126,17 +126,17 @@ class Structure:
                 f"{self.mesh.n_nodes - 1}.",
                 arguments=["nodes"],
             )
-        held = np.intersect1d(wanted, self.fixed_nodes)
-        if held.size:
+        hits = np.intersect1d(wanted, self.fixed_nodes)
+        if hits.size:
             raise InputError(
-                f"node {held[0]} is fixed, so it has no unknowns ({held.size} of {wanted.size} are).",
+                f"node {hits[0]} is fixed, so it has no unknowns ({hits.size} of {wanted.size} are).",
                 arguments=["nodes"],
             )
-        held = np.intersect1d(wanted, self.fixed_unknowns // 3)
-        if held.size:
-            axes = ", ".join("xyz"[unknown % 3] for unknown in self.fixed_unknowns if unknown // 3 == held[0])
+        hits = np.intersect1d(wanted, self.fixed_unknowns // 3)
+        if hits.size:
+            axes = ", ".join("xyz"[unknown % 3] for unknown in self.fixed_unknowns if unknown // 3 == hits[0])
             raise InputError(
-                f"node {held[0]} is held along {axes}, so it has no three unknowns ({held.size} of {wanted.size} nodes "
+                f"node {hits[0]} is held along {axes}, so it has no three unknowns ({hits.size} of {wanted.size} nodes "
                 "are held in part); contact, force and output nodes must be free. Take such nodes out of the "
                 "constraint, or out of the set.",
                 arguments=["nodes"],

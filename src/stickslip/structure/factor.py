@@ -161,10 +161,10 @@ def _pardiso(matrix: Any) -> Callable[[FloatArray], FloatArray]:
 def _errors(matrix: Any, solve: Callable[[FloatArray], FloatArray]) -> tuple[float, float]:
     """Backward error and error of the solution, both relative and in the maximum norm, for a known, reproducible x."""
     # Entries near 1 give x a component along every rigid-body translation, which a singular stiffness loses.
-    known = np.random.default_rng(0).uniform(0.5, 1.5, matrix.shape[0])
-    right_hand_side = matrix @ known
+    exact = np.random.default_rng(0).uniform(0.5, 1.5, matrix.shape[0])
+    right_hand_side = matrix @ exact
     solution = solve(right_hand_side)
     largest_row = float(abs(matrix).sum(axis=1).max())
     scale = largest_row * float(np.abs(solution).max()) + float(np.abs(right_hand_side).max())
     residual = float(np.abs(matrix @ solution - right_hand_side).max()) / scale
-    return residual, float(np.abs(solution - known).max())
+    return residual, float(np.abs(solution - exact).max())

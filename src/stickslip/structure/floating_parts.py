@@ -51,7 +51,7 @@ def strainless_motions(stiffness: Any, typical: FloatArray | float | None = None
     return np.asarray(scale[:, None] * vector[:, value < ZERO_ENERGY])
 
 
-def floating_sentence(stiffness: Any, node: IntArray) -> str:
+def floating_message(stiffness: Any, node: IntArray) -> str:
     """A message on the parts that make a stiffness (n, n) with constrained boundary nodes singular; ``node`` (n,) names
     its unknowns."""
     part = parts_of(stiffness)

@@ -67,7 +67,7 @@ def tie_matrix(followers: IntArray, leaders: IntArray, weights: FloatArray, size
     return scipy.sparse.csr_matrix((entries, (rows, columns)), shape=(size, size - len(followers)))
 
 
-def _tied(model: Structure | Superelement, pairs: NodePairs) -> Any:
+def _tie_matrix(model: Structure | Superelement, pairs: NodePairs) -> Any:
     """The tie matrix of all pairs: second nodes follow first ones, or first nodes follow points of the second face."""
     if pairs.is_matching:
         followers, leaders, weights = pairs.second_node, pairs.first_node[:, None], np.ones((len(pairs.first_node), 1))
@@ -113,7 +113,7 @@ def joined_modes(
     has no support.
     """
     if springs is None:
-        tie = _tied(model, pairs)
+        tie = _tie_matrix(model, pairs)
         stiffness = tie.T @ model.stiffness @ tie
         frequency_hz, modes = natural_frequencies(stiffness, tie.T @ model.mass @ tie, count)
         frequency_hz[moves_freely(stiffness, modes)] = 0.0

@@ -275,9 +275,9 @@ def _cell_numbers(name: str, value: IntArray, n_cells: int) -> IntArray:
 
 def names_in_short(names: Iterable[str]) -> str:
     """The first names, and the number of others."""
-    known = sorted(names)
-    more = len(known) - SHOWN_NAMES
-    return ", ".join(known[:SHOWN_NAMES]) + (f" and {more} more" if more > 0 else "") or "none"
+    ordered = sorted(names)
+    more = len(ordered) - SHOWN_NAMES
+    return ", ".join(ordered[:SHOWN_NAMES]) + (f" and {more} more" if more > 0 else "") or "none"
 
 
 def counted(count: int, one: str, many: str) -> str:
@@ -301,12 +301,12 @@ def node_numbers(name: str, value: ArrayLike, n_nodes: int) -> IntArray:
 
 def named_nodes(node_sets: Mapping[str, IntArray], name: str) -> IntArray:
     """The nodes of a named set; raises InputError when it does not exist or is empty."""
-    known = ", ".join(sorted(node_sets)) or "none"
+    names = ", ".join(sorted(node_sets)) or "none"
     if name not in node_sets:
-        raise InputError(f"the mesh has no node set '{name}'; it has: {known}.")
+        raise InputError(f"the mesh has no node set '{name}'; it has: {names}.")
     nodes = node_sets[name]
     if not nodes.size:
-        raise InputError(f"node set '{name}' is empty; give it at least one node, or use another of: {known}.")
+        raise InputError(f"node set '{name}' is empty; give it at least one node, or use another of: {names}.")
     return nodes
 
 

@@ -43,9 +43,9 @@ def outer_surface(
 
     Raises InputError for a set that does not exist or spans no side.
     """
-    found = [(_corners(sides), owners) for sides, owners in outer_sides(mesh.cell_arrays())]
-    corners = np.concatenate([sides for sides, _ in found])
-    body = mesh.body[np.concatenate([owners for _, owners in found])]
+    blocks = [(_corners(sides), owners) for sides, owners in outer_sides(mesh.cell_arrays())]
+    corners = np.concatenate([sides for sides, _ in blocks])
+    body = mesh.body[np.concatenate([owners for _, owners in blocks])]
     face = np.full(len(corners), -1, dtype=np.int64)
     for number, (names, nodes) in enumerate(zip(contact_sets, contact_nodes, strict=True)):
         for name in names:
@@ -91,10 +91,10 @@ def coarsened(surface: OuterSurface, most: int) -> OuterSurface:
     for points, there, share in ((near_points, near_sides, 0.5), (~near_points, ~near_sides, 1.0)):
         leader, count = _merged(surface, leader, points, there, int(share * room))
         room -= count
-    kept = _spans_an_area(leader[surface.sides])
-    used, position = np.unique(leader[surface.sides[kept]], return_inverse=True)
+    is_areal = _spans_an_area(leader[surface.sides])
+    used, position = np.unique(leader[surface.sides[is_areal]], return_inverse=True)
     sides = position.reshape(-1, 4).astype(np.int64)
-    return OuterSurface(surface.points[used], sides, surface.body[kept], surface.face[kept], surface.node[used])
+    return OuterSurface(surface.points[used], sides, surface.body[is_areal], surface.face[is_areal], surface.node[used])
 
 
 def _around_contact(surface: OuterSurface) -> tuple[Flags, Flags]:

@@ -125,10 +125,12 @@ def _free_motions(points: FloatArray, regions: list[IntArray], fixed_unknowns: I
     # each region agrees with the one before it that has the node
     agree = _motions(points[node[again]], owner[again], centre, size)
     agree = agree - _motions(points[node[again]], owner[again + 1], centre, size)
-    held = fixed_unknowns[np.isin(fixed_unknowns // 3, node)]
-    holder = owner[np.searchsorted(node, held // 3)]
-    kept = _motions(points[held // 3], holder, centre, size)[3 * np.arange(held.size) + held % 3]
-    rows = scipy.sparse.vstack([agree, kept]).tocsr()
+    constrained = fixed_unknowns[np.isin(fixed_unknowns // 3, node)]
+    owner_of_constrained = owner[np.searchsorted(node, constrained // 3)]
+    constrained_motions = _motions(points[constrained // 3], owner_of_constrained, centre, size)[
+        3 * np.arange(constrained.size) + constrained % 3
+    ]
+    rows = scipy.sparse.vstack([agree, constrained_motions]).tocsr()
     if not rows.shape[0]:
         return 6 * len(regions)
     gram = (rows.T @ rows).tocsr()

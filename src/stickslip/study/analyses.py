@@ -26,11 +26,11 @@ def solve(
     return replace(response, provenance={**response.provenance, **run_provenance()})
 
 
-def _forced(case: Case, model: ReducedModel, told: Progress, threads: int | None) -> ForcedResponse:
+def _forced(case: Case, model: ReducedModel, listener: Progress, threads: int | None) -> ForcedResponse:
     """The forced response over the window of [solver]."""
     settings = case.solver
     compiling = "preparing; the first run on a machine compiles the friction law, about ten seconds"
-    told.update("Response", 0.0, compiling)
+    listener.update("Response", 0.0, compiling)
     return forced_response(
         model.superelement,
         model.pairs,
@@ -47,7 +47,7 @@ def _forced(case: Case, model: ReducedModel, told: Progress, threads: int | None
             first_step=settings.first_step,
         ),
         threads=threads,
-        progress=lambda fraction, detail: told.update("Response", fraction, detail),
+        progress=lambda fraction, detail: listener.update("Response", fraction, detail),
     )
 
 

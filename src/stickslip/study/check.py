@@ -37,7 +37,7 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
         count = min(SHOWN_FREQUENCIES, structure.stiffness.shape[0] - 1)
         stuck_hz, _ = joined_modes(structure, joint.face_pairs, count, joint.resting_springs)
     solved = case.preload.method == "solved"
-    held = "" if joint.closed_at_rest.all() else " (pairs without a gap)" if solved else f" {CLOSED_AT_REST}"
+    constraint = "" if joint.closed_at_rest.all() else " (pairs without a gap)" if solved else f" {CLOSED_AT_REST}"
     sections = [
         ("Sizes", list(sizes(case, setup, structure, joint))),
         ("Derived quantities", numbers),
@@ -45,7 +45,7 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
             "Would run",
             [
                 ("sweep", f"{solver.frequency_start:g} to {solver.frequency_stop:g} Hz"),
-                (f"first natural frequencies, contact stuck{held}", ", ".join(map(hertz, stuck_hz)) + " Hz"),
+                (f"first natural frequencies, contact stuck{constraint}", ", ".join(map(hertz, stuck_hz)) + " Hz"),
                 ("excitation", kind_of(case).description(case)),
                 ("resolution", f"{solver.harmonics} harmonics, {solver.samples} samples"),
             ],

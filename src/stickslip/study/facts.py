@@ -41,13 +41,13 @@ def _faces(joint: Joint) -> Iterator[Derived]:
             yield from _law_of_face(name, *other)
             continue
         pressure = load[face] / area[face]
-        held = "all pairs of the face, "
+        description = "all pairs of the face, "
         if open_pairs[face]:
-            held += f"as if the {int(open_pairs[face])} open ones were "
+            description += f"as if the {int(open_pairs[face])} open ones were "
         yield f"Normal load, {name}", float(load[face]), "N", "sum of the preload of its pairs"
         yield f"Mean pressure, {name}", float(1e-6 * pressure), "MPa", "normal load over nominal area"
-        yield f"Normal stiffness, {name}", float(normal[face]), "N/m", f"{held}closed"
-        yield f"Tangential stiffness, {name}", float(tangential[face]), "N/m", f"{held}stuck"
+        yield f"Normal stiffness, {name}", float(normal[face]), "N/m", f"{description}closed"
+        yield f"Tangential stiffness, {name}", float(tangential[face]), "N/m", f"{description}stuck"
         yield (
             f"Normal stiffness per unit area, {name}",
             float(1e-9 * normal[face] / area[face]),
@@ -77,9 +77,9 @@ def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
     rough = [face for face in joint.rough_faces if face is not None]
     if not rough or case.roughness is None:
         return
-    given, first = case.roughness, rough[0]
-    yield "Fractal dimension D", given.fractal_dimension, "-", "of the surface; share of fine-scale content"
-    yield "Fractal roughness G", given.fractal_roughness, "m", "scale of the heights"
+    section, first = case.roughness, rough[0]
+    yield "Fractal dimension D", section.fractal_dimension, "-", "of the surface; share of fine-scale content"
+    yield "Fractal roughness G", section.fractal_roughness, "m", "scale of the heights"
     yield "Sq", float(1e6 * first.statistics.sq), "µm", "root mean square height between the longest and shortest wave"
     yield "Sdq", float(first.statistics.sdq), "-", "root mean square slope"
     yield (
@@ -89,7 +89,7 @@ def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
         "smaller spots are plastic, larger ones elastic",
     )
     area, where = first.reference_area, "of one face under its preload"
-    if given.reference_area is not None:
+    if section.reference_area is not None:
         where = "of the reference area under the mean pressure of one face"
         yield "Reference area", float(1e6 * area), "mm²", "on which the contact law takes the pressure of a pair"
     yield "Largest spot area", float(1e6 * first.stiffness.largest_area), "mm²", where
@@ -173,7 +173,7 @@ def compared_tractions(
     )
 
 
-def natural_frequencies_found(response: ForcedResponse, count: int = 4) -> tuple[Derived, ...]:
+def linear_natural_frequencies(response: ForcedResponse, count: int = 4) -> tuple[Derived, ...]:
     """The first natural frequencies of the two linear limits of this study."""
     limits = {
         "contacts that are closed at rest stuck": ("stuck", response.linear.stuck_frequency_hz),

@@ -44,19 +44,19 @@ def rough_patch(case: Case, grid: tuple[int, int]) -> RoughPatch | None:
 
     None where no face of the case follows from a roughness. Raises InputError for a roughness that gives no surface.
     """
-    given = case.roughness
-    if given is None or not case.has_rough_faces:
+    section = case.roughness
+    if section is None or not case.has_rough_faces:
         return None
-    spectrum = given.fractal_dimension, given.fractal_roughness, given.sample_length
+    spectrum = section.fractal_dimension, section.fractal_roughness, section.sample_length
     along, across = kind_of(case).rough_face_size(case)
     x, y = np.meshgrid(np.linspace(0.0, along, grid[1]), np.linspace(0.0, across, grid[0]))
-    phases = draw_phases(given.seed, given.ridges, frequency_count(given.sample_length, given.shortest_length))
+    phases = draw_phases(section.seed, section.ridges, frequency_count(section.sample_length, section.shortest_length))
     return RoughPatch(
         along,
         across,
-        fractal_surface(x, y, *spectrum, given.ridges, phases),
-        sq=sq(*spectrum, given.shortest_length),
-        sdq=sdq(*spectrum, given.shortest_length),
+        fractal_surface(x, y, *spectrum, section.ridges, phases),
+        sq=sq(*spectrum, section.shortest_length),
+        sdq=sdq(*spectrum, section.shortest_length),
     )
 
 

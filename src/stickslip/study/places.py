@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stickslip.core.files import require_folder, require_room
+from stickslip.core.files import require_disk_space, require_folder
 from stickslip.model.kinds.mesh import PAIRS_FILE
 from stickslip.model.model import Model
 from stickslip.structure.superelement import Superelement
@@ -29,20 +29,20 @@ _BYTES = 8  # of a number; those of a curve can hardly be compressed
 
 
 def require_places(out: Path) -> None:
-    """Make the folder of a run. Raises PlaceError if its files cannot be written or the disk is nearly full."""
+    """Make the folder of a run. Raises OutputError if its files cannot be written or the disk is nearly full."""
     require_folder(
         out,
         files=(RESULTS_FILE, REPORT_FILE, MODES_FILE, PERIOD_FILE, PAIRS_FILE),
         folders=(FIGURE_FOLDER, PERIOD_FOLDER),
     )
-    require_room(out, REPORT_BYTES, REPORT_BYTES)
+    require_disk_space(out, REPORT_BYTES, REPORT_BYTES)
 
 
-def require_room_for(case: Case, model: Model, out: Path) -> None:
-    """Raise PlaceError unless the disk has space for the estimated size of all files of a run of this model."""
+def require_space_for(case: Case, model: Model, out: Path) -> None:
+    """Raise OutputError unless the disk has space for the estimated size of all files of a run of this model."""
     coefficients = 2 * case.solver.harmonics + 1
     results = _BYTES * _POINTS * model.superelement.size * coefficients
     fields = case.output.mode_shapes + case.output.deflected_shape_frames
     nodes = 0 if isinstance(model.structure, Superelement) else model.structure.mesh.n_nodes
     whole = results + REPORT_BYTES + FIGURES_BYTES + _BYTES_OF_NODE * fields * nodes
-    require_room(out, whole, max(results, REPORT_BYTES))
+    require_disk_space(out, whole, max(results, REPORT_BYTES))

@@ -24,7 +24,7 @@ from stickslip.study.analyses import solve
 from stickslip.study.facts import (
     compared_tractions,
     derived_quantities,
-    natural_frequencies_found,
+    linear_natural_frequencies,
     resting_state,
     study_warnings,
 )
@@ -37,12 +37,12 @@ def study_record(
 ) -> StudyRecord:
     """Data for the report beside the response, without the sketch, which the cases of a sweep have in common."""
     pairs = model.joint.face_pairs
-    held = held_contact(pairs, bool(model.pairs.resting_stiffness().all()))
+    contact_model = contact_of_modes(pairs, bool(model.pairs.resting_stiffness().all()))
     mode_table = tuple(_mode_rows(table))
     if case.reference is not None:
         if not mode_table:  # a structure without a full model, or a sweep with pairs that are open at rest
             mode_table = tuple(_stuck_rows(response))
-            held = STUCK if held == TIED else held
+            contact_model = STUCK if contact_model == TIED else contact_model
         mode_table = tuple(_beside_reference(mode_table, case.reference.mode_frequencies))
     return StudyRecord(
         title=case.study.title,
@@ -55,9 +55,9 @@ def study_record(
         pair_position=pairs.face_position[:, ::-1],  # along the damper first, then up the slope
         pair_area=pairs.area,
         mode_table=mode_table,
-        mode_contact=held,
+        mode_contact=contact_model,
         mode_reference="" if case.reference is None else case.reference.source,
-        derived=(*derived_quantities(case, model.joint), *resting_state(model), *natural_frequencies_found(response)),
+        derived=(*derived_quantities(case, model.joint), *resting_state(model), *linear_natural_frequencies(response)),
         warnings=study_warnings(case, model.joint),
     )
 
@@ -71,8 +71,8 @@ def with_other_tractions(
     output, other = next(iter(model.outputs.values())), model.preload.other
     if other is None:
         return compared_tractions(case, response, model.preload.why, output)
-    kept = case.preload.residual_traction != "kept"
-    changed = replace(model, pairs=model.preload.pairs_about(other, kept))
+    retained = case.preload.residual_traction != "kept"
+    changed = replace(model, pairs=model.preload.pairs_about(other, retained))
     try:
         return compared_tractions(case, response, solve(case, changed, progress, threads), output)
     except ConvergenceError as error:
@@ -82,18 +82,18 @@ def with_other_tractions(
 def compare_modes(
     structure: Structure | Superelement, superelement: Superelement, pairs: FacePairs, springs: FloatArray | None = None
 ) -> tuple[ReductionRow, ...]:
-    """Frequencies of the full and the reduced model, with the contact of :func:`held_contact`.
+    """Frequencies of the full and the reduced model, with the contact of :func:`contact_of_modes`.
 
     ``springs`` (3 * n_pairs,) N/m are 0 where a pair is open at rest; None means that all pairs are closed. Empty for a
     structure from matrices, and for pairs that are not tied without ``springs``.
     """
-    tied = held_contact(pairs, springs is None or bool(springs.all())) == TIED
-    if isinstance(structure, Superelement) or not (tied or springs is not None):
+    is_tied = contact_of_modes(pairs, springs is None or bool(springs.all())) == TIED
+    if isinstance(structure, Superelement) or not (is_tied or springs is not None):
         return ()
-    return reduction_table(structure, superelement, pairs, count=MODE_COUNT, springs=None if tied else springs)
+    return reduction_table(structure, superelement, pairs, count=MODE_COUNT, springs=None if is_tied else springs)
 
 
-def held_contact(pairs: FacePairs, all_closed: bool) -> str:
+def contact_of_modes(pairs: FacePairs, all_closed: bool) -> str:
     """Contact in the mode table: tied if all pairs are node to node, else stuck on their springs.
 
     A pair that is open at rest stays open, as in the linear stuck curve; a joint with such a pair (not ``all_closed``)

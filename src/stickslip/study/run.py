@@ -30,7 +30,7 @@ from stickslip.study.places import (
     REPORT_FILE,
     RESULTS_FILE,
     require_places,
-    require_room_for,
+    require_space_for,
 )
 from stickslip.study.sketching import MeshMotion
 from stickslip.study.solution import reported_model, solved
@@ -52,7 +52,7 @@ def run(
     """Solve a case and write results.nc, report.html, single figures, and shapes for ParaView into ``out_dir``.
 
     An incomplete curve is written too; ``converged`` is then False. ``threads`` None takes the environment variable
-    STICKSLIP_THREADS, or else the usable cores, at most 4. Raises InputError (geometry, roughness), PlaceError
+    STICKSLIP_THREADS, or else the usable cores, at most 4. Raises InputError (geometry, roughness), OutputError
     (folder, full disk), ConvergenceError (not even a first point), ResultsFileError.
     """
     out, count = Path(out_dir), thread_count(threads)
@@ -64,14 +64,14 @@ def run(
 
 def _run(case: Case, out: Path, progress: Progress, threads: int, artist: SecondProcess) -> StudyOutcome:
     setup, model = reported_model(case, progress, threads)
-    require_room_for(case, model, out)
+    require_space_for(case, model, out)
     solution = solved(case, model, progress, threads)
     response, record = solution.response, replace(solution.record, rough_patch=rough_patch(case, PAGE_GRID))
     progress.update("Files", 0.0, RESULTS_FILE)
     artist.start(response, record)
     then = '"stickslip report" makes the report of it'
     write_solved(out / RESULTS_FILE, results_bytes(response, record), "results", ResultsFileError, then)
-    with _kept_results(out):
+    with _saved_results(out):
         progress.update("Files", 0.3, REPORT_FILE)
         page = _page(out, response, record)
         progress.update("Files", 0.5, "shapes for ParaView")
@@ -83,7 +83,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
 
 
 @contextmanager
-def _kept_results(out: Path) -> Iterator[None]:
+def _saved_results(out: Path) -> Iterator[None]:
     """Add to an error that the curve itself is saved."""
     try:
         yield

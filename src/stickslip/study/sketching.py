@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.core.validation import FloatArray
-from stickslip.model.layout import Layout, PortForce, Reading
+from stickslip.model.layout import GroupForce, Layout, Output
 from stickslip.model.model import Model, kind_of
 from stickslip.results.peaks import peaks
 from stickslip.results.response import ForcedResponse
@@ -63,9 +63,9 @@ def make_sketch(
     mesh: Mesh,
     layout: Layout,
     fixed_unknowns: IntArray,
-    forces: tuple[PortForce, ...],
-    static_forces: tuple[PortForce, ...],
-    readings: Mapping[str, Reading],
+    forces: tuple[GroupForce, ...],
+    static_forces: tuple[GroupForce, ...],
+    named_outputs: Mapping[str, Output],
     motion: MeshMotion | None = None,
 ) -> Sketch:
     """Outer sides of a mesh, at most ``MOST_SIDES``, the contact among them, and the positions of loads and responses.
@@ -77,28 +77,28 @@ def make_sketch(
     carrying = [_carrying_nodes(layout.face_pairs, face) for face in range(len(layout.face_names))]
     whole = outer_surface(mesh, layout.contact_sets, carrying)
     shown = coarsened(whole, MOST_SIDES)
-    held = np.isin(shown.node, fixed_unknowns // 3)
-    acting = [(force, constant) for group, constant in ((forces, False), (static_forces, True)) for force in group]
-    acting = [(force, constant) for force, constant in acting if force.amplitude != 0.0]
-    at_port: dict[str, list[str]] = {}
-    for name, reading in readings.items():
-        at_port.setdefault(reading.port, []).append(name)
-    load_ports = [force.port for force, _ in acting]
+    constrained = np.isin(shown.node, fixed_unknowns // 3)
+    nonzero = [(force, constant) for group, constant in ((forces, False), (static_forces, True)) for force in group]
+    nonzero = [(force, constant) for force, constant in nonzero if force.amplitude != 0.0]
+    by_group: dict[str, list[str]] = {}
+    for name, output in named_outputs.items():
+        by_group.setdefault(output.node_group, []).append(name)
+    load_groups = [force.node_group for force, _ in nonzero]
     return Sketch(
         points=shown.points,
-        held=held,
+        held=constrained,
         sides=shown.sides,
         body=shown.body,
         face=shown.face,
         body_names=layout.body_names,
-        load_names=tuple(_name_of(force.port) for force, _ in acting),
-        load_places=_places(mesh, layout, load_ports),
-        loads=np.array([np.multiply(force.amplitude, force.direction) for force, _ in acting]).reshape(-1, 3),
-        constant=np.array([constant for _, constant in acting], dtype=bool),
-        response_names=tuple(_joined(names) for names in at_port.values()),
-        response_places=_places(mesh, layout, list(at_port)),
+        load_names=tuple(_name_of(force.node_group) for force, _ in nonzero),
+        load_places=_places(mesh, layout, load_groups),
+        loads=np.array([np.multiply(force.amplitude, force.direction) for force, _ in nonzero]).reshape(-1, 3),
+        constant=np.array([constant for _, constant in nonzero], dtype=bool),
+        response_names=tuple(_joined(names) for names in by_group.values()),
+        response_places=_places(mesh, layout, list(by_group)),
         mesh_sides=len(whole.sides),
-        motion=None if motion is None else _motion(motion, shown.node, layout, load_ports, list(at_port)),
+        motion=None if motion is None else _motion(motion, shown.node, layout, load_groups, list(by_group)),
     )
 
 
@@ -109,31 +109,36 @@ def _carrying_nodes(pairs: FacePairs, face: int) -> IntArray:
     return np.unique(np.concatenate([nodes[here][weights[here] != 0.0] for nodes, weights in both]))
 
 
-def _places(mesh: Mesh, layout: Layout, ports: list[str]) -> FloatArray:
+def _places(mesh: Mesh, layout: Layout, node_groups: list[str]) -> FloatArray:
     """(k, 3) m, the middle of each port."""
-    middles = [layout.ports[name].shares @ mesh.points[layout.ports[name].nodes] for name in ports]
+    middles = [layout.node_groups[name].weights @ mesh.points[layout.node_groups[name].nodes] for name in node_groups]
     return np.array(middles, dtype=float).reshape(-1, 3)
 
 
-def _motion(motion: MeshMotion, nodes: IntArray, layout: Layout, load_ports: list[str], ports: list[str]) -> Motion:
+def _motion(
+    motion: MeshMotion, nodes: IntArray, layout: Layout, load_groups: list[str], node_groups: list[str]
+) -> Motion:
     """The motion of nodes (n,), and of loads and responses, which is the mean over their nodes."""
     of_nodes = motion.displacement.reshape(-1, 3, motion.displacement.shape[1])
 
     def at(names: list[str]) -> FloatArray:
-        means = [np.tensordot(layout.ports[name].shares, of_nodes[layout.ports[name].nodes], 1) for name in names]
+        means = [
+            np.tensordot(layout.node_groups[name].weights, of_nodes[layout.node_groups[name].nodes], 1)
+            for name in names
+        ]
         return np.array(means, dtype=float).reshape(-1, *of_nodes.shape[1:])
 
     return Motion(
         points=of_nodes[nodes].astype(np.float32),
-        loads=at(load_ports).astype(np.float32),
-        responses=at(ports).astype(np.float32),
+        loads=at(load_groups).astype(np.float32),
+        responses=at(node_groups).astype(np.float32),
         frequency_hz=motion.frequency_hz,
     )
 
 
-def _name_of(port: str) -> str:
+def _name_of(node_group: str) -> str:
     """The user's name of a load, or the name of a node group of the two blades in words."""
-    return port.partition(".")[2] or port.replace("_", " ")
+    return node_group.partition(".")[2] or node_group.replace("_", " ")
 
 
 def _joined(names: list[str]) -> str:

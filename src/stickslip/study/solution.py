@@ -70,11 +70,11 @@ def solve_case(case: Case, progress: Progress | None = None, threads: int | None
     ``threads`` None takes the environment variable STICKSLIP_THREADS, or else the usable cores, at most 4. Raises
     InputError (geometry, roughness) and ConvergenceError (not even a first point).
     """
-    count, told = thread_count(threads), progress or SilentProgress()
+    count, listener = thread_count(threads), progress or SilentProgress()
     # One thread for matrix products here: more would slow down the threads that solve for many right-hand sides.
     with threadpool_limits(limits=1):
-        _, model = reported_model(case, told, count)
-        return solved(case, model, told, count)
+        _, model = reported_model(case, listener, count)
+        return solved(case, model, listener, count)
 
 
 def reported_model(case: Case, progress: Progress, threads: int) -> tuple[Setup, Model]:

@@ -76,15 +76,15 @@ def _swept_key(name: str, values: str | Sequence[Value], case: Case | None) -> S
 
 def _kind(name: str, case: Case | None) -> Quantity | Count | tuple[str, ...]:
     """What values a key takes: a quantity, a count, or the words of a choice. Raises InputError."""
-    known = Case.known_keys()
+    all_keys = Case.allowed_keys()
     named = Case.named_sections()
     section, entry, table, key = parts_of_key(name)
     if table:
         return _constant_kind(name, case)
     entry = entry if section in named else "NAME"
-    if section not in known or key not in known.get(section, ()) or not entry:
-        between = {each: ".NAME." if each in named else "." for each in known}
-        everything = [f"{each}{between[each]}{inner}" for each, keys in known.items() for inner in keys]
+    if section not in all_keys or key not in all_keys.get(section, ()) or not entry:
+        between = {each: ".NAME." if each in named else "." for each in all_keys}
+        everything = [f"{each}{between[each]}{inner}" for each, keys in all_keys.items() for inner in keys]
         homes = [full for full in everything if full.partition(".")[2] == name.split(".")[-1]]
         nearest = homes or difflib.get_close_matches(name, everything, n=1)
         advice = f"Did you mean {nearest[0]}?" if nearest else '"stickslip new FILE" writes a file with every key.'
@@ -98,15 +98,15 @@ def _kind(name: str, case: Case | None) -> Quantity | Count | tuple[str, ...]:
     model, field = Case.field_of(section, key)
     quantity, annotation, metadata = quantity_of(model, key), field.annotation, field.metadata
     count = next((entry for entry in metadata if isinstance(entry, Count)), None)
-    held = next(kind for kind in (annotation, *get_args(annotation)) if kind is not None and not _is_union(kind))
-    held = get_args(held)[0] if get_origin(held) is Annotated else held
-    if get_origin(held) is Literal:
-        return get_args(held)
-    if quantity is not None and get_origin(held) is not tuple:
+    value_type = next(kind for kind in (annotation, *get_args(annotation)) if kind is not None and not _is_union(kind))
+    value_type = get_args(value_type)[0] if get_origin(value_type) is Annotated else value_type
+    if get_origin(value_type) is Literal:
+        return get_args(value_type)
+    if quantity is not None and get_origin(value_type) is not tuple:
         return quantity
     if count is not None:
         return count
-    words = "a text" if held is str else "the number of a node" if held is int else "a list of values"
+    words = "a text" if value_type is str else "the number of a node" if value_type is int else "a list of values"
     raise InputError(
         f"{name} holds {words}; a sweep varies keys that hold a quantity, a count or one of some choices.",
         arguments=[name],
@@ -173,28 +173,29 @@ def _respelled(name: str, value: Value) -> Value:
 
 def _range(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> list[Value]:
     """The values of ``start:stop:count`` or ``start:stop:count:log``. Raises InputError."""
-    found = f'{name} has the range "{item}"'
+    statement = f'{name} has the range "{item}"'
     parts = [part.strip() for part in item.split(":")]
     if isinstance(kind, tuple):
         raise InputError(
-            f"{found}, but it holds a choice: {', '.join(kind)}. Give a list of these words.", arguments=[name]
+            f"{statement}, but it holds a choice: {', '.join(kind)}. Give a list of these words.", arguments=[name]
         )
     if len(parts) not in (3, 4) or not all(parts) or (len(parts) == 4 and parts[3] != "log"):
-        raise InputError(f"{found}, which cannot be read. {_RANGE}", arguments=[name])
+        raise InputError(f"{statement}, which cannot be read. {_RANGE}", arguments=[name])
     start, stop = (float(_single(name, kind, _number_or_text(part))) for part in parts[:2])
     if not parts[2].isdecimal() or not 2 <= int(parts[2]) <= LARGEST_COUNT:
         raise InputError(
-            f"{found}, whose count is {parts[2]}: it must be a whole number from 2 to 10000. {_RANGE}", arguments=[name]
+            f"{statement}, whose count is {parts[2]}: it must be a whole number from 2 to 10000. {_RANGE}",
+            arguments=[name],
         )
     if not stop > start:
         raise InputError(
-            f"{found}, whose stop is not above its start. The third number is the count, no step. {_RANGE}",
+            f"{statement}, whose stop is not above its start. The third number is the count, no step. {_RANGE}",
             arguments=[name],
         )
     count, logarithmic = int(parts[2]), len(parts) == 4
     if logarithmic and not start > 0:
         raise InputError(
-            f"{found}, but a logarithmic range must start above zero. Start it above zero, or drop :log.",
+            f"{statement}, but a logarithmic range must start above zero. Start it above zero, or drop :log.",
             arguments=[name],
         )
     spaced = np.geomspace(start, stop, count) if logarithmic else np.linspace(start, stop, count)
@@ -205,7 +206,7 @@ def _range(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> li
     broken = next((value for value in values if not value.is_integer()), None)
     if broken is not None:
         raise InputError(
-            f"{found}, which holds {broken:g}, but this key takes whole numbers. Choose a count that divides "
+            f"{statement}, which holds {broken:g}, but this key takes whole numbers. Choose a count that divides "
             f"{stop - start:g} evenly, or list the numbers: {name}=1,3,5.",
             arguments=[name],
         )

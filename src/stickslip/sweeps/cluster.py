@@ -65,7 +65,7 @@ class ClusterExecutor(SizedExecutor):
         from distributed.scheduler import KilledWorker
 
         if isinstance(error, CancelledError):
-            return self._lost()
+            return self._connection_error()
         return BrokenExecutor(str(error)) if isinstance(error, KilledWorker) else error
 
     def _threads(self) -> int:
@@ -74,16 +74,16 @@ class ClusterExecutor(SizedExecutor):
         try:
             threads: dict[str, int] = self._client.nthreads(callback_timeout=ANSWER_SECONDS)
         except Exception as error:  # a closing client raises many kinds of errors
-            raise self._lost() from error
+            raise self._connection_error() from error
         if threads:
             self._last_worker = time.monotonic()
         return sum(threads.values())
 
     def _require_connection(self) -> None:
         if self._client.status != "running":
-            raise self._lost()
+            raise self._connection_error()
 
-    def _lost(self) -> WorkersError:
+    def _connection_error(self) -> WorkersError:
         return WorkersError(
             f'the Dask scheduler at "{self._address}" does not answer any more: it ended, or the network failed.'
         )

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.errors import ResultsFileError
-from stickslip.core.files import remove_abandoned, require_folder, require_room, whole_file, write_solved
+from stickslip.core.files import remove_abandoned, require_disk_space, require_folder, whole_file, write_solved
 from stickslip.core.seal import require_seal, seal
 from stickslip.results.sweep_table import SweepCurve
 from stickslip.study.places import RESULTS_FILE
@@ -31,7 +31,7 @@ CASES = "cases"
 FAILED_FILE = "failed.json"
 ROW_FILE = "row.json"
 TRACEBACK_FILE = "traceback.log"
-ROOM_BYTES = 15_000_000  # the page of a sweep and one case of the two-blade study
+SPACE_BYTES = 15_000_000  # the page of a sweep and one case of the two-blade study
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,9 @@ class SweepFolder:
     path: Path
 
     def make(self, files: Iterable[str]) -> None:
-        """Make the folder itself, for cases and these files. Raises PlaceError if they could not be written."""
+        """Make the folder itself, for cases and these files. Raises OutputError if they could not be written."""
         require_folder(self.path, files, folders=(CASES,))
-        require_room(self.path, ROOM_BYTES, ROOM_BYTES)
+        require_disk_space(self.path, SPACE_BYTES, SPACE_BYTES)
 
     def results_file(self, planned: PlannedCase) -> Path:
         """The results file of a case, whether or not it exists."""
@@ -63,8 +63,8 @@ class SweepFolder:
         # The row before the results: then results always have a row, even after a kill between the two.
         _write_sealed(results.with_name(ROW_FILE), planned.key, _row(outcome))
         write_solved(results, outcome.file, "results", ResultsFileError, then="start the same sweep again")
-        for left_over in (FAILED_FILE, TRACEBACK_FILE):
-            results.with_name(left_over).unlink(missing_ok=True)
+        for old_file in (FAILED_FILE, TRACEBACK_FILE):
+            results.with_name(old_file).unlink(missing_ok=True)
 
     def store_traceback(self, planned: PlannedCase, error: BaseException) -> Path:
         """Write the traceback of a defect of the program; returns its file."""

@@ -19,7 +19,7 @@ from multiprocessing.context import SpawnProcess
 from queue import Empty, SimpleQueue
 from typing import Any, ParamSpec, TypeVar
 
-from stickslip.core.errors import InputError, show_warnings_as_sentences
+from stickslip.core.errors import InputError, show_warnings_as_lines
 from stickslip.core.processes import leave_signals_to_parent, safe_path
 
 P = ParamSpec("P")
@@ -124,7 +124,7 @@ class _Worker:
         self._pipe: Connection | None = None
         self._ended = False
         self._lock = threading.Lock()  # no process may start once the end has begun
-        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread = threading.Thread(target=self._run_tasks, daemon=True)
         self._thread.start()
 
     def end(self, at_once: bool) -> None:
@@ -136,7 +136,7 @@ class _Worker:
                     self._process.terminate()
         self._thread.join()
 
-    def _serve(self) -> None:
+    def _run_tasks(self) -> None:
         while (task := self._tasks.get()) is not None:
             future, call = task
             if not future.set_running_or_notify_cancel():
@@ -190,7 +190,7 @@ class _Worker:
 def _work(pipe: Connection) -> None:
     """Main function of a worker process: answer calls until the pipe is closed."""
     leave_signals_to_parent()
-    show_warnings_as_sentences()
+    show_warnings_as_lines()
     threading.Thread(target=_end_with_parent, daemon=True).start()
     while True:
         try:

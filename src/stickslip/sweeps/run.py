@@ -27,7 +27,7 @@ from stickslip.sweeps.axes import Vary, swept_keys
 from stickslip.sweeps.folder import SweepFolder
 from stickslip.sweeps.plan import PlannedCase, plan_cases
 from stickslip.sweeps.pool import InProcess, LocalProcesses, SizedExecutor, WorkerDied
-from stickslip.sweeps.schedule import LOOK_SECONDS, Schedule, StructureGroup
+from stickslip.sweeps.schedule import CHECK_SECONDS, Schedule, StructureGroup
 from stickslip.sweeps.work import CaseOutcome, CaseTask, worker_version
 
 TABLE_FILE = "sweep.csv"
@@ -118,11 +118,11 @@ def sweep(
         if executor is not None:
             if not isinstance(executor, SizedExecutor):  # that of a cluster has checked every worker
                 run.require_same_version(executor)
-            run.solve(groups, executor, _room(executor, workers))
+            run.solve(groups, executor, _free_workers(executor, workers))
         else:
             wanted = workers or max(1, usable_cores() // threads)
             with local_executor(min(wanted, count)) as local:
-                run.solve(groups, local, _room(local, None))
+                run.solve(groups, local, _free_workers(local, None))
     table = SweepTable(keys, tuple(run.row(each) for each in planned))
     curves = tuple(run.outcomes[each.key].curve for each in planned)
     forces = np.array([kind_of(each.case).force_amplitude(each.case) for each in planned])
@@ -148,7 +148,7 @@ def local_executor(workers: int) -> Iterator[SizedExecutor]:
     pool.shutdown()
 
 
-def _room(executor: Executor, workers: int | None) -> Callable[[], int]:
+def _free_workers(executor: Executor, workers: int | None) -> Callable[[], int]:
     """The number of tasks that may be submitted: that of the executor, or from the caller's number of workers."""
     if isinstance(executor, SizedExecutor):
         return lambda: executor.tasks_at_a_time
@@ -211,16 +211,16 @@ class _Run:
     @staticmethod
     def _group(groups: dict[str, StructureGroup | StickslipError], planned: PlannedCase) -> StructureGroup:
         """The group of a case; its mesh and pairs are made once. Raises InputError for entries that do not fit."""
-        known = groups.get(planned.structure)
-        if known is None:
+        group = groups.get(planned.structure)
+        if group is None:
             try:
-                known = StructureGroup(set_up(planned.case))
+                group = StructureGroup(set_up(planned.case))
             except StickslipError as error:
-                known = error
-            groups[planned.structure] = known
-        if isinstance(known, StickslipError):
-            raise known
-        return known
+                group = error
+            groups[planned.structure] = group
+        if isinstance(group, StickslipError):
+            raise group
+        return group
 
     def require_same_version(self, executor: Executor) -> None:
         """Raise InputError unless the first worker that answers can run stickslip and runs this code.
@@ -231,18 +231,18 @@ class _Run:
         self._progress.update("Workers", 0.0, "waiting for the first answer of the executor")
         try:
             future, began = executor.submit(worker_version), time.monotonic()
-            while not wait([future], LOOK_SECONDS).done:
+            while not wait([future], CHECK_SECONDS).done:
                 words = f"no answer of the executor for {time.monotonic() - began:.0f} s; has it workers?"
                 self._progress.update("Workers", 0.0, words)
-            found = future.result()
+            version = future.result()
         except (ImportError, AttributeError, BrokenExecutor) as error:
             raise InputError(
                 f"the workers of the executor cannot run stickslip ({type(error).__name__}: {error}). Install it where "
                 'they run; in a script the call must stand below if __name__ == "__main__":.'
             ) from error
-        if found != worker_version():
+        if version != worker_version():
             raise InputError(
-                f"the workers run stickslip {found}, but this is {worker_version()}. Install the same version where "
+                f"the workers run stickslip {version}, but this is {worker_version()}. Install the same version where "
                 "they run."
             )
         self._progress.update("Workers", 1.0, "same version as here")
@@ -254,9 +254,9 @@ class _Run:
         try:
             Schedule(executor, at_a_time, self._finish, self._break, waiting=self._show).run(groups)
         except WorkersError as error:
-            kept = " and kept; the same command goes on with the others" if self.folder is not None else ""
+            closing = " and kept; the same command goes on with the others" if self.folder is not None else ""
             count, total = self.found + self._solved - self._failed, len(self.planned)
-            raise WorkersError(f"{error} {count} of {total} cases are finished{kept}.") from error
+            raise WorkersError(f"{error} {count} of {total} cases are finished{closing}.") from error
 
     def _finish(self, planned: PlannedCase, outcome: CaseOutcome) -> None:
         if self.folder is not None:

@@ -16,7 +16,7 @@ from stickslip.sweeps.pool import InProcess, SizedExecutor, WorkerDied
 from stickslip.sweeps.work import CaseOutcome, CaseTask, open_parcel, parcel, reduce_task, solve_task
 
 # chosen: interval at which a schedule without results checks its workers.
-LOOK_SECONDS = 2.0
+CHECK_SECONDS = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,11 +75,11 @@ class Schedule:
         try:
             while self._out or self._solutions or self._reductions:
                 self._fill()
-                done, _ = wait(self._out, LOOK_SECONDS, return_when=FIRST_COMPLETED)
+                done, _ = wait(self._out, CHECK_SECONDS, return_when=FIRST_COMPLETED)
                 if not done and isinstance(self._executor, SizedExecutor):
                     self._waiting(self._executor.waiting_for())
                 for future in done:
-                    self._take(self._out.pop(future), future)
+                    self._finish_job(self._out.pop(future), future)
         except BaseException:
             for future in self._out:
                 future.cancel()
@@ -106,7 +106,7 @@ class Schedule:
             return self._executor.submit(task, *arguments)
         return self._executor.submit(open_parcel, parcel(task, *arguments))
 
-    def _take(self, job: _Job, future: Future[Any]) -> None:
+    def _finish_job(self, job: _Job, future: Future[Any]) -> None:
         try:
             result = self._result(future)
         except WorkersError:

@@ -98,9 +98,9 @@ def test_the_curve_of_an_oscillator_with_a_stop_against_time_integration() -> No
     settled = scipy.integrate.solve_ivp(rate, (0.0, 120 * period), [0.0, 0.0], rtol=1e-8, atol=1e-12).y[:, -1]
     last = scipy.integrate.solve_ivp(rate, (0.0, period), settled, rtol=1e-9, atol=1e-13, max_step=period / 400)
     assert response.frequency_hz[0] == pytest.approx(hertz)
-    found = response.signal([0.0, 0.0, 1.0], 0, 1000)
-    assert found.max() == pytest.approx(last.y[0].max(), rel=2e-3)
-    assert found.min() == pytest.approx(last.y[0].min(), rel=2e-3)
+    actual = response.signal([0.0, 0.0, 1.0], 0, 1000)
+    assert actual.max() == pytest.approx(last.y[0].max(), rel=2e-3)
+    assert actual.min() == pytest.approx(last.y[0].min(), rel=2e-3)
 
 
 def test_jenkins_equals_the_closed_form() -> None:
@@ -112,9 +112,9 @@ def test_jenkins_equals_the_closed_form() -> None:
         angle = np.arccos(1.0 - 2.0 * limit / (k * amplitude))
         real = k * amplitude * (angle - 0.5 * np.sin(2.0 * angle)) / np.pi
         energy = 4.0 * limit * (amplitude - limit / k)
-        found = first_harmonic(law, 0, amplitude, 20_000)
-        assert found.real == pytest.approx(real, rel=1e-6)
-        assert found.imag == pytest.approx(energy / (np.pi * amplitude), rel=1e-6)
+        actual = first_harmonic(law, 0, amplitude, 20_000)
+        assert actual.real == pytest.approx(real, rel=1e-6)
+        assert actual.imag == pytest.approx(energy / (np.pi * amplitude), rel=1e-6)
         path = np.zeros((20_000, 1, 3))
         path[:, 0, 1] = amplitude * np.cos(2 * np.pi * np.arange(20_000) / 20_000)
         cycle = law.cycle(path)
@@ -171,13 +171,13 @@ def test_iwan_equals_a_thousand_jenkins_elements_on_any_path() -> None:
         path = size * largest * (np.cos(angle) + 0.7 * np.sin(3 * angle) - 0.4 * np.cos(5 * angle + 1.0))
         motion = np.zeros((400, 1, 3))
         motion[:, 0, 0] = path
-        found = law.cycle(motion)
+        actual = law.cycle(motion)
         many = np.zeros((400, stiffness.size, 3))
         many[:, :, 0] = path[:, None]
         elements = ss.JenkinsElement(stiffness, limits).cycle(many)
         total = elements.force[:, :, 0].sum(axis=1)
-        assert found.force[:, 0, 0] == pytest.approx(total, abs=2e-3 * np.abs(total).max())
-        assert found.dissipated_energy[0] == pytest.approx(elements.dissipated_energy.sum(), rel=3e-3)
+        assert actual.force[:, 0, 0] == pytest.approx(total, abs=2e-3 * np.abs(total).max())
+        assert actual.dissipated_energy[0] == pytest.approx(elements.dissipated_energy.sum(), rel=3e-3)
 
 
 def test_the_curve_of_an_iwan_joint_dissipates_as_its_closed_form() -> None:
@@ -219,12 +219,12 @@ def test_the_curve_of_an_iwan_joint_dissipates_as_its_closed_form() -> None:
         ),
     ],
 )
-def test_constants_out_of_range_are_refused(make: object, keys: tuple[str, ...]) -> None:
+def test_constants_out_of_range_are_rejected(make: object, keys: tuple[str, ...]) -> None:
     with rejects(ss.InputError, *keys):
         make()  # type: ignore[operator]
 
 
-def test_gap_and_normal_load_say_what_the_sign_of_the_preload_said() -> None:
+def test_gap_and_normal_load_say_what_the_sign_of_the_preload_reported() -> None:
     old = ss.ContactPairs(np.eye(6), [2e6, 2e6], 1e6, 0.3, [5.0, -4.0])
     new = ss.ContactPairs(np.eye(6), [2e6, 2e6], 1e6, 0.3, normal_load=[5.0, 0.0], gap=[0.0, 2e-6])
     assert new.preload == pytest.approx(old.preload)

@@ -35,7 +35,7 @@ def test_round_off_beyond_the_limit_is_cut() -> None:
         ([[np.nan, 0.0], [0.0, 0.0]], 2.0),
     ],
 )
-def test_tractions_that_friction_cannot_hold_are_refused(traction: object, preload: object) -> None:
+def test_tractions_that_friction_cannot_carry_are_rejected(traction: object, preload: object) -> None:
     with rejects(InputError, "residual_traction"):
         pairs_with(traction, preload)
 

@@ -44,10 +44,10 @@ def loop_errors(name: str, samples: int) -> FloatArray:
         motion = np.stack([AMPLITUDE * np.cos(t), 0.0 * t, normal(t)], axis=-1)[:, None]
         cycle = contact_cycle(motion, make_pairs(1, preload=preload))
         force = cycle.force[:, 0, 0]
-        found = np.array([force.mean(), 2.0 * np.mean(force * np.cos(t)), 2.0 * np.mean(force * np.sin(t))])
+        actual = np.array([force.mean(), 2.0 * np.mean(force * np.cos(t)), 2.0 * np.mean(force * np.sin(t))])
         scale = abs(loop.coefficients[2])
         errors = [
-            *(np.abs(found - loop.coefficients) / scale),
+            *(np.abs(actual - loop.coefficients) / scale),
             abs(cycle.dissipated_energy[0] / loop.dissipated_energy - 1.0),
             np.abs(force - loop.force(t)).max() / (FRICTION * preload),
         ]
@@ -139,10 +139,10 @@ def tractrix_step(force: FloatArray, move: FloatArray, first: float, last: float
 def test_one_tractrix_step_against_small_radial_steps(name: str) -> None:
     force, move, first, last = STEPS[name]
     coarse, fine = (radial_return_in_steps(np.array(force), np.array(move), first, last, n) for n in (4000, 8000))
-    found = tractrix_step(np.array(force), np.array(move), first, last)
-    np.testing.assert_allclose(found[:2], (2.0 * fine - coarse)[:2], atol=2e-5)
+    actual = tractrix_step(np.array(force), np.array(move), first, last)
+    np.testing.assert_allclose(actual[:2], (2.0 * fine - coarse)[:2], atol=2e-5)
     # The three-point rule of the energy is exact unless T turns far within one step.
-    assert found[2] == pytest.approx(2.0 * fine[2] - coarse[2], rel=2e-2, abs=1e-5)
+    assert actual[2] == pytest.approx(2.0 * fine[2] - coarse[2], rel=2e-2, abs=1e-5)
 
 
 @pytest.mark.parametrize("name", ["touchdown", "touchdown that sticks"])
@@ -166,8 +166,8 @@ def test_random_tractrix_steps_against_small_radial_steps() -> None:
         force = first * rng.choice([1.0, rng.uniform(0.0, 1.0)]) * np.array([np.cos(angle), np.sin(angle)])
         move = rng.normal(size=2) * 10.0 ** rng.uniform(-1.0, 1.0)
         coarse, fine = (radial_return_in_steps(force, move, first, last, n) for n in (1000, 2000))
-        found = tractrix_step(force, move, first, last)
-        np.testing.assert_allclose(found[:2], (2.0 * fine - coarse)[:2], atol=1e-4 * (1.0 + np.hypot(*move)))
+        actual = tractrix_step(force, move, first, last)
+        np.testing.assert_allclose(actual[:2], (2.0 * fine - coarse)[:2], atol=1e-4 * (1.0 + np.hypot(*move)))
 
 
 def test_tractrix_extremes_stay_on_the_limit() -> None:
@@ -261,21 +261,21 @@ def test_unequal_stiffness_tends_to_radial_return() -> None:
 def test_every_pair_closes_its_period(update: Update) -> None:
     """Also pairs that only just reach the limit, where plain cycles creep for thousands of periods."""
     for x, pairs in (random_case(11, 1500), near_shakedown(5, 1500, 64)):
-        found = harmonic_force(x, pairs, 64, update)
-        assert found.closure.max() <= 1e-12
-        assert set(found.state) >= {0, 1}
-        assert np.count_nonzero((found.state == 0) & found.deviates) > 10
+        actual = harmonic_force(x, pairs, 64, update)
+        assert actual.closure.max() <= 1e-12
+        assert set(actual.state) >= {0, 1}
+        assert np.count_nonzero((actual.state == 0) & actual.deviates) > 10
 
 
 def test_shaken_down_pairs_are_where_plain_cycles_leave_them() -> None:
     """Twenty plain periods from the released start (a motion of 20 periods taken as one) end in the same state."""
     x, pairs = near_shakedown(7, 300, 64)
-    found = contact_cycle(sampled(x, 64), pairs)
+    actual = contact_cycle(sampled(x, 64), pairs)
     once = harmonic_force(x, pairs, 64)
-    shaken = (found.state == 0) & once.deviates
+    shaken = (actual.state == 0) & once.deviates
     many = contact_cycle(np.tile(sampled(x, 64), (20, 1, 1)), pairs)
     scale = pairs.friction_coefficient * pairs.preload
-    error = np.abs(many.force[-64:] - found.force).max(axis=(0, 2)) / scale
+    error = np.abs(many.force[-64:] - actual.force).max(axis=(0, 2)) / scale
     assert shaken.sum() > 20
     assert np.median(error[shaken]) < 1e-12
     assert error[shaken].max() < 1e-6
@@ -287,17 +287,17 @@ def test_newton_does_not_jump_over_the_edge_of_the_stuck_set() -> None:
     pick = [1520, 1653]
     chosen = make_pairs(2, 1.0, pairs.tangential_stiffness[pick], pairs.friction_coefficient[pick], pairs.preload[pick])
     motion = sampled(x[pick], 64)
-    found = contact_cycle(motion, chosen)
+    actual = contact_cycle(motion, chosen)
     many = contact_cycle(np.tile(motion, (200, 1, 1)), chosen)
-    assert found.state.tolist() == [STICK, STICK]
-    np.testing.assert_allclose(many.force[-64:], found.force, atol=1e-10)
+    assert actual.state.tolist() == [STICK, STICK]
+    np.testing.assert_allclose(many.force[-64:], actual.force, atol=1e-10)
 
 
 @pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize("update", ["tractrix", "radial"])
 def test_harmonic_force_is_the_transform_of_the_sampled_cycle(seed: int, update: Update) -> None:
     x, pairs = random_case(seed, 200)
-    found = harmonic_force(x, pairs, 96, update)
+    actual = harmonic_force(x, pairs, 96, update)
     cycle = contact_cycle(sampled(x, 96), pairs, update)
     signal = cycle.force.copy()
     signal[:, :, 2] -= np.maximum(pairs.preload, 0.0)  # a gap has no load at rest
@@ -307,26 +307,26 @@ def test_harmonic_force_is_the_transform_of_the_sampled_cycle(seed: int, update:
     expected[:, :, 1::2] = 2.0 * spectrum[1:].real.transpose(1, 2, 0)
     expected[:, :, 2::2] = -2.0 * spectrum[1:].imag.transpose(1, 2, 0)
     scale = 1.0 + np.abs(expected).max(axis=(1, 2), keepdims=True)
-    assert np.abs((found.force - expected) / scale).max() < 1e-9
-    np.testing.assert_array_equal(found.state, cycle.state)
+    assert np.abs((actual.force - expected) / scale).max() < 1e-9
+    np.testing.assert_array_equal(actual.state, cycle.state)
 
 
 def test_pair_that_does_not_deviate_is_exactly_its_springs() -> None:
     x, pairs = random_case(2, 300)
-    found = harmonic_force(x, pairs, 64)
-    stuck = ~found.deviates
+    actual = harmonic_force(x, pairs, 64)
+    stuck = ~actual.deviates
     assert 10 < stuck.sum() < 200
     expected = pairs.resting_stiffness().reshape(-1, 3)[:, :, None] * x
     expected[:, :2, 0] = 0.0
-    np.testing.assert_array_equal(found.force[stuck], expected[stuck])
-    assert np.all(found.state[stuck & pairs.closed_at_rest] == 0)
+    np.testing.assert_array_equal(actual.force[stuck], expected[stuck])
+    assert np.all(actual.state[stuck & pairs.closed_at_rest] == 0)
     open_at_rest = stuck & ~pairs.closed_at_rest
     assert open_at_rest.any()
-    assert np.all(found.state[open_at_rest] == 2)
-    assert np.all(found.deviates[(found.state > 0) & pairs.closed_at_rest])
+    assert np.all(actual.state[open_at_rest] == 2)
+    assert np.all(actual.deviates[(actual.state > 0) & pairs.closed_at_rest])
 
 
-def test_kept_traction_is_carried_along_until_slip_forgets_it() -> None:
+def test_residual_traction_is_carried_along_until_slip_forgets_it() -> None:
     motion = np.zeros((1, 3, 3))
     motion[0, 0, 1] = 0.1
     still = ContactPairs(np.zeros((3, 1)), 1.0, 3.0, 0.4, 2.0, [[0.3, -0.2]])
@@ -345,7 +345,7 @@ def test_kept_traction_is_carried_along_until_slip_forgets_it() -> None:
     )
 
 
-def test_kept_traction_shakes_down_to_the_limit() -> None:
+def test_residual_traction_shakes_down_to_the_limit() -> None:
     """T0 + k X cos t passes the limit on one side only: slip moves the loop until it touches, and no farther."""
     spring, limit, rest, amplitude = 3.0, 0.8, 0.6, 0.15
     pairs = ContactPairs(np.zeros((3, 1)), 1.0, spring, 0.4, 2.0, [[rest, 0.0]])

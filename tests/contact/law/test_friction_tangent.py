@@ -85,8 +85,8 @@ REGIMES: dict[str, tuple[FloatArray, dict[str, object], int, bool]] = {
 def test_tangent_of_each_regime(name: str, update: Update) -> None:
     x, constants, state, deviates = REGIMES[name]
     pairs = make_pairs(1, **constants)  # type: ignore[arg-type]
-    found = harmonic_force(x, pairs, SAMPLES, update)
-    assert (found.state[0], found.deviates[0]) == (state, deviates)
+    actual = harmonic_force(x, pairs, SAMPLES, update)
+    assert (actual.state[0], actual.deviates[0]) == (state, deviates)
     tangent = harmonic_tangent(x, pairs, SAMPLES, [0], update)
     expected = differences(x, pairs, update, 1e-6)
     scale = np.abs(expected).max() + np.full(1, 1e-300)
@@ -108,7 +108,7 @@ def test_tangent_of_random_pairs(seed: int, update: Update) -> None:
 
 
 @pytest.mark.parametrize("seed", [3, 4])
-def test_tangent_with_kept_traction(seed: int) -> None:
+def test_tangent_with_residual_traction(seed: int) -> None:
     """The mean tangential displacement counts where the start is remembered: stuck and shaken-down pairs."""
     x, pairs = kept_case(seed, 250)
     tangent = harmonic_tangent(x, pairs, SAMPLES, np.arange(250))

@@ -221,9 +221,9 @@ def test_a_curve_with_all_laws_balances_its_energy_and_comes_back_from_its_file(
         ss.Superelement(0.5 * np.eye(30), chain), pairs, force, frequency_hz=(430.0, 470.0), modal_damping_ratio=0.01
     )
     assert response.converged, response.message
-    given = response.input_energy
+    values = response.input_energy
     lost = response.friction_energy.sum(axis=1) + response.viscous_energy
-    assert lost == pytest.approx(given, rel=1e-4)
+    assert lost == pytest.approx(values, rel=1e-4)
     assert response.friction_energy[:, 6:].max() > 0.0  # Jenkins and Iwan
     assert not response.friction_energy[:, 2:6].any()  # elastic ones lose nothing
     save_results(tmp_path / "results.nc", response)
@@ -273,7 +273,7 @@ def test_the_derivative_of_a_step_is_that_of_its_force(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_a_law_about_a_state_goes_on_as_the_law_would(name: str) -> None:
+def test_a_law_about_a_state_continues_as_the_law_would(name: str) -> None:
     """Displacements and forces count from the new rest, memory comes along; twice is as once."""
     law = ALL[name]
     memory = at(law, -0.5 * REST, REST)
@@ -331,7 +331,7 @@ def test_a_law_with_springs_of_its_own_has_no_state_under_load() -> None:
         Stubborn(1e6, 1e17).about(REST[:1], None)
 
 
-def test_a_hysteretic_law_that_cannot_keep_its_traction_says_so() -> None:
+def test_a_hysteretic_law_that_cannot_keep_its_traction_reports_it() -> None:
     law = LAWS["jenkins"]
     with rejects(ss.InputError):
         ss.HystereticLaw.keeping(law, law.memory_at_rest())  # type: ignore[type-var]

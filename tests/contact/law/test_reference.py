@@ -117,7 +117,9 @@ def test_signal_is_continuous(name: str) -> None:
         (mindlin_stiffness, (1.0, 1.0, 0.6), ("poisson_ratio",)),
     ],
 )
-def test_outside_the_closed_form_is_refused(build: object, arguments: tuple[float, ...], keys: tuple[str, ...]) -> None:
+def test_outside_the_closed_form_is_rejected(
+    build: object, arguments: tuple[float, ...], keys: tuple[str, ...]
+) -> None:
     with rejects(InputError, *keys):
         build(*arguments)  # type: ignore[operator]
 

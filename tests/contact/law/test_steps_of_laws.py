@@ -18,14 +18,14 @@ SLIDES = float(IWAN.macroslip_displacement[0, 0])
 
 def forces(law: ss.ContactLaw, axis: int, path: Iterable[float]) -> np.ndarray:
     """(n,) N of pair 0 along one axis after each step of a path from rest, the other axes still."""
-    memory, found = law.memory_at_rest(), []
+    memory, actual = law.memory_at_rest(), []
     for x in path:
         displacement = np.zeros((law.n_pairs, 3))
         displacement[:, axis] = x
         step = law.step(displacement, memory)
         memory = step.memory
-        found.append(step.force[0, axis])
-    return np.array(found)
+        actual.append(step.force[0, axis])
+    return np.array(actual)
 
 
 def test_jenkins_loads_unloads_and_reloads() -> None:
@@ -63,11 +63,11 @@ def test_iwan_loads_along_its_backbone_and_turns_by_masings_rules() -> None:
     x0 = 0.6 * SLIDES
     down = [0.4 * x0, -0.5 * x0, -x0]
     expected = [backbone(x0) - 2.0 * backbone(0.5 * (x0 - x)) for x in down]
-    found = forces(IWAN, 0, [0.3 * x0, x0, *down, -1.2 * x0, -3.0 * SLIDES])
-    assert found[:2] == pytest.approx([backbone(0.3 * x0), backbone(x0)], rel=1e-13)
-    assert found[2:5] == pytest.approx(expected, rel=1e-12)
-    assert found[4] == pytest.approx(-backbone(x0), rel=1e-12)
-    assert found[5:] == pytest.approx([-backbone(1.2 * x0), -4000.0], rel=1e-12)
+    actual = forces(IWAN, 0, [0.3 * x0, x0, *down, -1.2 * x0, -3.0 * SLIDES])
+    assert actual[:2] == pytest.approx([backbone(0.3 * x0), backbone(x0)], rel=1e-13)
+    assert actual[2:5] == pytest.approx(expected, rel=1e-12)
+    assert actual[4] == pytest.approx(-backbone(x0), rel=1e-12)
+    assert actual[5:] == pytest.approx([-backbone(1.2 * x0), -4000.0], rel=1e-12)
 
 
 def test_a_closed_inner_loop_of_an_iwan_joint_is_forgotten() -> None:
@@ -105,13 +105,13 @@ def test_a_kept_iwan_joint_ends_in_the_state_of_its_jenkins_elements() -> None:
     stiffness = np.append(stiffness, 1.5e7 - stiffness.sum())
     elements = jenkins(stiffness, np.append(limits, stiffness[-1] * SLIDES))
     rest = np.array([[0.5 * SLIDES, 0.0, 0.0]])
-    kept = IWAN.about(rest, IWAN.step(rest, IWAN.memory_at_rest()).memory)
+    retained = IWAN.about(rest, IWAN.step(rest, IWAN.memory_at_rest()).memory)
     every = np.tile(rest, (stiffness.size, 1))
     many = elements.about(every, elements.step(every, elements.memory_at_rest()).memory)
     angle = 2 * np.pi * np.arange(200) / 200
     motion = np.zeros((200, 1, 3))
     motion[:, 0, 0] = 0.2 * SLIDES * (np.cos(angle) + 0.4 * np.sin(3 * angle) + 0.3)
-    one, all_of_them = kept.cycle(motion), many.cycle(np.tile(motion, (1, stiffness.size, 1)))
+    one, all_of_them = retained.cycle(motion), many.cycle(np.tile(motion, (1, stiffness.size, 1)))
     assert one.force[:, 0, 0] == pytest.approx(all_of_them.force[:, :, 0].sum(axis=1), abs=1e-3 * 4000.0)
     assert one.dissipated_energy[0] == pytest.approx(all_of_them.dissipated_energy.sum(), rel=3e-3)
     assert one.force[:, 0, 0].mean() > 500.0  # a released joint would carry next to nothing in the mean

@@ -34,10 +34,10 @@ def clipped(subject, window):
     ],
 )
 def test_known_overlaps(window, corners, expected):
-    found = clipped(SQUARE, window)
-    assert len(found) == corners
+    actual = clipped(SQUARE, window)
+    assert len(actual) == corners
     if corners:
-        assert area(found) == pytest.approx(expected)
+        assert area(actual) == pytest.approx(expected)
 
 
 @settings(max_examples=60, deadline=None)

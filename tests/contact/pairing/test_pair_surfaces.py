@@ -55,12 +55,12 @@ def assert_same_place(mesh, pairs, gap):
 
 def test_matching_meshes_give_the_pairs_of_nodes():
     mesh = stacked((3, 2, 1), (3, 2, 1))
-    found, expected = pair_surfaces(mesh, "bottom", "top").pairs, pair_faces(mesh, "bottom", "top")
-    assert found.is_matching
-    np.testing.assert_array_equal(found.first_node, expected.first_node)
-    np.testing.assert_array_equal(found.second_node, expected.second_node)
-    np.testing.assert_allclose(found.area, expected.area)
-    np.testing.assert_array_equal(found.face_position, expected.face_position)
+    actual, expected = pair_surfaces(mesh, "bottom", "top").pairs, pair_faces(mesh, "bottom", "top")
+    assert actual.is_matching
+    np.testing.assert_array_equal(actual.first_node, expected.first_node)
+    np.testing.assert_array_equal(actual.second_node, expected.second_node)
+    np.testing.assert_allclose(actual.area, expected.area)
+    np.testing.assert_array_equal(actual.face_position, expected.face_position)
 
 
 def test_nodes_of_interpolated_pairs_are_those_with_weight():
@@ -119,12 +119,12 @@ def test_a_tilted_face_has_a_gap_that_grows():
 def test_what_hangs_over_stays_unpaired_with_its_area(points):
     mesh = stacked((4, 2, 1), (4, 3, 1), offset=(0.3, 0.0, 0.0))
     pairing = pair_surfaces(mesh, "bottom", "top", points=points)
-    lone = pairing.unpaired_first
-    assert set(lone.reasons) == {"beyond the edge"}
-    assert lone.largest_overhang == pytest.approx(0.3)
+    unpaired = pairing.unpaired_first
+    assert set(unpaired.reasons) == {"beyond the edge"}
+    assert unpaired.largest_overhang == pytest.approx(0.3)
     # Nodes at x = 1.05 and 1.3 carry 3/8 of the face; the cells know that 0.3 of it hangs over.
     share = 0.375 if points == "nodes" else 0.3
-    assert lone.area.sum() == pytest.approx(share, rel=1e-9)
+    assert unpaired.area.sum() == pytest.approx(share, rel=1e-9)
     assert pairing.pairs.area.sum() == pytest.approx(1.0 - share, rel=1e-9)
     assert pairing.pairs.points[:, 0].max() < 1.0 + 1e-9
     # Of the lower nodes, x = 0 and x = 0.25 look past the upper block.
@@ -142,7 +142,7 @@ def test_a_point_just_beyond_the_edge_is_paired_within_the_tolerance():
     assert len(pair_surfaces(mesh, "bottom", "top", edge_tolerance=0.003).unpaired_first) == 3
 
 
-def test_too_far_and_not_facing_are_told_apart():
+def test_too_far_and_not_facing_are_distinguished():
     with rejects(InputError, "first", "second"):
         pair_surfaces(stacked(offset=(0.0, 0.0, 0.4)), "bottom", "top", search_distance=0.25)
     with rejects(InputError, "first", "second"):
@@ -151,7 +151,7 @@ def test_too_far_and_not_facing_are_told_apart():
         pair_surfaces(stacked(offset=(0.0, 0.0, 0.4)), "bottom", "top", points="quadrature", search_distance=0.25)
 
 
-def test_of_two_layers_nodes_take_the_nearest_and_cells_refuse():
+def test_of_two_layers_nodes_take_the_nearest_and_cells_reject():
     mesh = stacked((2, 2, 2), (3, 3, 1))
     # The lower block is cut in two plates: the middle nodes' side of the lower plate lies in the set as well.
     plates = two_bodies(
@@ -205,7 +205,7 @@ def test_gap_of_an_eccentric_pin():
     assert pairing.facet_height == pytest.approx(0.5 * (np.pi / 96) ** 2 / 2 + 0.52 * (np.pi / 120) ** 2 / 2, rel=0.02)
 
 
-def test_gaps_that_come_from_flat_sides_alone_are_told():
+def test_gaps_that_come_from_flat_sides_alone_are_reported():
     mesh = pin_in_bore((36, 1), (25, 1), bore_radius=0.5)
     pairing = pair_surfaces(mesh, "top", "bottom")
     assert 0.0 < np.abs(pairing.pairs.gap).max() < pairing.facet_height
@@ -261,12 +261,12 @@ def test_chosen_tangent_lies_in_the_face():
         ({"tangent": (1.0, 0.0)}, "tangent"),
     ],
 )
-def test_wrong_options_are_refused(options, key):
+def test_wrong_options_are_rejected(options, key):
     with rejects(InputError, key):
         pair_surfaces(stacked((1, 1, 1), (2, 1, 1)), "bottom", "top", **options)
 
 
-def test_wrong_sets_are_refused():
+def test_wrong_sets_are_rejected():
     mesh = stacked((1, 1, 1), (2, 1, 1))
     with rejects(InputError, "second"):
         pair_surfaces(mesh, "bottom", "side")
@@ -309,7 +309,7 @@ def test_ground(kind, points):
     assert len(pairing.summary()) > 5
 
 
-def test_wrong_ground_is_refused():
+def test_wrong_ground_is_rejected():
     with rejects(InputError, "gap"):
         pair_with_ground(stacked(), "bottom", gap=[0.0, 1.0])
     with rejects(InputError, "points"):
@@ -327,7 +327,7 @@ def test_interfaces_of_different_kinds_join():
     np.testing.assert_array_equal(joined.nodes, np.unique(np.concatenate([part.nodes for part in parts])))
 
 
-def test_summary_tells_tolerances_and_what_is_left():
+def test_summary_shows_tolerances_and_what_is_left():
     pairing = pair_surfaces(stacked(offset=(0.3, 0.0, 1e-3)), "bottom", "top", search_distance=0.1)
     rows = {label: (value, unit) for label, value, unit in pairing.summary()}
     assert rows["contact pairs"] == (pairing.pairs.n_pairs, "")
@@ -344,14 +344,14 @@ def test_pairs_and_unpaired_places_read_back(tmp_path):
     mesh = stacked(offset=(0.3, 0.0, 1e-3))
     pairings = [pair_surfaces(mesh, "bottom", "top"), pair_with_ground(mesh, "base")]
     path = write_pairs(tmp_path / "pairs.vtu", pairings)
-    found = meshio.read(path)
+    actual = meshio.read(path)
     sizes = [pairings[0].pairs.n_pairs, len(pairings[0].unpaired_first), len(pairings[0].unpaired_second), 12]
-    data = found.point_data
+    data = actual.point_data
     np.testing.assert_array_equal(data["interface"], np.repeat([0, 1], [sum(sizes[:3]), sizes[3]]))
     np.testing.assert_array_equal(data["reason"], np.repeat([0, 1, 1, 0], sizes))
     np.testing.assert_array_equal(data["side"], np.repeat([1, 1, 2, 1], sizes))
     np.testing.assert_allclose(data["gap mm"][: sizes[0]], 1.0)
-    np.testing.assert_allclose(found.points[: sizes[0]], pairings[0].pairs.points)
+    np.testing.assert_allclose(actual.points[: sizes[0]], pairings[0].pairs.points)
     assert data["area mm2"].sum() == pytest.approx(1e6 * (1.0 + pairings[0].unpaired_second.area.sum() + 1.0))
     with rejects(InputError):
         write_pairs(tmp_path / "none.vtu", [])

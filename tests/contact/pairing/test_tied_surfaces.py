@@ -64,7 +64,7 @@ def test_integration_points_cannot_be_tied(mesh):
         joined_modes(held(mesh), pairs, 2)
 
 
-def test_a_face_tied_to_the_ground_is_held(mesh):
+def test_a_face_tied_to_the_ground_is_constrained(mesh):
     free = assemble_bodies(mesh, [STEEL, STEEL])
     joint = pair_surfaces(mesh, "bottom", "top").pairs
     on_ground = FacePairs.concatenate([joint, pair_with_ground(mesh, "base").pairs])

@@ -103,12 +103,12 @@ def tube(counts, inner, outer, centre=(0.0, 0.0)):
     # The seam: the last nodes around are the first ones.
     first = np.arange(len(points))
     first[number[-1].ravel()] = number[0].ravel()
-    kept = np.setdiff1d(np.arange(len(points)), number[-1])
+    retained = np.setdiff1d(np.arange(len(points)), number[-1])
     renumber = np.zeros(len(points), dtype=int)
-    renumber[kept] = np.arange(len(kept))
+    renumber[retained] = np.arange(len(retained))
     cells = renumber[first[cells]]
     sets = [np.unique(renumber[first[number[:, :, at]]]) for at in (0, -1)]
-    return points[kept], "hexahedron", cells, sets
+    return points[retained], "hexahedron", cells, sets
 
 
 def pin_in_bore(pin, bore, pin_radius=0.5, bore_radius=0.52, centre=(0.0, 0.0)):

@@ -28,15 +28,15 @@ def is_elastic(face: Roughness, load: float) -> bool:
     return True
 
 
-def refusal(face: Roughness, load: float) -> str:
+def rejection(face: Roughness, load: float) -> str:
     with rejects(RoughnessError) as caught:
         pair_stiffness(face, AREA, load / 4)
     return str(caught.value)
 
 
 def number_after(words: str, sentence: str) -> float | None:
-    found = re.search(rf"{words} ([0-9.e+-]+)", sentence)
-    return None if found is None else float(found[1])
+    actual = re.search(rf"{words} ([0-9.e+-]+)", sentence)
+    return None if actual is None else float(actual[1])
 
 
 def last_digit(value: float, digits: int) -> float:
@@ -51,7 +51,7 @@ def test_what_is_named_works_as_printed_and_the_digit_before_does_not(
 ) -> None:
     face = rough(dimension, scale)
     load = share * fully_plastic_load(face)
-    sentence = refusal(face, load)
+    sentence = rejection(face, load)
 
     needed = number_after("raise the load above", sentence)
     assert needed is not None
@@ -72,18 +72,18 @@ def test_what_is_named_works_as_printed_and_the_digit_before_does_not(
 
 def test_no_dimension_is_named_where_none_below_the_limit_is_enough() -> None:
     face, load = rough(2.3, 1e-5), 0.01
-    assert number_after("raise D to", refusal(face, load)) is None
+    assert number_after("raise D to", rejection(face, load)) is None
     for step in range(2301, 2951):
         assert fully_plastic_load(replace(face, fractal_dimension=step / 1000)) > load
     # Above the minimum a larger D only makes it worse, although a smaller one would do.
     load = 0.999 * fully_plastic_load(rough(2.92))
-    assert number_after("raise D to", refusal(rough(2.92), load)) is None
+    assert number_after("raise D to", rejection(rough(2.92), load)) is None
     assert is_elastic(rough(2.88), load)
     # Within 0.05 of 3 nothing is proposed, not even what would do.
     hard = rough(2.949, hardness=1e5)  # E*/H of 1e6: the minimum lies above 2.95
     load = 1.0001 * fully_plastic_load(replace(hard, fractal_dimension=2.951))
     assert load < fully_plastic_load(replace(hard, fractal_dimension=2.95))
-    assert number_after("raise D to", refusal(hard, load)) is None
+    assert number_after("raise D to", rejection(hard, load)) is None
 
 
 @pytest.mark.parametrize("scale", [1e-10, 1e-8, 1e-6])

@@ -77,10 +77,10 @@ def test_simulated_surfaces_have_the_structure_function_of_the_model(constant: f
     spectrum = Spectrum.of(waves, hurst, 1.0, constant)
     assert (spectrum.shortest == 0.0) == (constant >= 0.0)
     surfaces = islice(simulate(sets, spectrum, np.random.default_rng(2)), 400)
-    found = np.array([[measured_structure(without_trend(lines), lags) for lines in surface] for surface in surfaces])
+    actual = np.array([[measured_structure(without_trend(lines), lags) for lines in surface] for surface in surfaces])
     expected = model.structure(hurst) + constant * model.flat
-    error = found.std(axis=0) / 20.0
-    assert np.all(np.abs(found.mean(axis=0) - expected) < 4.0 * error + 0.02 * expected)
+    error = actual.std(axis=0) / 20.0
+    assert np.all(np.abs(actual.mean(axis=0) - expected) < 4.0 * error + 0.02 * expected)
 
 
 def test_missing_waves_are_the_shortest_ones() -> None:

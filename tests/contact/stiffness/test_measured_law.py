@@ -54,10 +54,10 @@ def test_springs_of_pairs_take_the_pressure_of_the_face_or_of_the_pair() -> None
 
 def test_its_name_finds_it() -> None:
     assert "measured" in stiffness_law_names()
-    found = stiffness_law("measured")(pressure=PRESSURE, normal_stiffness=NORMAL, tangential_stiffness=TANGENTIAL)
-    assert isinstance(found, ss.StiffnessLaw)
-    assert found.describe() == law().describe()
-    assert "3 measured points from 1e+06 to 1.6e+07 Pa" in found.describe()
+    actual = stiffness_law("measured")(pressure=PRESSURE, normal_stiffness=NORMAL, tangential_stiffness=TANGENTIAL)
+    assert isinstance(actual, ss.StiffnessLaw)
+    assert actual.describe() == law().describe()
+    assert "3 measured points from 1e+06 to 1.6e+07 Pa" in actual.describe()
 
 
 @pytest.mark.parametrize(

@@ -83,13 +83,13 @@ def test_open_pairs_get_the_stiffness_of_the_mean_pressure() -> None:
     assert normal[0] == pytest.approx(contact_stiffness(rough(), 800.0).normal / 4, rel=1e-12)
 
 
-def test_a_pair_under_too_little_pressure_is_refused() -> None:
+def test_a_pair_under_too_little_pressure_is_rejected() -> None:
     area = np.full(4, NOMINAL_AREA / 4)
     with rejects(RoughnessError):
         pair_stiffness(rough(), area, [200.0, 100.0, 1.0, 50.0], allocation="pressure")
     assert np.all(pair_stiffness(rough(), area, [200.0, 100.0, 1.0, 50.0], allocation="area")[0] > 0)
 
 
-def test_a_face_without_preload_is_refused() -> None:
+def test_a_face_without_preload_is_rejected() -> None:
     with rejects(RoughnessError):
         springs_of_pairs(FractalStiffness(rough(), 2.0), np.ones(4), [1e3, 1e3, 0.0, -5.0], face=[0, 0, 1, 1])

@@ -40,11 +40,11 @@ def test_elastic_face_with_a_cut_off(
     """Independent evaluation of the law with elastic spots only, from pi (Ls/2)^2 upwards (6.5 mm square)."""
     length, d = 6.5e-3, dimension - 1
     face = rough(dimension, scale, hardness=1e14, shortest_length=length / 1.5**10)  # too hard for a plastic spot
-    found = contact_stiffness(face, pressure * length**2, "unloading")
-    assert found.plastic_load_share == 0.0
-    assert found.normal == pytest.approx(normal, rel=5e-4)
-    assert found.normal * 2 * (3 - d) / (3 * (2 - d)) == pytest.approx(along_family, rel=5e-4)
-    assert 100 * found.real_area / length**2 == pytest.approx(area_percent, rel=4e-3)
+    actual = contact_stiffness(face, pressure * length**2, "unloading")
+    assert actual.plastic_load_share == 0.0
+    assert actual.normal == pytest.approx(normal, rel=5e-4)
+    assert actual.normal * 2 * (3 - d) / (3 * (2 - d)) == pytest.approx(along_family, rel=5e-4)
+    assert 100 * actual.real_area / length**2 == pytest.approx(area_percent, rel=4e-3)
 
 
 @pytest.mark.parametrize("psi", [1.0, 1.7, domain_extension_factor(2.3)])
@@ -56,10 +56,10 @@ def test_elastic_spots_begin_at_the_fully_plastic_load(psi: float) -> None:
 
 
 def test_dimension_next_to_three_has_a_status() -> None:
-    found = contact_stiffness(rough(2.9999), 500.0)
-    assert found.normal > 0.0
-    assert found.status == ContactStatus.STEEP_ASPERITIES
-    assert "within 0.05 of its limit 3" in found.messages[-1]
+    actual = contact_stiffness(rough(2.9999), 500.0)
+    assert actual.normal > 0.0
+    assert actual.status == ContactStatus.STEEP_ASPERITIES
+    assert "within 0.05 of its limit 3" in actual.messages[-1]
 
 
 @pytest.mark.parametrize("load", [50.0, 500.0, 5000.0])
@@ -83,7 +83,7 @@ def test_interference_over_radius_falls_with_g_and_is_least_in_the_middle_of_d(l
     assert "least for a D between 2.4 and 2.7" in message
 
 
-def test_a_load_below_one_smallest_spot_is_refused() -> None:
+def test_a_load_below_one_smallest_spot_is_rejected() -> None:
     face = rough(2.4, 1.0, hardness=1e13, shortest_length=1e-5)
     with rejects(RoughnessError):
         contact_stiffness(face, 1e-12, "unloading")
@@ -148,6 +148,6 @@ def test_text_for_a_number_gets_a_sentence(name: str, call: Callable[[object], o
         call("5 m")
 
 
-def test_dimension_of_a_line_profile_is_refused_for_a_surface_factor() -> None:
+def test_dimension_of_a_line_profile_is_rejected_for_a_surface_factor() -> None:
     with rejects(InputError, "fractal_dimension"):
         domain_extension_factor(1.4)

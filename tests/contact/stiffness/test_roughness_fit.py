@@ -11,7 +11,7 @@ import pytest
 import stickslip as ss
 from sentences import rejects
 from stickslip.contact.stiffness import roughness_fit
-from stickslip.contact.stiffness.roughness_warnings import Evidence, sentences
+from stickslip.contact.stiffness.roughness_warnings import Evidence, warnings_of
 from stickslip.contact.stiffness.surface import draw_phases, frequency_count
 from stickslip.core.errors import InputError
 
@@ -44,13 +44,13 @@ def worded(fit: ss.RoughnessFit, words: str) -> bool:
 def test_known_values_are_found_without_bias(dimension: float, scale: float) -> None:
     """Mean over twelve surfaces; the interval of each holds the true value but for few."""
     fits = [ss.fit_roughness(profile(dimension, scale, seed), SPACING) for seed in range(1, 13)]
-    found = np.array([fit.fractal_dimension for fit in fits])
-    assert found.mean() == pytest.approx(dimension, abs=0.04)
+    actual = np.array([fit.fractal_dimension for fit in fits])
+    assert actual.mean() == pytest.approx(dimension, abs=0.04)
     for name, true in (("fractal_dimension", dimension), ("fractal_roughness", scale)):
         ends = np.array([getattr(fit, f"{name}_interval") for fit in fits])
         assert np.count_nonzero((ends[:, 0] <= true) & (true <= ends[:, 1])) >= 9
     half_width = np.mean([0.5 * np.ptp(fit.fractal_dimension_interval) for fit in fits])
-    assert 1.5 * found.std() < half_width < 0.3
+    assert 1.5 * actual.std() < half_width < 0.3
     assert all(fit.usable and fit.fit_probability > 0.0 for fit in fits)
 
 
@@ -157,10 +157,10 @@ def test_scales_and_longest_wave_are_used() -> None:
         (profile(2.4, 1e-9)[:200], {"seed": -1}, ("seed",)),
     ],
 )
-def test_bad_input_is_refused(heights: Any, options: dict[str, Any], keys: tuple[str, ...]) -> None:
-    given = {"spacing": SPACING, **options}
+def test_bad_input_is_rejected(heights: Any, options: dict[str, Any], keys: tuple[str, ...]) -> None:
+    values = {"spacing": SPACING, **options}
     with rejects(InputError, *keys):
-        ss.fit_roughness(heights, given.pop("spacing"), **given)
+        ss.fit_roughness(heights, values.pop("spacing"), **values)
 
 
 GOOD = Evidence(
@@ -170,8 +170,8 @@ GOOD = Evidence(
     usable=True,
     scale_range=(1e-6, 1e-4),
     points=1000,
-    trend_share=0.5,
-    noise_share=0.0,
+    trend_fraction=0.5,
+    noise_fraction=0.0,
     noise_height=0.0,
     raised=False,
     probability=0.5,
@@ -188,16 +188,16 @@ GOOD = Evidence(
         ({"direction_deviation": 4.0}, "along x"),
         ({"scale_range": (1e-6, 5e-6)}, "below a decade"),
         ({"points": 200}, "200 on a line"),
-        ({"noise_share": 0.3, "noise_height": 1e-9}, "30 %"),
+        ({"noise_fraction": 0.3, "noise_height": 1e-9}, "30 %"),
         ({"raised": True}, "Short waves"),
-        ({"trend_share": 0.9}, "90 %"),
+        ({"trend_fraction": 0.9}, "90 %"),
         ({"dimension_interval": (2.02, 2.5)}, "poorly determined"),
         ({"dimension": 2.97}, "near its limit"),
         ({"roughness": 1e-5}, "steeper than 1"),
     ],
 )
 def test_each_warning_has_its_cause(change: dict[str, Any], words: str) -> None:
-    assert sentences(GOOD) == ()
-    found = sentences(dataclasses.replace(GOOD, **change))
-    assert len(found) == 1
-    assert words in found[0]
+    assert warnings_of(GOOD) == ()
+    actual = warnings_of(dataclasses.replace(GOOD, **change))
+    assert len(actual) == 1
+    assert words in actual[0]

@@ -144,10 +144,10 @@ def test_closed_forms_equal_quadrature(
 def test_stiffness_equals_quadrature_over_single_spots(dimension: float) -> None:
     face = rough(dimension)
     load = 4 * max(fully_plastic_load(face), 100.0)
-    found, printed = contact_stiffness(face, load), contact_stiffness(face, load, "varying-curvature")
-    twin = SpotBySpot(face, 0.0, found.largest_area)
+    actual, printed = contact_stiffness(face, load), contact_stiffness(face, load, "varying-curvature")
+    twin = SpotBySpot(face, 0.0, actual.largest_area)
     zero = lambda area: 0.0  # noqa: E731
-    assert found.normal == pytest.approx(twin.total(zero, twin.fixed_curvature_stiffness), rel=1e-9)
+    assert actual.normal == pytest.approx(twin.total(zero, twin.fixed_curvature_stiffness), rel=1e-9)
     # The other mode is the derivative along the family of spots, whose curvature changes with the spot.
     assert printed.normal == pytest.approx(twin.total(zero, twin.family_stiffness), rel=1e-7)
     assert twin.total(lambda area: face.hardness * area, twin.elastic_load) == pytest.approx(load, rel=1e-9)
@@ -156,18 +156,18 @@ def test_stiffness_equals_quadrature_over_single_spots(dimension: float) -> None
 @pytest.mark.parametrize("row", table(), ids=lambda row: "D{:g} G{:g} {:g}N".format(*list(row.values())[:3]))
 def test_tabulated_values(row: dict[str, float]) -> None:
     face = rough(row["fractal_dimension"], row["fractal_roughness_m"])
-    found = contact_stiffness(face, row["load_n"], nominal_area=NOMINAL_AREA)
+    actual = contact_stiffness(face, row["load_n"], nominal_area=NOMINAL_AREA)
     printed = contact_stiffness(face, row["load_n"], mode="varying-curvature")
     four_digits = {"rel": 6e-4}
-    assert found.critical_area == pytest.approx(row["critical_area_m2"], **four_digits)
-    assert found.largest_area == pytest.approx(row["largest_area_m2"], **four_digits)
-    assert found.plastic_load_share == pytest.approx(row["plastic_load_share"], **four_digits)
-    assert found.real_area / NOMINAL_AREA == pytest.approx(row["real_area_share"], **four_digits)
-    assert found.normal == pytest.approx(row["normal_consistent"], **four_digits)
-    assert found.tangential == pytest.approx(row["tangential"], **four_digits)
+    assert actual.critical_area == pytest.approx(row["critical_area_m2"], **four_digits)
+    assert actual.largest_area == pytest.approx(row["largest_area_m2"], **four_digits)
+    assert actual.plastic_load_share == pytest.approx(row["plastic_load_share"], **four_digits)
+    assert actual.real_area / NOMINAL_AREA == pytest.approx(row["real_area_share"], **four_digits)
+    assert actual.normal == pytest.approx(row["normal_consistent"], **four_digits)
+    assert actual.tangential == pytest.approx(row["tangential"], **four_digits)
     assert printed.normal == pytest.approx(row["normal_varying_curvature"], **four_digits)
-    assert printed.tangential == found.tangential
-    assert (found.status == ContactStatus.FULLY_PLASTIC) == (row["normal_consistent"] == 0.0)
+    assert printed.tangential == actual.tangential
+    assert (actual.status == ContactStatus.FULLY_PLASTIC) == (row["normal_consistent"] == 0.0)
 
 
 def test_the_table_is_whole() -> None:
@@ -190,9 +190,9 @@ def test_the_table_is_whole() -> None:
     ],
 )
 def test_unloading_stiffness(shortest: float, dimension: float, normal: float) -> None:
-    found = contact_stiffness(rough(dimension, shortest_length=shortest), 500.0, "unloading")
-    assert found.normal == pytest.approx(normal, rel=0.02)  # two digits
-    assert found.tangential == pytest.approx(MINDLIN * found.normal, rel=1e-14)
+    actual = contact_stiffness(rough(dimension, shortest_length=shortest), 500.0, "unloading")
+    assert actual.normal == pytest.approx(normal, rel=0.02)  # two digits
+    assert actual.tangential == pytest.approx(MINDLIN * actual.normal, rel=1e-14)
 
 
 def test_unloading_needs_a_shortest_wave() -> None:
@@ -206,10 +206,10 @@ def test_unloading_needs_a_shortest_wave() -> None:
 )
 def test_printed_stiffness_against_consistent(dimension: float, ratio: float, factor: float) -> None:
     face = rough(dimension, 1e-11)
-    found, printed = contact_stiffness(face, 2000.0), contact_stiffness(face, 2000.0, "varying-curvature")
-    assert found.tangential / found.normal == pytest.approx(0.823529, abs=1e-6)
+    actual, printed = contact_stiffness(face, 2000.0), contact_stiffness(face, 2000.0, "varying-curvature")
+    assert actual.tangential / actual.normal == pytest.approx(0.823529, abs=1e-6)
     assert printed.tangential / printed.normal == pytest.approx(ratio, abs=1e-3)
-    assert printed.normal / found.normal == pytest.approx(factor, abs=6e-4)
+    assert printed.normal / actual.normal == pytest.approx(factor, abs=6e-4)
 
 
 @pytest.mark.parametrize(
@@ -233,9 +233,9 @@ def test_load_exponent_of_elastic_contact(dimension: float, limit: float) -> Non
     ("dimension", "psi"), [(2.2, 2.3013675), (2.3, 2.1837146), (2.4, 2.0848508), (2.49, 2.0085564)]
 )
 def test_domain_extension_factor(dimension: float, psi: float) -> None:
-    found, d = domain_extension_factor(dimension), dimension - 1
-    assert found == pytest.approx(psi, abs=5e-8)
-    assert found ** ((2 - d) / 2) - (1 + found ** (-d / 2)) ** (-(2 - d) / d) == pytest.approx((2 - d) / d, abs=1e-14)
+    actual, d = domain_extension_factor(dimension), dimension - 1
+    assert actual == pytest.approx(psi, abs=5e-8)
+    assert actual ** ((2 - d) / 2) - (1 + actual ** (-d / 2)) ** (-(2 - d) / d) == pytest.approx((2 - d) / d, abs=1e-14)
 
 
 def test_domain_extension_matters_only_near_full_plasticity() -> None:
@@ -313,9 +313,9 @@ def test_load_is_continuous_where_elastic_spots_begin() -> None:
 
 @pytest.mark.parametrize("load", [0.0, -3.0])
 def test_no_load_no_stiffness(load: float) -> None:
-    found = contact_stiffness(rough(), load)
-    assert (found.normal, found.tangential, found.largest_area, found.real_area) == (0.0, 0.0, 0.0, 0.0)
-    assert found.status == "no contact"
+    actual = contact_stiffness(rough(), load)
+    assert (actual.normal, actual.tangential, actual.largest_area, actual.real_area) == (0.0, 0.0, 0.0, 0.0)
+    assert actual.status == "no contact"
 
 
 @pytest.mark.parametrize(
@@ -334,9 +334,9 @@ def test_no_load_no_stiffness(load: float) -> None:
     ],
 )
 def test_every_doubtful_regime_has_a_sentence(face: Roughness, load: float, status: str, words: str) -> None:
-    found = contact_stiffness(face, load, nominal_area=NOMINAL_AREA)
-    assert any(words in message for message in found.messages), (found.status, found.messages)
-    assert found.status == status  # the worst of what was found
+    actual = contact_stiffness(face, load, nominal_area=NOMINAL_AREA)
+    assert any(words in message for message in actual.messages), (actual.status, actual.messages)
+    assert actual.status == status  # the worst of what was found
 
 
 def test_the_slope_is_that_of_the_spot_that_halves_the_load() -> None:

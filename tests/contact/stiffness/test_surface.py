@@ -104,8 +104,8 @@ def ensemble(request: pytest.FixtureRequest) -> tuple[float, np.ndarray, np.ndar
     starts = np.random.default_rng(0).uniform(-LENGTH, LENGTH, (2, 60))
     step = np.multiply.outer([cos(0.7), np.sin(0.7)], DISTANCES)
     points = np.concatenate([starts[:, :, None], starts[:, :, None] + step[:, None, :]], axis=2)
-    found = np.array([heights(points[0], points[1], request.param, seed=seed) for seed in range(ENSEMBLE)])
-    return request.param, found[:, :, 0], found[:, :, 1:]
+    actual = np.array([heights(points[0], points[1], request.param, seed=seed) for seed in range(ENSEMBLE)])
+    return request.param, actual[:, :, 0], actual[:, :, 1:]
 
 
 @pytest.mark.slow
@@ -187,9 +187,9 @@ def test_larger_dimension_and_smaller_g_are_smoother() -> None:
 def test_structure_function_at_short_and_long_distance() -> None:
     dimension, shortest = 2.4, LENGTH / RATIO**N_MAX
     tiny = 1e-9 * shortest
-    found = structure_function(tiny, 0.3, dimension, 1e-8, LENGTH, RIDGES, N_MAX)
+    actual = structure_function(tiny, 0.3, dimension, 1e-8, LENGTH, RIDGES, N_MAX)
     slope = sdq(dimension, 1e-8, LENGTH, shortest)
-    assert float(found) == pytest.approx(0.5 * slope**2 * tiny**2, rel=1e-9)  # along one direction: half of Sdq^2
+    assert float(actual) == pytest.approx(0.5 * slope**2 * tiny**2, rel=1e-9)  # along one direction: half of Sdq^2
     far = structure_function(np.linspace(50, 90, 4000) * LENGTH, 0.3, dimension, 1e-8, LENGTH, RIDGES, N_MAX)
     assert far.mean() == pytest.approx(2 * sq(dimension, 1e-8, LENGTH, shortest) ** 2, rel=0.03)
 
@@ -201,9 +201,9 @@ def test_structure_function_tends_to_the_continuum(dimension: float, length: flo
     n_max = frequency_count(length, 1e-11, ratio)
     # The waves above L and below Ls are missing: (tau/L)^(2(D-2)) and (Ls/tau)^(2(3-D)) of the whole.
     missing = (tau / length) ** (2 * (dimension - 2)) + (1e-11 / tau) ** (2 * (3 - dimension))
-    found = structure_function(tau, 0.2, dimension, scale, length, ridges, n_max, ratio)
+    actual = structure_function(tau, 0.2, dimension, scale, length, ridges, n_max, ratio)
     limit = structure_function_limit(tau, dimension, scale)
-    assert float(found) == pytest.approx(float(limit), rel=0.03 + 8 * missing)
+    assert float(actual) == pytest.approx(float(limit), rel=0.03 + 8 * missing)
 
 
 @quick
@@ -221,9 +221,9 @@ def test_frequency_count_keeps_the_last_whole_wave(power: int, ratio: float) -> 
 
 def test_surface_statistics() -> None:
     roughness = Roughness(2.4, 1e-8, 3e9, 1e11, 0.3)
-    found = surface_statistics(roughness, 0.028, 1e-6)
-    assert (found.sq, found.sdq) == (sq(2.4, 1e-8, 0.028, 1e-6), sdq(2.4, 1e-8, 0.028, 1e-6))
-    assert (found.n_max, found.sample_length, found.shortest_length) == (25, 0.028, 1e-6)
+    actual = surface_statistics(roughness, 0.028, 1e-6)
+    assert (actual.sq, actual.sdq) == (sq(2.4, 1e-8, 0.028, 1e-6), sdq(2.4, 1e-8, 0.028, 1e-6))
+    assert (actual.n_max, actual.sample_length, actual.shortest_length) == (25, 0.028, 1e-6)
     with rejects(InputError, "length"):
         surface_statistics(roughness, 1e-6, 1e-3)
 

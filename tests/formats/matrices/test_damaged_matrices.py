@@ -41,26 +41,26 @@ def damaged_versions(content, seed):
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_a_truncated_file_is_refused_or_complete(tmp_path, small, good, kind):
+def test_a_truncated_file_is_rejected_or_complete(tmp_path, small, good, kind):
     suffix, write = WRITERS[kind]
     path = tmp_path / f"k{suffix}"
     write(path, small[0])
     content = path.read_bytes()
-    refused = 0
+    rejected = 0
     for at in np.unique(np.linspace(0, len(content) - 1, CUTS).astype(int)):
         path.write_bytes(content[:at])
         try:
             model = read_matrices(path, *good)
         except ImportFileError as error:
             assert path.name in str(error)  # noqa: PT017  a damaged file may also give a valid model
-            refused += 1
+            rejected += 1
         else:
             np.testing.assert_allclose(model.stiffness.toarray(), small[0], atol=1e-12 * np.abs(small[0]).max())
-    assert refused >= CUTS - 2
+    assert rejected >= CUTS - 2
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_a_shuffled_or_binary_file_is_refused_by_a_sentence(tmp_path, small, good, kind):
+def test_a_shuffled_or_binary_file_is_rejected_by_a_sentence(tmp_path, small, good, kind):
     suffix, write = WRITERS[kind]
     path = tmp_path / f"k{suffix}"
     write(path, small[0])
@@ -104,8 +104,8 @@ def test_a_damaged_superelement(tmp_path):
     for damaged in damaged_versions(content, seed=2):
         path.write_bytes(damaged)
         try:
-            found = read_superelement(path)
+            actual = read_superelement(path)
         except ImportFileError as error:
             assert path.name in str(error)  # noqa: PT017  a damaged file may also give a valid model
         else:
-            np.testing.assert_array_equal(found.stiffness, element.stiffness)
+            np.testing.assert_array_equal(actual.stiffness, element.stiffness)

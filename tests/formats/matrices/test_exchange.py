@@ -34,10 +34,10 @@ def test_what_is_written_comes_back(tmp_path, small):
         node_sets={"face": np.array([3])},
     )
     assert write_superelement(tmp_path, element) == tmp_path / "superelement.npz"
-    found = read_superelement(tmp_path)
+    actual = read_superelement(tmp_path)
     for name in ("mass", "stiffness", "damping", "boundary_nodes", "positions"):
-        np.testing.assert_array_equal(getattr(found, name), getattr(element, name))
-    assert {name: part.tolist() for name, part in found.node_sets.items()} == {"face": [3]}
+        np.testing.assert_array_equal(getattr(actual, name), getattr(element, name))
+    assert {name: part.tolist() for name, part in actual.node_sets.items()} == {"face": [3]}
 
 
 def test_rows_in_any_order_come_out_node_by_node(tmp_path):
@@ -45,9 +45,9 @@ def test_rows_in_any_order_come_out_node_by_node(tmp_path):
     plain = arrays()
     shuffled = {name: plain[name][np.ix_(order, order)] for name in ("mass", "stiffness")}
     np.savez(tmp_path / "a.npz", **arrays(**shuffled, node=plain["node"][order], direction=plain["direction"][order]))
-    found = read_superelement(tmp_path / "a.npz")
-    np.testing.assert_array_equal(found.boundary_nodes, [4, 9])
-    np.testing.assert_array_equal(found.mass.diagonal(), [4.0, 5.0, 6.0, 1.0, 2.0, 3.0, 7.0])
+    actual = read_superelement(tmp_path / "a.npz")
+    np.testing.assert_array_equal(actual.boundary_nodes, [4, 9])
+    np.testing.assert_array_equal(actual.mass.diagonal(), [4.0, 5.0, 6.0, 1.0, 2.0, 3.0, 7.0])
 
 
 @pytest.mark.parametrize(

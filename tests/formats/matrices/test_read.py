@@ -28,8 +28,8 @@ def written(tmp_path, small, kind):
 def test_every_kind_of_file_gives_the_same_model(tmp_path, small, kind):
     (tmp_path / "map.csv").write_text(MAPS["map.csv"]())
     model = read_matrices(*written(tmp_path, small, kind), unknown_map=tmp_path / "map.csv")
-    for found, matrix in zip((model.stiffness, model.mass), small[:2], strict=True):
-        np.testing.assert_allclose(found.toarray(), matrix, atol=1e-12 * np.abs(matrix).max())
+    for actual, matrix in zip((model.stiffness, model.mass), small[:2], strict=True):
+        np.testing.assert_allclose(actual.toarray(), matrix, atol=1e-12 * np.abs(matrix).max())
     np.testing.assert_array_equal(model.node, np.repeat(NODES, 3))
     np.testing.assert_array_equal(model.direction, np.tile([0, 1, 2], 12))
     # a triangle that was completed is told, and only that
@@ -105,7 +105,7 @@ BAD_CALCULIX = {
 def test_bad_storage_of_calculix(tmp_path, name):
     path = tmp_path / "bad.sti"
     path.write_text(BAD_CALCULIX[name])
-    refused(path, path)
+    rejected(path, path)
 
 
 BAD_MARKET = {
@@ -126,10 +126,10 @@ BAD_MARKET = {
 def test_bad_matrix_market(tmp_path, name):
     path = tmp_path / "bad.mtx"
     path.write_text(BAD_MARKET[name])
-    refused(path, path)
+    rejected(path, path)
 
 
-def refused(*arguments, keys=("stiffness",), **options):
+def rejected(*arguments, keys=("stiffness",), **options):
     with rejects(ImportFileError, *keys):
         read_matrices(*arguments, **options)
 
@@ -137,7 +137,7 @@ def refused(*arguments, keys=("stiffness",), **options):
 def test_a_mass_with_the_wrong_sign_names_the_file_of_the_mass(tmp_path, small):
     np.save(tmp_path / "k.npy", small[0])
     np.save(tmp_path / "m.npy", -small[1])
-    refused(tmp_path / "k.npy", tmp_path / "m.npy", keys=["mass"])
+    rejected(tmp_path / "k.npy", tmp_path / "m.npy", keys=["mass"])
 
 
 def test_sizes_names_and_suffixes(tmp_path, small):
@@ -147,13 +147,13 @@ def test_sizes_names_and_suffixes(tmp_path, small):
     np.savez(tmp_path / "cut.npz", M=small[1])
     np.save(tmp_path / "complex.npy", 1j * small[0])
     k = tmp_path / "k.npy"
-    refused(k, tmp_path / "small.npy", keys=["mass", "stiffness"])
-    refused(tmp_path / "line.npy", k)
-    refused(tmp_path / "two.npz", k)
-    refused(tmp_path / "cut.npz", k)
-    refused(tmp_path / "complex.npy", k)
-    refused(tmp_path / "k.abc", k)
-    refused(tmp_path / "none.npy", k)
+    rejected(k, tmp_path / "small.npy", keys=["mass", "stiffness"])
+    rejected(tmp_path / "line.npy", k)
+    rejected(tmp_path / "two.npz", k)
+    rejected(tmp_path / "cut.npz", k)
+    rejected(tmp_path / "complex.npy", k)
+    rejected(tmp_path / "k.abc", k)
+    rejected(tmp_path / "none.npy", k)
     with rejects(InputError, "length_unit"):
         read_matrices(k, k, length_unit="km")
 
@@ -189,7 +189,7 @@ def test_bad_maps(tmp_path, small, name, text, key):
 def test_bad_node_positions(tmp_path, small, text):
     path = tmp_path / "nodes.csv"
     path.write_text(text)
-    refused(*written(tmp_path, small, "npy"), keys=["node_positions"], node_positions=path)
+    rejected(*written(tmp_path, small, "npy"), keys=["node_positions"], node_positions=path)
 
 
 def test_bad_harwell_boeing(tmp_path, small):
@@ -204,9 +204,9 @@ def test_bad_harwell_boeing(tmp_path, small):
     ):
         changed = [line.replace(old, new, 1) if i == row else line for i, line in enumerate(lines)]
         path.write_text("\n".join(changed) + "\n")
-        refused(path, path)
+        rejected(path, path)
     path.write_text("\n".join(lines[:-60]) + "\n")
-    refused(path, path)
+    rejected(path, path)
 
 
 def test_bad_output4(tmp_path, small):
@@ -221,15 +221,15 @@ def test_bad_output4(tmp_path, small):
         (2, "nothing"),
     ):
         path.write_text("\n".join([*lines[:row], new, *lines[row + 1 :]]) + "\n")
-        refused(path, path)
+        rejected(path, path)
     path.write_text("\n".join(lines + lines) + "\n")
-    refused(path, path)
+    rejected(path, path)
 
 
-def test_sparse_npz_with_an_index_out_of_range_is_refused(tmp_path):
+def test_sparse_npz_with_an_index_out_of_range_is_rejected(tmp_path):
     path = tmp_path / "k.npz"
     np.savez(path, format=b"csr", shape=(2, 2), data=np.ones(2), indices=np.array([0, 9]), indptr=np.array([0, 1, 2]))
-    refused(path, path)
+    rejected(path, path)
 
 
 def test_full_file_without_the_extra_names_it(tmp_path, monkeypatch):
@@ -251,8 +251,8 @@ def test_full_file_of_ansys(tmp_path):
 
     model = read_matrices(examples.fullfile, examples.fullfile)
     assert np.bincount(model.direction).tolist() == [300, 300, 300]
-    found, _ = natural_frequencies(model.stiffness, model.mass, 4)
-    assert found[0] == pytest.approx(found[1], rel=1e-9)
+    actual, _ = natural_frequencies(model.stiffness, model.mass, 4)
+    assert actual[0] == pytest.approx(actual[1], rel=1e-9)
     damaged = tmp_path / "damaged.full"
     content = Path(examples.fullfile).read_bytes()
     damaged.write_bytes(content[: len(content) // 2])

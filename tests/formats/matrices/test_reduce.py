@@ -34,17 +34,17 @@ def model_of(structure, labels=None):
 
 def test_the_same_superelement_as_from_our_structure(held_block):
     labels = 1000 - np.arange(45)
-    found = reduce_matrices(model_of(held_block, labels), labels[[40, 20]], 6)
+    actual = reduce_matrices(model_of(held_block, labels), labels[[40, 20]], 6)
     ours = craig_bampton(held_block, [40, 20], 6)
-    np.testing.assert_allclose(found.stiffness, ours.stiffness, atol=1e-9 * np.abs(ours.stiffness).max())
-    np.testing.assert_allclose(np.abs(found.mass), np.abs(ours.mass), atol=1e-9)
-    np.testing.assert_array_equal(found.boundary_nodes, labels[[40, 20]])
-    np.testing.assert_array_equal(found.positions, held_block.mesh.points[[40, 20]])
-    assert found.node_sets["tip"].tolist() == [labels[40]]
+    np.testing.assert_allclose(actual.stiffness, ours.stiffness, atol=1e-9 * np.abs(ours.stiffness).max())
+    np.testing.assert_allclose(np.abs(actual.mass), np.abs(ours.mass), atol=1e-9)
+    np.testing.assert_array_equal(actual.boundary_nodes, labels[[40, 20]])
+    np.testing.assert_array_equal(actual.positions, held_block.mesh.points[[40, 20]])
+    assert actual.node_sets["tip"].tolist() == [labels[40]]
     # damping 1e-7 K projects to 1e-7 of the reduced stiffness
-    np.testing.assert_allclose(found.damping, 1e-7 * found.stiffness, atol=1e-16 * np.abs(found.stiffness).max())
-    unit = np.eye(found.size)
-    whole = held_block.expand(found.recovery @ unit)
+    np.testing.assert_allclose(actual.damping, 1e-7 * actual.stiffness, atol=1e-16 * np.abs(actual.stiffness).max())
+    unit = np.eye(actual.size)
+    whole = held_block.expand(actual.recovery @ unit)
     np.testing.assert_allclose(np.abs(whole), np.abs(ours.recovery @ unit), atol=1e-9)
 
 
@@ -54,11 +54,11 @@ def test_a_small_model_is_taken_as_it_is(small):
     order = np.random.default_rng(1).permutation(36)
     mixed = {name: matrix[np.ix_(order, order)] for name, matrix in (("stiffness", stiffness), ("mass", mass))}
     rows |= {"node": rows["node"][order], "direction": rows["direction"][order]}
-    found = reduce_matrices(MatrixModel(**mixed, **rows), NODES[:3], 30)
-    assert found.size == 36
-    position = np.concatenate([3 * np.flatnonzero(node == NODES) + np.arange(3) for node in found.boundary_nodes])
-    np.testing.assert_array_equal(found.stiffness, 0.5 * (stiffness + stiffness.T)[np.ix_(position, position)])
-    np.testing.assert_array_equal(found.positions, points[position[::3] // 3])
+    actual = reduce_matrices(MatrixModel(**mixed, **rows), NODES[:3], 30)
+    assert actual.size == 36
+    position = np.concatenate([3 * np.flatnonzero(node == NODES) + np.arange(3) for node in actual.boundary_nodes])
+    np.testing.assert_array_equal(actual.stiffness, 0.5 * (stiffness + stiffness.T)[np.ix_(position, position)])
+    np.testing.assert_array_equal(actual.positions, points[position[::3] // 3])
 
 
 def test_strainless_motions_are_the_same_for_dense_and_sparse(make_block):
@@ -103,8 +103,8 @@ def corners(n, *blocks):
 
 def test_free_bodies_with_contact_are_accepted(make_block):
     model, n = two_blocks(make_block)
-    found = reduce_matrices(model, corners(n, 0, 1), 4)
-    frequency, _ = natural_frequencies(found.stiffness, found.mass, 13)
+    actual = reduce_matrices(model, corners(n, 0, 1), 4)
+    frequency, _ = natural_frequencies(actual.stiffness, actual.mass, 13)
     assert frequency[11] < 1e-3 * frequency[12]
 
 
@@ -116,7 +116,7 @@ def test_a_body_without_contact_is_named(make_block):
         reduce_matrices(model, corners(n, 0), 1000)
 
 
-def test_one_contact_node_does_not_hold_a_body(make_block):
+def test_one_contact_node_does_not_support_a_body(make_block):
     model, n = two_blocks(make_block)
     with rejects(InputError):
         reduce_matrices(model, [3, 3 + n], 4)

@@ -99,8 +99,8 @@ def test_the_model_is_that_of_the_flat_deck(flat):
         name: vars(each) for name, each in flat.materials.items()
     }
     for name in flat.mesh.face_sets:
-        for found, wanted in zip(model.mesh.sides(name), flat.mesh.sides(name), strict=True):
-            np.testing.assert_array_equal(found, wanted)
+        for actual, wanted in zip(model.mesh.sides(name), flat.mesh.sides(name), strict=True):
+            np.testing.assert_array_equal(actual, wanted)
     for name in ("Ends", "Cube-2.Top"):
         np.testing.assert_array_equal(model.mesh.node_set(name), flat.mesh.node_set(name))
     np.testing.assert_array_equal(model.mesh.node_set("_PickedSet4"), flat.mesh.node_set("held"))
@@ -111,7 +111,7 @@ def test_the_model_is_that_of_the_flat_deck(flat):
     np.testing.assert_allclose(frequencies(model)[4:], frequencies(flat)[4:], rtol=1e-9)  # after the rigid motions
 
 
-def test_numbers_and_what_is_left_out_are_told():
+def test_numbers_and_what_is_left_out_are_reported():
     messages = read_model(DECK, "mm").messages
     assert (
         "nodes and elements have numbers of their own in each instance: instance 'Cube-1' as in the deck, instance "
@@ -181,11 +181,11 @@ def test_a_mesh_in_the_instance_itself_moves_with_it(tmp_path):
     mesh = text[start:stop]
     text = text.replace(mesh, "", 1).replace("*End Instance", f"{mesh}*End Instance", 2)
     (tmp_path / "deck.inp").write_text(text, encoding="utf-8")
-    found, wanted = read_model(tmp_path / "deck.inp", "mm"), read_model(DECK, "mm")
-    np.testing.assert_array_equal(found.mesh.points, wanted.mesh.points)
-    assert found.mesh.node_sets.keys() == wanted.mesh.node_sets.keys()
-    assert found.mesh.body_names == wanted.mesh.body_names
-    np.testing.assert_array_equal(found.node_forces, wanted.node_forces)
+    actual, wanted = read_model(tmp_path / "deck.inp", "mm"), read_model(DECK, "mm")
+    np.testing.assert_array_equal(actual.mesh.points, wanted.mesh.points)
+    assert actual.mesh.node_sets.keys() == wanted.mesh.node_sets.keys()
+    assert actual.mesh.body_names == wanted.mesh.body_names
+    np.testing.assert_array_equal(actual.node_forces, wanted.node_forces)
 
 
 def test_a_part_in_an_included_file(tmp_path):
@@ -193,8 +193,8 @@ def test_a_part_in_an_included_file(tmp_path):
     start, stop = text.index("*Part, name=Cube"), text.index('*Part, name="Empty')
     (tmp_path / "cube.inp").write_text(text[start:stop], encoding="utf-8")
     (tmp_path / "deck.inp").write_text(text[:start] + "*INCLUDE, INPUT=cube.inp\n" + text[stop:], encoding="utf-8")
-    found = read_model(tmp_path / "deck.inp", "mm")
-    np.testing.assert_array_equal(found.mesh.points, read_model(DECK, "mm").mesh.points)
+    actual = read_model(tmp_path / "deck.inp", "mm")
+    np.testing.assert_array_equal(actual.mesh.points, read_model(DECK, "mm").mesh.points)
     (tmp_path / "cube.inp").write_text(text[start:stop].replace("10.,          10.,           0.", "x"), "utf-8")
     with rejects(ImportFileError):
         read_model(tmp_path / "deck.inp", "mm")
@@ -346,7 +346,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize(("old", "new"), WRONG.values(), ids=WRONG.keys())
-def test_what_is_wrong_is_told_with_file_and_line(tmp_path, old, new):
+def test_what_is_wrong_is_reported_with_file_and_line(tmp_path, old, new):
     path = changed(tmp_path, (old, new))
     with rejects(ImportFileError):
         read_model(path, "mm")

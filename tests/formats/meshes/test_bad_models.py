@@ -93,7 +93,7 @@ def test_a_pressed_side_is_a_face_set(tmp_path):
         read_model(changed(tmp_path, "cubes.bdf", "PSOLID,1,7", "PLOAD4,4,1,1.0,,,,5,6\nPSOLID,1,7"), "mm")
 
 
-def test_other_cards_are_told(tmp_path):
+def test_other_cards_are_reported(tmp_path):
     model = read_model(changed(tmp_path, "cubes.bdf", "PSOLID,1,7", "CONM2,50,1,,1.\nPSOLID,1,7"), "mm")
     assert any("CONM2" in message and "without effect" in message for message in model.messages)
     model = read_model(changed(tmp_path, "cubes.inp", "*BOUNDARY", "*CONTACT PAIR\nopposite, contact\n*BOUNDARY"), "mm")
@@ -149,7 +149,7 @@ def test_units_that_do_not_exist_or_fit():
         read_model("part.inp", "mm")
 
 
-def test_one_name_for_two_sets_is_told(tmp_path):
+def test_one_name_for_two_sets_is_reported(tmp_path):
     cards = "*NSET, NSET=upper\n9, 10\n*BOUNDARY"
     model = read_model(changed(tmp_path, "cubes.inp", "*BOUNDARY", cards), "mm")
     assert model.mesh.node_set("upper").tolist() == [8, 9]

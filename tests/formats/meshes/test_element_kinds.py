@@ -56,9 +56,9 @@ def test_tetrahedra_and_wedges_come_back(tmp_path, make_block, kind, form):
     np.testing.assert_allclose(model.mesh.points, mesh.points, atol=1e-12)
     assert [block.kind for block in model.mesh.blocks] == [kind]
     np.testing.assert_allclose(body_volumes(model.mesh), body_volumes(mesh), rtol=1e-9)
-    for found, wanted in zip(face_geometry(model.mesh, "contact"), face_geometry(mesh, "contact"), strict=True):
+    for actual, wanted in zip(face_geometry(model.mesh, "contact"), face_geometry(mesh, "contact"), strict=True):
         order = np.argsort(face_geometry(model.mesh, "contact")[0]), np.argsort(face_geometry(mesh, "contact")[0])
-        np.testing.assert_allclose(found[order[0]], wanted[order[1]], rtol=1e-6, atol=1e-9)
+        np.testing.assert_allclose(actual[order[0]], wanted[order[1]], rtol=1e-6, atol=1e-9)
     base = mesh.node_sets["base"]
     if holds:
         assert set(model.fixed_unknowns // 3) == set(base)
@@ -72,12 +72,12 @@ def test_the_two_blades_come_back(tmp_path, form):
     file, write, holds = WRITERS[form]
     bodies, faces = ["left", "right", "damper"], ["damper_left_face", "left_face"]
     write(tmp_path / file, mesh, bodies, faces, *(("fixed",) if holds else ()))
-    found = read_model(tmp_path / file, "mm").mesh
-    assert found.body_names == tuple(bodies)
+    actual = read_model(tmp_path / file, "mm").mesh
+    assert actual.body_names == tuple(bodies)
     fixed = mesh.node_sets["fixed"]
     reference = assemble(mesh, STEEL, "incompatible", fixed)
     wanted_hz, _ = natural_frequencies(reference.stiffness, reference.mass, 10)
-    found_hz = frequencies(found, 10, fixed)
+    found_hz = frequencies(actual, 10, fixed)
     np.testing.assert_allclose(found_hz[6:], wanted_hz[6:], rtol=1e-6)  # the damper is free
     assert found_hz[5] < 1e-2 * found_hz[6]
 

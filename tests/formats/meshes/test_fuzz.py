@@ -165,7 +165,7 @@ def test_damaged_decks_in_files(folder, stem, seed):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("stem", [name for name in deck_in_files() if name != "deck"])
-def test_included_rubbish_is_told_or_harmless(folder, stem):
+def test_included_rubbish_is_reported_or_harmless(folder, stem):
     sound = deck_in_files()
     whole = sound[stem]
     cuts = [whole[:length] for length in range(0, len(whole), 7)]

@@ -54,7 +54,7 @@ def test_comments_before_the_header(tmp_path, name):
     require_same_model(changed(tmp_path, b"$MeshFormat", comments + b"$MeshFormat", name), MODELS / name)
 
 
-def test_solids_without_a_group_are_told(tmp_path):
+def test_solids_without_a_group_are_reported(tmp_path):
     """Gmsh saves them with Mesh.SaveAll; they have no body, so no material."""
     path = changed(tmp_path, b" 1 2 6 ", b" 0 6 ", "gmsh_4.1_all_text.msh")
     with rejects(ImportFileError):

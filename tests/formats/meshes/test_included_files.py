@@ -36,7 +36,7 @@ def deck(tmp_path):
 
 @pytest.mark.parametrize("ending", FORMATS)
 @pytest.mark.parametrize("how", ["absolute", "above", "link", "absent"])
-def test_files_outside_of_the_folder_are_refused(deck, tmp_path, ending, how):
+def test_files_outside_of_the_folder_are_rejected(deck, tmp_path, ending, how):
     secret = tmp_path / "beside" / "secret"
     names = {"absolute": secret, "above": "../beside/secret", "link": "inner", "absent": "../beside/nothing"}
     path = deck(ending, names[how])
@@ -57,15 +57,15 @@ def test_absolute_names_and_names_above_are_read_below_the_folder(deck, tmp_path
 
 
 @pytest.mark.parametrize("ending", FORMATS)
-def test_what_a_foreign_file_holds_is_not_shown_where_it_is_allowed(deck, ending):
+def test_what_a_foreign_file_contains_is_not_shown_where_it_is_allowed(deck, ending):
     path = deck(ending, "../beside/secret")
     try:
-        said = " ".join(read_model(path, "mm", includes_outside=True).messages)
+        printed = " ".join(read_model(path, "mm", includes_outside=True).messages)
     except ImportFileError as error:
-        said = str(error)
-        assert "nothing of it is shown" in said
+        printed = str(error)
+        assert "nothing of it is shown" in printed
     for word in ("root:", "ROOT:", "top"):
-        assert word not in said
+        assert word not in printed
 
 
 @pytest.mark.parametrize("ending", FORMATS)
@@ -186,7 +186,7 @@ def test_ranges_of_nastran_have_a_limit(tmp_path):
         read_model(path, "mm")
 
 
-def test_a_keyword_that_goes_on_without_end(tmp_path):
+def test_a_keyword_that_continues_without_end(tmp_path):
     """Parameters over 200,000 lines are joined once."""
     text = (MODELS / "cubes.inp").read_text(encoding="utf-8")
     path = tmp_path / "deck.inp"

@@ -22,7 +22,7 @@ def cubes(tmp_path, cards="", case="SPC = 1", **changes):
     return read_model(path, "mm")
 
 
-def test_added_constraints_hold_what_each_set_holds(tmp_path):
+def test_added_constraints_combine_those_of_each_set(tmp_path):
     model = cubes(tmp_path, "SPCADD,9,1,2\nSPC1,2,3,16\nSPC1,3,1,15", "SPC = 9 $ both")
     assert model.fixed_unknowns.tolist() == [*range(12), 3 * 15 + 2]
 
@@ -48,12 +48,12 @@ def test_combined_loads_have_their_factors(tmp_path):
         ("BEGIN SUPER=1", "SPC = 1"),
     ],
 )
-def test_what_cannot_be_resolved_is_refused(tmp_path, cards, case):
+def test_what_cannot_be_resolved_is_rejected(tmp_path, cards, case):
     with rejects(ImportFileError):
         cubes(tmp_path, cards, case)
 
 
-def test_what_does_not_act_is_told(tmp_path):
+def test_what_does_not_act_is_reported(tmp_path):
     model = cubes(tmp_path, "MPC,5,1,1,1.,2,1,-1.")
     assert any("MPC" in message and "not read" in message for message in model.messages)
     model = cubes(tmp_path, "LOAD,7,1.0,1.0,4", "LOAD = 7")

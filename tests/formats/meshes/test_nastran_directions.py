@@ -93,7 +93,7 @@ def test_forces_that_have_no_direction(tmp_path, cards):
         (TURNED.format(0.3), {3: 5}, "SPC1,2,1,3\nSPC1,1,1,2\n", [3]),
     ],
 )
-def test_constraints_that_hold_basic_directions(tmp_path, system, grids, constraints, held):
+def test_constraints_along_basic_directions(tmp_path, system, grids, constraints, held):
     model = cubes(tmp_path, system, grids, constraints)
     assert model.fixed_unknowns.tolist() == held
     (message,) = [words for words in model.messages if "(CD)" in words]
@@ -132,7 +132,7 @@ def test_constraints_that_hold_basic_directions(tmp_path, system, grids, constra
         ("", {16: "x"}, "SPC1,1,1,3\n"),
     ],
 )
-def test_constraints_in_other_directions_are_refused(tmp_path, system, grids, constraints):
+def test_constraints_in_other_directions_are_rejected(tmp_path, system, grids, constraints):
     with rejects(ImportFileError):
         cubes(tmp_path, system, grids, constraints)
 

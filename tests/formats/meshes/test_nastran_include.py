@@ -29,12 +29,12 @@ def write(folder, **files):
 def same_as_in_one_file(path):
     whole = path.parent / "whole.bdf"
     whole.write_text(CUBES, encoding="utf-8")
-    found, wanted = read_model(path, "mm"), read_model(whole, "mm")
-    np.testing.assert_array_equal(found.mesh.points, wanted.mesh.points)
-    assert found.fixed_unknowns.tolist() == wanted.fixed_unknowns.tolist()
-    assert found.mesh.body_names == wanted.mesh.body_names == ("lower", "upper")
-    assert found.mesh.node_sets.keys() == wanted.mesh.node_sets.keys()
-    assert found.materials.keys() == wanted.materials.keys()
+    actual, wanted = read_model(path, "mm"), read_model(whole, "mm")
+    np.testing.assert_array_equal(actual.mesh.points, wanted.mesh.points)
+    assert actual.fixed_unknowns.tolist() == wanted.fixed_unknowns.tolist()
+    assert actual.mesh.body_names == wanted.mesh.body_names == ("lower", "upper")
+    assert actual.mesh.node_sets.keys() == wanted.mesh.node_sets.keys()
+    assert actual.materials.keys() == wanted.materials.keys()
 
 
 @pytest.mark.parametrize(
@@ -90,9 +90,9 @@ def test_every_joined_line_knows_its_file_and_line(tmp_path):
     )
     lines, places = join_files(path, IncludedFiles(path, outside=False))
     assert lines == [*"adffebdffec"]
-    found = [(file.stem, line) for file, line in map(places.of, range(1, 12))]
+    actual = [(file.stem, line) for file, line in map(places.of, range(1, 12))]
     inner = [("one", 1), ("two", 1), ("two", 1), ("one", 4)]
-    assert found == [("deck", 1), *inner, ("deck", 3), *inner, ("deck", 6)]
+    assert actual == [("deck", 1), *inner, ("deck", 3), *inner, ("deck", 6)]
     assert places.words(6) == "line 3"
     assert places.words(3) == f"line 1 of {tmp_path / 'two.bdf'}"
 
@@ -127,13 +127,13 @@ HEAD = "SOL 103\nCEND\nSPC = 1\nBEGIN BULK\n"
         {"deck": f"{HEAD}INCLUDE a.bdf\n{REST}", "a": "+,1,2\n"},
     ],
 )
-def test_what_is_wrong_is_told_with_its_file_and_line(tmp_path, files):
+def test_what_is_wrong_is_reported_with_its_file_and_line(tmp_path, files):
     path = write(tmp_path, **files)
     with rejects(ImportFileError):
         read_model(path, "mm")
 
 
-def test_entries_that_are_not_read_are_told_with_their_file(tmp_path):
+def test_entries_that_are_not_read_are_reported_with_their_file(tmp_path):
     path = write(tmp_path, deck=f"{HEAD}{GRIDS}CONM2,1,1\nINCLUDE a.bdf\n{REST}", a="$\nCELAS2,1,1.\n")
     (message,) = [words for words in read_model(path, "mm").messages if "without effect" in words]
     assert re.search(r"CONM2 \(line 21\), CELAS2 \(line 2 of .*a.bdf\)", message)

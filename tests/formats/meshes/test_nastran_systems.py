@@ -62,10 +62,10 @@ def test_places_by_hand(tmp_path, systems, given, wanted):
 
 def test_grdset_gives_blank_fields_only(tmp_path):
     text = f"GRID,1,,2.,90.,5.\nGRDSET,,6,,,,,3\nGRID,2,5,2.,90.,5.\nGRID,3,0,2.,90.,5.,,0\n{CYLINDER}{NESTED}"
-    found = places(tmp_path, text + "GRID,4,,0.,0.,0.,,12\n")
-    np.testing.assert_allclose(found[1], [-3.0, -88.0, 13.0], atol=1e-13)
-    np.testing.assert_allclose(found[2], [-1.0, 2.0, 8.0], atol=1e-14)
-    np.testing.assert_allclose(found[3], [2.0, 90.0, 5.0])
+    actual = places(tmp_path, text + "GRID,4,,0.,0.,0.,,12\n")
+    np.testing.assert_allclose(actual[1], [-3.0, -88.0, 13.0], atol=1e-13)
+    np.testing.assert_allclose(actual[2], [-1.0, 2.0, 8.0], atol=1e-14)
+    np.testing.assert_allclose(actual[3], [2.0, 90.0, 5.0])
     held = [(entry.nodes.tolist(), entry.directions) for entry in read_raw(tmp_path / "deck.bdf").held]
     assert held == [([1], (2,)), ([2], (2,)), ([4], (0, 1))]
 
@@ -82,9 +82,9 @@ def test_a_long_chain_of_systems(tmp_path):
 @pytest.mark.parametrize("kind", ["rectangular", "cylindrical", "spherical"])
 def test_directions_are_those_in_which_the_coordinates_grow(kind):
     frame = Frame.through(kind, np.array([[1.0, 2.0, 3.0], [2.0, 4.0, 5.0], [4.0, -1.0, 2.0]]))
-    for given in ([2.0, 40.0, 70.0], [3.0, 130.0, -100.0]):
-        place = frame.basic(np.array([given]))[0]
-        steps = np.vstack([given + 1e-3 * np.eye(3), given - 1e-3 * np.eye(3)])
+    for values in ([2.0, 40.0, 70.0], [3.0, 130.0, -100.0]):
+        place = frame.basic(np.array([values]))[0]
+        steps = np.vstack([values + 1e-3 * np.eye(3), values - 1e-3 * np.eye(3)])
         ahead, behind = np.split(frame.basic(steps), 2)
         slope = (ahead - behind) / np.linalg.norm(ahead - behind, axis=1)[:, None]
         rows, lacking = frame.directions(place)
@@ -152,18 +152,18 @@ def test_a_sector_in_cylindrical_coordinates(tmp_path, make_block):
     (tmp_path / "grids.inc").write_text("\n".join([*round_grids, "INCLUDE 'system.inc'"]), encoding="utf-8")
     (tmp_path / "system.inc").write_text("\n".join(["CORD1C,3,901,902,903", *by_grids]), encoding="utf-8")
 
-    plain, found = (read_model(tmp_path / name, "mm") for name in ("plain.bdf", "round.bdf"))
-    np.testing.assert_allclose(found.mesh.points, plain.mesh.points, atol=1e-12)
-    assert found.fixed_unknowns.tolist() == plain.fixed_unknowns.tolist()
-    np.testing.assert_array_equal(found.mesh.sides("top")[0], plain.mesh.sides("top")[0])
-    volumes = body_volumes(found.mesh)
+    plain, actual = (read_model(tmp_path / name, "mm") for name in ("plain.bdf", "round.bdf"))
+    np.testing.assert_allclose(actual.mesh.points, plain.mesh.points, atol=1e-12)
+    assert actual.fixed_unknowns.tolist() == plain.fixed_unknowns.tolist()
+    np.testing.assert_array_equal(actual.mesh.sides("top")[0], plain.mesh.sides("top")[0])
+    volumes = body_volumes(actual.mesh)
     np.testing.assert_allclose(volumes, body_volumes(plain.mesh), rtol=1e-9)
     # four chords of 10 degrees between radii 50 and 70, 5 high: half the sine of 10 degrees each
     np.testing.assert_allclose(
         volumes, 1e-9 * 4 * 0.5 * np.sin(np.radians(10.0)) * (70.0**2 - 50.0**2) * 5.0, rtol=1e-9
     )
     frequencies = []
-    for model in (plain, found):
+    for model in (plain, actual):
         materials = [model.materials[name] for name in model.mesh.body_names]
         structure = assemble_bodies(model.mesh, materials, fixed_unknowns=model.fixed_unknowns)
         frequencies.append(natural_frequencies(structure.stiffness, structure.mass, 8)[0])

@@ -61,15 +61,15 @@ def test_a_model_comes_back(tmp_path, make_block, name, quadratic):
     write(path, mesh, BODIES, ["contact", "opposite"], *clamped, *options)
     model = read_model(path, "mm")
 
-    found = model.mesh
-    np.testing.assert_allclose(found.points, mesh.points, atol=1e-12)
-    assert found.body_names == tuple(BODIES)
+    actual = model.mesh
+    np.testing.assert_allclose(actual.points, mesh.points, atol=1e-12)
+    assert actual.body_names == tuple(BODIES)
     reference = assemble(mesh, STEEL, "serendipity" if quadratic else "incompatible", mesh.node_sets["base"])
     volume = reference_volumes(mesh, quadratic)
-    np.testing.assert_allclose(body_volumes(found), volume, rtol=1e-9)
+    np.testing.assert_allclose(body_volumes(actual), volume, rtol=1e-9)
     for face in ("contact", "opposite"):
-        np.testing.assert_array_equal(np.sort(found.node_set(face)), np.sort(mesh.node_set(face)))
-        nodes, area, normal = face_geometry(found, face)
+        np.testing.assert_array_equal(np.sort(actual.node_set(face)), np.sort(mesh.node_set(face)))
+        nodes, area, normal = face_geometry(actual, face)
         wanted_nodes, wanted_area, wanted_normal = face_geometry(mesh, face)
         order, wanted = np.argsort(nodes), np.argsort(wanted_nodes)
         np.testing.assert_allclose(area[order], wanted_area[wanted], rtol=1e-6)
@@ -83,7 +83,7 @@ def test_a_model_comes_back(tmp_path, make_block, name, quadratic):
     else:
         fixed = (3 * mesh.node_sets["base"][:, None] + np.arange(3)).ravel()
         assert model.materials == {}
-    structure = assemble_bodies(found, [STEEL, STEEL], fixed_unknowns=fixed)
+    structure = assemble_bodies(actual, [STEEL, STEEL], fixed_unknowns=fixed)
     frequency_hz, _ = natural_frequencies(structure.stiffness, structure.mass, 12)
     wanted_hz, _ = natural_frequencies(reference.stiffness, reference.mass, 12)
     np.testing.assert_allclose(frequency_hz[6:], wanted_hz[6:], rtol=1e-6)
@@ -105,6 +105,6 @@ def test_named_node_sets_come_back(tmp_path, make_block):
     write_inp(tmp_path / "model.inp", mesh, BODIES, ["contact"], "base")
     write_meshio(tmp_path / "model.vtu", mesh, BODIES, ["contact"], "vtu")
     for name in ("model.inp", "model.vtu"):
-        found = read_model(tmp_path / name, "mm").mesh
+        actual = read_model(tmp_path / name, "mm").mesh
         for each in ("tip", "base"):
-            np.testing.assert_array_equal(found.node_set(each), mesh.node_set(each))
+            np.testing.assert_array_equal(actual.node_set(each), mesh.node_set(each))

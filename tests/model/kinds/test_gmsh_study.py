@@ -65,12 +65,12 @@ def test_same_joint_in_both_models(tetrahedra: tuple[Structure, Joint], bricks: 
 def test_stuck_frequencies_are_those_of_the_bricks(
     tetrahedra: tuple[Structure, Joint], bricks: tuple[Structure, Joint]
 ) -> None:
-    found, wanted = (
+    actual, wanted = (
         joined_modes(structure, joint.face_pairs, 4, joint.resting_springs)[0]
         for structure, joint in (tetrahedra, bricks)
     )
-    assert found[:2] == pytest.approx(wanted[:2], rel=BOUND)
-    assert found == pytest.approx(wanted, rel=0.005)  # what this mesh reaches
+    assert actual[:2] == pytest.approx(wanted[:2], rel=BOUND)
+    assert actual == pytest.approx(wanted, rel=0.005)  # what this mesh reaches
 
 
 @pytest.mark.slow
@@ -79,10 +79,10 @@ def test_rigid_contact_gives_the_tied_frequencies_of_the_bricks(
 ) -> None:
     structure, joint = tetrahedra
     springs = np.repeat(RIGID * joint.face_pairs.area[:, None], 3, axis=1).reshape(joint.resting_springs.shape)
-    found, _ = joined_modes(structure, joint.face_pairs, 4, springs)
+    actual, _ = joined_modes(structure, joint.face_pairs, 4, springs)
     tied, _ = joined_modes(bricks[0], bricks[1].face_pairs, 4)
-    assert found[:2] == pytest.approx(tied[:2], rel=BOUND)
-    assert found == pytest.approx(tied, rel=0.005)
+    assert actual[:2] == pytest.approx(tied[:2], rel=BOUND)
+    assert actual == pytest.approx(tied, rel=0.005)
 
 
 def quick(folder: Path, changes: dict[str, str]) -> Path:

@@ -91,14 +91,14 @@ def test_mesh_and_matrices_agree(folder: Path) -> None:
 
 
 def test_separate_files_and_a_list_of_pairs_give_the_same_frequencies(folder: Path, tmp_path: Path) -> None:
-    found = read_superelement(folder)
+    actual = read_superelement(folder)
     for name in ("stiffness", "mass"):
-        scipy.io.mmwrite(tmp_path / f"{name}.mtx", scipy.sparse.coo_matrix(getattr(found, name)), precision=17)
-    nodes = found.boundary_nodes
+        scipy.io.mmwrite(tmp_path / f"{name}.mtx", scipy.sparse.coo_matrix(getattr(actual, name)), precision=17)
+    nodes = actual.boundary_nodes
     rows = [f"{node}, {axis + 1}" for node in nodes for axis in range(3)]
-    rows += [f"{10_000 + mode}, other" for mode in range(found.size - 3 * nodes.size)]
+    rows += [f"{10_000 + mode}, other" for mode in range(actual.size - 3 * nodes.size)]
     (tmp_path / "unknowns.csv").write_text("\n".join([*rows, ""]), encoding="utf-8")
-    (tmp_path / "pairs.csv").write_text("\n".join([*map(str, found.node_sets["lid"]), ""]), encoding="utf-8")
+    (tmp_path / "pairs.csv").write_text("\n".join([*map(str, actual.node_sets["lid"]), ""]), encoding="utf-8")
     text = MATRIX_STUDY.replace(
         'file = "superelement.npz"',
         'stiffness = "stiffness.mtx"\nmass = "mass.mtx"\nunknown_map = "unknowns.csv"\nlength_unit = "m"',
@@ -109,10 +109,10 @@ def test_separate_files_and_a_list_of_pairs_give_the_same_frequencies(folder: Pa
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     setup = set_up(load_case(tmp_path / "study.toml"))
     superelement = setup.assemble()
-    assert superelement.size < found.size, "matrix files are reduced to the nodes of the study"
+    assert superelement.size < actual.size, "matrix files are reduced to the nodes of the study"
     joint = load_joint(changed(folder), setup.layout)
     stuck_hz, _ = joined_modes(superelement, setup.layout.face_pairs, 4, joint.resting_springs)
-    whole_hz, _ = joined_modes(found, setup.layout.face_pairs, 4, joint.resting_springs)
+    whole_hz, _ = joined_modes(actual, setup.layout.face_pairs, 4, joint.resting_springs)
     assert stuck_hz == pytest.approx(whole_hz, rel=1e-3)
     one, other = (each.layout.face_pairs for each in (setup, set_up(changed(folder))))
     assert np.array_equal(one.first_nodes, other.first_nodes)
@@ -153,8 +153,8 @@ def test_roughness_needs_a_material(folder: Path) -> None:
 
 @pytest.mark.slow
 def test_damping_of_the_files_is_taken_and_never_doubled(folder: Path, tmp_path: Path) -> None:
-    found = read_superelement(folder)
-    damped = replace(found, damping=2e-7 * found.stiffness)
+    actual = read_superelement(folder)
+    damped = replace(actual, damping=2e-7 * actual.stiffness)
     write_superelement(tmp_path, damped)
     case = changed(folder, structure__file=str(tmp_path / "superelement.npz"))
     with rejects(InputError, "damping.modal_damping_ratio"):
@@ -164,16 +164,16 @@ def test_damping_of_the_files_is_taken_and_never_doubled(folder: Path, tmp_path:
     both = Case.from_mapping(data)
     setup = set_up(both)
     model = build_model(both, setup.assemble(), load_joint(both, setup.layout))
-    assert model.superelement.damping == pytest.approx(2e-7 * found.stiffness + 3.0 * found.mass, rel=1e-12, abs=1e-9)
+    assert model.superelement.damping == pytest.approx(2e-7 * actual.stiffness + 3.0 * actual.mass, rel=1e-12, abs=1e-9)
 
 
-def test_a_body_without_contact_that_nothing_holds_is_refused(folder: Path, tmp_path: Path) -> None:
+def test_a_body_without_contact_without_support_is_rejected(folder: Path, tmp_path: Path) -> None:
     """The lid's name given to nodes of the clamped beam: contact then leaves the block alone."""
-    found = read_superelement(folder)
-    part = parts_of(found.stiffness)[: 3 * found.boundary_nodes.size : 3]
-    block = part[np.isin(found.boundary_nodes, found.node_sets["lid"])]
-    beam = found.boundary_nodes[part != block[0]]
-    write_superelement(tmp_path, replace(found, node_sets={"lid": beam[:4]}, recovery=None))
+    actual = read_superelement(folder)
+    part = parts_of(actual.stiffness)[: 3 * actual.boundary_nodes.size : 3]
+    block = part[np.isin(actual.boundary_nodes, actual.node_sets["lid"])]
+    beam = actual.boundary_nodes[part != block[0]]
+    write_superelement(tmp_path, replace(actual, node_sets={"lid": beam[:4]}, recovery=None))
     text = MATRIX_STUDY.replace('"superelement.npz"', f'"{tmp_path / "superelement.npz"}"')
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     result = CliRunner().invoke(app, ["check", str(tmp_path / "study.toml")])
@@ -184,8 +184,10 @@ def test_a_body_without_contact_that_nothing_holds_is_refused(folder: Path, tmp_
 
 
 def test_wrong_units_are_a_warning(folder: Path, tmp_path: Path) -> None:
-    found = read_superelement(folder)
-    write_superelement(tmp_path, replace(found, positions=1e6 * found.positions, mass=1e-9 * found.mass, recovery=None))
+    actual = read_superelement(folder)
+    write_superelement(
+        tmp_path, replace(actual, positions=1e6 * actual.positions, mass=1e-9 * actual.mass, recovery=None)
+    )
     far = {"responses__block__point": ["48 km", "3.67 km", "14 km"]}
     layout = set_up(changed(folder, structure__file=str(tmp_path / "superelement.npz"), **far)).layout
     sentences = [odd.sentence for odd in layout.odd_values]
@@ -195,7 +197,7 @@ def test_wrong_units_are_a_warning(folder: Path, tmp_path: Path) -> None:
     assert (sound.messages, sound.odd_values) == ((), ())
 
 
-def test_a_pair_that_stands_twice_in_a_list_is_refused(folder: Path, tmp_path: Path) -> None:
+def test_a_pair_that_appears_twice_in_a_list_is_rejected(folder: Path, tmp_path: Path) -> None:
     nodes = read_superelement(folder).node_sets["lid"]
     (tmp_path / "pairs.csv").write_text(f"{nodes[0]}\n{nodes[1]}\n{nodes[0]}", encoding="utf-8")
     data = changed(folder).to_dict()
@@ -208,20 +210,20 @@ def test_a_pair_that_stands_twice_in_a_list_is_refused(folder: Path, tmp_path: P
     assert set_up(Case.from_mapping(data)).layout.face_pairs.n_pairs == 2
 
 
-def test_a_joint_that_stands_twice_is_refused(folder: Path) -> None:
+def test_a_joint_that_appears_twice_is_rejected(folder: Path) -> None:
     data = changed(folder).to_dict()
     data["interfaces"]["again"] = {**data["interfaces"]["lid"], "normal": [0, 0, -1]}
     with rejects(InputError, "interfaces.lid", "interfaces.again"):
         set_up(Case.from_mapping(data))
 
 
-def test_a_file_of_another_kind_and_a_missing_map_are_told(folder: Path, tmp_path: Path) -> None:
+def test_a_file_of_another_kind_and_a_missing_map_are_reported(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "model.inp").write_text("*NODE\n", encoding="utf-8")
     with rejects(ImportFileError, "structure.file"):
         set_up(changed(folder, structure__file=str(tmp_path / "model.inp")))
-    found = read_superelement(folder)
+    actual = read_superelement(folder)
     for name in ("stiffness", "mass"):
-        scipy.io.mmwrite(tmp_path / f"{name}.mtx", scipy.sparse.coo_matrix(getattr(found, name)), precision=17)
+        scipy.io.mmwrite(tmp_path / f"{name}.mtx", scipy.sparse.coo_matrix(getattr(actual, name)), precision=17)
     files = 'stiffness = "stiffness.mtx"\nmass = "mass.mtx"\nlength_unit = "m"'
     (tmp_path / "study.toml").write_text(MATRIX_STUDY.replace('file = "superelement.npz"', files), encoding="utf-8")
     with rejects(InputError, "structure.unknown_map"):

@@ -107,9 +107,9 @@ def test_forces_loads_and_outputs_of_sets() -> None:
     assert shift @ model.static_load == pytest.approx([turning, 0.0, -80.0], rel=1e-9, abs=1e-9)
     cosine = model.excitation.on(model.superelement, 1).coefficients(0.0)[1]
     assert np.linalg.norm(cosine) == pytest.approx(3.0)
-    assert cosine[model.superelement.unknowns_of(int(setup.layout.ports["forces.second"].nodes[0]))][1] == 3.0
+    assert cosine[model.superelement.unknowns_of(int(setup.layout.node_groups["forces.second"].nodes[0]))][1] == 3.0
     assert model.outputs["block"] @ shift[0] == pytest.approx(1.0)
-    assert np.allclose(setup.layout.ports["forces.push"].shares.sum(), 1.0)
+    assert np.allclose(setup.layout.node_groups["forces.push"].weights.sum(), 1.0)
     assert model.preload is not None
     assert np.isfinite(model.joint.preload).all()
     assert set(model.joint.friction_coefficient) == {0.2, 0.3}
@@ -166,7 +166,7 @@ def test_what_does_not_fit_is_named(changes: dict[str, object], expected: tuple[
 
 
 @pytest.mark.parametrize("entry", ["forces.push.set", "responses.top.set", "structure.fixed", "interfaces.joint.first"])
-def test_the_name_of_a_body_is_refused_as_such(entry: str) -> None:
+def test_the_name_of_a_body_is_rejected_as_such(entry: str) -> None:
     """Bodies of a Nastran deck are properties, whose names ``stickslip import`` shows, but they are no sets."""
     case = Case.from_mapping(
         {
@@ -200,14 +200,14 @@ def test_missing_material_is_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("sides", [("damper_bottom", "beam_top"), ("beam_top", "damper_bottom")])
-def test_a_joint_that_stands_twice_is_refused(sides: tuple[str, str]) -> None:
+def test_a_joint_that_appears_twice_is_rejected(sides: tuple[str, str]) -> None:
     data = mesh_case().to_dict()
     data["interfaces"]["again"] = {**data["interfaces"]["sole"], "first": sides[0], "second": sides[1]}
     with rejects(InputError, "interfaces.sole", "interfaces.again"):
         set_up(Case.from_mapping(data))
 
 
-def test_a_body_that_nothing_holds_is_refused() -> None:
+def test_a_body_without_support_is_rejected() -> None:
     data = mesh_case().to_dict()
     sole = data["interfaces"].pop("sole")
     data["interfaces"] = {"other": {**sole, "first": "tip", "second": "ground"}}
@@ -264,8 +264,8 @@ def test_a_deck_with_parts_gives_the_same_study(tmp_path: Path) -> None:
         setup = set_up(each)
         models.append(build_model(each, setup.assemble(), load_joint(each, setup.layout)))
     for name in ("stiffness", "mass"):
-        found, wanted = (getattr(model.superelement, name) for model in models)
-        np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9 * np.abs(wanted).max())
+        actual, wanted = (getattr(model.superelement, name) for model in models)
+        np.testing.assert_allclose(actual, wanted, rtol=1e-9, atol=1e-9 * np.abs(wanted).max())
     drives = [model.excitation.on(model.superelement, 1).coefficients(0.0) for model in models]
     np.testing.assert_array_equal(*drives)
     np.testing.assert_allclose(models[0].joint.preload, models[1].joint.preload, rtol=1e-12)
@@ -299,7 +299,7 @@ def test_names_with_dots_in_messages(tmp_path: Path, old: str, new: str, expecte
         set_up(load_case(dotted_study(tmp_path, (old, new))))
 
 
-def test_a_material_that_is_missing_asks_for_a_name_in_quotes(tmp_path: Path) -> None:
+def test_a_material_that_is_missing_requests_a_name_in_quotes(tmp_path: Path) -> None:
     study_file = dotted_study(tmp_path)
     deck = (tmp_path / "parts.inp").read_text(encoding="utf-8")
     assert "*DENSITY\n7.85e-09\n" in deck

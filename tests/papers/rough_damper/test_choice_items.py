@@ -32,12 +32,12 @@ def slipping(load: float, force: float, factor: float) -> dict[str, float]:
 @pytest.fixture(scope="module")
 def solutions() -> list[Solved]:
     """Every curve of the whole plan with invented numbers: with the hardness of 4 GPa less load gives less slip."""
-    found = []
+    actual = []
     for each in computations(Scope()):
         s = each.setting
         factor = -1.0 if s.choice == "hardness 4 GPa" else 1.0
-        found.append(curve(vars(s), **slipping(s.load, s.force, factor)))
-    return found
+        actual.append(curve(vars(s), **slipping(s.load, s.force, factor)))
+    return actual
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +84,7 @@ def test_claims_that_compare_loads_and_forces_follow_the_change(changed: dict[st
     assert {answer.numbers.split(" N:")[0] for answer in judged.answers} == {"25"}
 
 
-def test_what_cannot_depend_on_a_choice_says_so_with_the_reason(changed: dict[str, ChangedVerdict]) -> None:
+def test_what_cannot_depend_on_a_choice_reports_it_with_the_reason(changed: dict[str, ChangedVerdict]) -> None:
     surfaces, reduction, stiffness = (changed[claim.statement] for claim in MODEL_CLAIMS)
     affected = [
         [name for name, judged in each.verdicts.items() if judged is not None]

@@ -174,6 +174,6 @@ def test_opposite_forces_dissipate_nothing(energy: float, expected: Verdict) -> 
 
 def test_series_are_ordered_towards_stiffer_and_need_three_curves() -> None:
     shuffled = line("G", "peak_m", (1e-5, 2e-5, 3e-5))[::-1]
-    (found,) = series(shuffled, "G")
-    assert [one.setting.scale for one in found] == list(G)
+    (actual,) = series(shuffled, "G")
+    assert [one.setting.scale for one in actual] == list(G)
     assert list(series(shuffled[:2], "G")) == []

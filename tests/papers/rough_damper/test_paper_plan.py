@@ -68,9 +68,9 @@ LABELLED = {
 def test_a_changed_choice_changes_that_key_alone(plan, choice: Choice) -> None:
     base = base_case(Scope()).to_dict()
     for value in choice.others:
-        found = [each for each in plan if each.setting.choice == variant(choice, value)]
-        assert {each.setting.excitation for each in found} == set(EXCITATIONS)
-        for each in found:
+        actual = [each for each in plan if each.setting.choice == variant(choice, value)]
+        assert {each.setting.excitation for each in actual} == set(EXCITATIONS)
+        for each in actual:
             inputs = each.planned.case.to_dict()
             changed = {
                 f"{part}.{name}" for part in inputs for name in inputs[part] if inputs[part][name] != base[part][name]
@@ -100,13 +100,13 @@ def test_under_every_change_forces_and_loads_can_be_compared(plan, choice: Choic
 def test_the_papers_roughness_is_plastic_in_the_base_law_and_runs_in_unloading(plan) -> None:
     layout = set_up(plan[0].planned.case).layout
     for dimension in (2.2, 2.3):
-        found = [each for each in plan if (each.setting.dimension, each.setting.scale) == (dimension, 1e-8)]
-        assert {each.setting.law for each in found} == {"unloading"}
+        actual = [each for each in plan if (each.setting.dimension, each.setting.scale) == (dimension, 1e-8)]
+        assert {each.setting.law for each in actual} == {"unloading"}
         with rejects(RoughnessError, "roughness", "preload.centrifugal_force"):
-            load_joint(found[0].planned.case.replace({"roughness.mode": "consistent"}), layout)
+            load_joint(actual[0].planned.case.replace({"roughness.mode": "consistent"}), layout)
 
 
-def test_a_scope_that_computes_a_curve_twice_is_refused() -> None:
+def test_a_scope_that_computes_a_curve_twice_is_rejected() -> None:
     with rejects(StudyFileError):
         computations(Scope(extra=((2.4, 1e-9, "consistent"),)))
 

@@ -54,7 +54,7 @@ class _Tags(HTMLParser):
         assert self.open.pop() == tag
 
 
-def test_page_is_whole_and_asks_for_nothing(made: tuple[Path, PaperOutcome]) -> None:
+def test_page_is_whole_and_requests_nothing(made: tuple[Path, PaperOutcome]) -> None:
     folder, outcome = made
     text = (folder / "paper.html").read_text(encoding="utf-8")
     tags = _Tags()
@@ -106,7 +106,7 @@ def test_verdicts_of_the_page_are_those_of_the_claims(made: tuple[Path, PaperOut
     assert outcome.verdicts[Verdict.HOLDS] < len(words)
 
 
-def test_a_stopped_study_goes_on_and_damage_is_computed_again(
+def test_a_stopped_study_continues_and_damage_is_computed_again(
     made: tuple[Path, PaperOutcome], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder, outcome = made
@@ -122,7 +122,7 @@ def test_a_stopped_study_goes_on_and_damage_is_computed_again(
         return original(task, reduced)
 
     monkeypatch.setattr(computing, "solve_setting", counted)
-    monkeypatch.setattr(study, "_written", lambda folder, scope, computed, told: computed)
+    monkeypatch.setattr(study, "_written", lambda folder, scope, computed, reported: computed)
     again = paper_study(folder, workers=1, scope=coarse_scope())
     assert (again.found, len(solved), len(again.solved)) == (outcome.curves - 3, 3, outcome.curves)  # type: ignore[attr-defined]
     # the file that was missing needs no sentence
@@ -134,7 +134,7 @@ def test_a_stopped_study_goes_on_and_damage_is_computed_again(
     ]
 
 
-def test_a_curve_that_fails_is_told_and_without_any_curve_there_is_no_page(tmp_path: Path) -> None:
+def test_a_curve_that_fails_is_reported_and_without_any_curve_there_is_no_page(tmp_path: Path) -> None:
     plastic = replace(
         coarse_scope(), dimensions=(2.2,), scales=(1e-8,), dimension=2.2, scale=1e-8, choices=(), extra=()
     )
@@ -143,7 +143,7 @@ def test_a_curve_that_fails_is_told_and_without_any_curve_there_is_no_page(tmp_p
     assert not (tmp_path / "paper.html").exists()
 
 
-def test_wrong_changes_are_refused_before_anything_is_made(tmp_path: Path) -> None:
+def test_wrong_changes_are_rejected_before_anything_is_made(tmp_path: Path) -> None:
     with rejects(StudyFileError, "solver.samples"):
         paper_study(tmp_path / "out", scope=Scope(changes={"solver.samples": 2}))
     assert not (tmp_path / "out").exists()

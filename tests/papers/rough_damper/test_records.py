@@ -11,7 +11,7 @@ from sentences import rejects
 from stickslip.core.errors import ResultsFileError
 from stickslip.core.plain_data import same_content
 from stickslip.papers.rough_damper import records
-from stickslip.papers.rough_damper.records import Solved, rigid_shares
+from stickslip.papers.rough_damper.records import Solved, rigid_fractions
 
 POINTS = np.random.default_rng(3).normal(size=(20, 3)) * 1e-2
 
@@ -21,13 +21,13 @@ def test_pure_motions() -> None:
     turn = np.cross([0.3, -0.2j, 0.5], POINTS - POINTS.mean(axis=0))
     stretch = np.zeros((20, 3), dtype=complex)
     stretch[:, 0] = (POINTS - POINTS.mean(axis=0))[:, 0]
-    assert rigid_shares(POINTS, shift) == pytest.approx([1.0, 0.0, 0.0], abs=1e-12)
-    assert rigid_shares(POINTS, turn) == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)
-    assert rigid_shares(POINTS, stretch)[2] > 0.5
-    both = rigid_shares(POINTS, shift + turn)
+    assert rigid_fractions(POINTS, shift) == pytest.approx([1.0, 0.0, 0.0], abs=1e-12)
+    assert rigid_fractions(POINTS, turn) == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)
+    assert rigid_fractions(POINTS, stretch)[2] > 0.5
+    both = rigid_fractions(POINTS, shift + turn)
     assert both.sum() == pytest.approx(1.0)
     assert both[1] == pytest.approx(np.sum(np.abs(turn) ** 2) / np.sum(np.abs(shift + turn) ** 2))
-    assert rigid_shares(POINTS, np.zeros((20, 3))).tolist() == [0.0, 0.0, 0.0]
+    assert rigid_fractions(POINTS, np.zeros((20, 3))).tolist() == [0.0, 0.0, 0.0]
 
 
 def test_file_is_read_back_whole() -> None:
@@ -41,12 +41,12 @@ def test_any_damage_is_noticed() -> None:
             Solved.from_bytes(content, "key")
 
 
-def test_file_of_other_inputs_is_refused() -> None:
+def test_file_of_other_inputs_is_rejected() -> None:
     with rejects(ResultsFileError):
         Solved.from_bytes(curve().to_bytes("key"), "another")
 
 
-def test_file_of_other_code_of_records_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_file_of_other_code_of_records_is_rejected(monkeypatch: pytest.MonkeyPatch) -> None:
     content = curve().to_bytes("key")
     monkeypatch.setattr(records, "_code", lambda: "changed")
     with rejects(ResultsFileError):

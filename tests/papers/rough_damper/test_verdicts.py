@@ -53,7 +53,7 @@ def test_without_a_condition_the_majority_counts(good: int, verdict: Verdict) ->
     assert judged.reason == f"No single condition decides. In {good} of 4 situations."
 
 
-def test_without_a_condition_for_it_the_values_against_it_are_told() -> None:
+def test_without_a_condition_for_it_the_values_against_it_are_reported() -> None:
     answers = [answer(place < 3, excitation="same") for place in range(4)] + [answer(False, excitation="opposite")] * 2
     judged = judge(answers)
     assert judged.verdict is Verdict.HOLDS_IF
@@ -61,7 +61,7 @@ def test_without_a_condition_for_it_the_values_against_it_are_told() -> None:
 
 
 @pytest.mark.parametrize("answers", [[], [answer(None)]])
-def test_undecided_where_nothing_is_said(answers: list[Answer]) -> None:
+def test_undecided_where_nothing_is_reported(answers: list[Answer]) -> None:
     assert judge(answers).verdict is Verdict.UNDECIDED
 
 
@@ -82,7 +82,7 @@ def test_trends(values: tuple[float, ...], fall: bool | None, rise: bool | None,
     assert (falls(values), rises(values), rises_then_falls(values)) == (fall, rise, hump)
 
 
-def test_trends_refuse_what_is_no_series() -> None:
+def test_trends_reject_what_is_no_series() -> None:
     with rejects(InputError):
         falls([1.0])
     with rejects(InputError):

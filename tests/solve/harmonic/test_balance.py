@@ -66,7 +66,7 @@ def test_step_solves_the_full_linearised_balance(
     assert (plane.weights * step).sum() + plane.parameter_weight * change == pytest.approx(0.3, rel=1e-9)
 
 
-def test_active_rows_hold_only_what_moves(blade: Blade) -> None:
+def test_active_rows_contain_only_moving_pairs(blade: Blade) -> None:
     _, trial = moving_trial(blade, 0.6)
     active = ActiveRows.of(trial.contact)
     moving = np.flatnonzero(trial.contact.moves.any(axis=1))

@@ -53,8 +53,8 @@ def test_displacement_equals_direct_solve(blade: Blade, dashpot: float, kind: ty
     load = force - deviation @ blade.operator
     for h in range(1, HARMONICS + 1):
         expected = np.linalg.solve(dynamic_stiffness(superelement, blade, h * omega), to_complex(load[1:])[h - 1])
-        found = to_complex(displacement[1:])[h - 1]
-        assert np.abs(found - expected).max() < 1e-9 * np.abs(expected).max()
+        actual = to_complex(displacement[1:])[h - 1]
+        assert np.abs(actual - expected).max() < 1e-9 * np.abs(expected).max()
     springs = blade.pairs.stuck_stiffness().reshape(-1, 3) * [0, 0, 1]
     mean = superelement.stiffness + blade.operator.T @ (springs.reshape(-1, 1) * blade.operator)
     assert np.allclose(mean @ displacement[0], load[0], atol=1e-8 * np.abs(load[0]).max())
@@ -131,32 +131,32 @@ def test_free_mean_position_gets_the_restraint() -> None:
     assert mean[2, 2] == pytest.approx(1e-6)
 
 
-def test_body_without_any_contact_is_refused() -> None:
+def test_body_without_any_contact_is_rejected() -> None:
     superelement = Superelement(np.eye(4), np.zeros((4, 4)))
     pairs = ContactPairs(np.eye(3, 4), 1e6, 8e5, 0.3, 10.0)
     with rejects(InputError):
         stuck_structure(superelement, pairs, 100.0, 0.01)
 
 
-def test_two_kinds_of_damping_are_refused(blade: Blade) -> None:
+def test_two_kinds_of_damping_are_rejected(blade: Blade) -> None:
     with rejects(InputError, "modal_damping_ratio"):
         stuck_structure(blade.superelement, blade.pairs, 100.0, 0.01)
 
 
-def test_operator_of_another_size_is_refused(blade: Blade) -> None:
+def test_operator_of_another_size_is_rejected(blade: Blade) -> None:
     pairs = ContactPairs(np.eye(3, 5), 1e6, 8e5, 0.3, 10.0)
     with rejects(InputError, "operator"):
         stuck_structure(blade.superelement, pairs, 100.0, None)
 
 
-def test_a_body_that_only_gaps_could_hold_is_refused() -> None:
+def test_a_body_that_only_gaps_could_support_is_rejected() -> None:
     superelement = Superelement(np.eye(3), np.zeros((3, 3)))
     pairs = ContactPairs(np.eye(3), 1e6, 8e5, 0.3, -10.0)
     with rejects(InputError, "preload"):
         stuck_structure(superelement, pairs, 100.0, 0.01)
 
 
-def test_gaps_are_fine_where_other_pairs_hold(blade: Blade) -> None:
+def test_gaps_are_fine_where_other_pairs_support_the_body(blade: Blade) -> None:
     preload = blade.pairs.preload.copy()
     preload[::2] = -1.0
     assert stuck_structure(blade.superelement, blade.pairs_with(preload), 4000.0, None).mean_restraint == 0.0

@@ -54,12 +54,12 @@ def test_stiffness_proportional_to_the_stuck_matrix_is_diagonal_and_a_dashpot_is
     assert diagonal_modal_damping(rayleigh, modes) is None
 
 
-def test_negative_rayleigh_factor_is_refused(blade: Blade) -> None:
+def test_negative_rayleigh_factor_is_rejected(blade: Blade) -> None:
     with rejects(InputError, "mass_factor", "stiffness_factor"):
         rayleigh_damping_matrix(blade.superelement, -1.0, 0.0)
 
 
-def test_indefinite_matrices_are_refused() -> None:
+def test_indefinite_matrices_are_rejected() -> None:
     with rejects(InputError):
         modal_basis(np.diag([1.0, 0.0]), np.eye(2))
     with rejects(InputError):

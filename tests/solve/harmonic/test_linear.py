@@ -18,12 +18,12 @@ def test_response_equals_direct_solves(blade: Blade) -> None:
         force = np.zeros((5, mass.shape[0]))
         force[1], force[2], force[4] = blade.force_cos, blade.force_sin, blade.force_cos
         omega = 2 * np.pi * np.array([470.0, blade.free_hz, 1040.0])
-        found = limit.response(omega, force)
+        actual = limit.response(omega, force)
         for k, w in enumerate(omega):
             for order in (1, 2):
                 x = order * w
                 expected = np.linalg.solve(stiffness - x**2 * mass + 1j * x * damping, to_complex(force[1:])[order - 1])
-                got = found[k, :, 2 * order - 1] - 1j * found[k, :, 2 * order]
+                got = actual[k, :, 2 * order - 1] - 1j * actual[k, :, 2 * order]
                 assert np.abs(got - expected).max() < 1e-8 * np.abs(expected).max()
 
 

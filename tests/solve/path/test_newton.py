@@ -24,7 +24,7 @@ def test_it_converges_quadratically_on_a_fixed_parameter() -> None:
         assert after <= 0.5 * before**2
 
 
-def test_a_plane_holds_the_correction_where_the_parameter_cannot() -> None:
+def test_a_plane_constrains_the_correction_where_the_parameter_cannot() -> None:
     """At y = 1 the circle folds: no solution at y = 1.01, but one on the plane x = 0.05."""
     start = circle().at(0.05, 1.01)
     fixed = Newton(circle(), NewtonSettings()).correct(start, Plane.fixed(start.unknowns, 1.01))

@@ -31,8 +31,8 @@ def visited(points: list[tuple[float, float]]) -> Visited[PlanePoint]:
 def test_the_chord_of_a_circle_passes_the_first_point_again_after_one_turn() -> None:
     angle = 2.0 * np.pi * np.arange(0, 21) / 20.5
     been = visited([(np.sin(a), np.cos(a)) for a in angle])
-    found = list(been.near_last_chord(1.0, 1.0))
-    assert found == []
+    actual = list(been.near_last_chord(1.0, 1.0))
+    assert actual == []
     been.add(PlanePoint(float(np.sin(0.1)), float(np.cos(0.1)), 0.0))
     ((index, share),) = been.near_last_chord(1.0, 1.0)
     # Between the point at -pi / 20.5 (the last of the turn) and that at 0.1 lies the first one, at 0.
@@ -45,8 +45,8 @@ def test_near_means_a_fifth_of_the_chord_in_the_scales_of_the_picture(away: floa
     scale_u, scale_w = 1e-6, 600.0
     points = [(away * scale_u, 0.5), (5, 5), (5, 6), (5, 7), (5, 8), (0.0, 0.0), (0.0, 1.0)]
     been = visited([(x * (1.0 if x < 1 else scale_u), w * scale_w) for x, w in points])
-    found = list(been.near_last_chord(scale_u, scale_w))
-    assert [index for index, _ in found] == ([0] if near else [])
+    actual = list(been.near_last_chord(scale_u, scale_w))
+    assert [index for index, _ in actual] == ([0] if near else [])
 
 
 def test_neighbours_are_not_met_and_forgotten_points_neither() -> None:
@@ -54,7 +54,7 @@ def test_neighbours_are_not_met_and_forgotten_points_neither() -> None:
     assert [index for index, _ in been.near_last_chord(1.0, 1.0)] == []
     been = visited([(0.0, 0.0), *((1.0, float(k)) for k in range(4)), (0.0, -0.5), (0.0, 0.5)])
     assert [index for index, _ in been.near_last_chord(1.0, 1.0)] == [0]
-    been.keep(3)
+    been.truncate(3)
     assert len(been.points) == 3
     assert list(been.near_last_chord(1.0, 1.0)) == []
 
@@ -148,8 +148,8 @@ def test_a_step_onto_a_loop_is_taken_back_after_one_turn() -> None:
     (retreat,) = [event for event in events if isinstance(event, Retreat)]
     assert branch.retreats == [retreat.parameter]
     assert retreat.parameter == pytest.approx(10.5, rel=0.01)
-    walked = sum(isinstance(event, Accepted) for event in events)
-    assert walked > len(points) + 8  # the loop was walked, and is no part of the branch
+    advance = sum(isinstance(event, Accepted) for event in events)
+    assert advance > len(points) + 8  # the loop was walked, and is no part of the branch
     assert max(abs(point.x - 1.0 - 0.2 * (point.y - 10.5)) for point in points) < 1e-9
     assert [point.y for point in points] == sorted(point.y for point in points)
 
@@ -166,7 +166,7 @@ class TurnedRound(Branch[PlanePoint]):
         return super()._advance(point, tangent, bend, step)
 
 
-def test_a_branch_that_turned_round_goes_on_where_it_did() -> None:
+def test_a_branch_that_turned_round_continues_where_it_did() -> None:
     curve, events = line_beside_an_ellipse(), []
     newton = Newton(curve, NewtonSettings(1e-12))
     settings = ContinuationSettings(largest_step=0.03)
@@ -203,9 +203,9 @@ def test_a_corner_that_turns_back_does_not_lose_the_branch() -> None:
             "solver.samples": 256,
         }
     )
-    response, found = solved(case)
+    response, actual = solved(case)
     assert response.frequency_hz.size < 400
-    assert found.amplitude == pytest.approx(102.71e-6, rel=1e-3)  # with 128 and 512 samples, which meet no such corner
+    assert actual.amplitude == pytest.approx(102.71e-6, rel=1e-3)  # with 128 and 512 samples, which meet no such corner
 
 
 @pytest.mark.slow
@@ -224,8 +224,8 @@ def test_residual_tractions_make_loops_that_the_curve_of_two_blades_leaves_again
             "friction.coefficient": 0.5,
         }
     )
-    response, found = solved(case)
+    response, actual = solved(case)
     assert response.frequency_hz.size < 400
     assert any("came back to where it had been" in sentence for sentence in response.warnings)
-    assert found.amplitude == pytest.approx(59.87e-6, rel=1e-3)  # with 512 and 1024 samples, which meet no loop
-    assert found.frequency_hz == pytest.approx(430.86, abs=0.02)
+    assert actual.amplitude == pytest.approx(59.87e-6, rel=1e-3)  # with 512 and 1024 samples, which meet no loop
+    assert actual.frequency_hz == pytest.approx(430.86, abs=0.02)

@@ -51,7 +51,7 @@ def test_wedge_slips_up_and_friction_carries_part_of_the_load() -> None:
     assert not smooth.traction.any()
 
 
-def test_a_load_that_nothing_holds_has_no_state() -> None:
+def test_a_load_without_support_has_no_state() -> None:
     superelement, pairs = wedge()
     sideways = np.array([0.0, 300.0, 500.0])  # along the damper: more than friction carries
     with rejects(ConvergenceError):
@@ -184,7 +184,7 @@ def test_a_load_on_a_pressure_gap_law_finds_its_closure() -> None:
     assert state.displacement[2] == pytest.approx(2.0 * np.sqrt(3e6) / 1e6, rel=1e-2)
 
 
-def test_a_bent_path_takes_more_steps_and_says_so(blade: Blade) -> None:
+def test_a_bent_path_takes_more_steps_and_reports_it(blade: Blade) -> None:
     """The pressure-gap law is not proportional to the load, so the first few steps are not enough with friction."""
     superelement, pairs, load = pressed(blade)
     law = PressureGapLaw.from_stiffness(np.full(pairs.n_pairs, 1e-6), lambda p: 1e9 * np.sqrt(p), 1e3, 1e9)
@@ -222,8 +222,8 @@ def test_vibration_about_the_state_equals_a_balance_with_the_static_load_in_its_
         residual, 1.02 * expected.ravel(), method="krylov", tol=None, options={"fatol": 1e-7}
     )
     assert solution.success
-    found = solution.x.reshape(expected.shape)
-    relative = (pairs.operator @ (found - expected)).reshape(-1, 3, 5)
+    actual = solution.x.reshape(expected.shape)
+    relative = (pairs.operator @ (actual - expected)).reshape(-1, 3, 5)
     if not kept:
         relative[:, :2, 0] = 0.0  # no force depends on the mean tangential displacement of released pairs
     assert np.abs(relative).max() < 1e-6 * np.abs(pairs.operator @ expected).max()
@@ -290,7 +290,7 @@ def test_bad_input_gets_a_sentence(blade: Blade) -> None:
     assert SpringLaw(np.ones(2)).force(np.ones(2))[0].tolist() == [1.0, 1.0]
 
 
-def test_the_restraint_of_a_state_without_friction_carries_nothing_that_the_structure_holds() -> None:
+def test_the_restraint_of_a_state_without_friction_carries_nothing_that_the_structure_carries() -> None:
     """Contact far stiffer than the structure: the restraint of the mean position must not stand in for K."""
     rng = np.random.default_rng(3)
     rotation, _ = np.linalg.qr(rng.normal(size=(9, 9)))

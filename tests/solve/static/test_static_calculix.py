@@ -43,16 +43,16 @@ def blades() -> PressedBlades:
 @pytest.mark.parametrize(("stiffness", "friction", "kind", "crown"), CASES)
 def test_forces_open_area_and_peak_pressure(blades, tmp_path, stiffness, friction, kind, crown):
     gap = crown * (blades.mesh.points[blades.pairs.first_node, 1] / HALF_LENGTH) ** 2
-    found = calculix_contact(tmp_path, blades, stiffness, friction, kind, gap)
+    actual = calculix_contact(tmp_path, blades, stiffness, friction, kind, gap)
     own = our_contact(blades, stiffness, friction, gap)
-    np.testing.assert_allclose(own.normal, found.normal, rtol=1e-2)
-    np.testing.assert_allclose(own.shear, found.shear, rtol=1e-2, atol=1e-3 * FORCE)
-    assert own.pressure.max() == pytest.approx(found.pressure.max(), rel=0.1)
+    np.testing.assert_allclose(own.normal, actual.normal, rtol=1e-2)
+    np.testing.assert_allclose(own.shear, actual.shear, rtol=1e-2, atol=1e-3 * FORCE)
+    assert own.pressure.max() == pytest.approx(actual.pressure.max(), rel=0.1)
     assert (own.closure < 0.0).any()  # so that there is an open area to compare
-    assert not differs_beyond_one_row(blades.pairs, own.closure > 0.0, found.closure > 0.0)
+    assert not differs_beyond_one_row(blades.pairs, own.closure > 0.0, actual.closure > 0.0)
     if kind == SURFACE:
         row = blades.face_areas / min(ELEMENTS.contact_columns, ELEMENTS.chordwise)
-        assert (np.abs(own.closed_area - found.closed_area) < row).all()
+        assert (np.abs(own.closed_area - actual.closed_area) < row).all()
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])

@@ -76,11 +76,11 @@ def test_an_elastic_stop_closes_under_load() -> None:
 def test_a_jenkins_joint_keeps_its_traction_or_is_released() -> None:
     """5 N of 10 N would go into the element if it stuck; it slips at 2 N. Without friction it carries nothing."""
     pairs = joint(jenkins(K, 2.0, 3e5))
-    kept = ss.static_preload(STRUCTURE, pairs, 10.0 * ALONG_T1)
-    assert kept.displacement[0] == pytest.approx(8.0 / K, rel=1e-9)
-    assert kept.traction[0] == pytest.approx([2.0, 0.0], abs=1e-9)
-    assert kept.state.tolist() == [ss.ContactState.STICK_SLIP]
-    about = kept.about(pairs, keep_traction=True)
+    retained = ss.static_preload(STRUCTURE, pairs, 10.0 * ALONG_T1)
+    assert retained.displacement[0] == pytest.approx(8.0 / K, rel=1e-9)
+    assert retained.traction[0] == pytest.approx([2.0, 0.0], abs=1e-9)
+    assert retained.state.tolist() == [ss.ContactState.STICK_SLIP]
+    about = retained.about(pairs, keep_traction=True)
     assert about.resting_traction[0] == pytest.approx([2.0, 0.0], abs=1e-9)
     assert not about.released
     released = ss.static_preload(STRUCTURE, pairs, 10.0 * ALONG_T1, friction=False)

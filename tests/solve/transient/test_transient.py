@@ -237,16 +237,16 @@ def test_blade_amplitude_equals_nine_harmonics_within_0_3_percent(
 
 
 @pytest.mark.slow
-def test_kept_tractions_agree_with_a_march_from_rest(blade: Blade) -> None:
+def test_residual_tractions_agree_with_a_march_from_rest(blade: Blade) -> None:
     """Some pairs slip from 60 % of their limit on, the others keep their traction, which moves the mean."""
     rest = 0.6 * blade.pairs.friction_coefficient * blade.pairs.preload
     angle = np.linspace(0.0, 2.0, blade.n_pairs)
     traction = rest[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
     constants = (blade.pairs.normal_stiffness, blade.pairs.tangential_stiffness, blade.pairs.friction_coefficient)
-    kept = ContactPairs(blade.operator, *constants, blade.pairs.preload, traction)
+    retained = ContactPairs(blade.operator, *constants, blade.pairs.preload, traction)
     cosine, sine = blade.force_cos, blade.force_sin
     curve = forced_response(
-        blade.superelement, kept, cosine, sine, frequency_hz=(685.0, 686.0), harmonics=9, samples=512
+        blade.superelement, retained, cosine, sine, frequency_hz=(685.0, 686.0), harmonics=9, samples=512
     )
     assert curve.converged
     released = forced_response(
@@ -254,7 +254,7 @@ def test_kept_tractions_agree_with_a_march_from_rest(blade: Blade) -> None:
     )
     start = start_from_response(curve, 0)
     march = integrate_to_steady_state(
-        blade.superelement, kept, cosine, sine, curve.frequency_hz[0], 1000, tolerance=1e-6, **start
+        blade.superelement, retained, cosine, sine, curve.frequency_hz[0], 1000, tolerance=1e-6, **start
     )
     assert march.converged, march.message
     assert {0, 1} <= set(curve.contact_state[0].tolist())

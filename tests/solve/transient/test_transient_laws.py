@@ -131,20 +131,20 @@ def test_a_mixed_joint_balances_its_energy_and_agrees_with_the_balance() -> None
         assert distance(curve, march, row) < 2e-3
     assert march.dissipated_energy == pytest.approx(curve.dissipated_energy[0], rel=2e-3, abs=1e-8)
     time_step, angle = march.time[1], 2 * np.pi * np.arange(march.time.size) / march.time.size
-    given = time_step * (np.cos(angle)[:, None] * force * march.velocity).sum()
+    values = time_step * (np.cos(angle)[:, None] * force * march.velocity).sum()
     lost = time_step * 60.0 * (march.velocity**2).sum() + march.dissipated_energy.sum()
-    assert lost == pytest.approx(given, rel=1e-3)
+    assert lost == pytest.approx(values, rel=1e-3)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["jenkins", "iwan"])
-def test_a_kept_traction_is_the_same_in_both(name: str) -> None:
+def test_a_residual_traction_is_the_same_in_both(name: str) -> None:
     """A joint that a static load has sheared: what it keeps of it moves the mean of the vibration."""
     law, _, _ = LAWS[name]
     pairs, load = ss.ContactPairs.with_laws(np.eye(3), [law]), np.array([4.0, 0.0, 0.0])
-    kept = ss.static_preload(STRUCTURE, pairs, load).about(pairs, keep_traction=True)
+    retained = ss.static_preload(STRUCTURE, pairs, load).about(pairs, keep_traction=True)
     row = np.eye(3)[0]
-    curve, march = both(kept, 0.25 * row, harmonics=7)
+    curve, march = both(retained, 0.25 * row, harmonics=7)
     assert distance(curve, march, row) < 1e-3
     assert march.contact_force[:, 0, 0].mean() > 1.0
     assert march.contact_force[:, 0, 0].mean() == pytest.approx(curve.pair_cycle(0).force[:, 0, 0].mean(), rel=1e-3)

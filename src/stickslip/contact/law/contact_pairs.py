@@ -181,7 +181,7 @@ class ContactPairs:
             f"the pairs follow the law(s) {', '.join(self.law_names)}; this works for Coulomb friction alone."
         )
 
-    def gathered(self, value: Callable[[ContactLaw], Any], shape: tuple[int, ...] = ()) -> FloatArray:
+    def collect(self, value: Callable[[ContactLaw], Any], shape: tuple[int, ...] = ()) -> FloatArray:
         """(n_pairs, *shape) a value of each pair's law; NaN where the law has none (None)."""
         values = [value(law) for law in self.laws]
         if len(values) == 1 and values[0] is not None:
@@ -195,7 +195,7 @@ class ContactPairs:
     @property
     def normal_stiffness(self) -> FloatArray:
         """(n_pairs,) N/m of Coulomb pairs, NaN for others."""
-        return self.gathered(lambda law: getattr(law, "normal_stiffness", None))
+        return self.collect(lambda law: getattr(law, "normal_stiffness", None))
 
     @property
     def tangential_stiffness(self) -> FloatArray:
@@ -206,28 +206,28 @@ class ContactPairs:
     @property
     def tangential_springs(self) -> FloatArray:
         """(n_pairs, 2) N/m along t1 and t2 of Coulomb pairs, NaN for others."""
-        return self.gathered(lambda law: getattr(law, "tangential_springs", None), (2,))
+        return self.collect(lambda law: getattr(law, "tangential_springs", None), (2,))
 
     @property
     def friction_coefficient(self) -> FloatArray:
         """(n_pairs,) of Coulomb pairs, NaN for others."""
-        return self.gathered(lambda law: getattr(law, "friction_coefficient", None))
+        return self.collect(lambda law: getattr(law, "friction_coefficient", None))
 
     @property
     def normal_load(self) -> FloatArray:
         """(n_pairs,) N at rest."""
-        return self.gathered(lambda law: law.normal_load)
+        return self.collect(lambda law: law.normal_load)
 
     @property
     def gap(self) -> FloatArray:
         """(n_pairs,) m at rest, 0 for a law without gap."""
-        return np.nan_to_num(self.gathered(lambda law: getattr(law, "gap", None)))
+        return np.nan_to_num(self.collect(lambda law: getattr(law, "gap", None)))
 
     @property
     def offset_force(self) -> FloatArray:
         """(n_pairs,) N, the normal force at ``n = 0`` with its sign: the load, or minus the force that closes the
         gap."""
-        return self.gathered(lambda law: getattr(law, "offset_force", law.normal_load))
+        return self.collect(lambda law: getattr(law, "offset_force", law.normal_load))
 
     @property
     def preload(self) -> FloatArray:
@@ -237,7 +237,7 @@ class ContactPairs:
     @property
     def largest_slip_force(self) -> FloatArray:
         """(n_pairs,) N, the largest tangential force at rest that slip can release."""
-        return self.gathered(lambda law: law.largest_slip_force)
+        return self.collect(lambda law: law.largest_slip_force)
 
     @property
     def residual_traction(self) -> FloatArray | None:
@@ -247,7 +247,7 @@ class ContactPairs:
     @property
     def resting_traction(self) -> FloatArray:
         """(n_pairs, 2) N along t1, t2 at rest: the residual traction; zero if released."""
-        return np.nan_to_num(self.gathered(lambda law: getattr(law, "resting_traction", None), (2,)))
+        return np.nan_to_num(self.collect(lambda law: getattr(law, "resting_traction", None), (2,)))
 
     @property
     def released(self) -> bool:
@@ -257,26 +257,26 @@ class ContactPairs:
     @property
     def closed_at_rest(self) -> BoolArray:
         """(n_pairs,) True where springs act on small motions about the rest."""
-        return np.asarray(self.gathered(lambda law: law.resting_springs(), (3,)).any(axis=1))
+        return np.asarray(self.collect(lambda law: law.resting_springs(), (3,)).any(axis=1))
 
     def stuck_stiffness(self) -> FloatArray:
         """(3 * n_pairs,) N/m: k_t1, k_t2, k_n of each Coulomb pair, closed and stuck; the resting springs of others."""
-        return self.gathered(
+        return self.collect(
             lambda law: law.stuck_springs() if isinstance(law, CoulombLaw) else law.resting_springs(), (3,)
         ).ravel()
 
     def resting_stiffness(self) -> FloatArray:
         """(3 * n_pairs,) N/m: the springs that act on small motions about the rest; zero for a pair that is open
         there."""
-        return self.gathered(lambda law: law.resting_springs(), (3,)).ravel()
+        return self.collect(lambda law: law.resting_springs(), (3,)).ravel()
 
     def frictional(self) -> BoolArray:
         """(n_pairs, 3) True for springs that slip can release."""
-        return self.gathered(lambda law: law.frictional(), (3,)).astype(bool)
+        return self.collect(lambda law: law.frictional(), (3,)).astype(bool)
 
     def undetermined(self) -> BoolArray:
         """(n_pairs, 3) True for mean displacements that no force depends on."""
-        return self.gathered(lambda law: law.undetermined(), (3,)).astype(bool)
+        return self.collect(lambda law: law.undetermined(), (3,)).astype(bool)
 
     def period(self, coefficients: FloatArray, samples: int) -> LawPeriod:
         """Force over a period for coefficients (n_pairs, 3, 2H+1); see :class:`ContactLaw`."""

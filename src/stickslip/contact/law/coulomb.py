@@ -119,14 +119,14 @@ class CoulombLaw:
 
     def _admissible(self, traction: ArrayLike) -> FloatArray:
         """A residual traction (p, 2), reduced to the limit where only round-off exceeds it."""
-        kept = finite_array("residual_traction", traction)
-        if kept.shape != (self.n_pairs, 2):
+        residual = finite_array("residual_traction", traction)
+        if residual.shape != (self.n_pairs, 2):
             raise InputError(
                 f"residual_traction must have shape ({self.n_pairs}, 2), N along t1 and t2 of each pair; found "
-                f"{kept.shape}.",
+                f"{residual.shape}.",
                 arguments=["residual_traction"],
             )
-        size, limit = np.hypot(kept[:, 0], kept[:, 1]), self.largest_slip_force
+        size, limit = np.hypot(residual[:, 0], residual[:, 1]), self.largest_slip_force
         beyond = np.flatnonzero(size > limit * (1.0 + 1e-6))
         if beyond.size:
             pair = beyond[0]
@@ -136,7 +136,7 @@ class CoulombLaw:
                 "static solution with friction, such as static_preload gives.",
                 arguments=["residual_traction"],
             )
-        return np.asarray(kept * np.where(size > limit, limit / np.where(size > 0.0, size, 1.0), 1.0)[:, None])
+        return np.asarray(residual * np.where(size > limit, limit / np.where(size > 0.0, size, 1.0), 1.0)[:, None])
 
     @property
     def n_pairs(self) -> int:

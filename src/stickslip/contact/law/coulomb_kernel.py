@@ -213,8 +213,8 @@ def slip_jacobian(
     _, sine = turned(a, b, decay)
     norm = a * a + (b * decay) ** 2
     keep = decay * (a * a + b * b) / norm if norm > 0.0 else 1.0
-    lose_per_length = -math.expm1(-travel) / length if length > 0.0 else rest * inverse
-    lose_per_length *= (a * a - b * b * decay) / norm if norm > 0.0 else 1.0
+    loss_per_length = -math.expm1(-travel) / length if length > 0.0 else rest * inverse
+    loss_per_length *= (a * a - b * b * decay) / norm if norm > 0.0 else 1.0
     u1, u2 = new1 / limit_end, new2 / limit_end
     n1, n2 = s1 / limit_onset, s2 / limit_onset
     # theta is constant here: the rates of stick and slip differ along T alone, so a shift of the onset turns T to
@@ -225,7 +225,7 @@ def slip_jacobian(
         donset = rest * dstart + theta * dend
         dtravel = (e1 * dd1 + e2 * dd2) * rest * inverse
         dtravel += length * rest * (inverse_by_first * donset + inverse_by_last * dend)
-        dangle = (e1 * dd2 - e2 * dd1) * lose_per_length + keep * (n1 * ds2 - n2 * ds1) / limit_onset - sine * dtravel
+        dangle = (e1 * dd2 - e2 * dd1) * loss_per_length + keep * (n1 * ds2 - n2 * ds1) / limit_onset - sine * dtravel
         jacobian[0, column] = dend * u1 - limit_end * u2 * dangle
         jacobian[1, column] = dend * u2 + limit_end * u1 * dangle
 

@@ -56,13 +56,13 @@ def march(
     first: Index,
     t1: float,
     t2: float,
-    known: float,
+    meeting_distance: float,
     force: FloatArray,
     mode: CodeArray,
 ) -> tuple[float, float]:
     """March one period from sample ``first`` with force (t1, t2); fills ``force``, ``mode``; returns its end.
 
-    ``known`` >= 0 stops the march as soon as it is within this distance of the trajectory in ``force``.
+    ``meeting_distance`` >= 0 stops the march as soon as it is within this distance of the trajectory in ``force``.
     """
     path, limit, ratio1, ratio2, tractrix = motion.path, motion.limit, motion.ratio1, motion.ratio2, motion.tractrix
     n = limit.shape[0]
@@ -73,7 +73,7 @@ def march(
             j -= n
         d1, d2 = path[0, j] - path[0, previous], path[1, j] - path[1, previous]
         t1, t2, code = advance(t1, t2, d1, d2, limit[previous], limit[j], ratio1, ratio2, tractrix)
-        if mode[j] == code and abs(t1 - force[0, j]) <= known and abs(t2 - force[1, j]) <= known:
+        if mode[j] == code and abs(t1 - force[0, j]) <= meeting_distance and abs(t2 - force[1, j]) <= meeting_distance:
             return force[0, first], force[1, first]
         force[0, j], force[1, j], mode[j] = t1, t2, code
         previous = j
@@ -184,13 +184,13 @@ def settle(
         march(motion, first_open, 0.0, 0.0, -1.0, force, mode)
         return first_open, 0.0, 0.0, 0.0, 0
     t1, t2 = start_of_path(path, limit[0], ratio1, ratio2)
-    known = 1e-16 * largest
+    meeting_distance = 1e-16 * largest
     plain, cycles, wait, patience = 0, 0, 0, 1
     previous = math.inf
     plain1, plain2 = t1, t2
     length = math.inf  # of the Newton step that led to this march; inf after a plain cycle
     while True:
-        end1, end2 = march(motion, np.int64(0), t1, t2, known, force, mode)
+        end1, end2 = march(motion, np.int64(0), t1, t2, meeting_distance, force, mode)
         cycles += 1
         closure = math.hypot(end1 - t1, end2 - t2) / largest
         newton = length < math.inf

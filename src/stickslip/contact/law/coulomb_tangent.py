@@ -102,8 +102,8 @@ def march_tangent(
     columns = derivative.shape[1]
     gather = coefficients.shape[0]
     # Samples that neither stick nor are open, for one matrix product at the end.
-    kept = np.empty((n if gather else 0, 2, columns))
-    kept_weights = np.empty((n if gather else 0, gather))
+    slip_derivatives = np.empty((n if gather else 0, 2, columns))
+    slip_weights = np.empty((n if gather else 0, gather))
     count = 0
     jacobian = np.zeros((2, 6))
     previous, anchor = first, np.int64(-1)
@@ -134,14 +134,14 @@ def march_tangent(
                     stick_jacobian(d1, d2, limit[previous], limit[j], jacobian)
                 carry(basis, previous, j, scale, jacobian, derivative)
                 if gather:
-                    keep_sample(basis, j, derivative, kept[count], kept_weights[count])
+                    store_sample(basis, j, derivative, slip_derivatives[count], slip_weights[count])
                     count += 1
         t1, t2, previous = new1, new2, j
     if anchor >= 0:
         gather_stick(basis, anchor, previous, scale, derivative, coefficients)
     if count:
-        flat = kept[:count].reshape(count, 2 * columns)
-        product = np.dot(kept_weights[:count].T, flat)
+        flat = slip_derivatives[:count].reshape(count, 2 * columns)
+        product = np.dot(slip_weights[:count].T, flat)
         for p in range(gather):
             for row in range(2):
                 for c in range(columns):
@@ -150,13 +150,15 @@ def march_tangent(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def keep_sample(basis: Basis, j: Index, derivative: FloatArray, kept: FloatArray, kept_weights: FloatArray) -> None:
+def store_sample(
+    basis: Basis, j: Index, derivative: FloatArray, slip_derivatives: FloatArray, slip_weights: FloatArray
+) -> None:
     """Copy ``derivative`` (2, columns) and the analysis weights of sample ``j``; loops compile quicker than slices."""
     for row in range(2):
         for c in range(derivative.shape[1]):
-            kept[row, c] = derivative[row, c]
-    for p in range(kept_weights.shape[0]):
-        kept_weights[p] = basis.analysis[j, p]
+            slip_derivatives[row, c] = derivative[row, c]
+    for p in range(slip_weights.shape[0]):
+        slip_weights[p] = basis.analysis[j, p]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -237,8 +239,8 @@ def pair_tangent(
     first, plain = np.int64(period_start[0]), np.int64(period_start[3])
     derivative = np.zeros((2, columns))
     derivative[0, columns - 2] = derivative[1, columns - 1] = 1.0
-    gathered = np.zeros((width, 2, columns))
-    march_tangent(motion, first, period_start[1], period_start[2], basis, scale, bool(plain > 0), derivative, gathered)
+    fourier = np.zeros((width, 2, columns))
+    march_tangent(motion, first, period_start[1], period_start[2], basis, scale, bool(plain > 0), derivative, fourier)
     start = np.zeros((2, columns - 2))
     if motion.limit[first] > 0.0:
         b11, b12 = 1.0 - derivative[0, columns - 2], -derivative[0, columns - 1]
@@ -262,9 +264,9 @@ def pair_tangent(
                     start[1, c] += (b12 * r1 + b22 * r2) / size
     for row in range(2):
         for p in range(width):
-            by1, by2 = gathered[p, row, columns - 2], gathered[p, row, columns - 1]
+            by1, by2 = fourier[p, row, columns - 2], fourier[p, row, columns - 1]
             for c in range(columns - 2):
-                tangent[row, p, c] = gathered[p, row, c] + by1 * start[0, c] + by2 * start[1, c]
+                tangent[row, p, c] = fourier[p, row, c] + by1 * start[0, c] + by2 * start[1, c]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -25,7 +25,7 @@ Points = Literal["nodes", "quadrature"]
 Adjust = Literal["measured", "closed"]
 
 # Defaults as fractions of a length; pair_surfaces gives the reasons.
-_SEARCH_SHARE, _EDGE_SHARE, _GAP_SHARE = 0.2, 0.01, 1e-6
+_SEARCH_FRACTION, _EDGE_FRACTION, _GAP_FRACTION = 0.2, 0.01, 1e-6
 _SMALLEST_WEIGHT = 1e-10  # shape functions below it are round-off at a node
 _SMALLEST_UNCOVERED = 1e-9  # fraction of a side; less is round-off of the clipping
 _COARSER = 1.2  # chosen: ratio of side lengths above which the first face counts as the coarser one
@@ -121,36 +121,36 @@ def pair_surfaces(
         other = SurfaceMesh.of(mesh, second)
     _require_own_nodes(first, face.nodes, second, other.nodes)
     length, other_length = (float(np.sqrt(surface.side_area.mean())) for surface in (face, other))
-    search = _length("search_distance", search_distance, _SEARCH_SHARE * max(length, other_length))
-    edge = _length("edge_tolerance", edge_tolerance, _EDGE_SHARE * length)
-    none = _length("gap_tolerance", gap_tolerance, _GAP_SHARE * face.size)
+    search = _length("search_distance", search_distance, _SEARCH_FRACTION * max(length, other_length))
+    edge = _length("edge_tolerance", edge_tolerance, _EDGE_FRACTION * length)
+    none = _length("gap_tolerance", gap_tolerance, _GAP_FRACTION * face.size)
 
     nodes = _node_places(face)
-    found_by_nodes = project(nodes.points, nodes.normal, other, search, edge)
+    node_projection = project(nodes.points, nodes.normal, other, search, edge)
     if points == "nodes":
-        places, found = nodes, found_by_nodes
-        lone = Unpaired.of(places.node, places.points, places.normal, places.area, found)
+        places, projection = nodes, node_projection
+        missed = Unpaired.of(places.node, places.points, places.normal, places.area, projection)
     else:
         cut = cut_points(face, other, search)
         places = _side_places(face, cut)
-        found = project(places.points, places.normal, other, search, edge)
-        lone = Unpaired.joined(
-            Unpaired.of(places.node, places.points, places.normal, places.area, found),
-            _uncovered(face, cut, nodes, found_by_nodes),
+        projection = project(places.points, places.normal, other, search, edge)
+        missed = Unpaired.joined(
+            Unpaired.of(places.node, places.points, places.normal, places.area, projection),
+            _uncovered(face, cut, nodes, node_projection),
         )
-    met = np.flatnonzero(found.reason == PAIRED)
-    if not met.size:
-        finite = np.abs(lone.gap[np.isfinite(lone.gap)])
+    paired = np.flatnonzero(projection.reason == PAIRED)
+    if not paired.size:
+        finite = np.abs(missed.gap[np.isfinite(missed.gap)])
         distance = f"{1e3 * finite.min():.3g} mm" if finite.size else "not to be found"
         raise InputError(
-            f"the faces '{first}' and '{second}' meet nowhere. Places of '{first}': {lone.counts()}. The smallest "
+            f"the faces '{first}' and '{second}' meet nowhere. Places of '{first}': {missed.counts()}. The smallest "
             f"distance along the normal is {distance} (search_distance {1e3 * search:.3g} mm), the smallest overhang "
-            f"{1e3 * lone.overhang.min():.3g} mm (edge_tolerance {1e3 * edge:.3g} mm). Check the sets and where the "
+            f"{1e3 * missed.overhang.min():.3g} mm (edge_tolerance {1e3 * edge:.3g} mm). Check the sets and where the "
             "bodies lie, or raise the tolerance that is passed.",
             ("first", "second"),
         )
-    gap = np.where(np.abs(found.gap[met]) <= none, 0.0, found.gap[met])
-    weights = np.where(np.abs(found.weights[met]) < _SMALLEST_WEIGHT, 0.0, found.weights[met])
+    gap = np.where(np.abs(projection.gap[paired]) <= none, 0.0, projection.gap[paired])
+    weights = np.where(np.abs(projection.weights[paired]) < _SMALLEST_WEIGHT, 0.0, projection.weights[paired])
     weights /= weights.sum(axis=1, keepdims=True)
     closed = np.zeros_like(gap) if adjust == "closed" else gap
     opposite = _node_places(other)
@@ -159,10 +159,10 @@ def pair_surfaces(
         second=second,
         points=points,
         adjust=adjust,
-        pairs=_face_pairs(places.only(met), other.sides[found.side[met]], weights, closed, tangent),
+        pairs=_face_pairs(places.only(paired), other.sides[projection.side[paired]], weights, closed, tangent),
         measured_gap=gap,
-        overhang=found.overhang[met],
-        unpaired_first=lone,
+        overhang=projection.overhang[paired],
+        unpaired_first=missed,
         unpaired_second=Unpaired.of(
             opposite.node, opposite.points, opposite.normal, opposite.area,
             project(opposite.points, opposite.normal, face, search, edge),
@@ -240,14 +240,16 @@ def _node_places(face: SurfaceMesh) -> _Places:
     )
 
 
-def _side_places(face: SurfaceMesh, found: IntegrationPoints) -> _Places:
-    normal = face.interpolate(face.normal, found.side, found.weights)
+def _side_places(face: SurfaceMesh, integration: IntegrationPoints) -> _Places:
+    normal = face.interpolate(face.normal, integration.side, integration.weights)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    inside = np.full(len(found.side), -1)
-    return _Places(inside, face.sides[found.side], found.weights, found.points, normal, found.area)
+    inside = np.full(len(integration.side), -1)
+    return _Places(
+        inside, face.sides[integration.side], integration.weights, integration.points, normal, integration.area
+    )
 
 
-def _uncovered(face: SurfaceMesh, cut: IntegrationPoints, nodes: _Places, found: Projection) -> Unpaired:
+def _uncovered(face: SurfaceMesh, cut: IntegrationPoints, nodes: _Places, projection: Projection) -> Unpaired:
     """Sides that are only partly in cells: their missing area, at their middle.
 
     Reason, gap and overhang are those of the farthest node of the side; a side whose nodes all have partners is over a
@@ -258,18 +260,18 @@ def _uncovered(face: SurfaceMesh, cut: IntegrationPoints, nodes: _Places, found:
     position = np.zeros(len(face.points), dtype=np.int64)
     position[nodes.node] = np.arange(len(nodes.node))
     corners = position[face.sides[sides]]
-    lone = found.reason[corners] != PAIRED
-    worst = np.where(lone, found.overhang[corners], -1.0).argmax(axis=1)
+    missed = projection.reason[corners] != PAIRED
+    worst = np.where(missed, projection.overhang[corners], -1.0).argmax(axis=1)
     at = corners[np.arange(len(sides)), worst]
-    reason = np.where(lone.any(axis=1), found.reason[at], BEYOND_EDGE)
+    reason = np.where(missed.any(axis=1), projection.reason[at], BEYOND_EDGE)
     return Unpaired(
         np.full(len(sides), -1),
         face.centre[sides],
         face.side_normal[sides],
         missing[sides],
         reason,
-        found.gap[at],
-        found.overhang[at],
+        projection.gap[at],
+        projection.overhang[at],
     )
 
 
@@ -299,8 +301,8 @@ def _face_pairs(
     )
 
 
-def _length(name: str, given: float | None, default: float) -> float:
-    return default if given is None else positive_number(name, given, "m")
+def _length(name: str, value: float | None, default: float) -> float:
+    return default if value is None else positive_number(name, value, "m")
 
 
 def _require_own_nodes(first_name: str, first: IntArray, second_name: str, second: IntArray) -> None:
@@ -318,12 +320,12 @@ def _require_partners(
 ) -> IntArray:
     """Positions in ``others`` of the node nearest to each of ``nodes``; raises InputError beyond the tolerance."""
     distance, partner = cKDTree(mesh.points[others]).query(mesh.points[nodes])
-    lone = np.flatnonzero(distance > tolerance)
-    if lone.size:
-        x, y, z = 1e3 * mesh.points[nodes[lone[0]]]
+    alone = np.flatnonzero(distance > tolerance)
+    if alone.size:
+        x, y, z = 1e3 * mesh.points[nodes[alone[0]]]
         raise InputError(
-            f"node {nodes[lone[0]]} of node set '{name}' at ({x:.4g}, {y:.4g}, {z:.4g}) mm has no partner in node set "
-            f"'{other_name}': the nearest one is {1e3 * distance[lone[0]]:.3g} mm away and the tolerance is "
-            f"{1e3 * tolerance:.3g} mm ({lone.size} of {len(nodes)} nodes have none). Make the two face meshes match."
+            f"node {nodes[alone[0]]} of node set '{name}' at ({x:.4g}, {y:.4g}, {z:.4g}) mm has no partner in node set "
+            f"'{other_name}': the nearest one is {1e3 * distance[alone[0]]:.3g} mm away and the tolerance is "
+            f"{1e3 * tolerance:.3g} mm ({alone.size} of {len(nodes)} nodes have none). Make the two face meshes match."
         )
     return np.asarray(partner, dtype=np.int64)

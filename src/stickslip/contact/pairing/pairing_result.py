@@ -48,11 +48,16 @@ class Unpaired:
     overhang: FloatArray
 
     @staticmethod
-    def of(node: IntArray, points: FloatArray, normal: FloatArray, area: FloatArray, found: Projection) -> Unpaired:
-        """Those of the projected points that have no partner in ``found``."""
-        lone = found.reason != PAIRED
+    def of(
+        node: IntArray, points: FloatArray, normal: FloatArray, area: FloatArray, projection: Projection
+    ) -> Unpaired:
+        """Those of the projected points that have no partner in ``projection``."""
+        alone = projection.reason != PAIRED
         return Unpaired(
-            *(value[lone] for value in (node, points, normal, area, found.reason, found.gap, found.overhang))
+            *(
+                value[alone]
+                for value in (node, points, normal, area, projection.reason, projection.gap, projection.overhang)
+            )
         )
 
     @staticmethod
@@ -143,13 +148,13 @@ class Pairing:
         return tuple(self._warnings())
 
     def _warnings(self) -> Iterator[str]:
-        lone, gap = self.unpaired_first, self.pairs.gap
+        alone, gap = self.unpaired_first, self.pairs.gap
         names = f"'{self.first}' and '{self.second}'"
-        if len(lone):
-            area = float(lone.area.sum())
+        if len(alone):
+            area = float(alone.area.sum())
             yield (
                 f"{1e6 * area:.4g} mm2 of face '{self.first}' ({100 * area / self.first_area:.3g} %) has no partner on "
-                f"'{self.second}' and carries nothing: {lone.counts()}. If this part should touch, look at its places "
+                f"'{self.second}' and carries nothing: {alone.counts()}. If this part should touch, look at its places "
                 "in the VTU file of the pairs, and at search_distance and edge_tolerance."
             )
         overlap = np.flatnonzero(gap < 0.0)
@@ -202,8 +207,8 @@ class Pairing:
         ]
         if self.second == GROUND:
             return tuple(rows)
-        for name, lone in ((self.first, unpaired_1), (self.second, unpaired_2)):
-            rows.append((f"places of '{name}' without a partner", lone.counts() or "none", ""))
+        for name, alone in ((self.first, unpaired_1), (self.second, unpaired_2)):
+            rows.append((f"places of '{name}' without a partner", alone.counts() or "none", ""))
         return (
             *rows,
             ("area of the second face", 1e6 * self.second_area, "mm2"),

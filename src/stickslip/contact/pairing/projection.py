@@ -83,16 +83,16 @@ def _project(
     reach = sum(limits)
     point, side = _flat(tree.query_ball_point(points, reach + float(surface.radius.max())))
     close = np.linalg.norm(points[point] - surface.centre[side], axis=1) <= reach + surface.radius[side]
-    found = _best(points, normal, surface, point[close], side[close], limits)
-    lone = np.flatnonzero(found.reason != PAIRED)
-    if lone.size:  # the sides nearest to unpaired points give the reason, at any distance
+    best = _best(points, normal, surface, point[close], side[close], limits)
+    unpaired = np.flatnonzero(best.reason != PAIRED)
+    if unpaired.size:  # the sides nearest to unpaired points give the reason, at any distance
         count = min(_NEAREST_SIDES, len(surface.sides))
-        nearest = np.asarray(tree.query(points[lone], k=count)[1]).reshape(len(lone), count)
-        point, side = np.repeat(np.arange(len(lone)), count), nearest.ravel()
-        why = _best(points[lone], normal[lone], surface, point, side, limits)
-        for name, values in vars(found).items():
-            values[lone] = getattr(why, name)
-    return found
+        nearest = np.asarray(tree.query(points[unpaired], k=count)[1]).reshape(len(unpaired), count)
+        point, side = np.repeat(np.arange(len(unpaired)), count), nearest.ravel()
+        why = _best(points[unpaired], normal[unpaired], surface, point, side, limits)
+        for name, values in vars(best).items():
+            values[unpaired] = getattr(why, name)
+    return best
 
 
 def _flat(lists: list[list[int]]) -> tuple[IntArray, IntArray]:

@@ -88,8 +88,8 @@ def cut_points(first: SurfaceMesh, second: SurfaceMesh, search_distance: float) 
     )
     reach = search_distance + radius_1 + float(radius_2.max())
     near = cKDTree(centre_2).query_ball_point(centre_1, reach)
-    part = np.repeat(np.arange(len(near)), [len(found) for found in near])
-    other = np.fromiter((at for found in near for at in found), dtype=np.int64, count=len(part))
+    part = np.repeat(np.arange(len(near)), [len(sides) for sides in near])
+    other = np.fromiter((at for sides in near for at in sides), dtype=np.int64, count=len(part))
     normal_1, normal_2 = _normals(corners_1), _normals(corners_2)
     facing = -np.einsum("cx,cx->c", normal_1[part], normal_2[other]) >= np.cos(np.radians(LARGEST_ANGLE_DEG))
     height = np.abs(np.einsum("cx,cx->c", centre_2[other] - centre_1[part], normal_1[part]))
@@ -101,9 +101,9 @@ def cut_points(first: SurfaceMesh, second: SurfaceMesh, search_distance: float) 
     # Seen along the normal of the first face, the second one runs clockwise; its first corner becomes the last.
     flat_2 = np.einsum("cvx,cax->cva", corners_2[other][:, ::-1] - centre_1[part][:, None], frame)
     polygon, count = clip(flat_1, flat_2)
-    kept = count > 0
-    part, polygon, count = part[kept], polygon[kept], count[kept]
-    cells = np.einsum("cvk,ckx->cvx", corner_weights(flat_1[kept], polygon), reference[part])
+    nonempty = count > 0
+    part, polygon, count = part[nonempty], polygon[nonempty], count[nonempty]
+    cells = np.einsum("cvk,ckx->cvx", corner_weights(flat_1[nonempty], polygon), reference[part])
     answer = _points(first, side_1[part], cells, count, max(int(first.width.max()), int(second.width.max())))
     twice = np.flatnonzero(answer.covered > 1.0 + _DOUBLE_COVER)
     if twice.size:
@@ -163,8 +163,8 @@ def _points(surface: SurfaceMesh, side: IntArray, cells: FloatArray, count: IntA
     at, reference, share = np.concatenate(sides), np.concatenate(where), np.concatenate(weight)
     reference_area = np.where(np.isin(surface.width, (3, 6)), 0.5, 4.0)
     covered = np.bincount(at, share, minlength=len(surface.sides)) / reference_area
-    kept = np.flatnonzero(share > _SMALLEST_CELL * reference_area[at])
-    order = kept[np.argsort(at[kept], kind="stable")]
+    large = np.flatnonzero(share > _SMALLEST_CELL * reference_area[at])
+    order = large[np.argsort(at[large], kind="stable")]
     at, reference, share = at[order], reference[order], share[order]
     weights = surface.shape_weights(at, reference)
     area = share * _stretch(surface, at, reference)

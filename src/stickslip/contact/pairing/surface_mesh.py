@@ -135,7 +135,7 @@ class SurfaceMesh:
     def by_width(self, sides: IntArray) -> list[tuple[int, IntArray]]:
         """Positions in ``sides`` (q,), numbers of sides, grouped by the number of nodes of the side."""
         width = self.width[sides]
-        return [(int(found), np.flatnonzero(width == found)) for found in np.unique(width)]
+        return [(int(each), np.flatnonzero(width == each)) for each in np.unique(width)]
 
     def shape_weights(self, sides: IntArray, where: FloatArray) -> FloatArray:
         """(q, 8) shape functions of sides (q,) at reference coordinates (q, 2), zero where a row is filled up."""

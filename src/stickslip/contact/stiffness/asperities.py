@@ -231,7 +231,7 @@ def spots_under_load(roughness: Roughness, load: float, log_smallest: float = -i
     if log_smallest == -inf and lower <= log_critical_area(roughness):
         return SpotPopulation(roughness, log_smallest, lower)
     if log_smallest > -inf:
-        _refuse_a_single_spot(roughness, load, log_smallest)
+        _reject_a_single_spot(roughness, load, log_smallest)
         lower = max(lower, log_smallest)
 
     def excess(log_largest: float) -> float:
@@ -251,7 +251,7 @@ def spots_under_load(roughness: Roughness, load: float, log_smallest: float = -i
     return SpotPopulation(roughness, log_smallest, float(brentq(excess, lower, upper, xtol=1e-13, rtol=8.9e-16)))
 
 
-def _refuse_a_single_spot(roughness: Roughness, load: float, log_smallest: float) -> None:
+def _reject_a_single_spot(roughness: Roughness, load: float, log_smallest: float) -> None:
     least = SpotPopulation(roughness, log_smallest, log_smallest + SMALLEST_SPREAD).load
     if load < least:
         raise RoughnessError(

@@ -35,7 +35,7 @@ __all__ = [
 
 StiffnessMode = Literal["consistent", "varying-curvature", "unloading"]
 
-LARGEST_AREA_SHARE = 0.1  # real over nominal area above which spots touch each other
+LARGEST_AREA_RATIO = 0.1  # real over nominal area above which spots touch each other
 LARGEST_ASPERITY_SLOPE = 0.1  # interference over radius above which Hertz's assumption of small strain fails
 NEAR_LIMIT = 0.05  # chosen: distance of D from 2 or 3 below which the exponents 2/(D-2) or 1/(3-D) exceed 40 or 20
 DIMENSION_STEPS = 1000  # steps from 2 to 3 of a proposed D: three decimals
@@ -122,7 +122,7 @@ def contact_stiffness(
     spots = spots_under_load(roughness, load, log_smallest)
     normal, tangential = _spot_stiffness(spots, mode)
     worst_first = list(ContactStatus)
-    findings = sorted(_findings(spots, load, mode, nominal_area), key=lambda found: worst_first.index(found[0]))
+    findings = sorted(_findings(spots, load, mode, nominal_area), key=lambda finding: worst_first.index(finding[0]))
     return ContactStiffness(
         normal=normal,
         tangential=tangential,
@@ -215,10 +215,10 @@ def _area_findings(spots: SpotPopulation, nominal_area: float) -> Iterator[Findi
             f"The real contact area, {spots.real_area:.3g} m2, is above the nominal area, {nominal_area:.3g} m2: this "
             "load is beyond the contact law.",
         )
-    elif share > LARGEST_AREA_SHARE:
+    elif share > LARGEST_AREA_RATIO:
         yield (
             ContactStatus.LARGE_REAL_AREA,
-            f"The real contact area is {100 * share:.3g} % of the nominal area; above {100 * LARGEST_AREA_SHARE:g} % "
+            f"The real contact area is {100 * share:.3g} % of the nominal area; above {100 * LARGEST_AREA_RATIO:g} % "
             "neighbouring spots merge, which the contact law leaves out.",
         )
     if largest > nominal_area:

@@ -43,19 +43,19 @@ class FractalStiffness:
 
     def valid(self, pressure: FloatArray) -> tuple[str, ...]:
         """Messages on the pressures, each kind once, worst first; a missing stiffness comes before all others."""
-        found: dict[str, str] = {}
+        messages: dict[str, str] = {}
         for value, face in zip(pressure, self._faces(pressure), strict=True):
             if not face.normal > 0.0:
                 return (why_no_stiffness(self.roughness, self.mode, float(value) * self.reference_area),)
             for message in face.messages:
-                found.setdefault(message.split(":")[0][:40], message)
-        return tuple(found.values())
+                messages.setdefault(message.split(":")[0][:40], message)
+        return tuple(messages.values())
 
     def describe(self) -> str:
         """The law in one line."""
-        given = self.roughness
+        roughness = self.roughness
         return (
-            f"fractal, D = {given.fractal_dimension:g}, G = {given.fractal_roughness:g} m, {self.mode}, "
+            f"fractal, D = {roughness.fractal_dimension:g}, G = {roughness.fractal_roughness:g} m, {self.mode}, "
             f"{1e6 * self.reference_area:.4g} mm2"
         )
 

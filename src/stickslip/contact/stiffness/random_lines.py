@@ -63,8 +63,8 @@ def simulate(
     Every wavelength has new random directions and complex normal amplitudes: a Gaussian surface, as measured ones
     nearly are.
     """
-    kept = spectrum.weights > 0.0
-    waves, weights = spectrum.waves[kept], spectrum.weights[kept]
+    nonzero = spectrum.weights > 0.0
+    waves, weights = spectrum.waves[nonzero], spectrum.weights[nonzero]
     scale = np.sqrt(0.5 * weights / DIRECTIONS)[:, None]
     while True:
         angle = rng.uniform(0.0, 2.0 * np.pi, (waves.size, DIRECTIONS))

@@ -19,13 +19,13 @@ from scipy.optimize import least_squares
 from stickslip.contact.stiffness.asperities import LOG_LARGEST_NUMBER
 from stickslip.contact.stiffness.detrended_lines import LineModel, measured_structure, wavelengths, without_trend
 from stickslip.contact.stiffness.random_lines import LineSet, Spectrum, simulate
-from stickslip.contact.stiffness.roughness_warnings import Evidence, sentences
+from stickslip.contact.stiffness.roughness_warnings import Evidence, warnings_of
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, real_number, require_allowed, whole_number
 
 FEWEST_POINTS = 100  # on a line; a tenth of it then has six lags
 MOST_POINTS = 100_000  # on a line; chosen to limit the time, since every simulated surface has as many
-SHARE_OF_LENGTH = 0.1  # longest lag: longer ones vary so much between surfaces that they contain no information on D
+FRACTION_OF_LENGTH = 0.1  # longest lag: longer ones vary so much between surfaces that they contain no information on D
 FIRST_LAG = 2  # in spacings: at one spacing instrument and sampling have the largest effect
 LAGS_PER_DECADE = 8  # chosen: neighbouring lags are correlated, so more add little
 FEWEST_LAGS = 5  # chosen: two more than the three parameters of the fit
@@ -98,7 +98,7 @@ def fit_roughness(
             break
         low, raised = shortest, True
         fitted = _Fitted.to(_Problem.build(parts, low, high, wave_end), rng)
-    return _judge(fitted, rng, raised)
+    return _evaluate_fit(fitted, rng, raised)
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ class _Part:
 
     lines: FloatArray  # (n, points)
     place: LineSet
-    trend_share: float  # fraction of the variance about the mean height in the trend
+    trend_fraction: float  # fraction of the variance about the mean height in the trend
 
 
 def _line_sets(heights: FloatArray, spacing: float | Sequence[float]) -> tuple[_Part, ...]:
@@ -176,7 +176,7 @@ def _scales(scales: Interval | None, parts: tuple[_Part, ...]) -> Interval:
     step = min(part.place.spacing for part in parts)
     length = max(part.place.points * part.place.spacing for part in parts)
     if scales is None:
-        return FIRST_LAG * step, SHARE_OF_LENGTH * length
+        return FIRST_LAG * step, FRACTION_OF_LENGTH * length
     values = finite_array("scales", scales)
     if values.shape != (2,) or not step <= values[0] < values[1] <= 0.5 * length:
         raise InputError(
@@ -210,23 +210,23 @@ class _Problem:
     @classmethod
     def build(cls, parts: tuple[_Part, ...], low: float, high: float, longest_wave: float) -> _Problem:
         """Raises InputError if the range contains too few lags."""
-        kept = [(part, lags) for part in parts if (lags := _lags(part.place, low, high)).size >= FEWEST_LAGS]
-        if not kept:
+        usable = [(part, lags) for part in parts if (lags := _lags(part.place, low, high)).size >= FEWEST_LAGS]
+        if not usable:
             raise InputError(
                 f"the scales from {low:.3g} m to {high:.3g} m hold fewer than {FEWEST_LAGS} lags of the measurement. "
                 "Widen the range, or measure a longer line or with a smaller spacing."
             )
-        waves = wavelengths(longest_wave, min(part.place.spacing for part, _ in kept))
-        models = tuple(LineModel.build(part.place.points, part.place.spacing, waves, lags) for part, lags in kept)
-        measured = np.concatenate([measured_structure(part.lines, lags) for part, lags in kept])
+        waves = wavelengths(longest_wave, min(part.place.spacing for part, _ in usable))
+        models = tuple(LineModel.build(part.place.points, part.place.spacing, waves, lags) for part, lags in usable)
+        measured = np.concatenate([measured_structure(part.lines, lags) for part, lags in usable])
         flat = np.concatenate([model.flat for model in models])
         if not np.all(measured > 0):
             raise InputError(
                 "the heights are equal at some lags, so S is 0 there. The resolution of the instrument is too coarse."
             )
         return cls(
-            tuple(part for part, _ in kept),
-            tuple(lags for _, lags in kept),
+            tuple(part for part, _ in usable),
+            tuple(lags for _, lags in usable),
             models,
             np.log(measured),
             flat / flat[0],
@@ -268,13 +268,13 @@ class _Problem:
         lower = [HURST_RANGE[0], -np.inf, CONSTANT_RANGE[0]]
         upper = [HURST_RANGE[1], np.inf, CONSTANT_RANGE[1]]
         inside = np.clip(start, np.array(lower) + 1e-6, np.array(upper) - 1e-6)
-        found = least_squares(
+        solution = least_squares(
             lambda trial: whitening @ (measured - self.log_structure(trial)),
             inside,
             bounds=(lower, upper),
             x_scale=[0.1, 1.0, 0.5],
         )
-        return np.asarray(found.x), float(2.0 * found.cost)
+        return np.asarray(solution.x), float(2.0 * solution.cost)
 
     def simulated(self, parameters: FloatArray, rng: np.random.Generator) -> FloatArray:
         """ln S of simulated surfaces (SIMULATIONS, n_lags), evaluated like the measured one."""
@@ -309,7 +309,7 @@ class _Fitted:
         return cls(problem, shift, whitening, *problem.fit(problem.measured - shift, whitening, guess))
 
 
-def _judge(fitted: _Fitted, rng: np.random.Generator, raised: bool) -> RoughnessFit:
+def _evaluate_fit(fitted: _Fitted, rng: np.random.Generator, raised: bool) -> RoughnessFit:
     """Intervals and statistics from the scatter of the fit over surfaces like the best one."""
     problem, best, misfit, shift = fitted.problem, fitted.best, fitted.misfit, fitted.shift
     again = problem.simulated(best, rng)
@@ -334,8 +334,8 @@ def _judge(fitted: _Fitted, rng: np.random.Generator, raised: bool) -> Roughness
         usable=usable,
         scale_range=(float(lag.min()), float(lag.max())),
         points=max(part.place.points for part in problem.parts),
-        trend_share=max(part.trend_share for part in problem.parts),
-        noise_share=constant / structure[0] if noisy else 0.0,
+        trend_fraction=max(part.trend_fraction for part in problem.parts),
+        noise_fraction=constant / structure[0] if noisy else 0.0,
         noise_height=(0.5 * constant) ** 0.5 if noisy else 0.0,
         raised=raised,
         probability=probability,
@@ -360,7 +360,7 @@ def _judge(fitted: _Fitted, rng: np.random.Generator, raised: bool) -> Roughness
         slope_scale=slope_scale,
         fit_probability=probability,
         usable=usable,
-        warnings=sentences(evidence),
+        warnings=warnings_of(evidence),
     )
 
 
@@ -397,5 +397,5 @@ def _direction_deviation(problem: _Problem, simulated: FloatArray) -> float:
         return 0.0
     split = problem.lags[0].size
     shift = simulated[:, :split].mean(axis=1) - simulated[:, split:].mean(axis=1)
-    found = problem.measured[:split].mean() - problem.measured[split:].mean()
-    return float((found - shift.mean()) / shift.std())
+    difference = problem.measured[:split].mean() - problem.measured[split:].mean()
+    return float((difference - shift.mean()) / shift.std())

@@ -23,72 +23,72 @@ class Evidence:
     usable: bool
     scale_range: tuple[float, float]
     points: int
-    trend_share: float
-    noise_share: float
+    trend_fraction: float
+    noise_fraction: float
     noise_height: float
     raised: bool
     probability: float
     direction_deviation: float
 
 
-def sentences(found: Evidence) -> tuple[str, ...]:
+def warnings_of(fit: Evidence) -> tuple[str, ...]:
     """The warnings, most severe first."""
-    return tuple(_sentences(found))
+    return tuple(_warnings_of(fit))
 
 
-def _sentences(found: Evidence) -> Iterator[str]:
-    low, high = found.scale_range
-    if not found.usable:
-        limit = 2 if found.dimension < 2.5 else 3
+def _warnings_of(fit: Evidence) -> Iterator[str]:
+    low, high = fit.scale_range
+    if not fit.usable:
+        limit = 2 if fit.dimension < 2.5 else 3
         like = "smoother than any fractal surface" if limit == 2 else "like noise"
         yield (
             f"D out of 2..3: the best fit lies at the limit {limit}, so the heights are {like} over these scales; "
             "D and G are not usable. Choose other scales or check the filter of the instrument."
         )
-    if found.probability < UNLIKELY:
+    if fit.probability < UNLIKELY:
         yield (
-            f"Not fractal over the range: of simulated surfaces with this D and G only {100 * found.probability:.1f} % "
+            f"Not fractal over the range: of simulated surfaces with this D and G only {100 * fit.probability:.1f} % "
             "fit worse. Look at the plot and choose the scales over which it is straight."
         )
-    if abs(found.direction_deviation) > DIRECTIONS_DIFFER:
-        more = "x" if found.direction_deviation > 0 else "y"
+    if abs(fit.direction_deviation) > DIRECTIONS_DIFFER:
+        more = "x" if fit.direction_deviation > 0 else "y"
         yield (
             f"Not isotropic: the heights change more along {more} than along the other direction, by "
-            f"{abs(found.direction_deviation):.0f} standard deviations of an isotropic surface; D and G are a mean."
+            f"{abs(fit.direction_deviation):.0f} standard deviations of an isotropic surface; D and G are a mean."
         )
     if high < 10.0 * low:
         yield (
             f"Range below a decade: the fit uses scales from {low:.3g} m to {high:.3g} m only, over which a power "
             "law is hard to tell from another curve."
         )
-    if found.points < FEW_POINTS:
-        yield f"Too few points: {found.points} on a line; {FEW_POINTS} or more make the intervals narrower."
-    if found.noise_share > LARGE_NOISE:
+    if fit.points < FEW_POINTS:
+        yield f"Too few points: {fit.points} on a line; {FEW_POINTS} or more make the intervals narrower."
+    if fit.noise_fraction > LARGE_NOISE:
         yield (
-            f"Noise: a constant makes up {100 * found.noise_share:.0f} % of S at the shortest lag, as "
-            f"heights without neighbourhood of {found.noise_height:.3g} m rms do. The fit leaves it out; waves "
+            f"Noise: a constant makes up {100 * fit.noise_fraction:.0f} % of S at the shortest lag, as "
+            f"heights without neighbourhood of {fit.noise_height:.3g} m rms do. The fit leaves it out; waves "
             "shorter than the range cannot be told from it."
         )
-    if found.raised:
+    if fit.raised:
         yield (
             f"Short waves are missing (stylus tip, spot or filter): the fit starts at {low:.3g} m, and D and G say "
             "nothing about shorter scales."
         )
-    if found.trend_share > LARGE_TREND:
+    if fit.trend_fraction > LARGE_TREND:
         yield (
-            f"Trend removed: the mean line of the heights held {100 * found.trend_share:.0f} % of their variance. If "
+            f"Trend removed: the mean line of the heights held {100 * fit.trend_fraction:.0f} % of their variance. If "
             "that is form or tilt, all is well; if it is long waves, measure a longer line."
         )
-    lowest, highest = found.dimension_interval
-    if found.usable and min(lowest - 2.0, 3.0 - highest) < NEAR_LIMIT:
+    lowest, highest = fit.dimension_interval
+    if fit.usable and min(lowest - 2.0, 3.0 - highest) < NEAR_LIMIT:
         yield (
             f"D is poorly determined: its interval, {lowest:.2f} to {highest:.2f}, reaches the limit of 2 or 3, so "
             "that of G says little. Use more scales, or take the mean of several lines."
         )
-    if found.usable and min(found.dimension - 2.0, 3.0 - found.dimension) < NEAR_LIMIT:
-        yield f"D = {found.dimension:.3f} is near its limit, where G and the contact law are ill-determined."
-    if found.usable and found.roughness >= low:
+    if fit.usable and min(fit.dimension - 2.0, 3.0 - fit.dimension) < NEAR_LIMIT:
+        yield f"D = {fit.dimension:.3f} is near its limit, where G and the contact law are ill-determined."
+    if fit.usable and fit.roughness >= low:
         yield (
-            f"G = {found.roughness:.3g} m is not below the shortest scale of the fit, {low:.3g} m: waves of that "
+            f"G = {fit.roughness:.3g} m is not below the shortest scale of the fit, {low:.3g} m: waves of that "
             "length are steeper than 1, and the contact law does not hold for them."
         )

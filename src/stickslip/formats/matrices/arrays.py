@@ -51,15 +51,15 @@ def matlab_matrices(path: Path) -> Matrices:
         if start[_MATLAB_HEADER:] == _HDF5_SIGNATURE or start.startswith(_HDF5_SIGNATURE):
             return _matlab_73(path)
         require_unpackable_zlib(path, len(content), _packed_elements(content))
-        found = {}
+        matrices = {}
         for name, value in loadmat(io.BytesIO(content)).items():
             if scipy.sparse.issparse(value):
                 value = scipy.sparse.csc_matrix(value)
                 value.check_format(full_check=True)
-                found[name] = value
+                matrices[name] = value
             elif isinstance(value, np.ndarray) and value.ndim == 2 and value.dtype.kind in "fiuc":
-                found[name] = value
-        return found
+                matrices[name] = value
+        return matrices
 
 
 def _packed_elements(content: bytes) -> Iterator[bytes]:
@@ -80,15 +80,15 @@ def _matlab_73(path: Path) -> Matrices:
     """Version 7.3 files are HDF5: a dense matrix is a transposed data set, a sparse one a group of its columns."""
     import h5py
 
-    found: Matrices = {}
+    matrices: Matrices = {}
     with open_hdf5(path) as file:
         for name, item in file.items():
             rows = item.attrs.get("MATLAB_sparse")
             if rows is not None:
-                found[name] = _sparse_group(item, int(rows))
+                matrices[name] = _sparse_group(item, int(rows))
             elif isinstance(item, h5py.Dataset) and item.ndim == 2 and item.dtype.kind in "fiu":
-                found[name] = item[()].T
-    return found
+                matrices[name] = item[()].T
+    return matrices
 
 
 def _sparse_group(group: Any, rows: int) -> Any:

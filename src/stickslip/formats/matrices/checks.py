@@ -92,10 +92,10 @@ def _require_definite(name: str, matrix: Any, node: IntArray, direction: IntArra
     bound = np.sqrt(np.maximum(diagonal[entries.row], 0.0) * np.maximum(diagonal[entries.col], 0.0))
     bad = np.flatnonzero(np.abs(entries.data) > bound * (1.0 + 1e-6) + 1e-12 * largest)
     if bad.size:
-        i, j, found = int(entries.row[bad[0]]), int(entries.col[bad[0]]), entries.data[bad[0]]
+        i, j, value = int(entries.row[bad[0]]), int(entries.col[bad[0]]), entries.data[bad[0]]
         raise InputError(
             f"{name} is not positive semidefinite: entry [{i}, {j}] ({_unknown(i, node, direction)} and "
-            f"{_unknown(j, node, direction)}) is {found:.6g}, but with diagonal entries {diagonal[i]:.6g} and "
+            f"{_unknown(j, node, direction)}) is {value:.6g}, but with diagonal entries {diagonal[i]:.6g} and "
             f"{diagonal[j]:.6g} it may be {bound[bad[0]]:.6g} at most ({bad.size} entries are like this). Was a "
             "triangle added twice, or an index shifted by one?"
         )

@@ -144,7 +144,7 @@ def matrix_market(path: Path) -> Matrices:
     lines = text_lines(path)
     words = lines[0].lower().split()
     allowed = (("%%matrixmarket",), ("matrix",), ("coordinate", "array"), ("real", "integer"), ("general", "symmetric"))
-    if len(words) != 5 or any(word not in known for word, known in zip(words, allowed, strict=True)):
+    if len(words) != 5 or any(word not in choices for word, choices in zip(words, allowed, strict=True)):
         header = f'"{lines[0][:80]}"' if lines[0].startswith("%%") else "what stands there"
         raise ImportFileError(
             f'"{path}", line 1: {header} must read "%%MatrixMarket matrix", then coordinate or array, then '

@@ -10,7 +10,7 @@ import numpy as np
 from stickslip.core.errors import ImportFileError
 from stickslip.core.files import whole_file
 from stickslip.formats.matrices.model import OTHER, MatrixModel
-from stickslip.formats.matrices.source import numpy_arrays, told_of
+from stickslip.formats.matrices.source import errors_naming, numpy_arrays
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.superelement import Superelement
 
@@ -81,7 +81,7 @@ def read_superelement(path: str | PathLike[str]) -> Superelement:
         raise ImportFileError(f'"{source}" lacks the array "{missing[0]}"; it has: {", ".join(sorted(arrays))}.')
     if ("position" in arrays) != ("node_labels" in arrays):
         raise ImportFileError(f'"{source}" must have both "position" and "node_labels", or neither.')
-    with told_of(source):
+    with errors_naming(source):
         model = MatrixModel(
             stiffness=arrays["stiffness"],
             mass=arrays["mass"],

@@ -14,7 +14,7 @@ import scipy.sparse
 from stickslip.core.errors import ImportFileError, InputError
 from stickslip.core.validation import FloatArray
 from stickslip.formats.matrices.coordinates import Matrices, require_plausible
-from stickslip.formats.matrices.source import file_bytes, quoted, text_lines, told_of
+from stickslip.formats.matrices.source import errors_naming, file_bytes, quoted, text_lines
 
 _FORMAT = re.compile(r"(?:1P,?)?(\d+)[ED](\d+)\.\d+", re.IGNORECASE)
 _DEFAULT_FORMAT = "1P,5E16.9"
@@ -63,24 +63,24 @@ def output4(path: Path) -> Matrices:
 
 
 def _all_matrices(path: Path, file: _TextFile | _BinaryFile) -> Matrices:
-    found: Matrices = {}
+    matrices: Matrices = {}
     while not file.at_end:
         header = file.header()
         require_plausible(path, header.rows, file.remaining)
         require_plausible(path, header.columns, file.remaining)
-        if header.name in found:
+        if header.name in matrices:
             raise ImportFileError(f'"{path}" holds two matrices "{header.name}"; keep the one that is meant.')
-        found[header.name] = _matrix(path, file, header)
-    if not found:
+        matrices[header.name] = _matrix(path, file, header)
+    if not matrices:
         raise ImportFileError(f'"{path}" holds no matrix.')
-    return found
+    return matrices
 
 
 def _matrix(path: Path, file: _TextFile | _BinaryFile, header: _Header) -> Any:
     rows, columns, values = [], [], []
     previous = 0
     for column, first_row, numbers in file.columns(header):
-        with told_of(path):
+        with errors_naming(path):
             part = header.entries(numbers)
         if not previous <= column <= header.columns or column < 1:
             raise ImportFileError(f'"{path}", {file.place}: column {column} of "{header.name}" is out of order.')
@@ -252,7 +252,7 @@ class _BinaryFile:
     def header(self) -> _Header:
         self._read_record()
         numbers = self.whole_numbers(4)
-        name = self._take(2 * self._word).decode("latin-1")
+        name = self._read_bytes(2 * self._word).decode("latin-1")
         header = _checked_header(self._path, self.place, numbers, name)
         if self._word == 8 and header.words == 2:
             raise ImportFileError(
@@ -280,11 +280,13 @@ class _BinaryFile:
                 yield from _strings(self._path, self, header, column, count)
 
     def whole_numbers(self, count: int) -> list[int]:
-        return [int(number) for number in np.frombuffer(self._take(self._word * count), f"{self._order}i{self._word}")]
+        return [
+            int(number) for number in np.frombuffer(self._read_bytes(self._word * count), f"{self._order}i{self._word}")
+        ]
 
     def values(self, count: int, header: _Header) -> FloatArray:
         width = self._word * header.words
-        return np.frombuffer(self._take(width * count), dtype=f"{self._order}f{width}").astype(float)
+        return np.frombuffer(self._read_bytes(width * count), dtype=f"{self._order}f{width}").astype(float)
 
     def _read_record(self) -> None:
         start = self._next
@@ -301,7 +303,7 @@ class _BinaryFile:
         part = self._content[start : start + 4]
         return int(np.frombuffer(part, dtype=f"{self._order}i4")[0]) if len(part) == 4 else -1
 
-    def _take(self, size: int) -> bytes:
+    def _read_bytes(self, size: int) -> bytes:
         if self._used + size > len(self._record):
             raise ImportFileError(f'"{self._path}", {self.place}: a record is too short for what it promises.')
         self._used += size

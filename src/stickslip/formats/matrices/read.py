@@ -18,7 +18,7 @@ from stickslip.formats.matrices.coordinates import Matrices, calculix_matrix, ma
 from stickslip.formats.matrices.harwell_boeing import harwell_boeing
 from stickslip.formats.matrices.model import OTHER, MatrixModel
 from stickslip.formats.matrices.output4 import output4
-from stickslip.formats.matrices.source import told_of
+from stickslip.formats.matrices.source import errors_naming
 from stickslip.formats.matrices.unknown_map import read_node_positions, read_unknown_map
 from stickslip.formats.meshes.unit_systems import find_unit_system
 from stickslip.structure.mesh import IntArray
@@ -114,11 +114,14 @@ def read_matrices(
         position = position * units.length
     messages = []
     for name, matrix in matrices.items():
-        with concerning(name), told_of(Path(str(files[name]))):  # the model checks again, but without names of files
+        with (
+            concerning(name),
+            errors_naming(Path(str(files[name]))),
+        ):  # the model checks again, but without names of files
             matrix, message = checked_matrix(name, matrix, node, direction)
         matrices[name] = factor[name] * (scale @ matrix @ scale)
         messages += [f'"{files[name]}": {message}'] if message else []
-    with concerning("stiffness"), told_of(source):
+    with concerning("stiffness"), errors_naming(source):
         return MatrixModel(
             **matrices,
             node=node,
@@ -173,17 +176,17 @@ def _matrix(source: str, role: str, contents: dict[Path, Matrices]) -> Any:
         )
     if path not in contents:
         contents[path] = reader(path)
-    found = contents[path]
+    content = contents[path]
     if wanted:
-        names = [name for name in found if name == wanted]
-    elif len(found) == 1 and not any(next(iter(found)).lower() in names for names in _NAMES.values()):
-        names = list(found)
+        names = [name for name in content if name == wanted]
+    elif len(content) == 1 and not any(next(iter(content)).lower() in names for names in _NAMES.values()):
+        names = list(content)
     else:
-        names = [name for name in found if name.lower() in _NAMES[role]]
+        names = [name for name in content if name.lower() in _NAMES[role]]
     if len(names) != 1:
-        shown = ", ".join(f"{name} {matrix.shape}" for name, matrix in sorted(found.items())) or "none"
+        shown = ", ".join(f"{name} {matrix.shape}" for name, matrix in sorted(content.items())) or "none"
         raise ImportFileError(
             f'"{path}" has no single matrix that is the {role}; it has: {shown}. Name the one that is meant behind #, '
             f'such as "{path.name}#{_NAMES[role][1].upper()}".'
         )
-    return found[names[0]]
+    return content[names[0]]

@@ -19,7 +19,7 @@ _BEGINS_WITH_NUMBER = re.compile(r"[-+]?\.?\d")
 
 
 @contextmanager
-def told_of(path: Path) -> Iterator[None]:
+def errors_naming(path: Path) -> Iterator[None]:
     """Put the name of the file before the message of any InputError raised inside."""
     try:
         yield
@@ -73,10 +73,10 @@ def file_bytes(path: Path) -> bytes:
     return content
 
 
-def text_lines(path: Path, cut_is_seen: bool = False) -> list[str]:
+def text_lines(path: Path, may_lack_end: bool = False) -> list[str]:
     """The lines of a text file; raises ImportFileError for one that is missing, empty, binary or cut in a line.
 
-    ``cut_is_seen``: a last line without line end is allowed, because the caller rejects an incomplete one.
+    ``may_lack_end``: a last line without line end is allowed, because the caller rejects an incomplete one.
     """
     content = file_bytes(path)
     try:
@@ -86,7 +86,7 @@ def text_lines(path: Path, cut_is_seen: bool = False) -> list[str]:
     if "\0" in text:
         raise ImportFileError(f'"{path}" is no text file: byte {text.index(chr(0))} is 0.')
     lines = text.splitlines()
-    if not text.endswith(("\n", "\r")) and not cut_is_seen:
+    if not text.endswith(("\n", "\r")) and not may_lack_end:
         raise ImportFileError(
             f'"{path}" ends in the middle of line {len(lines)}, without a line end, so its last number may be cut off. '
             "Write the file again; if it is complete, add a line end."

@@ -37,7 +37,7 @@ def read_unknown_map(path: Path) -> tuple[IntArray, IntArray]:
     Raises ImportFileError, which names the line.
     """
     # A cut direction is never a valid one, and the caller compares the number of lines with that of the rows.
-    lines = text_lines(path, cut_is_seen=True)
+    lines = text_lines(path, may_lack_end=True)
     kind = path.suffix.lower()
     nodes: list[int] = []
     directions: list[int] = []

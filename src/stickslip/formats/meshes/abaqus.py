@@ -14,8 +14,8 @@ import numpy as np
 
 from stickslip.formats.meshes.abaqus_assembly import flatten
 from stickslip.formats.meshes.abaqus_keywords import (
+    CONSTRAINED_DIRECTIONS,
     ELEMENT_TYPES,
-    HELD_DIRECTIONS,
     NOT_SOLID,
     OTHER_FORMULATIONS,
     REFUSED,
@@ -26,7 +26,7 @@ from stickslip.formats.meshes.keyword_deck import Card, read_cards
 from stickslip.formats.meshes.raw_model import (
     RawBlock,
     RawBody,
-    RawHeld,
+    RawConstraint,
     RawLoad,
     RawMaterial,
     RawModel,
@@ -65,8 +65,8 @@ class _Reader:
         self._other_labels: list[int] = []
         self._blocks_named: list[tuple[str, str, IntArray, int]] = []  # instance, set, elements, line
         self._sections: list[tuple[str, RawBody]] = []  # with their instance
-        self._left_out: dict[str, int] = {}
-        self._told: set[str] = set()  # element types with another formulation
+        self._skipped: dict[str, int] = {}
+        self._reported: set[str] = set()  # element types with another formulation
         self._step = 0
         self._cards: dict[str, Callable[[Card], None]] = {
             "NODE": self._nodes,
@@ -93,7 +93,7 @@ class _Reader:
         if card.keyword in self._cards:
             self._cards[card.keyword](card)
         elif card.keyword not in SILENT:
-            self._left_out.setdefault(card.keyword, card.line)
+            self._skipped.setdefault(card.keyword, card.line)
 
     def finished(self) -> RawModel:
         """The raw model after the last card."""
@@ -109,31 +109,31 @@ class _Reader:
         raw.bodies = _named_bodies(self._sections or self._bodies_of_blocks())
         if self._step > 1:
             raw.messages.append(f"of {self._step} steps, constraints and forces of the first one are taken.")
-        if self._left_out:
-            words = ", ".join(f"*{keyword} (line {line})" for keyword, line in self._left_out.items())
+        if self._skipped:
+            words = ", ".join(f"*{keyword} (line {line})" for keyword, line in self._skipped.items())
             raw.messages.append(f"not read, so without effect here: {words}.")
         return raw
 
     def _bodies_of_blocks(self) -> list[tuple[str, RawBody]]:
         """Bodies of a deck without sections: element sets or instances; none where an element is in neither."""
-        found: dict[tuple[str, str], list[tuple[IntArray, int]]] = {}
+        by_property: dict[tuple[str, str], list[tuple[IntArray, int]]] = {}
         for instance, name, labels, line in self._blocks_named:
             if not name:
                 return []
-            found.setdefault((instance, name), []).append((labels, line))
+            by_property.setdefault((instance, name), []).append((labels, line))
         return [
             (instance, RawBody(name, np.concatenate([labels for labels, _ in parts]), None, parts[0][1]))
-            for (instance, name), parts in found.items()
+            for (instance, name), parts in by_property.items()
         ]
 
     def _require_members(self) -> None:
         """Raise ImportFileError for a set that names a node or an element which the file does not define."""
         elements = np.concatenate([np.array(self._other_labels, dtype=np.int64), *(b.labels for b in self.raw.blocks)])
-        for what, sets, known in (
+        for what, sets, defined in (
             ("node", self.raw.node_sets, self.raw.node_labels),
             ("element", self.raw.element_sets, elements),
         ):
-            ordered = np.unique(known)
+            ordered = np.unique(defined)
             for name, members in sets.items():
                 missing = np.setdiff1d(members, ordered, assume_unique=True)
                 if missing.size:
@@ -182,11 +182,11 @@ class _Reader:
         self.raw.blocks.append(RawBlock(solid, labels, cells, np.array(lines, dtype=np.int64)))
         self._blocks_named.append((card.instance, elset or card.instance, labels, card.line))
         if name in OTHER_FORMULATIONS:
-            if name not in self._told:
+            if name not in self._reported:
                 self.raw.messages.append(
                     f"elements {name} are taken with the formulation of this program for a {solid}."
                 )
-            self._told.add(name)
+            self._reported.add(name)
 
     def _rows(self, card: Card, width: int) -> tuple[list[list[int]], list[int]]:
         """Rows of ``width`` numbers, which may continue over several lines, and the line at which each starts."""
@@ -232,11 +232,11 @@ class _Reader:
         if "GENERATE" in card.parameters:
             pieces.append(self._generated(card, what))
         else:
-            given: dict[str, int] = {}
+            entries: dict[str, int] = {}
             for line, words in card.data:
                 for word in words:
-                    given.setdefault(word, line)
-            pieces += [self._find(card, what, word, line) for word, line in given.items() if word]
+                    entries.setdefault(word, line)
+            pieces += [self._find(card, what, word, line) for word, line in entries.items() if word]
         members = np.concatenate(pieces)
         if not members.size:
             card.fail(f"{what} set '{name}' is empty. Give it members, or remove it.")
@@ -336,8 +336,8 @@ class _Reader:
         for line, words in card.data:
             nodes = self._find(card, "node", words[0], line)
             first = words[1].upper() if len(words) > 1 else ""
-            if first in HELD_DIRECTIONS:
-                self.raw.held.append(RawHeld(nodes, HELD_DIRECTIONS[first], line))
+            if first in CONSTRAINED_DIRECTIONS:
+                self.raw.held.append(RawConstraint(nodes, CONSTRAINED_DIRECTIONS[first], line))
                 continue
             start = card.label(first, line)
             stop = card.label(words[2], line) if len(words) > 2 and words[2] else start
@@ -347,7 +347,7 @@ class _Reader:
                 card.fail("a displacement other than 0 is not read. Give a force, or remove the line.", line)
             directions = tuple(range(start - 1, min(stop, 3)))
             if directions:
-                self.raw.held.append(RawHeld(nodes, directions, line))
+                self.raw.held.append(RawConstraint(nodes, directions, line))
 
     def _load(self, card: Card) -> None:
         if self._step > 1:

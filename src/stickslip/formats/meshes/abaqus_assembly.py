@@ -66,7 +66,7 @@ def _number(scopes: list[Scope]) -> None:
         if largest >= LARGEST_LABEL:
             scope.cards[0].fail(
                 f"with the offset {scope.offset} that keeps the instances apart, the numbers of "
-                f"{_called(scope)} go up to {largest}, above {LARGEST_LABEL - 1}. Number the parts from 1 on."
+                f"{_scope_name(scope)} go up to {largest}, above {LARGEST_LABEL - 1}. Number the parts from 1 on."
             )
 
 
@@ -79,7 +79,7 @@ def _labels(card: Card) -> list[int]:
     return []
 
 
-def _called(scope: Scope) -> str:
+def _scope_name(scope: Scope) -> str:
     return f"instance '{scope.name}'" if scope.name else "the assembly itself"
 
 
@@ -87,7 +87,7 @@ def _numbering(scopes: list[Scope]) -> list[str]:
     """A sentence on how the numbers of all scopes have grown; none where all are those of the deck."""
     if not any(scope.offset for scope in scopes):
         return []
-    words = [f"{_called(scope)} {f'+ {scope.offset}' if scope.offset else 'as in the deck'}" for scope in scopes]
+    words = [f"{_scope_name(scope)} {f'+ {scope.offset}' if scope.offset else 'as in the deck'}" for scope in scopes]
     return [f"nodes and elements have numbers of their own in each instance: {', '.join(words)}."]
 
 
@@ -128,8 +128,8 @@ class _Writer:
             card.fail("INSTANCE= is for sets of the assembly; a part or an instance names its own nodes. Take it out.")
         word = self._without_assembly(plain_name(card.parameter("INSTANCE")))
         if word.upper() not in self._assembly.instances:
-            known = ", ".join(each.name for each in self._assembly.instances.values()) or "none"
-            card.fail(f"there is no instance '{word}'; there are: {known}.")
+            names = ", ".join(each.name for each in self._assembly.instances.values()) or "none"
+            card.fail(f"there is no instance '{word}'; there are: {names}.")
         return self._assembly.instances[word.upper()]
 
     def _without_assembly(self, word: str) -> str:

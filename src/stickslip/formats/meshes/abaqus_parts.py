@@ -116,12 +116,12 @@ class _Nest:
         """The assembly after the last card."""
         if self._open:
             last = self._open[-1]
-            last.fail(f"*END {last.keyword} is missing. Write it where the {_named(last)} ends.")
+            last.fail(f"*END {last.keyword} is missing. Write it where the {_name_of(last)} ends.")
         if self._parts and not self._instances:
             first, _ = next(iter(self._parts.values()))
-            first.fail(f"no *INSTANCE places the {_named(first)}, so there is no mesh. Write the assembly, too.")
+            first.fail(f"no *INSTANCE places the {_name_of(first)}, so there is no mesh. Write the assembly, too.")
         unused = [
-            f"the {_named(card)} (line {card.line}) has no instance; it is left out."
+            f"the {_name_of(card)} (line {card.line}) has no instance; it is left out."
             for name, (card, _) in self._parts.items()
             if name not in self._used
         ]
@@ -135,17 +135,17 @@ class _Nest:
         self._cards.append((scope, card))
 
     def _require_open(self, card: Card, wanted: tuple[str, ...]) -> None:
-        found = tuple(each.keyword for each in self._open)
-        if found == wanted:
+        keywords = tuple(each.keyword for each in self._open)
+        if keywords == wanted:
             return
-        if len(found) > len(wanted) or not wanted:
+        if len(keywords) > len(wanted) or not wanted:
             self._fail_unclosed(card)
         card.fail("it stands outside of an assembly. Write *ASSEMBLY above it, and *END ASSEMBLY after the last one.")
 
     def _fail_unclosed(self, card: Card) -> NoReturn:
         last = self._open[-1]
         card.fail(
-            f"it stands inside of the {_named(last)} ({_place(last, card)}), where it cannot be. Write "
+            f"it stands inside of the {_name_of(last)} ({_place(last, card)}), where it cannot be. Write "
             f"*END {last.keyword} above it."
         )
 
@@ -181,8 +181,8 @@ class _Nest:
         if name.upper() in self._instances:
             _fail_twice(card, self._instances[name.upper()][0])
         if part.upper() not in self._parts:
-            known = ", ".join(plain_name(each.parameters["NAME"]) for each, _ in self._parts.values()) or "none"
-            card.fail(f"there is no part '{part}' above this line; there are: {known}.")
+            names = ", ".join(plain_name(each.parameters["NAME"]) for each, _ in self._parts.values()) or "none"
+            card.fail(f"there is no part '{part}' above this line; there are: {names}.")
         self._used.add(part.upper())
         self._scope = Scope(name, _motion(card))
         self._instances[name.upper()] = card, self._scope
@@ -190,7 +190,7 @@ class _Nest:
             self._add(self._scope, each)
 
 
-def _named(card: Card) -> str:
+def _name_of(card: Card) -> str:
     """Part 'P', instance 'P-1', assembly 'A'."""
     return f"{card.keyword.lower()} '{plain_name(card.parameters.get('NAME', ''))}'"
 
@@ -229,8 +229,8 @@ def _motion(card: Card) -> Motion | None:
 
 def _numbers(card: Card, line: int, words: list[str], count: int) -> FloatArray:
     """``count`` numbers of a data line; missing entries are 0."""
-    given = words[:-1] if words[-1] == "" else words
-    if len(given) > count:
-        card.fail(f"{count} numbers are expected in this line; found {len(given)}.", line)
-    values = [card.number(word or "0", line) for word in given]
+    numbers = words[:-1] if words[-1] == "" else words
+    if len(numbers) > count:
+        card.fail(f"{count} numbers are expected in this line; found {len(numbers)}.", line)
+    values = [card.number(word or "0", line) for word in numbers]
     return np.array(values + [0.0] * (count - len(values)))

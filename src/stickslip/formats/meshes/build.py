@@ -118,13 +118,13 @@ def _bodies(raw: RawModel, cells: list[IntArray], element_labels: IntArray) -> t
             )
         body[members] = len(names)
         names.append(each.name)
-    lone = np.flatnonzero(body < 0)
-    if lone.size:
+    rest = np.flatnonzero(body < 0)
+    if rest.size:
         raw.fail(
-            f"element {raw.shown(element_labels[lone[0]])} belongs to no section or group that makes a body "
-            f"({lone.size} of {len(body)} solid elements do not), so its material is missing. Give every solid element "
+            f"element {raw.shown(element_labels[rest[0]])} belongs to no section or group that makes a body "
+            f"({rest.size} of {len(body)} solid elements do not), so its material is missing. Give every solid element "
             "one.",
-            int(np.concatenate([block.lines for block in raw.blocks])[lone[0]]),
+            int(np.concatenate([block.lines for block in raw.blocks])[rest[0]]),
         )
     return tuple(names), body
 
@@ -135,11 +135,11 @@ def _members(
     """Sets by number of node or element; sets without any solid element are dropped with a message."""
     order = np.argsort(labels)
     answer = {}
-    for name, found in sets.items():
-        if not found.size:
+    for name, members in sets.items():
+        if not members.size:
             raw.fail(f"{what} set '{name}' is empty. Give it members, or remove it.", raw.set_lines.get(name, 0))
-        place = np.searchsorted(labels, found, sorter=order).clip(max=len(labels) - 1)
-        numbers = order[place][labels[order[place]] == found]
+        place = np.searchsorted(labels, members, sorter=order).clip(max=len(labels) - 1)
+        numbers = order[place][labels[order[place]] == members]
         if numbers.size:
             answer[name] = np.unique(numbers)
         else:
@@ -157,17 +157,17 @@ def _materials(raw: RawModel, units: UnitSystem, names: tuple[str, ...], message
             raw.fail(
                 f"body '{body.name}' has the material '{body.material}', which the file does not define.", body.line
             )
-        found = raw.materials[body.material]
+        material = raw.materials[body.material]
         missing = [
             word
             for word, value in (
-                ("Young's modulus", found.young_modulus),
-                ("Poisson's ratio", found.poisson_ratio),
-                ("density", found.density),
+                ("Young's modulus", material.young_modulus),
+                ("Poisson's ratio", material.poisson_ratio),
+                ("density", material.density),
             )
             if value is None
         ]
-        if found.young_modulus is None or found.poisson_ratio is None or found.density is None:
+        if material.young_modulus is None or material.poisson_ratio is None or material.density is None:
             messages.append(
                 f"material '{body.material}' has no {' and no '.join(missing)}, so body '{body.name}' needs a material "
                 "in the study file."
@@ -175,10 +175,10 @@ def _materials(raw: RawModel, units: UnitSystem, names: tuple[str, ...], message
             continue
         try:
             answer[body.name] = Material(
-                units.pressure * found.young_modulus, found.poisson_ratio, units.density * found.density
+                units.pressure * material.young_modulus, material.poisson_ratio, units.density * material.density
             )
         except InputError as error:
-            raw.fail(f"material '{body.material}': {error}", found.line)
+            raw.fail(f"material '{body.material}': {error}", material.line)
     return answer
 
 
@@ -224,32 +224,32 @@ class _NodeNumbers:
 
     def __init__(self, raw: RawModel, labels: IntArray) -> None:
         self._raw = raw
-        self._known = np.sort(raw.node_labels)
+        self._sorted_labels = np.sort(raw.node_labels)
         self._order = np.argsort(labels)
         self._labels = labels[self._order]
 
     def of(self, wanted: IntArray, line: int) -> IntArray:
         """Numbers of nodes with labels in ``line``, rising, without nodes that belong to no solid element."""
-        exists = _found(self._known, wanted)
+        exists = _contains(self._sorted_labels, wanted)
         if not exists.all():
             self._raw.fail(f"node {self._raw.shown(wanted[~exists].min())} does not exist.", line)
-        mine = wanted[_found(self._labels, wanted)]
+        mine = wanted[_contains(self._labels, wanted)]
         return np.unique(self._order[np.searchsorted(self._labels, mine)])
 
 
-def _found(known: IntArray, wanted: IntArray) -> NDArray[np.bool_]:
-    """Which of ``wanted`` (k,) are in the sorted ``known``."""
-    if not known.size:
+def _contains(sorted_labels: IntArray, wanted: IntArray) -> NDArray[np.bool_]:
+    """Which of ``wanted`` (k,) are in the sorted ``sorted_labels``."""
+    if not sorted_labels.size:
         return np.zeros(wanted.shape, dtype=bool)
-    return np.asarray(known[np.searchsorted(known, wanted).clip(max=known.size - 1)] == wanted)
+    return np.asarray(sorted_labels[np.searchsorted(sorted_labels, wanted).clip(max=sorted_labels.size - 1)] == wanted)
 
 
 def _fixed(raw: RawModel, numbers: _NodeNumbers, n_nodes: int) -> IntArray:
     """Indices among the 3 * n_nodes displacements that the file constrains to zero."""
-    held = np.zeros((n_nodes, 3), dtype=bool)
+    constrained = np.zeros((n_nodes, 3), dtype=bool)
     for each in raw.held:
-        held[numbers.of(each.nodes, each.line)[:, None], list(each.directions)] = True
-    return np.flatnonzero(held)
+        constrained[numbers.of(each.nodes, each.line)[:, None], list(each.directions)] = True
+    return np.flatnonzero(constrained)
 
 
 def _forces(raw: RawModel, units: UnitSystem, node_numbers: _NodeNumbers, n_nodes: int) -> FloatArray:

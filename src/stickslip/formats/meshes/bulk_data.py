@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NoReturn
 
-from stickslip.formats.meshes.raw_model import LARGEST_LABEL, LinePlaces
+from stickslip.formats.meshes.raw_model import LARGEST_LABEL, LinePositions
 
 # A line of 20 characters can name a million grids; this is five sets of all grids of the largest solved meshes.
 MOST_IN_RANGES = 5_000_000
@@ -16,7 +16,7 @@ _EXPONENT = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))([-+]\d+)")  # 1.5-3 is 1.5e-
 
 
 @dataclass
-class RangesLeft:
+class RemainingRanges:
     """Limit on the numbers that further ranges of a deck may name."""
 
     count: int = MOST_IN_RANGES
@@ -29,11 +29,11 @@ class BulkCard:
     ``places`` maps ``line`` to its file and line; all entries of a deck have the same ``ranges``.
     """
 
-    places: LinePlaces
+    places: LinePositions
     name: str
     fields: list[str]
     line: int
-    ranges: RangesLeft
+    ranges: RemainingRanges
 
     def fail(self, sentence: str) -> NoReturn:
         """Raise ImportFileError that names the file, the line and the card."""
@@ -104,14 +104,14 @@ def ends_bulk(line: str) -> bool:
     return line.strip().upper().startswith("ENDDATA")
 
 
-def read_bulk(lines: list[str], places: LinePlaces) -> Iterator[BulkCard]:
+def read_bulk(lines: list[str], places: LinePositions) -> Iterator[BulkCard]:
     """Cards of bulk data, from BEGIN BULK (or the first line) to ENDDATA, each with its continuation lines joined.
 
     Raises ImportFileError for a continuation without an entry, and where a second part of bulk data begins.
     """
     start = start_of_bulk(lines)
     card: BulkCard | None = None
-    ranges = RangesLeft()
+    ranges = RemainingRanges()
     for number, text in enumerate(lines[start:], start=start + 1):
         line = text.split("$")[0].rstrip()
         if not line.strip():

@@ -27,7 +27,7 @@ class _Entries:
     lines: IntArray
 
 
-def _gathered(entries: Sequence[RawSides]) -> list[_Entries]:
+def _merge_entries(entries: Sequence[RawSides]) -> list[_Entries]:
     """The entries of a face set by their kind."""
     groups: dict[tuple[int | None, int], list[RawSides]] = {}
     for entry in entries:
@@ -62,10 +62,10 @@ class _RowNumbers:
         number = rows[:, 0]
         for level, column in zip(self._levels, rows[:, 1:].T, strict=True):
             # an entry above all of the table, or -1, must not match another row
-            known = (number >= 0) & (column >= 0) & (column < self._factor)
+            valid = (number >= 0) & (column >= 0) & (column < self._factor)
             key = number * self._factor + column
             place = np.searchsorted(level, key).clip(max=max(len(level) - 1, 0))
-            number = np.where(known & (level[place] == key), place, -1) if len(level) else np.full(len(rows), -1)
+            number = np.where(valid & (level[place] == key), place, -1) if len(level) else np.full(len(rows), -1)
         return number
 
 
@@ -86,18 +86,18 @@ class _Sides:
     def with_corners(self, corners: IntArray) -> tuple[list[IntArray], IntArray]:
         """Positions in each table of the sides with these corners (k, 3 | 4), and which (k,) no cell has."""
         wanted = np.sort(corners, axis=1)
-        known = np.zeros(len(corners), dtype=bool)
-        found = []
+        present = np.zeros(len(corners), dtype=bool)
+        positions = []
         for nodes, rows in zip(self.nodes, self._rows, strict=True):
             if CORNERS_OF_SIDE[nodes.shape[1]] != corners.shape[1]:
-                found.append(np.empty(0, dtype=np.int64))
+                positions.append(np.empty(0, dtype=np.int64))
                 continue
             number = rows.of(wanted)
-            known |= number >= 0
+            present |= number >= 0
             chosen = np.zeros(len(nodes) + 1, dtype=bool)
             chosen[number[number >= 0]] = True
-            found.append(np.flatnonzero(chosen[rows.number]))
-        return found, ~known
+            positions.append(np.flatnonzero(chosen[rows.number]))
+        return positions, ~present
 
 
 def build_face_sets(
@@ -118,11 +118,11 @@ def build_face_sets(
     faces, nodes = {}, {}
     for name, entries in raw.face_sets.items():
         chosen = [np.zeros(len(each), dtype=bool) for each in table.nodes]
-        for entry in _gathered(entries):
-            for flags, found in zip(
+        for entry in _merge_entries(entries):
+            for flags, positions in zip(
                 chosen, _positions(raw, name, entry, table, node_labels, element_labels, blocks), strict=True
             ):
-                flags[found] = True
+                flags[positions] = True
         if not any(flags.any() for flags in chosen):
             raw.fail(f"surface '{name}' is empty. Give it sides of solid elements.", raw.set_lines.get(name, 0))
         sides = tuple(each[flags] for each, flags in zip(table.nodes, chosen, strict=True) if flags.any())
@@ -180,11 +180,11 @@ def _positions(
     answer = [np.empty(0, dtype=np.int64) for _ in table.nodes]
     for group in corners.values():
         if group:
-            found, _ = table.with_corners(np.concatenate(group))
+            positions, _ = table.with_corners(np.concatenate(group))
             # of the two sides inside a solid only that of the named element
             answer = [
                 np.concatenate([before, new[np.isin(cell[new], cells)]])
-                for before, new, cell in zip(answer, found, table.cell, strict=True)
+                for before, new, cell in zip(answer, positions, table.cell, strict=True)
             ]
     return answer
 
@@ -195,12 +195,12 @@ def _by_corners(
     order = np.argsort(node_labels)
     place = order[np.searchsorted(node_labels, corners, sorter=order).clip(max=len(order) - 1)]
     off = (node_labels[place] != corners).any(axis=1)
-    found, lone = table.with_corners(np.where(off[:, None], -1, place))
-    if lone.any():
-        at = int(np.flatnonzero(lone)[0])
+    positions, unmatched = table.with_corners(np.where(off[:, None], -1, place))
+    if unmatched.any():
+        at = int(np.flatnonzero(unmatched)[0])
         raw.fail(
             f"surface '{name}' has a side with nodes {', '.join(raw.shown(node) for node in corners[at])}, which is no "
-            f"side of a solid element ({int(lone.sum())} of {len(corners)} sides are not).",
+            f"side of a solid element ({int(unmatched.sum())} of {len(corners)} sides are not).",
             int(entry.lines[at]),
         )
-    return found
+    return positions

@@ -55,12 +55,12 @@ def read_gmsh(source: Path) -> RawModel:
         for number in np.unique(tag):
             if number:
                 name = names.get((int(number), int(block.dim)), f"group {number}")
-                groups.setdefault(name, _nobody(mesh))[at] |= tag == number
+                groups.setdefault(name, _no_members(mesh))[at] |= tag == number
     # a cell in several groups: version 4 lists all of them
     for name, members in mesh.cell_sets.items():
         if not name.startswith("gmsh:"):
             for at, indices in enumerate(members):
-                groups.setdefault(name, _nobody(mesh))[at][np.asarray(indices, dtype=np.int64)] = True
+                groups.setdefault(name, _no_members(mesh))[at][np.asarray(indices, dtype=np.int64)] = True
     return _raw(source, "Gmsh", mesh, groups, {})
 
 
@@ -90,12 +90,12 @@ def read_med(source: Path) -> RawModel:
     for at, families in enumerate(mesh.cell_data.get("cell_tags", [])):
         for family, names in mesh.cell_tags.items():
             for name in names:
-                groups.setdefault(name, _nobody(mesh))[at] |= np.asarray(families) == family
+                groups.setdefault(name, _no_members(mesh))[at] |= np.asarray(families) == family
     nodes: dict[str, list[IntArray]] = {}
     for family, names in mesh.point_tags.items():
         for name in names:
-            found = np.flatnonzero(np.asarray(mesh.point_data.get("point_tags", [])) == family)
-            nodes.setdefault(name, []).append(found)
+            tagged = np.flatnonzero(np.asarray(mesh.point_data.get("point_tags", [])) == family)
+            nodes.setdefault(name, []).append(tagged)
     return _raw(source, "MED", mesh, groups, {name: np.concatenate(parts) for name, parts in nodes.items()})
 
 
@@ -105,9 +105,9 @@ def _parsed(source: Path, kind: str, readable: Path | None = None) -> Any:
     Raises ImportFileError.
     """
     reader: Callable[[str], Any] = getattr(complete_meshio(), kind).read
-    said = io.StringIO()
+    output = io.StringIO()
     try:
-        with contextlib.redirect_stderr(said), contextlib.redirect_stdout(said), _bounded(source, kind):
+        with contextlib.redirect_stderr(output), contextlib.redirect_stdout(output), _bounded(source, kind):
             mesh = reader(str(readable or source))
     except ImportFileError:
         raise
@@ -117,8 +117,8 @@ def _parsed(source: Path, kind: str, readable: Path | None = None) -> Any:
     except (Exception, SystemExit) as error:
         detail = str(error).splitlines()[0][:200] if str(error).strip() else type(error).__name__
         fail(source, f"the file is damaged, or no {kind} file ({detail}). Write it again, as text if it is binary.")
-    if "not closed" in said.getvalue():
-        fail(source, f"the file is damaged or cut off ({' '.join(said.getvalue().split())[:200]}). Write it again.")
+    if "not closed" in output.getvalue():
+        fail(source, f"the file is damaged or cut off ({' '.join(output.getvalue().split())[:200]}). Write it again.")
     points = np.asarray(mesh.points)
     if points.ndim != 2 or points.shape[1] != 3 or not np.issubdtype(points.dtype, np.floating):
         fail(source, f"the nodes have the shape {points.shape}; three coordinates for each node are needed.")
@@ -176,7 +176,7 @@ class _Unpacker:
         return unpacked
 
 
-def _nobody(mesh: Any) -> Members:
+def _no_members(mesh: Any) -> Members:
     return [np.zeros(len(block.data), dtype=bool) for block in mesh.cells]
 
 

@@ -18,15 +18,15 @@ import numpy as np
 
 from stickslip.formats.meshes.bulk_data import BulkCard, read_bulk
 from stickslip.formats.meshes.included_files import IncludedFiles
-from stickslip.formats.meshes.nastran_case import CaseControl, acting_entries
-from stickslip.formats.meshes.nastran_grids import Grids, held_nodes
+from stickslip.formats.meshes.nastran_case import CaseControl, active_entries
+from stickslip.formats.meshes.nastran_grids import Grids, constrained_nodes
 from stickslip.formats.meshes.nastran_include import join_files
 from stickslip.formats.meshes.nastran_systems import SYSTEM_CARDS, Systems
 from stickslip.formats.meshes.raw_model import (
-    LinePlaces,
+    LinePositions,
     RawBlock,
     RawBody,
-    RawHeld,
+    RawConstraint,
     RawLoad,
     RawMaterial,
     RawModel,
@@ -43,7 +43,7 @@ _TIES = (
     "it ties nodes of solids to each other, and without it the model would be another one. Take it out; hold, load or "
     "pair the set of its nodes instead"
 )
-_REFUSED = {
+_REJECTED = {
     "CPYRAM": "pyramids are not read; tetrahedra, wedges (CPENTA) and hexahedra are",
     **dict.fromkeys(("RBE1", "RBE2", "RBE3", "RBAR", "RBAR1", "RROD", "RTRPLT", "RSPLINE", "RSSCON", "RJOINT"), _TIES),
 }
@@ -94,7 +94,7 @@ def _property_names(lines: list[str]) -> dict[int, str]:
 class _Reader:
     """Reads the cards one after the other; references to other cards are resolved at the end."""
 
-    def __init__(self, source: Path, places: LinePlaces, names: dict[int, str], case: CaseControl) -> None:
+    def __init__(self, source: Path, places: LinePositions, names: dict[int, str], case: CaseControl) -> None:
         self.raw = RawModel(source, "Nastran", places=places)
         self._names, self._case = names, case
         self._count = Counter(names.values())
@@ -107,9 +107,9 @@ class _Reader:
         self._pressures: list[BulkCard] = []
         self._forces: list[BulkCard] = []
         self._sets: dict[str, list[int]] = {}
-        self._held: dict[int, list[RawHeld]] = {}
+        self._constraints: dict[int, list[RawConstraint]] = {}
         self._combined: dict[str, dict[int, BulkCard]] = {"SPCADD": {}, "LOAD": {}}
-        self._left_out: dict[str, int] = {}
+        self._skipped: dict[str, int] = {}
         self._cards: dict[str, Callable[[BulkCard], None]] = {
             "GRID": self._grids.add,
             "GRDSET": self._grids.set_defaults,
@@ -130,8 +130,8 @@ class _Reader:
 
     def take(self, card: BulkCard) -> None:
         """Read one card."""
-        if card.name in _REFUSED:
-            card.fail(f"{_REFUSED[card.name]}.")
+        if card.name in _REJECTED:
+            card.fail(f"{_REJECTED[card.name]}.")
         if card.name in ("MPC", "MPCADD") and self._case.ties_nodes():
             card.fail(f"{_TIES}, or select no MPC in the case control.")
         if card.name in self._cards:
@@ -139,35 +139,35 @@ class _Reader:
         elif card.name not in _SILENT:
             # text that is not the name of an entry is not quoted: the file may be a wrong one
             name = card.name if _CARD_NAME.fullmatch(card.name) else "lines that are no entries"
-            self._left_out.setdefault(name, card.line)
+            self._skipped.setdefault(name, card.line)
 
     def finished(self) -> RawModel:
         """The raw model after the last card."""
         raw = self.raw
-        self._grids.put_into(raw, self._systems)
+        self._grids.write_to(raw, self._systems)
         for kind, rows in self._elements.items():
             labels, _, cells, lines = zip(*rows, strict=True)
             cell_array = np.array(cells, dtype=np.int64)[:, _TO_VTK.get(kind, slice(None))]
             raw.blocks.append(RawBlock(kind, np.array(labels, dtype=np.int64), cell_array, np.array(lines)))
         self._bodies()
         self._faces()
-        held = [
-            *acting_entries(raw, self._case, "SPC", self._held, self._combined["SPCADD"]),
+        constrained = [
+            *active_entries(raw, self._case, "SPC", self._constraints, self._combined["SPCADD"]),
             *self._grids.permanent_constraints(),
         ]
         solid_nodes = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *(b.cells.ravel() for b in raw.blocks)]))
-        raw.held = self._grids.in_basic_directions(raw, held, self._systems, solid_nodes)
+        raw.held = self._grids.in_basic_directions(raw, constrained, self._systems, solid_nodes)
         loads: dict[int, list[RawLoad]] = {}
         for card in self._forces:
             loads.setdefault(card.integer(0), []).extend(self._nodal_force(card))
-        raw.loads = acting_entries(raw, self._case, "LOAD", loads, self._combined["LOAD"])
+        raw.loads = active_entries(raw, self._case, "LOAD", loads, self._combined["LOAD"])
         for name, members in self._sets.items():
             raw.node_sets[name] = np.unique(np.array(members, dtype=np.int64))
-        for what, found in (("SPC", self._held), ("FORCE", loads)):
-            for number, entries in found.items():
+        for what, sets in (("SPC", self._constraints), ("FORCE", loads)):
+            for number, entries in sets.items():
                 raw.node_sets[f"{what} {number}"] = np.unique(np.concatenate([entry.nodes for entry in entries]))
-        if self._left_out:
-            words = ", ".join(f"{name} ({raw.where(line)})" for name, line in self._left_out.items())
+        if self._skipped:
+            words = ", ".join(f"{name} ({raw.where(line)})" for name, line in self._skipped.items())
             raw.messages.append(f"not read, so without effect here: {words}.")
         return raw
 
@@ -207,7 +207,7 @@ class _Reader:
             card.fail(f"element {label} is no solid element.")
         kind, nodes = self._solids[label]
         first, other = card.integer(6, 0), card.integer(7, 0)
-        found = []
+        positions = []
         for position, side in enumerate(CELL_KINDS[kind].sides):
             corners = [nodes[at] for at in side[: 3 if len(side) in (3, 6) else 4]]
             if first not in corners:
@@ -218,10 +218,10 @@ class _Reader:
                 fits = not other or other in corners
             else:
                 fits = other in corners and (corners.index(other) - corners.index(first)) % 4 == 2
-            found += [position] if fits else []
-        if len(found) != 1:
+            positions += [position] if fits else []
+        if len(positions) != 1:
             card.fail(f"the grids G1 = {first} and G3/G4 = {other} name no side of element {label}.")
-        return RawSides(card.line, elements=np.array([label], dtype=np.int64), side=found[0])
+        return RawSides(card.line, elements=np.array([label], dtype=np.int64), side=positions[0])
 
     def _combination(self, card: BulkCard) -> None:
         if self._combined[card.name].setdefault(card.integer(0), card) is not card:
@@ -264,18 +264,18 @@ class _Reader:
             card.fail(f"material {name} is defined twice.")
         self.raw.materials[name] = RawMaterial(young, poisson, density, card.line)
 
-    def _hold(self, card: BulkCard, directions: str, nodes: list[int]) -> None:
-        self._held.setdefault(card.integer(0), []).append(held_nodes(card, directions, nodes))
+    def _constrain(self, card: BulkCard, directions: str, nodes: list[int]) -> None:
+        self._constraints.setdefault(card.integer(0), []).append(constrained_nodes(card, directions, nodes))
 
     def _spc(self, card: BulkCard) -> None:
         for at in (1, 4):
             if card.word(at):
                 if card.real(at + 2, 0.0) != 0.0:
                     card.fail("a displacement other than 0 is not read. Give a force, or remove the entry.")
-                self._hold(card, card.word(at + 1), [card.integer(at)])
+                self._constrain(card, card.word(at + 1), [card.integer(at)])
 
     def _spc1(self, card: BulkCard) -> None:
-        self._hold(card, card.word(1), card.numbers(2))
+        self._constrain(card, card.word(1), card.numbers(2))
 
     def _nodal_force(self, card: BulkCard) -> list[RawLoad]:
         """Components along x, y, z of a FORCE, whose directions are those of its system at the place of its grid."""
@@ -305,4 +305,4 @@ class _Reader:
         if card.word(1).upper() in ("GRID", "POINT"):
             self._set(card, card.numbers(2))
         else:
-            self._left_out.setdefault("SET3 of elements", card.line)
+            self._skipped.setdefault("SET3 of elements", card.line)

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from stickslip.formats.meshes.bulk_data import BulkCard, start_of_bulk
-from stickslip.formats.meshes.raw_model import RawHeld, RawLoad, RawModel
+from stickslip.formats.meshes.raw_model import RawConstraint, RawLoad, RawModel
 
-Entry = TypeVar("Entry", RawHeld, RawLoad)
+Entry = TypeVar("Entry", RawConstraint, RawLoad)
 
 _SELECTION = re.compile(r"\s*(?P<what>SPC|LOAD|MPC)\s*=\s*(?P<number>\d+)\s*", re.IGNORECASE)
 _ENTRIES = {"SPC": "SPC or SPC1", "LOAD": "FORCE"}
@@ -41,41 +41,41 @@ class CaseControl:
         return not self.exists or "MPC" in self.selected
 
 
-def acting_entries(
+def active_entries(
     raw: RawModel,
     case: CaseControl,
     what: str,
-    found: Mapping[int, list[Entry]],
+    sets: Mapping[int, list[Entry]],
     combined: Mapping[int, BulkCard],
 ) -> list[Entry]:
     """Constraints ("SPC") or forces ("LOAD") of the first set that the case control selects, else of all sets.
 
-    ``found`` contains them by the number of their set, ``combined`` the SPCADD or LOAD cards. Raises ImportFileError
+    ``sets`` contains them by the number of their set, ``combined`` the SPCADD or LOAD cards. Raises ImportFileError
     for a selected or combined set of constraints that has no entries; for one of loads it adds a message, because the
     set may contain loads of other kinds.
     """
     chosen = case.selected.get(what, ())
     if not chosen:
-        if len(found) > 1 or (found and case.exists) or combined:
+        if len(sets) > 1 or (sets and case.exists) or combined:
             no_sum = f", without the factors of {_COMBINATION[what]} {next(iter(combined))}" if combined else ""
             raw.messages.append(
-                f"the case control selects no {what}, so the entries of all {len(found)} sets "
-                f"({', '.join(map(str, found))}) are taken together{no_sum}."
+                f"the case control selects no {what}, so the entries of all {len(sets)} sets "
+                f"({', '.join(map(str, sets))}) are taken together{no_sum}."
             )
-        return [entry for entries in found.values() for entry in entries]
+        return [entry for entries in sets.values() for entry in entries]
     if len(chosen) > 1:
         raw.messages.append(
             f"the case control selects {what} = {', '.join(map(str, chosen))} in several subcases; {chosen[0]} is "
             "taken."
         )
     if chosen[0] in combined:
-        return list(_combination(raw, what, found, combined[chosen[0]]))
-    if chosen[0] not in found:
-        _lacking(raw, what, f"the case control selects {what} = {chosen[0]}, but", chosen[0], 0)
-    return found.get(chosen[0], [])
+        return list(_combination(raw, what, sets, combined[chosen[0]]))
+    if chosen[0] not in sets:
+        _report_missing_set(raw, what, f"the case control selects {what} = {chosen[0]}, but", chosen[0], 0)
+    return sets.get(chosen[0], [])
 
 
-def _combination(raw: RawModel, what: str, found: Mapping[int, list[Entry]], card: BulkCard) -> Iterator[Entry]:
+def _combination(raw: RawModel, what: str, sets: Mapping[int, list[Entry]], card: BulkCard) -> Iterator[Entry]:
     """Entries of the sets that SPCADD names, or of those of LOAD times the factor of each and the common factor."""
     if what == "SPC":
         parts = [(1.0, number) for number in card.numbers(1)]
@@ -85,13 +85,15 @@ def _combination(raw: RawModel, what: str, found: Mapping[int, list[Entry]], car
     if not parts:
         card.fail("it names no set.")
     for factor, number in parts:
-        if number not in found:
-            _lacking(raw, what, f"{card.name} {card.integer(0)} names the set {number}, but", number, card.line)
-        for entry in found.get(number, []):
+        if number not in sets:
+            _report_missing_set(
+                raw, what, f"{card.name} {card.integer(0)} names the set {number}, but", number, card.line
+            )
+        for entry in sets.get(number, []):
             yield entry.scaled(factor)
 
 
-def _lacking(raw: RawModel, what: str, words: str, number: int, line: int) -> None:
+def _report_missing_set(raw: RawModel, what: str, words: str, number: int, line: int) -> None:
     sentence = f"{words} there are no {_ENTRIES[what]} entries of set {number}"
     if what == "SPC":
         raw.fail(f"{sentence}. Add them, or select another set.", line)

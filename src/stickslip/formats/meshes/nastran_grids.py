@@ -9,8 +9,8 @@ import numpy as np
 from stickslip.core.validation import FloatArray
 from stickslip.formats.meshes.bulk_data import BulkCard
 from stickslip.formats.meshes.nastran_frames import Frame
-from stickslip.formats.meshes.nastran_systems import GivenPlace, Systems
-from stickslip.formats.meshes.raw_model import RawHeld, RawModel
+from stickslip.formats.meshes.nastran_systems import GridPosition, Systems
+from stickslip.formats.meshes.raw_model import RawConstraint, RawModel
 from stickslip.structure.cell_kinds import IntArray
 
 _CP, _CD, _PS = 1, 5, 6  # fields after the name
@@ -36,36 +36,38 @@ class Grids:
             card.fail(f"there is another one in {self._defaults.where()}; only one may set the defaults of grids.")
         self._defaults = card
 
-    def place(self, label: int) -> GivenPlace | None:
+    def place(self, label: int) -> GridPosition | None:
         """Position of a grid as on its card; None if there is none of this label."""
         at = self._position.get(label)
         if at is None:
             return None
         card = self._cards[at]
         coordinates = np.array([card.real(position, 0.0) for position in (2, 3, 4)])
-        return GivenPlace(self._system(card, _CP), coordinates, self._giver(card, _CP))
+        return GridPosition(self._system(card, _CP), coordinates, self._card_with_field(card, _CP))
 
     def basic_place(self, label: int, raw: RawModel) -> FloatArray | None:
-        """Basic x, y, z (3,) of a grid after ``put_into``; None if there is none of this label."""
+        """Basic x, y, z (3,) of a grid after ``write_to``; None if there is none of this label."""
         at = self._position.get(label)
         return None if at is None else raw.coordinates[at]
 
-    def put_into(self, raw: RawModel, systems: Systems) -> None:
+    def write_to(self, raw: RawModel, systems: Systems) -> None:
         """Set labels, basic coordinates and lines of the nodes. Raises ImportFileError."""
         raw.node_labels = np.array([card.integer(0) for card in self._cards], dtype=np.int64)
         raw.node_lines = np.array([card.line for card in self._cards], dtype=np.int64)
-        given = np.array([[card.real(position, 0.0) for position in (2, 3, 4)] for card in self._cards], dtype=float)
-        raw.coordinates = given.reshape(-1, 3)
+        coordinates = np.array(
+            [[card.real(position, 0.0) for position in (2, 3, 4)] for card in self._cards], dtype=float
+        )
+        raw.coordinates = coordinates.reshape(-1, 3)
         for number, members in self._by_system(_CP).items():
-            frame = systems.frame(number, self._giver(self._cards[members[0]], _CP))
+            frame = systems.frame(number, self._card_with_field(self._cards[members[0]], _CP))
             raw.coordinates[members] = frame.basic(raw.coordinates[members])
 
-    def _giver(self, card: BulkCard, field: int) -> BulkCard:
+    def _card_with_field(self, card: BulkCard, field: int) -> BulkCard:
         """The card that gives a field of a grid: its own, or the GRDSET where it is blank."""
         return card if card.word(field) or self._defaults is None else self._defaults
 
     def _system(self, card: BulkCard, field: int) -> int:
-        return self._giver(card, field).integer(field, 0)
+        return self._card_with_field(card, field).integer(field, 0)
 
     def _by_system(self, field: int) -> dict[int, list[int]]:
         """Positions of the grids by the number of their system CP or CD, those in the basic system left out."""
@@ -76,18 +78,18 @@ class Grids:
                 answer.setdefault(number, []).append(at)
         return answer
 
-    def permanent_constraints(self) -> list[RawHeld]:
+    def permanent_constraints(self) -> list[RawConstraint]:
         """Constraints of the field PS of each grid, independent of the case control; 0 is none."""
         answer = []
         for card in self._cards:
-            giver = self._giver(card, _PS)
-            if giver.word(_PS) not in ("", "0"):
-                answer.append(held_nodes(giver, giver.word(_PS), [card.integer(0)]))
+            source = self._card_with_field(card, _PS)
+            if source.word(_PS) not in ("", "0"):
+                answer.append(constrained_nodes(source, source.word(_PS), [card.integer(0)]))
         return answer
 
     def in_basic_directions(
-        self, raw: RawModel, held: Iterable[RawHeld], systems: Systems, solid_nodes: IntArray
-    ) -> list[RawHeld]:
+        self, raw: RawModel, constraints: Iterable[RawConstraint], systems: Systems, solid_nodes: IntArray
+    ) -> list[RawConstraint]:
         """Constraints in basic x, y, z from those in the directions that CD gives each grid.
 
         The components of all constraints of a grid are combined: they can be converted to x, y, z if the constrained
@@ -99,44 +101,44 @@ class Grids:
         solid = set(solid_nodes.tolist())
         frames: dict[int, tuple[int, Frame]] = {}  # label -> position, system
         for number, members in self._by_system(_CD).items():
-            frame = systems.frame(number, self._giver(self._cards[members[0]], _CD))
+            frame = systems.frame(number, self._card_with_field(self._cards[members[0]], _CD))
             labels = raw.node_labels[members].tolist()
             frames |= {label: (at, frame) for label, at in zip(labels, members, strict=True) if label in solid}
         if not frames:
-            return [*held]
+            return [*constraints]
         raw.messages.append(
             f"{len(frames)} grids have a coordinate system of displacements (CD), the first of them {min(frames)}: "
             "their constraints are converted to x, y, z, in which all displacements are given here."
         )
-        answer: list[RawHeld] = []
+        answer: list[RawConstraint] = []
         components: dict[int, set[int]] = {}
         lines: dict[int, int] = {}
-        for entry in held:
+        for entry in constraints:
             turned = np.array([label in frames for label in entry.nodes.tolist()], dtype=bool)
             for label in entry.nodes[turned].tolist():
                 components.setdefault(label, set()).update(entry.directions)
                 lines.setdefault(label, entry.line)
             if not turned.all():
-                answer.append(RawHeld(entry.nodes[~turned], entry.directions, entry.line))
-        for label, found in components.items():
+                answer.append(RawConstraint(entry.nodes[~turned], entry.directions, entry.line))
+        for label, axes in components.items():
             at, frame = frames[label]
-            directions = _basic_directions(frame, raw.coordinates[at], found)
+            directions = _basic_directions(frame, raw.coordinates[at], axes)
             if directions is None:
                 self._cards[at].fail(
                     f"grid {label} has its displacements in the system {self._system(self._cards[at], _CD)} (CD), and "
-                    f"the constraint in {raw.where(lines[label])} holds {_words(found)} of them, not along x, y or z "
+                    f"the constraint in {raw.where(lines[label])} holds {_words(axes)} of them, not along x, y or z "
                     "at this place. Hold 1, 2 and 3, or give the grid a CD with axes along x, y, z."
                 )
-            answer.append(RawHeld(np.array([label], dtype=np.int64), directions, lines[label]))
+            answer.append(RawConstraint(np.array([label], dtype=np.int64), directions, lines[label]))
         return answer
 
 
-def _basic_directions(frame: Frame, place: FloatArray, held: set[int]) -> tuple[int, ...] | None:
-    """Which of x, y, z (0, 1, 2) span the same as the directions ``held`` of a system; None if none do."""
+def _basic_directions(frame: Frame, place: FloatArray, constrained: set[int]) -> tuple[int, ...] | None:
+    """Which of x, y, z (0, 1, 2) span the same as the directions ``constrained`` of a system; None if none do."""
     rows, lacking = frame.directions(place)
-    if lacking & held and not lacking <= held:
+    if lacking & constrained and not lacking <= constrained:
         return None
-    axes = rows[sorted(held)]
+    axes = rows[sorted(constrained)]
     projector = axes.T @ axes
     whole = np.round(projector)
     if not np.abs(projector - whole).max() <= _PARALLEL:
@@ -149,7 +151,7 @@ def _words(components: set[int]) -> str:
     return f"component{'s' if len(numbers) > 1 else ''} {' and '.join(numbers)}"
 
 
-def held_nodes(card: BulkCard, components: str, nodes: list[int]) -> RawHeld:
+def constrained_nodes(card: BulkCard, components: str, nodes: list[int]) -> RawConstraint:
     """Constrained nodes along the translations among ``components``, of 1 to 6, as on a card.
 
     Raises ImportFileError for other components, and where there are none or no nodes.
@@ -157,4 +159,4 @@ def held_nodes(card: BulkCard, components: str, nodes: list[int]) -> RawHeld:
     if not nodes or not components or set(components) - set("123456"):
         card.fail(f'it needs components out of 1 to 6 and grids; found "{components[:12]}" and {len(nodes)} grids.')
     solid = tuple(sorted({int(each) - 1 for each in components if each in "123"}))
-    return RawHeld(np.array(nodes, dtype=np.int64), solid, card.line)
+    return RawConstraint(np.array(nodes, dtype=np.int64), solid, card.line)

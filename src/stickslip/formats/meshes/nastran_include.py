@@ -8,13 +8,13 @@ from pathlib import Path
 
 from stickslip.formats.meshes.bulk_data import ends_bulk
 from stickslip.formats.meshes.included_files import IncludedFiles
-from stickslip.formats.meshes.raw_model import LinePlaces, fail, read_text
+from stickslip.formats.meshes.raw_model import LinePositions, fail, read_text
 
 _INCLUDE = re.compile(r"\s*INCLUDE\b(?P<name>.*)", re.IGNORECASE)
 _LONGEST_STATEMENT = 10  # lines; chosen: in a longer statement the closing quote is missing
 
 
-def join_files(source: Path, included: IncludedFiles) -> tuple[list[str], LinePlaces]:
+def join_files(source: Path, included: IncludedFiles) -> tuple[list[str], LinePositions]:
     """All lines of a deck and of the files that it includes, and the file and line of each.
 
     ``INCLUDE name`` may be anywhere up to ENDDATA, the name in single, double or no quotes; inside quotes it may
@@ -34,7 +34,7 @@ class _Joiner:
 
     def __init__(self, top: Path, included: IncludedFiles) -> None:
         self.lines: list[str] = []
-        self.places = LinePlaces()
+        self.places = LinePositions()
         self._top, self._included = top, included
         self._end: tuple[Path, int] | None = None  # where ENDDATA stands
 
@@ -54,8 +54,8 @@ class _Joiner:
                     self._end = source, at
                 continue
             name, count = _name_and_lines(source, match["name"], text, at)
-            found = self._found(name, path, at + 1)
-            self.take(found, self._included.lines(found, source, at + 1, len(path)), path)
+            included = self._locate(name, path, at + 1)
+            self.take(included, self._included.lines(included, source, at + 1, len(path)), path)
             at += count
             self.places.begin(len(self.lines) + 1, source, at + 1)
 
@@ -73,7 +73,7 @@ class _Joiner:
                 number,
             )
 
-    def _found(self, name: str, path: tuple[Path, ...], number: int) -> Path:
+    def _locate(self, name: str, path: tuple[Path, ...], number: int) -> Path:
         """The file that INCLUDE in line ``number`` of the last file of ``path`` names."""
         source = path[-1]
         folders = dict.fromkeys((source.parent, self._top.parent))
@@ -81,20 +81,20 @@ class _Joiner:
         candidates = [folder / spelling for folder in folders for spelling in spellings]
         readable = [each for each in candidates if self._included.may_read(each)]
         # a file outside the folder is rejected by its name, whether it exists or not
-        found = next((each for each in readable if os.path.exists(each) and not os.path.isdir(each)), None)
-        if found is None and len(readable) < len(candidates):
+        existing = next((each for each in readable if os.path.exists(each) and not os.path.isdir(each)), None)
+        if existing is None and len(readable) < len(candidates):
             return next(each for each in candidates if each not in readable)
-        if found is None:
+        if existing is None:
             fail(
                 source,
                 f"INCLUDE: there is no file '{name[:200]}' in {' or '.join(str(each) for each in folders)}. Put it "
                 "there, or correct the name (capitals count).",
                 number,
             )
-        if found.resolve() in [each.resolve() for each in path]:
-            way = " includes ".join(str(each) for each in (*path, found))
+        if existing.resolve() in [each.resolve() for each in path]:
+            way = " includes ".join(str(each) for each in (*path, existing))
             fail(source, f"INCLUDE: files include each other in a circle: {way}. Take one INCLUDE out.", number)
-        return found
+        return existing
 
 
 def _name_and_lines(source: Path, rest: str, text: list[str], at: int) -> tuple[str, int]:

@@ -17,7 +17,7 @@ _SHOWN = 6  # chosen: systems in a message
 
 
 @dataclass(frozen=True)
-class GivenPlace:
+class GridPosition:
     """Three coordinates (3,) in the system with a number, from a card."""
 
     system: int
@@ -31,18 +31,18 @@ class _Definition:
 
     card: BulkCard
     grids: tuple[int, ...] = ()
-    places: tuple[GivenPlace, ...] = ()
+    places: tuple[GridPosition, ...] = ()
 
 
 class Systems:
     """Systems by number. Each may be defined in another one, or by grids in another one; the order of the cards is
     free."""
 
-    def __init__(self, grid: Callable[[int], GivenPlace | None]) -> None:
+    def __init__(self, grid: Callable[[int], GridPosition | None]) -> None:
         """``grid`` returns the position of a grid by its label, or None; it is called after the last card."""
         self._grid = grid
         self._definitions: dict[int, _Definition] = {}
-        self._known: dict[int, Frame] = {0: BASIC}
+        self._resolved: dict[int, Frame] = {0: BASIC}
 
     def add(self, card: BulkCard) -> None:
         """Take a card, a CORD1 with one system or two.
@@ -60,7 +60,7 @@ class Systems:
         places = [[card.real(at + axis, 0.0) for axis in range(3)] for at in (2, 5, 8)]
         self._define(
             card.integer(0),
-            _Definition(card, places=tuple(GivenPlace(reference, np.array(place), card) for place in places)),
+            _Definition(card, places=tuple(GridPosition(reference, np.array(place), card) for place in places)),
         )
 
     def _define(self, number: int, definition: _Definition) -> None:
@@ -82,13 +82,13 @@ class Systems:
         while waiting:
             current, named_by = next(reversed(waiting.items()))
             definition = self._definitions.get(current)
-            if current not in self._known:
+            if current not in self._resolved:
                 if definition is None:
                     named_by.fail(
                         f"there is no coordinate system {current}. Read are {', '.join(SYSTEM_CARDS)}: add one of this "
                         "number, or use the basic system (0)."
                     )
-                needed = next((each for each in self._places(definition) if each.system not in self._known), None)
+                needed = next((each for each in self._places(definition) if each.system not in self._resolved), None)
                 if needed is not None:
                     if needed.system in waiting:
                         circle = [*waiting][[*waiting].index(needed.system) :]
@@ -99,11 +99,11 @@ class Systems:
                         )
                     waiting[needed.system] = needed.card
                     continue
-                self._known[current] = self._built(definition)
+                self._resolved[current] = self._built(definition)
             del waiting[current]
-        return self._known[number]
+        return self._resolved[number]
 
-    def _places(self, definition: _Definition) -> Iterator[GivenPlace]:
+    def _places(self, definition: _Definition) -> Iterator[GridPosition]:
         """The three places that define a system."""
         yield from definition.places
         for label in definition.grids:
@@ -113,7 +113,7 @@ class Systems:
             yield place
 
     def _built(self, definition: _Definition) -> Frame:
-        points = [self._known[each.system].basic(each.coordinates[None, :])[0] for each in self._places(definition)]
+        points = [self._resolved[each.system].basic(each.coordinates[None, :])[0] for each in self._places(definition)]
         frame = Frame.through(_KINDS[definition.card.name[-1]], np.array(points))
         if frame is None:
             definition.card.fail("its three points lie in one line, so that they give no axes.")

@@ -75,20 +75,20 @@ class RawLoad:
 
 
 @dataclass(frozen=True)
-class RawHeld:
+class RawConstraint:
     """Nodes (k,) by label whose displacements along some directions 0, 1, 2 are zero."""
 
     nodes: IntArray
     directions: tuple[int, ...]
     line: int
 
-    def scaled(self, factor: float) -> RawHeld:
+    def scaled(self, factor: float) -> RawConstraint:
         """A displacement of zero stays zero."""
         return self
 
 
 @dataclass(frozen=True)
-class LinePlaces:
+class LinePositions:
     """File and line of each line of a text that was joined from several files.
 
     ``starts`` are the numbers (from 1, rising) of the joined text's lines at which the lines of another file begin, or
@@ -158,10 +158,10 @@ class RawModel:
     set_lines: dict[str, int] = field(default_factory=dict)
     materials: dict[str, RawMaterial] = field(default_factory=dict)
     bodies: list[RawBody] = field(default_factory=list)
-    held: list[RawHeld] = field(default_factory=list)
+    held: list[RawConstraint] = field(default_factory=list)
     loads: list[RawLoad] = field(default_factory=list)
     messages: list[str] = field(default_factory=list)
-    places: LinePlaces | None = None
+    places: LinePositions | None = None
     label_ranges: tuple[LabelRange, ...] = ()
 
     def shown(self, label: int) -> str:

@@ -7,7 +7,7 @@ from typing import Protocol, TypeVar
 from stickslip.case.case import Case
 from stickslip.core.validation import FloatArray
 from stickslip.model.joint import FaceSettings
-from stickslip.model.layout import BaseMotionOfSupport, Layout, PortForce, PortUnbalance, Reading, Setup
+from stickslip.model.layout import BaseMotionOfSupport, GroupForce, GroupUnbalance, Layout, Output, Setup
 from stickslip.structure.mesh import Mesh
 
 CaseT = TypeVar("CaseT", bound=Case, contravariant=True)
@@ -31,19 +31,19 @@ class Kind(Protocol[CaseT]):
     def rotation_speed(self, case: CaseT) -> float:
         """rad/s; 0 where nothing rotates."""
 
-    def static_forces(self, case: CaseT) -> tuple[PortForce, ...]:
+    def static_forces(self, case: CaseT) -> tuple[GroupForce, ...]:
         """The constant forces, beside rotation."""
 
-    def forces(self, case: CaseT) -> tuple[PortForce, ...]:
+    def forces(self, case: CaseT) -> tuple[GroupForce, ...]:
         """The harmonic forces."""
 
-    def unbalances(self, case: CaseT) -> tuple[PortUnbalance, ...]:
+    def unbalances(self, case: CaseT) -> tuple[GroupUnbalance, ...]:
         """The rotating unbalances."""
 
     def base_motion(self, case: CaseT) -> BaseMotionOfSupport | None:
         """The motion of the support; None if it is fixed."""
 
-    def outputs(self, case: CaseT) -> tuple[dict[str, Reading], dict[str, tuple[str, ...]]]:
+    def outputs(self, case: CaseT) -> tuple[dict[str, Output], dict[str, tuple[str, ...]]]:
         """Name -> output, the response of the curve first; heading -> names in one plot."""
 
     def force_amplitude(self, case: CaseT) -> float:

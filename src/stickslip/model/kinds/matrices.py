@@ -30,7 +30,7 @@ from stickslip.formats.matrices.reduce import reduce_matrices
 from stickslip.formats.matrices.source import quoted
 from stickslip.model.joint import case_material
 from stickslip.model.kinds.own import OwnKind
-from stickslip.model.layout import Layout, Port
+from stickslip.model.layout import Layout, NodeGroup
 from stickslip.model.nearest import nearest_node
 from stickslip.model.overlap import require_single_pairs
 from stickslip.structure.elasticity import Material
@@ -46,7 +46,7 @@ _MAP_STEP = 1e-3  # m between pairs on a map, if the matrices have no positions
 
 
 @dataclass(frozen=True)
-class _Book:
+class _NodeTable:
     """Nodes of matrices that have x, y and z: numbers (k,), positions (k, 3) m or None, and named sets."""
 
     labels: IntArray
@@ -54,7 +54,7 @@ class _Book:
     node_sets: Mapping[str, IntArray]
 
     @classmethod
-    def of(cls, matrices: Superelement | MatrixModel) -> _Book:
+    def of(cls, matrices: Superelement | MatrixModel) -> _NodeTable:
         """The nodes of matrices."""
         if isinstance(matrices, Superelement):
             return cls(matrices.boundary_nodes, matrices.positions, matrices.node_sets)
@@ -80,20 +80,20 @@ class MatrixSetup:
             with concerning("structure.file"):
                 require_contact_bodies(self.matrices, contact)
             return self.matrices
-        places = [port.nodes for port in self.layout.ports.values()]
+        places = [node_group.nodes for node_group in self.layout.node_groups.values()]
         nodes = np.unique(np.concatenate([contact, *places]))
         with concerning("structure.stiffness"), keys_of_section("reduction", {"n_modes": "modes"}):
             return reduce_matrices(self.matrices, nodes, self.n_modes, contact_nodes=contact)
 
     def sizes(self) -> tuple[tuple[str, str], ...]:
         """Nodes with three displacements, other unknowns, mass, named sets."""
-        found, book = self.matrices, _Book.of(self.matrices)
-        nodes = book.labels.size
-        sets = ", ".join(f"{name} ({members.size})" for name, members in book.node_sets.items())
+        matrices, lookup = self.matrices, _NodeTable.of(self.matrices)
+        nodes = lookup.labels.size
+        sets = ", ".join(f"{name} ({members.size})" for name, members in lookup.node_sets.items())
         return (
             ("nodes with x, y, z", f"{nodes}"),
-            ("other unknowns", f"{found.size - 3 * nodes}"),
-            ("mass that moves along x with all nodes", f"{_mass_along_x(found):.4g} kg"),
+            ("other unknowns", f"{matrices.size - 3 * nodes}"),
+            ("mass that moves along x with all nodes", f"{_mass_along_x(matrices):.4g} kg"),
             ("node sets", sets or "none"),
         )
 
@@ -118,20 +118,20 @@ class MatrixKind(OwnKind[MatrixCase]):
                 "out.",
                 ("damping.modal_damping_ratio",),
             )
-        book, pairs, messages = _Book.of(matrices), [], []
-        if not book.labels.size:
+        lookup, pairs, messages = _NodeTable.of(matrices), [], []
+        if not lookup.labels.size:
             raise InputError(
                 "structure.unknown_map: no node of the matrices has unknowns along x, y and z, so no place can be "
                 "named. Give a file with the node and direction of each row.",
                 ("structure.unknown_map",),
             )
-        odd_values = _odd_values(case, matrices, book)
+        odd_values = _odd_values(case, matrices, lookup)
         with suspecting(odd_values):
-            for name, given in case.interfaces.items():
-                found, words = _pairs(book, name, given)
-                pairs.append(found)
+            for name, section in case.interfaces.items():
+                face_pairs, words = _pairs(lookup, name, section)
+                pairs.append(face_pairs)
                 messages += words
-            ports = {name: _port(book, name, given) for name, given in case.places.items()}
+            node_groups = {name: _node_group(lookup, name, section) for name, section in case.places.items()}
         materials = _face_materials(case)
         joined = FacePairs.concatenate(pairs)
         require_single_pairs(tuple(case.interfaces), joined)
@@ -139,7 +139,7 @@ class MatrixKind(OwnKind[MatrixCase]):
             joined,
             tuple(case.interfaces),
             materials,
-            ports,
+            node_groups,
             messages=(*getattr(matrices, "messages", ()), *messages),
             odd_values=odd_values,
         )
@@ -152,19 +152,19 @@ class MatrixKind(OwnKind[MatrixCase]):
 
 def _read(case: MatrixCase) -> Superelement | MatrixModel:
     """The matrices of the files. Raises ImportFileError, and InputError for an unknown unit."""
-    given = case.structure
-    if isinstance(given, SuperelementSection):
+    section = case.structure
+    if isinstance(section, SuperelementSection):
         with concerning("structure.file"):
-            return read_superelement(given.file)
+            return read_superelement(section.file)
     with keys_of_section("structure"):
         return read_matrices(
-            given.stiffness,
-            given.mass,
-            given.damping,
-            given.unknown_map,
-            given.node_positions,
-            length_unit=given.length_unit,
-            unit_system=given.unit_system,
+            section.stiffness,
+            section.mass,
+            section.damping,
+            section.unknown_map,
+            section.node_positions,
+            length_unit=section.length_unit,
+            unit_system=section.unit_system,
         )
 
 
@@ -183,11 +183,11 @@ def _mass_along_x(matrices: Superelement | MatrixModel) -> float:
     return float(along_x @ (matrices.mass @ along_x))
 
 
-def _odd_values(case: MatrixCase, matrices: Superelement | MatrixModel, book: _Book) -> tuple[OddValue, ...]:
+def _odd_values(case: MatrixCase, matrices: Superelement | MatrixModel, lookup: _NodeTable) -> tuple[OddValue, ...]:
     """Values of the matrices, and of the material of the rough faces, that only wrong units explain."""
     rows = _displacements(matrices)
     stiffness, mass = (np.asarray(each.diagonal())[rows] for each in (matrices.stiffness, matrices.mass))
-    of_matrices = matrix_oddities(stiffness, mass, _mass_along_x(matrices), book.positions)
+    of_matrices = matrix_oddities(stiffness, mass, _mass_along_x(matrices), lookup.positions)
     if case.material is None:
         return tuple(of_matrices)
     return (*of_matrices, *material_oddities("the material", case_material(case), "its unit", "material"))
@@ -199,41 +199,43 @@ def _face_materials(case: MatrixCase) -> tuple[tuple[Material, Material], ...]:
     return ((material, material),) * len(case.interfaces)
 
 
-def _nodes(book: _Book, entry: str, name: str) -> IntArray:
+def _nodes(lookup: _NodeTable, entry: str, name: str) -> IntArray:
     """Nodes of a set. Raises InputError that names the entry."""
-    if name not in book.node_sets:
-        known = ", ".join(book.node_sets) or "none"
-        raise InputError(f"{entry}: the matrices have no node set '{name}'; they have: {known}.", [entry])
-    nodes = np.asarray(book.node_sets[name], dtype=np.int64)
+    if name not in lookup.node_sets:
+        names = ", ".join(lookup.node_sets) or "none"
+        raise InputError(f"{entry}: the matrices have no node set '{name}'; they have: {names}.", [entry])
+    nodes = np.asarray(lookup.node_sets[name], dtype=np.int64)
     if not nodes.size:
         raise InputError(f"{entry}: node set '{name}' is empty. Give it nodes, or take another set.", [entry])
     return nodes
 
 
-def _pairs(book: _Book, name: str, given: SetInterfaceSection | PairsInterfaceSection) -> tuple[FacePairs, list[str]]:
+def _pairs(
+    lookup: _NodeTable, name: str, section: SetInterfaceSection | PairsInterfaceSection
+) -> tuple[FacePairs, list[str]]:
     """Node-to-node pairs of an interface, or pairs of nodes and the ground; messages on assumptions."""
     entry = f"interfaces.{name}"
     messages: list[str] = []
-    first, second = _sides(book, entry, given)
+    first, second = _sides(lookup, entry, section)
     count = first.size
     weight = np.full((count, 1), 0.0 if second is None else 1.0)
     second = first if second is None else second
-    normal = np.tile(given.normal, (count, 1))
-    area = np.full(count, given.area / count)
-    places = _places(book, first)
+    normal = np.tile(section.normal, (count, 1))
+    area = np.full(count, section.area / count)
+    places = _places(lookup, first)
     points = np.zeros((count, 3)) if places is None else places
     with concerning(f"{entry}.tangent"):
-        tangent1, tangent2 = local_tangents(points, normal, area, given.tangent)
+        tangent1, tangent2 = local_tangents(points, normal, area, section.tangent)
     if places is None:
         position = np.column_stack([np.zeros(count), _MAP_STEP * np.arange(count)])
         messages.append(
             f"{entry}: the matrices do not say where their nodes are, so maps show the pairs in a row in their order."
         )
-        if isinstance(given, SetInterfaceSection) and given.second != GROUND:
+        if isinstance(section, SetInterfaceSection) and section.second != GROUND:
             messages.append(f"{entry}: its nodes are paired in the order of the two sets, as positions are not known.")
     else:
         position = map_position(points, tangent1, tangent2, area)
-    gap = np.full(count, given.gap or 0.0)
+    gap = np.full(count, section.gap or 0.0)
     pairs = FacePairs(
         first[:, None], np.ones((count, 1)), second[:, None], weight, gap, points, area, normal,
         tangent1, tangent2, np.zeros(count, dtype=np.int64), position,
@@ -242,20 +244,20 @@ def _pairs(book: _Book, name: str, given: SetInterfaceSection | PairsInterfaceSe
 
 
 def _sides(
-    book: _Book, entry: str, given: SetInterfaceSection | PairsInterfaceSection
+    lookup: _NodeTable, entry: str, joint: SetInterfaceSection | PairsInterfaceSection
 ) -> tuple[IntArray, IntArray | None]:
     """First and second node of each pair, from a file or from sets; None for the ground."""
-    if isinstance(given, PairsInterfaceSection):
+    if isinstance(joint, PairsInterfaceSection):
         with concerning(f"{entry}.pairs"):
-            return _listed_pairs(book, entry, Path(given.pairs))
-    first = _nodes(book, f"{entry}.first", given.first)
-    if given.second == GROUND:
+            return _listed_pairs(lookup, entry, Path(joint.pairs))
+    first = _nodes(lookup, f"{entry}.first", joint.first)
+    if joint.second == GROUND:
         return first, None
-    others = _nodes(book, f"{entry}.second", given.second)
-    return first, _partners(book, entry, given, first, others)
+    others = _nodes(lookup, f"{entry}.second", joint.second)
+    return first, _partners(lookup, entry, joint, first, others)
 
 
-def _listed_pairs(book: _Book, entry: str, path: Path) -> tuple[IntArray, IntArray | None]:
+def _listed_pairs(lookup: _NodeTable, entry: str, path: Path) -> tuple[IntArray, IntArray | None]:
     """Pairs of a text file: two node numbers a line, or one for the ground. Raises ImportFileError with the line."""
     try:
         lines = read_input(path, "Give a text file with pairs of nodes.", _MOST_BYTES).decode("utf-8-sig").splitlines()
@@ -274,9 +276,11 @@ def _listed_pairs(book: _Book, entry: str, path: Path) -> tuple[IntArray, IntArr
                 f"{where} {quoted(line)} must be two node numbers, or one in every line for the ground."
             )
         rows.append([int(word) for word in words])
-        lone = np.setdiff1d(rows[-1], book.labels)
-        if len(words) > 2 or lone.size:
-            what = f"the matrices have no node {lone[0]} with x, y and z" if lone.size else "more than two numbers"
+        missing = np.setdiff1d(rows[-1], lookup.labels)
+        if len(words) > 2 or missing.size:
+            what = (
+                f"the matrices have no node {missing[0]} with x, y and z" if missing.size else "more than two numbers"
+            )
             raise ImportFileError(f"{where} {what}.")
     if not rows:
         raise ImportFileError(f"{entry}.pairs: {path} holds no pair. Write two node numbers a line.")
@@ -290,65 +294,67 @@ def _listed_pairs(book: _Book, entry: str, path: Path) -> tuple[IntArray, IntArr
     return table[:, 0], table[:, 1] if table.shape[1] == 2 else None
 
 
-def _places(book: _Book, nodes: IntArray) -> FloatArray | None:
+def _places(lookup: _NodeTable, nodes: IntArray) -> FloatArray | None:
     """(k, 3) m of nodes, None without positions."""
-    if book.positions is None:
+    if lookup.positions is None:
         return None
-    order = np.argsort(book.labels)
-    found = order[np.searchsorted(book.labels, nodes, sorter=order)]
-    return np.asarray(book.positions)[found]
+    order = np.argsort(lookup.labels)
+    positions = order[np.searchsorted(lookup.labels, nodes, sorter=order)]
+    return np.asarray(lookup.positions)[positions]
 
 
-def _partners(book: _Book, entry: str, given: SetInterfaceSection, first: IntArray, others: IntArray) -> IntArray:
+def _partners(
+    lookup: _NodeTable, entry: str, joint: SetInterfaceSection, first: IntArray, others: IntArray
+) -> IntArray:
     """The partner of each first node: the node at its position, or, without positions, the one at its index in the set.
 
     Raises InputError for sets of different size, and for a node without a partner within the distance.
     """
     if first.size != others.size:
         raise InputError(
-            f"{entry}: '{given.first}' has {first.size} nodes and '{given.second}' has {others.size}; each node needs "
+            f"{entry}: '{joint.first}' has {first.size} nodes and '{joint.second}' has {others.size}; each node needs "
             "one partner. Make the sets equal.",
             (f"{entry}.first", f"{entry}.second"),
         )
-    places, opposite = _places(book, first), _places(book, others)
+    places, opposite = _places(lookup, first), _places(lookup, others)
     if places is None or opposite is None:
         return others  # _pairs reports that they are paired by their order
     distance = np.linalg.norm(places[:, None] - opposite[None], axis=2)
     nearest = distance.argmin(axis=1)
-    reach = given.search_distance or _COINCIDENT
+    reach = joint.search_distance or _COINCIDENT
     smallest = distance[np.arange(first.size), nearest]
     if smallest.max() > reach or np.unique(nearest).size != nearest.size:
         worst = int(smallest.argmax())
         raise InputError(
-            f"{entry}: node {first[worst]} of '{given.first}' is {1e3 * smallest[worst]:.4g} mm from the nearest node "
-            f"of '{given.second}' ({1e3 * reach:.4g} mm are allowed), or two nodes have the same partner. Check the "
+            f"{entry}: node {first[worst]} of '{joint.first}' is {1e3 * smallest[worst]:.4g} mm from the nearest node "
+            f"of '{joint.second}' ({1e3 * reach:.4g} mm are allowed), or two nodes have the same partner. Check the "
             "sets, or raise search_distance.",
             (f"{entry}.first", f"{entry}.second"),
         )
     return np.asarray(others[nearest])
 
 
-def _port(book: _Book, name: str, given: PlaceSection) -> Port:
+def _node_group(lookup: _NodeTable, name: str, section: PlaceSection) -> NodeGroup:
     """The nodes of a place. Raises InputError that names the entry."""
-    if given.set is not None:
-        return Port.equal(_nodes(book, f"{name}.set", given.set))
-    if given.node is not None:
-        if given.node not in book.labels:
+    if section.set is not None:
+        return NodeGroup.equal(_nodes(lookup, f"{name}.set", section.set))
+    if section.node is not None:
+        if section.node not in lookup.labels:
             raise InputError(
-                f"{name}.node: the matrices have no node {given.node} with x, y and z among their "
-                f"{book.labels.size} such nodes.",
+                f"{name}.node: the matrices have no node {section.node} with x, y and z among their "
+                f"{lookup.labels.size} such nodes.",
                 (f"{name}.node",),
             )
-        return Port.single(given.node)
+        return NodeGroup.single(section.node)
     with concerning(f"{name}.point"):
-        return _nearest(book, name, np.array(given.point))
+        return _nearest(lookup, name, np.array(section.point))
 
 
-def _nearest(book: _Book, name: str, point: FloatArray) -> Port:
+def _nearest(lookup: _NodeTable, name: str, point: FloatArray) -> NodeGroup:
     """The node nearest to a point. Raises InputError without positions, and if the node is far or ambiguous."""
-    if book.positions is None:
+    if lookup.positions is None:
         raise InputError(f"{name}.point: the matrices do not say where their nodes are. Give node or set.")
     try:
-        return Port.single(int(book.labels[nearest_node(book.positions, point)]))
+        return NodeGroup.single(int(lookup.labels[nearest_node(lookup.positions, point)]))
     except InputError as error:
         raise error.reworded(f"{name}.point: {error}") from error

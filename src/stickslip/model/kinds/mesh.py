@@ -20,7 +20,7 @@ from stickslip.core.plausible import OddValue, suspecting
 from stickslip.formats.meshes.imported_model import ImportedModel
 from stickslip.formats.meshes.read import read_model
 from stickslip.model.kinds.own import OwnKind
-from stickslip.model.layout import BaseMotionOfSupport, Derived, Layout, Port
+from stickslip.model.layout import BaseMotionOfSupport, Derived, Layout, NodeGroup
 from stickslip.model.nearest import nearest_node
 from stickslip.model.overlap import require_single_joints
 from stickslip.structure.body_load import centrifugal_load, translation_inertia
@@ -113,15 +113,15 @@ class MeshKind(OwnKind[MeshCase]):
 
     def base_motion(self, case: MeshCase) -> BaseMotionOfSupport | None:
         """The motion of all constrained nodes."""
-        given = case.base_motion
-        return None if given is None else BaseMotionOfSupport(given.direction, given.amplitude, given.kind)
+        section = case.base_motion
+        return None if section is None else BaseMotionOfSupport(section.direction, section.amplitude, section.kind)
 
 
 def _source(case: MeshCase) -> ImportedModel:
     """The mesh file."""
-    given = case.structure
+    section = case.structure
     with keys_of_section("structure"), concerning("file"):
-        return read_model(given.file, given.length_unit, given.unit_system, bool(given.includes_outside))
+        return read_model(section.file, section.length_unit, section.unit_system, bool(section.includes_outside))
 
 
 @contextmanager
@@ -151,18 +151,18 @@ def _material(case: MeshCase, name: str, source: ImportedModel) -> Material:
     keys = ("young_modulus", "poisson_ratio", "density")
     values: dict[str, float] = {}
     for key in keys:
-        found = [getattr(each, key) for each in sections if each is not None]
-        given = [value for value in found if value is not None]
-        if given:
-            values[key] = given[0]
+        candidates = [getattr(each, key) for each in sections if each is not None]
+        present = [value for value in candidates if value is not None]
+        if present:
+            values[key] = present[0]
     missing = [key for key in keys if key not in values]
     if missing:
         # an incomplete material of the file is not used in part
-        said = [words for words in source.messages if words.startswith("material ") and f"body '{name}'" in words]
+        messages = [words for words in source.messages if words.startswith("material ") and f"body '{name}'" in words]
         section = f"[bodies.{bare_name(name)}]"
         raise InputError(
             f"body '{name}' has no {', no '.join(missing)}: neither {section}, nor the mesh file, nor [material] "
-            f"gives it.{' In the file, ' + said[0] if said else ''} Give a section {section} for this body, or "
+            f"gives it.{' In the file, ' + messages[0] if messages else ''} Give a section {section} for this body, or "
             "[material] for all bodies without one.",
             (f"bodies.{name}" if name in case.bodies else "structure.file",),
         )
@@ -171,34 +171,34 @@ def _material(case: MeshCase, name: str, source: ImportedModel) -> Material:
 
 def _fixed_unknowns(case: MeshCase, source: ImportedModel) -> IntArray:
     """Indices among 3 * n_nodes that the file or structure.fixed constrains to zero."""
-    held = [source.fixed_unknowns]
+    constrained = [source.fixed_unknowns]
     for name in case.structure.fixed:
         with _entry("structure.fixed"):
-            held.append((3 * source.mesh.node_set(name)[:, None] + np.arange(3)).ravel())
-    return np.unique(np.concatenate(held)).astype(np.int64)
+            constrained.append((3 * source.mesh.node_set(name)[:, None] + np.arange(3)).ravel())
+    return np.unique(np.concatenate(constrained)).astype(np.int64)
 
 
-def _pairing(mesh: Mesh, name: str, given: MeshInterfaceSection) -> Pairing:
-    points = given.points or "nodes"
+def _pairing(mesh: Mesh, name: str, section: MeshInterfaceSection) -> Pairing:
+    points = section.points or "nodes"
     with _entry(f"interfaces.{name}"), keys_of_section(f"interfaces.{name}"):
-        if given.second == GROUND:
-            serve_two = ("search_distance", "edge_tolerance", "gap_tolerance", "adjust")
-            wrong = [key for key in serve_two if getattr(given, key) is not None]
+        if section.second == GROUND:
+            of_two_faces = ("search_distance", "edge_tolerance", "gap_tolerance", "adjust")
+            wrong = [key for key in of_two_faces if getattr(section, key) is not None]
             if wrong:
                 raise InputError(f"{wrong[0]} serves two faces; the ground follows the first face. Take it out.", wrong)
-            return pair_with_ground(mesh, given.first, points=points, gap=given.gap or 0.0, tangent=given.tangent)
-        if given.gap is not None:
+            return pair_with_ground(mesh, section.first, points=points, gap=section.gap or 0.0, tangent=section.tangent)
+        if section.gap is not None:
             raise InputError("gap belongs to the ground; between two faces it is measured. Take it out.", ["gap"])
         return pair_surfaces(
             mesh,
-            given.first,
-            given.second,
+            section.first,
+            section.second,
             points=points,
-            search_distance=given.search_distance,
-            edge_tolerance=given.edge_tolerance,
-            gap_tolerance=given.gap_tolerance,
-            tangent=given.tangent,
-            adjust=given.adjust or "measured",
+            search_distance=section.search_distance,
+            edge_tolerance=section.edge_tolerance,
+            gap_tolerance=section.gap_tolerance,
+            tangent=section.tangent,
+            adjust=section.adjust or "measured",
         )
 
 
@@ -211,7 +211,7 @@ def _layout(
     odd_values: tuple[OddValue, ...],
 ) -> Layout:
     mesh, names = source.mesh, tuple(case.interfaces)
-    ports = {name: _port(source, name, given) for name, given in case.places.items()}
+    node_groups = {name: _node_group(source, name, section) for name, section in case.places.items()}
     pairs = FacePairs.concatenate([each.pairs for each in pairings])
     body_load = None
     if case.rotation is not None:
@@ -226,8 +226,8 @@ def _layout(
                 ("base_motion",),
             )
         base_inertia = translation_inertia(mesh, materials)
-    _require_held(mesh, pairs, fixed, source)
-    _require_free(dict(zip(names, pairings, strict=True)), ports, fixed, source)
+    _require_support(mesh, pairs, fixed, source)
+    _require_free(dict(zip(names, pairings, strict=True)), node_groups, fixed, source)
     messages = (
         *source.messages,
         *_unused_forces(source),
@@ -237,7 +237,7 @@ def _layout(
         pairs,
         names,
         tuple(_face_materials(mesh, materials, each) for each in pairings),
-        ports,
+        node_groups,
         body_load,
         base_inertia,
         tuple(_facts(names, pairings)),
@@ -273,30 +273,30 @@ def _body_of(mesh: Mesh, name: str) -> int:
     return int(np.argmax(members))
 
 
-def _port(source: ImportedModel, name: str, given: PlaceSection) -> Port:
+def _node_group(source: ImportedModel, name: str, section: PlaceSection) -> NodeGroup:
     """The nodes of a place with their weights. Raises InputError that names the entry."""
     mesh = source.mesh
     with _entry(name):
-        if given.node is not None:
+        if section.node is not None:
             with concerning(f"{name}.node"):
-                return Port.single(int(source.node_numbers(np.array([given.node]))[0]))
-        if given.set is not None:
+                return NodeGroup.single(int(source.node_numbers(np.array([section.node]))[0]))
+        if section.set is not None:
             with concerning(f"{name}.set"):
-                if given.spread == "area":
-                    nodes, area, _ = face_geometry(mesh, given.set)
-                    return Port(nodes, area / area.sum())
-                return Port.equal(mesh.node_set(given.set))
+                if section.spread == "area":
+                    nodes, area, _ = face_geometry(mesh, section.set)
+                    return NodeGroup(nodes, area / area.sum())
+                return NodeGroup.equal(mesh.node_set(section.set))
         with concerning(f"{name}.point"):
-            return Port.single(nearest_node(mesh.points, np.array(given.point)))
+            return NodeGroup.single(nearest_node(mesh.points, np.array(section.point)))
 
 
 def _require_free(
-    pairings: Mapping[str, Pairing], ports: Mapping[str, Port], fixed: IntArray, source: ImportedModel
+    pairings: Mapping[str, Pairing], node_groups: Mapping[str, NodeGroup], fixed: IntArray, source: ImportedModel
 ) -> None:
     """Raise InputError for a contact pair, a force or a response on a constrained node."""
-    held = np.unique(fixed // 3)
+    constrained = np.unique(fixed // 3)
     for name, pairing in pairings.items():
-        wrong = np.intersect1d(pairing.pairs.nodes, held)
+        wrong = np.intersect1d(pairing.pairs.nodes, constrained)
         if wrong.size:
             raise InputError(
                 f"interfaces.{name}: node {source.shown(source.node_labels[wrong[0]])} of the file is held by a "
@@ -304,14 +304,16 @@ def _require_free(
                 "faces, or out of the constraint.",
                 (f"interfaces.{name}",),
             )
-    for name, port in ports.items():
-        if np.isin(port.nodes, held).all() or (port.is_single and np.isin(port.nodes, held).any()):
+    for name, node_group in node_groups.items():
+        if np.isin(node_group.nodes, constrained).all() or (
+            node_group.is_single and np.isin(node_group.nodes, constrained).any()
+        ):
             raise InputError(
                 f"{name}: it is at nodes that are held, so nothing moves there. Choose another place.", [name]
             )
 
 
-def _require_held(mesh: Mesh, pairs: FacePairs, fixed: IntArray, source: ImportedModel) -> None:
+def _require_support(mesh: Mesh, pairs: FacePairs, fixed: IntArray, source: ImportedModel) -> None:
     """Raise InputError for a part that neither a constraint nor contact holds, and for a part with a hinge."""
     for part in part_motions(mesh, fixed):
         element = f"the part of the mesh with element {source.shown(source.element_labels[part.cells[0]])}"

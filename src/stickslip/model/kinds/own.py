@@ -13,7 +13,7 @@ from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.model.face_laws import NamedLaw, pressure_law
 from stickslip.model.joint import STARTING_PRESSURE, FaceSettings, roughness_section
-from stickslip.model.layout import BaseMotionOfSupport, Layout, PortForce, PortUnbalance, Reading
+from stickslip.model.layout import BaseMotionOfSupport, GroupForce, GroupUnbalance, Layout, Output
 
 OwnCaseT = TypeVar("OwnCaseT", bound=OwnCase)
 
@@ -42,18 +42,18 @@ class OwnKind(Generic[OwnCaseT]):
                 )
             return self._prescribed(case, layout, prescribed_preload(case.preload.values, pairs.n_pairs))
         load = np.zeros(pairs.n_pairs)
-        for face, (name, given) in enumerate(case.interfaces.items()):
-            if given.normal_load is None and given.other_law is not None:
+        for face, (name, section) in enumerate(case.interfaces.items()):
+            if section.normal_load is None and section.other_law is not None:
                 continue  # neither its law nor its stiffness follows from a load
             touching = (pairs.face == face) & (pairs.gap <= 0.0)
-            if given.normal_load is None or not touching.any():
+            if section.normal_load is None or not touching.any():
                 raise InputError(
                     f"interfaces.{name}: the normal load cannot rest on this face, because all of its pairs are apart "
                     f"by {1e3 * pairs.gap[pairs.face == face].min():.3g} mm or more. If the bodies touch and only "
                     'their meshes differ, set adjust = "closed".',
                     (f"interfaces.{name}.normal_load",),
                 )
-            load[touching] = given.normal_load * pairs.area[touching] / pairs.area[touching].sum()
+            load[touching] = section.normal_load * pairs.area[touching] / pairs.area[touching].sum()
         return load
 
     def _prescribed(self, case: OwnCaseT, layout: Layout, load: FloatArray) -> FloatArray:
@@ -90,33 +90,33 @@ class OwnKind(Generic[OwnCaseT]):
             settings.append(FaceSettings(friction, stiffness, f"{section}.normal_load", law, named))
         return tuple(settings)
 
-    def static_forces(self, case: OwnCaseT) -> tuple[PortForce, ...]:
+    def static_forces(self, case: OwnCaseT) -> tuple[GroupForce, ...]:
         """The constant forces."""
         return tuple(
-            PortForce(f"static_loads.{name}", each.direction, each.force) for name, each in case.static_loads.items()
+            GroupForce(f"static_loads.{name}", each.direction, each.force) for name, each in case.static_loads.items()
         )
 
-    def outputs(self, case: OwnCaseT) -> tuple[dict[str, Reading], dict[str, tuple[str, ...]]]:
+    def outputs(self, case: OwnCaseT) -> tuple[dict[str, Output], dict[str, tuple[str, ...]]]:
         """The responses, the first one that of the curve; all are drawn together."""
-        readings = {name: Reading(f"responses.{name}", each.direction) for name, each in case.responses.items()}
-        return readings, {"Responses": tuple(readings)}
+        named_outputs = {name: Output(f"responses.{name}", each.direction) for name, each in case.responses.items()}
+        return named_outputs, {"Responses": tuple(named_outputs)}
 
     def rough_face_size(self, case: OwnCaseT) -> tuple[float, float]:
         """m: a patch as long as the longest wave of the surface, and a quarter as wide."""
         length = roughness_section(case).sample_length
         return length, 0.25 * length
 
-    def forces(self, case: OwnCaseT) -> tuple[PortForce, ...]:
+    def forces(self, case: OwnCaseT) -> tuple[GroupForce, ...]:
         """The harmonic forces."""
         return tuple(
-            PortForce(f"forces.{name}", each.direction, each.amplitude, each.phase, each.harmonic)
+            GroupForce(f"forces.{name}", each.direction, each.amplitude, each.phase, each.harmonic)
             for name, each in case.forces.items()
         )
 
-    def unbalances(self, case: OwnCaseT) -> tuple[PortUnbalance, ...]:
+    def unbalances(self, case: OwnCaseT) -> tuple[GroupUnbalance, ...]:
         """The rotating unbalances."""
         return tuple(
-            PortUnbalance(f"unbalance.{name}", each.axis, each.mass_times_radius)
+            GroupUnbalance(f"unbalance.{name}", each.axis, each.mass_times_radius)
             for name, each in case.unbalance.items()
         )
 
@@ -138,11 +138,11 @@ class OwnKind(Generic[OwnCaseT]):
     def description(self, case: OwnCaseT) -> str:
         """Excitations, normal loads and friction in one sentence."""
         joints = "; ".join(
-            f"{name}: " + ", ".join(self._joint_words(case.interfaces[name], given))
-            for name, given in zip(case.interfaces, self.face_settings(case), strict=True)
+            f"{name}: " + ", ".join(self._joint_words(case.interfaces[name], settings))
+            for name, settings in zip(case.interfaces, self.face_settings(case), strict=True)
         )
-        acting = " and ".join(self._excitation_words(case))
-        return f"{acting[0].upper()}{acting[1:]}. {joints}.{self._preload_words(case)}"
+        excitations = " and ".join(self._excitation_words(case))
+        return f"{excitations[0].upper()}{excitations[1:]}. {joints}.{self._preload_words(case)}"
 
     def _joint_words(self, given: InterfaceSection, settings: FaceSettings) -> list[str]:
         """Load, and friction or the other law with its constants."""
@@ -168,9 +168,9 @@ class OwnKind(Generic[OwnCaseT]):
 
     def _preload_words(self, case: OwnCaseT) -> str:
         """What a preload that no interface gives comes from."""
-        given, speed = case.preload, self.rotation_speed(case)
-        if given.method == "prescribed":
-            return "" if given.values is None else " Prescribed preload."
+        section, speed = case.preload, self.rotation_speed(case)
+        if section.method == "prescribed":
+            return "" if section.values is None else " Prescribed preload."
         loads = [f"{each.force:g} N at {name}" for name, each in case.static_loads.items()]
         loads += [f"rotation at {speed:g} rad/s"] if speed else []
-        return f" Preload solved from {' and '.join(loads)}, tractions at rest {given.residual_traction}."
+        return f" Preload solved from {' and '.join(loads)}, tractions at rest {section.residual_traction}."

@@ -14,7 +14,7 @@ from stickslip.core.errors import InputError, concerning, keys_of_section
 from stickslip.core.validation import FloatArray
 from stickslip.model.joint import STARTING_PRESSURE, FaceSettings, case_material
 from stickslip.model.kinds.two_blade_mesh import BladePairElements, BladePairGeometry, blade_pair_mesh
-from stickslip.model.layout import Direction, Layout, Port, PortForce, PortUnbalance, Reading
+from stickslip.model.layout import Direction, GroupForce, GroupUnbalance, Layout, NodeGroup, Output
 from stickslip.structure.body_load import centrifugal_load
 from stickslip.structure.elasticity import Element, Material, Structure, assemble
 from stickslip.structure.mesh import Mesh
@@ -25,7 +25,7 @@ FACE_NAMES = ("left face", "right face")
 BODY_NAMES = ("left blade", "right blade", "damper")
 AXES: dict[str, Direction] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 # Node sets of one node where forces act (N1, N2) and displacements are read (A, the middles of the damper's faces).
-PORTS = ("excitation_left", "excitation_right", "response", "damper_left_mid", "damper_right_mid")
+NODE_GROUPS = ("excitation_left", "excitation_right", "response", "damper_left_mid", "damper_right_mid")
 # The ends of the damper's flat bottom, where a static force F_N acts, half at each.
 EDGES = ("damper_front_edge", "damper_back_edge")
 
@@ -63,10 +63,10 @@ class TwoBladeKind:
     def find_layout(self, case: TwoBladeCase, mesh: Mesh) -> Layout:
         """Contact pairs of both faces, left face first, and the places of forces and responses."""
         pairs = FacePairs.concatenate([pair_faces(mesh, *names) for names in FACES])
-        ports = {name: Port.single(int(mesh.node_set(name)[0])) for name in PORTS}
+        node_groups = {name: NodeGroup.single(int(mesh.node_set(name)[0])) for name in NODE_GROUPS}
         material = case_material(case)
         if _static_force(case):
-            ports |= {name: _edge_port(mesh, name) for name in EDGES}
+            node_groups |= {name: _edge_group(mesh, name) for name in EDGES}
         body_load = None
         if case.rotation is not None:
             body_load = centrifugal_load(
@@ -81,7 +81,7 @@ class TwoBladeKind:
             pairs,
             FACE_NAMES,
             ((material, material),) * len(FACES),
-            ports,
+            node_groups,
             body_load,
             body_names=BODY_NAMES,
             contact_sets=FACES,
@@ -119,35 +119,35 @@ class TwoBladeKind:
         """rad/s; 0 where nothing rotates."""
         return 0.0 if case.rotation is None else case.rotation.speed
 
-    def static_forces(self, case: TwoBladeCase) -> tuple[PortForce, ...]:
+    def static_forces(self, case: TwoBladeCase) -> tuple[GroupForce, ...]:
         """Half of F_N at each end of the damper's bottom, where the preload is solved; else the wedge's is known."""
         force = _static_force(case)
-        return tuple(PortForce(name, (0.0, 0.0, 1.0), 0.5 * force) for name in EDGES) if force else ()
+        return tuple(GroupForce(name, (0.0, 0.0, 1.0), 0.5 * force) for name in EDGES) if force else ()
 
-    def forces(self, case: TwoBladeCase) -> tuple[PortForce, ...]:
+    def forces(self, case: TwoBladeCase) -> tuple[GroupForce, ...]:
         """Forces at N1 and N2: single (N1 alone), same direction, or opposite."""
-        given = case.excitation
-        second = {"single": 0.0, "same": 1.0, "opposite": -1.0}[given.mode]
+        section = case.excitation
+        second = {"single": 0.0, "same": 1.0, "opposite": -1.0}[section.mode]
         return (
-            PortForce("excitation_left", given.direction, given.amplitude),
-            PortForce("excitation_right", given.direction, second * given.amplitude),
+            GroupForce("excitation_left", section.direction, section.amplitude),
+            GroupForce("excitation_right", section.direction, second * section.amplitude),
         )
 
-    def unbalances(self, case: TwoBladeCase) -> tuple[PortUnbalance, ...]:
+    def unbalances(self, case: TwoBladeCase) -> tuple[GroupUnbalance, ...]:
         """None: forces at N1 and N2 excite the blades."""
         return ()
 
     def base_motion(self, case: TwoBladeCase) -> None:
         """None: forces at N1 and N2 excite the blades."""
 
-    def outputs(self, case: TwoBladeCase) -> tuple[dict[str, Reading], dict[str, tuple[str, ...]]]:
+    def outputs(self, case: TwoBladeCase) -> tuple[dict[str, Output], dict[str, tuple[str, ...]]]:
         """A along the excitation's direction and both sides of the damper along x, y, z; what is drawn together."""
-        readings, groups = {"blade tip A": Reading("response", case.excitation.direction)}, {}
+        named_outputs, groups = {"blade tip A": Output("response", case.excitation.direction)}, {}
         for side in ("left", "right"):
             names = tuple(f"damper {side} {axis}" for axis in AXES)
-            readings |= {name: Reading(f"damper_{side}_mid", AXES[name[-1]]) for name in names}
+            named_outputs |= {name: Output(f"damper_{side}_mid", AXES[name[-1]]) for name in names}
             groups[f"Damper, middle of its {side} face"] = names
-        return readings, groups
+        return named_outputs, groups
 
     def force_amplitude(self, case: TwoBladeCase) -> float:
         """N of each force."""
@@ -191,12 +191,12 @@ def _static_force(case: TwoBladeCase) -> float:
     return (case.preload.centrifugal_force or 0.0) if case.preload.method == "solved" else 0.0
 
 
-def _edge_port(mesh: Mesh, name: str) -> Port:
+def _edge_group(mesh: Mesh, name: str) -> NodeGroup:
     """A line along x with a uniform load."""
     nodes = mesh.node_set(name)
     nodes = nodes[np.argsort(mesh.points[nodes, 0])]
     length = np.diff(mesh.points[nodes, 0])
-    shares = np.zeros(nodes.size)
-    shares[:-1] += 0.5 * length
-    shares[1:] += 0.5 * length
-    return Port(nodes, shares / shares.sum())
+    weights = np.zeros(nodes.size)
+    weights[:-1] += 0.5 * length
+    weights[1:] += 0.5 * length
+    return NodeGroup(nodes, weights / weights.sum())

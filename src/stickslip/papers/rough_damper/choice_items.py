@@ -45,12 +45,12 @@ class ChangedVerdict:
     def changes_with(self) -> str:
         """The changed choices under which the verdict is another one, in words."""
         base = self.verdicts[BASE_CHOICE]
-        found = [
+        choices = [
             name
             for name, judged in self.verdicts.items()
             if judged is not None and base is not None and judged.verdict is not base.verdict
         ]
-        return ", ".join(found) or "no changed choice"
+        return ", ".join(choices) or "no changed choice"
 
 
 @dataclass(frozen=True)
@@ -66,13 +66,13 @@ class ChangedSet:
 def changed_verdicts(solutions: Solutions, scope: Scope) -> list[ChangedVerdict]:
     """Every claim, judged with the same curves under the base and under every changed choice."""
     sets = changed_sets(solutions, scope)
-    found = [ChangedVerdict(claim.statement, {s.name: claim.judged(s.curves) for s in sets}, "") for claim in CLAIMS]
+    changed = [ChangedVerdict(claim.statement, {s.name: claim.judged(s.curves) for s in sets}, "") for claim in CLAIMS]
     for claim in MODEL_CLAIMS:
         verdicts = {
             s.name: claim.judged(s.case, s.curves) if not s.key or s.key in claim.depends_on else None for s in sets
         }
-        found.append(ChangedVerdict(claim.statement, verdicts, claim.reason))
-    return found
+        changed.append(ChangedVerdict(claim.statement, verdicts, claim.reason))
+    return changed
 
 
 def changed_sets(solutions: Solutions, scope: Scope) -> list[ChangedSet]:

@@ -43,9 +43,9 @@ def energy_at(one: Solved, frequency_hz: float) -> float:
     curve."""
     f, energy = one.frequency_hz, one.energy_j
     low, high = np.minimum(f[:-1], f[1:]), np.maximum(f[:-1], f[1:])
-    found = np.flatnonzero((low <= frequency_hz) & (frequency_hz <= high) & (high > low))
-    share = (frequency_hz - f[found]) / (f[found + 1] - f[found])
-    values = energy[found] + share * (energy[found + 1] - energy[found])
+    segments = np.flatnonzero((low <= frequency_hz) & (frequency_hz <= high) & (high > low))
+    share = (frequency_hz - f[segments]) / (f[segments + 1] - f[segments])
+    values = energy[segments] + share * (energy[segments + 1] - energy[segments])
     largest = float(values.max()) if values.size else 0.0
     return largest if largest > NO_ENERGY * one.numbers["viscous_energy_j"] else 0.0
 
@@ -129,9 +129,9 @@ def fixed_frequencies(line: Sequence[Solved]) -> dict[str, float]:
 
 
 def _energy_answer(values: Sequence[float], line: Sequence[Solved], along: str, trend: Trend, at: str) -> Answer:
-    told = trend(values) if max(values) > 0.0 else None
+    holds = trend(values) if max(values) > 0.0 else None
     shown = ", ".join(f"{MICRO * value:.3g}" for value in values)
-    return Answer(where(line[0], along), told, f"{shown} µJ at {at}")
+    return Answer(where(line[0], along), holds, f"{shown} µJ at {at}")
 
 
 def by_excitation(solutions: Solutions) -> Iterator[dict[str, Solved]]:
@@ -151,9 +151,9 @@ def same_is_largest(measure: Measure, factor: float, unit: str) -> Callable[...,
         for group in by_excitation(solutions):
             values = {name: measure(group[name]) for name in EXCITATIONS}
             others = max(values["single"], values["opposite"])
-            told = None if values["same"] == others else values["same"] > others
+            holds = None if values["same"] == others else values["same"] > others
             shown = ", ".join(f"{name} {factor * value:.3g}" for name, value in values.items())
-            answers.append(Answer(where(group["same"], "excitation"), told, f"{shown} {unit}"))
+            answers.append(Answer(where(group["same"], "excitation"), holds, f"{shown} {unit}"))
         return answers
 
     return ask
@@ -185,26 +185,30 @@ def between(
 def _two_peaks(solutions: Solutions) -> list[Answer]:
     answers = []
     for group in by_excitation(solutions):
-        found = group["single"].peaks()
-        told = len(found) >= 2 and found[0][1] > max(amplitude for _, amplitude in found[1:])
-        shown = "; ".join(f"{f:.1f} Hz {MICRO * a:.3g} µm" for f, a in found)
-        answers.append(Answer(where(group["single"], "excitation"), told, f"single excitation: {shown}"))
+        peak_list = group["single"].peaks()
+        holds = len(peak_list) >= 2 and peak_list[0][1] > max(amplitude for _, amplitude in peak_list[1:])
+        shown = "; ".join(f"{f:.1f} Hz {MICRO * a:.3g} µm" for f, a in peak_list)
+        answers.append(Answer(where(group["single"], "excitation"), holds, f"single excitation: {shown}"))
     return answers
 
 
 def _peaks_of_both_directions(solutions: Solutions) -> list[Answer]:
     answers = []
     for group in by_excitation(solutions):
-        found = group["single"].peaks()
+        peak_list = group["single"].peaks()
         same, opposite = (group[name].numbers["peak_hz"] for name in ("same", "opposite"))
-        told = len(found) >= 2 and abs(found[0][0] / same - 1.0) < 0.02 and abs(found[-1][0] / opposite - 1.0) < 0.02
-        single = ", ".join(f"{f:.1f}" for f, _ in found)
+        holds = (
+            len(peak_list) >= 2
+            and abs(peak_list[0][0] / same - 1.0) < 0.02
+            and abs(peak_list[-1][0] / opposite - 1.0) < 0.02
+        )
+        single = ", ".join(f"{f:.1f}" for f, _ in peak_list)
         numbers = f"single {single} Hz; same {same:.1f} Hz; opposite {opposite:.1f} Hz"
-        answers.append(Answer(where(group["single"], "excitation"), told, numbers))
+        answers.append(Answer(where(group["single"], "excitation"), holds, numbers))
     return answers
 
 
-def _shares(one: Solved) -> str:
+def _fractions(one: Solved) -> str:
     translation, rotation, deformation = 100.0 * np.asarray(one.shares)
     name = one.setting.excitation
     return f"{name}: translation {translation:.1f} %, rotation {rotation:.1f} %, deformation {deformation:.2g} %"
@@ -213,7 +217,7 @@ def _shares(one: Solved) -> str:
 def _dominated_by(excitation: str, part: int) -> Callable[..., list[Answer]]:
     def ask(solutions: Solutions) -> list[Answer]:
         chosen = [one for one in solutions if one.setting.excitation == excitation]
-        return [Answer(where(one, "excitation"), bool(one.shares[part] > 0.5), _shares(one)) for one in chosen]
+        return [Answer(where(one, "excitation"), bool(one.shares[part] > 0.5), _fractions(one)) for one in chosen]
 
     return ask
 
@@ -236,8 +240,8 @@ def _moves_left(solutions: Solutions) -> list[Answer]:
         if moving(one) == 0.0:
             continue
         shift = one.numbers["peak_hz"] - one.numbers["stuck_peak_hz"]
-        told = None if abs(shift) < 0.05 else shift < 0.0
-        answers.append(Answer(where(one), told, f"{shift:+.2f} Hz from the linear stuck peak"))
+        holds = None if abs(shift) < 0.05 else shift < 0.0
+        answers.append(Answer(where(one), holds, f"{shift:+.2f} Hz from the linear stuck peak"))
     return answers
 
 

@@ -77,10 +77,10 @@ def solve_setting(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
             model = connect(task.case, reduced, task.joint)
             response = solve(task.case, model, threads=task.threads)
             warnings = (*study_warnings(task.case, task.joint), *response.warnings)
-            kept = record(task.setting, model, response, reduced.mode_table, warnings)
+            solved = record(task.setting, model, response, reduced.mode_table, warnings)
     except StickslipError as error:
         return CaseOutcome(converged=False, message=str(error), measures={})
-    return CaseOutcome(response.converged, response.message, {}, file=kept.to_bytes(task.key))
+    return CaseOutcome(response.converged, response.message, {}, file=solved.to_bytes(task.key))
 
 
 class _Run:

@@ -40,11 +40,11 @@ def curves_item(solutions: Solutions) -> Item:
 
 def warnings_table(solutions: Solutions) -> Table:
     """What the solver and the contact law say against curves, numbers left out of the sentences that are alike."""
-    found: dict[str, list[str]] = {}
+    by_pattern: dict[str, list[str]] = {}
     for one in solutions:
         for sentence in one.warnings:
-            found.setdefault(re.sub(r"[0-9.e+-]*[0-9]", "#", sentence), []).append(sentence)
-    rows = sorted(((len(same), same[0]) for same in found.values()), reverse=True)
+            by_pattern.setdefault(re.sub(r"[0-9.e+-]*[0-9]", "#", sentence), []).append(sentence)
+    rows = sorted(((len(same), same[0]) for same in by_pattern.values()), reverse=True)
     return Table(
         "warnings",
         f"Warnings on {sum(bool(one.warnings) for one in solutions)} of {len(solutions)} curves, one of each kind",

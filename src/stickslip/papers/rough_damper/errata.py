@@ -182,9 +182,9 @@ def _smoother(surfaces: Table) -> str:
 def _hardness(solutions: Solutions) -> str:
     parts = []
     for choice in ("hardness 2 GPa", "hardness 4 GPa"):
-        found = [one for one in solutions if one.setting.choice == choice]
-        if found:
-            soft = min(found, key=lambda one: one.numbers["normal_stiffness"])
+        selected = [one for one in solutions if one.setting.choice == choice]
+        if selected:
+            soft = min(selected, key=lambda one: one.numbers["normal_stiffness"])
             parts.append(
                 f"{choice}: K_n {soft.numbers['normal_stiffness']:.3g} N/m (D {soft.setting.dimension:g}, G "
                 f"{soft.setting.scale:g} m)"

@@ -58,8 +58,8 @@ class ModelClaim:
 
 def judged(solutions: Solutions, *names: str) -> tuple[tuple[str, Judgement], ...]:
     """The statements of these claims with the verdicts of these curves."""
-    found = {claim.name: claim for claim in CLAIMS}
-    return tuple((found[name].statement, found[name].judged(solutions)) for name in names)
+    by_name = {claim.name: claim for claim in CLAIMS}
+    return tuple((by_name[name].statement, by_name[name].judged(solutions)) for name in names)
 
 
 def base(solutions: Solutions, law: str = "consistent") -> list[Solved]:

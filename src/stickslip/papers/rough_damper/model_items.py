@@ -124,9 +124,9 @@ def rough_case(base: TwoBladeCase, dimension: float, scale: float) -> TwoBladeCa
 def _heights(base: TwoBladeCase, dimension: float, scale: float) -> tuple[float, float]:
     """Sq in m and Sdq of a rough face between the longest and the shortest wave of the case."""
     case = rough_case(base, dimension, scale)
-    given = roughness_section(case)
-    found = surface_statistics(_roughness(case), given.sample_length, given.shortest_length)
-    return found.sq, found.sdq
+    section = roughness_section(case)
+    statistics = surface_statistics(_roughness(case), section.sample_length, section.shortest_length)
+    return statistics.sq, statistics.sdq
 
 
 def surface_item(base: TwoBladeCase) -> Item:
@@ -216,19 +216,19 @@ def stiffness_item(base: TwoBladeCase) -> Item:
     """K_n and K_t against D, G and load in three modes; where the law fails; equation 8 against Hertz."""
     rows = []
     for dimension, scale, load in _grid():
-        found = {law: _stiffness(base, dimension, scale, load, law) for law in MODES}
-        plain = found["consistent"]
-        ratio = found["paper"].normal / plain.normal if plain.normal else float("nan")
+        by_law = {law: _stiffness(base, dimension, scale, load, law) for law in MODES}
+        plain = by_law["consistent"]
+        ratio = by_law["paper"].normal / plain.normal if plain.normal else float("nan")
         rows.append(
             (
                 dimension,
                 scale,
                 load,
-                found["consistent"].normal,
-                found["paper"].normal,
-                found["unloading"].normal,
+                by_law["consistent"].normal,
+                by_law["paper"].normal,
+                by_law["unloading"].normal,
                 plain.tangential,
-                found["unloading"].tangential,
+                by_law["unloading"].tangential,
                 ratio,
                 100.0 * plain.plastic_load_share,
                 plain.status.value,
@@ -280,10 +280,10 @@ def _judged_stiffness(base: TwoBladeCase, _solutions: Solutions) -> Judgement:
     answers = []
     for dimension in PAPER_DIMENSIONS:
         for load in LOADS:
-            found = _stiffness(base, dimension, PAPER_SCALE, load, law_of(base))
-            holds = found.status is not ContactStatus.FULLY_PLASTIC
+            stiffness = _stiffness(base, dimension, PAPER_SCALE, load, law_of(base))
+            holds = stiffness.status is not ContactStatus.FULLY_PLASTIC
             where = {"D": f"{dimension:g}", "F_N": f"{load:g} N"}
-            answers.append(Answer(where, holds, f"K_n {found.normal:.3g} N/m"))
+            answers.append(Answer(where, holds, f"K_n {stiffness.normal:.3g} N/m"))
     return judge(answers)
 
 
@@ -306,8 +306,8 @@ def _grid() -> Iterator[tuple[float, float, float]]:
 
 def drawn_faces(base: TwoBladeCase) -> list[tuple[str, FloatArray, FloatArray, FloatArray]]:
     """(title, x, y, heights) of the paper's three faces, all with the phases of the case's seed, m."""
-    given, geometry = roughness_section(base), base.geometry
-    phases = draw_phases(given.seed, given.ridges, frequency_count(given.sample_length, given.shortest_length))
+    section, geometry = roughness_section(base), base.geometry
+    phases = draw_phases(section.seed, section.ridges, frequency_count(section.sample_length, section.shortest_length))
     along, across = np.linspace(0.0, geometry.damper_length, 280), np.linspace(0.0, geometry.contact_face_width, 66)
     x, y = np.meshgrid(along, across)
     return [
@@ -315,7 +315,7 @@ def drawn_faces(base: TwoBladeCase) -> list[tuple[str, FloatArray, FloatArray, F
             f"D = {dimension:g}, G = {PAPER_SCALE:g} m",
             x,
             y,
-            fractal_surface(x, y, dimension, PAPER_SCALE, given.sample_length, given.ridges, phases),
+            fractal_surface(x, y, dimension, PAPER_SCALE, section.sample_length, section.ridges, phases),
         )
         for dimension in PAPER_DIMENSIONS
     ]

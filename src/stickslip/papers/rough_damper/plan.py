@@ -156,8 +156,8 @@ class Scope:
         """(D, G) of both series, each pair once."""
         dimensions = self.short_dimensions if short else self.dimensions
         scales = self.short_scales if short else self.scales
-        found = [(d, self.scale) for d in dimensions] + [(self.dimension, g) for g in scales]
-        return tuple(dict.fromkeys(found))
+        settings = [(d, self.scale) for d in dimensions] + [(self.dimension, g) for g in scales]
+        return tuple(dict.fromkeys(settings))
 
     def changed_runs(self, load: float | None = None) -> tuple[tuple[float, float, Roughnesses], ...]:
         """(force N, load N, its roughness) of the runs of a varied choice, or of the base where it is compared with

@@ -47,7 +47,7 @@ class Solved:
     sides:
         (2, 3, samples) m, displacement x, y, z of the damper's middle nodes on its left and right face.
     shares:
-        (3,) translation, rotation and deformation in the damper's motion, see ``rigid_shares``.
+        (3,) translation, rotation and deformation in the damper's motion, see ``rigid_fractions``.
     mode_table:
         (10, 5) mode, Hz of the full and of the reduced model, difference in %, MAC.
     warnings:
@@ -73,8 +73,8 @@ class Solved:
 
     def peaks(self) -> list[tuple[float, float]]:
         """(Hz, m) of every peak inside the curve that reaches 2 % of the highest, by frequency."""
-        found = [p for p in peaks(self.frequency_hz, self.amplitude_m) if p.bracketed]
-        return sorted((p.frequency_hz, p.amplitude) for p in found if p.amplitude > 0.02 * found[0].amplitude)
+        bracketed = [p for p in peaks(self.frequency_hz, self.amplitude_m) if p.bracketed]
+        return sorted((p.frequency_hz, p.amplitude) for p in bracketed if p.amplitude > 0.02 * bracketed[0].amplitude)
 
     def to_bytes(self, key: str) -> bytes:
         """The content of its file, sealed; ``key`` is the hash of the inputs."""
@@ -115,7 +115,7 @@ def _arrays() -> tuple[str, ...]:
     return tuple(item.name for item in fields(Solved) if item.name not in ("setting", "numbers", "warnings"))
 
 
-def rigid_shares(points: FloatArray, motion: NDArray[Any]) -> FloatArray:
+def rigid_fractions(points: FloatArray, motion: NDArray[Any]) -> FloatArray:
     """(3,) shares of translation, rotation and deformation in a harmonic motion; they sum to 1.
 
     ``u_i = t + w x (x_i - c) + e_i`` with ``t``, ``w`` complex by least squares over the points and c their centre;
@@ -197,7 +197,7 @@ def record(
         signals=signals,
         phase_state=phase,
         sides=np.array(sides),
-        shares=rigid_shares(face_pairs.points, _damper_motion(model.superelement, face_pairs, response, point)),
+        shares=rigid_fractions(face_pairs.points, _damper_motion(model.superelement, face_pairs, response, point)),
         mode_table=np.array([[r.mode, r.full_hz, r.reduced_hz, r.difference_percent, r.mac] for r in mode_table]),
         warnings=tuple(warnings),
     )

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stickslip.core.errors import ConvergenceError
-from stickslip.core.files import require_folder, require_room
+from stickslip.core.files import require_disk_space, require_folder
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.model.kinds.two_blade import TwoBladeKind
 from stickslip.papers.rough_damper import choice_items, curve_items, figures, model_items, motion_items, verdict_items
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 PAGE_FILE = "paper.html"
 NUMBERS_FILE = "paper.nc"
-ROOM_BYTES = 50_000_000  # for page, figures, tables and computations of the whole study
+SPACE_BYTES = 50_000_000  # for page, figures, tables and computations of the whole study
 
 
 @dataclass(frozen=True)
@@ -56,36 +56,36 @@ def paper_study(
     What an earlier run into the same folder finished is not computed again. Raises InputError, ResultsFileError;
     ConvergenceError where not one curve was found.
     """
-    folder, told, wanted = Path(out), progress or SilentProgress(), scope or Scope()
+    folder, listener, wanted = Path(out), progress or SilentProgress(), scope or Scope()
     plan = computations(wanted)
     require_folder(folder, (PAGE_FILE, NUMBERS_FILE), (FIGURE_FOLDER, TABLE_FOLDER, COMPUTATIONS))
-    require_room(folder, ROOM_BYTES, ROOM_BYTES)
-    computed = compute(plan, folder, workers, told)
+    require_disk_space(folder, SPACE_BYTES, SPACE_BYTES)
+    computed = compute(plan, folder, workers, listener)
     if not computed.solved:
         raise ConvergenceError(f"none of {len(plan)} curves has a result. The first: {computed.failures[0].message}")
-    return _written(folder, wanted, computed, told)
+    return _written(folder, wanted, computed, listener)
 
 
-def _written(folder: Path, scope: Scope, computed: Computed, told: Progress) -> PaperOutcome:
-    told.update("Files", 0.0, "verdicts")
+def _written(folder: Path, scope: Scope, computed: Computed, listener: Progress) -> PaperOutcome:
+    listener.update("Files", 0.0, "verdicts")
     shown, claims, changed = _items(scope, computed.solved)
     counts = Counter(judged.verdict for _, _, judged in claims)
     verdicts = {verdict: counts[verdict] for verdict in Verdict}
-    told.update("Files", 0.1, FIGURE_FOLDER)
+    listener.update("Files", 0.1, FIGURE_FOLDER)
     wanted = [picture.name for item in shown for picture in item.figures]
-    drawn = _drawn(folder / FIGURE_FOLDER, wanted, _drawings(scope, computed.solved), told)
+    drawn = _drawn(folder / FIGURE_FOLDER, wanted, _drawings(scope, computed.solved), listener)
     tables = [table for item in shown for table in item.tables]
     tables += [
         verdict_items.answers_table(computed.solved),
         choice_items.reasons_table(changed),
         peak_table("curves", "All curves", computed.solved),
     ]
-    told.update("Files", 0.8, TABLE_FOLDER)
+    listener.update("Files", 0.8, TABLE_FOLDER)
     files = [*_tables(folder / TABLE_FOLDER, tables), write_netcdf(tables, computed.solved, folder / NUMBERS_FILE)]
     page = folder / PAGE_FILE
     pictures = {name: written[-1] for name, written in drawn.items()}
     write_page(page, shown, pictures, verdicts, computed.failures, base_case(scope).to_text(), run_provenance())
-    told.update("Files", 1.0, PAGE_FILE)
+    listener.update("Files", 1.0, PAGE_FILE)
     files = [page, *files, *(file for written in drawn.values() for file in written)]
     return PaperOutcome(
         tuple(files), len(computed.solved), computed.found, computed.failures, verdicts, computed.notices
@@ -125,13 +125,13 @@ def _tables(folder: Path, tables: Sequence[Table]) -> list[Path]:
 
 
 def _drawn(
-    folder: Path, wanted: Sequence[str], drawings: dict[str, Callable[[], Figure]], told: Progress
+    folder: Path, wanted: Sequence[str], drawings: dict[str, Callable[[], Figure]], listener: Progress
 ) -> dict[str, tuple[Path, ...]]:
     """Write the wanted figures, in every format."""
     folder.mkdir(parents=True, exist_ok=True)
     drawn = {}
     for place, name in enumerate(wanted):
-        told.update("Files", 0.1 + 0.7 * place / len(wanted), name)
+        listener.update("Files", 0.1 + 0.7 * place / len(wanted), name)
         drawn[name] = figures.write(folder, name, drawings[name])
     return drawn
 

@@ -32,8 +32,8 @@ Judged = tuple[str, str, Judgement]  # statement, place in the paper, verdict
 def judged_claims(case: TwoBladeCase, solutions: Solutions) -> list[Judged]:
     """Every claim: those about the vibration, and those that the model decides alone."""
     chosen = base(solutions)
-    found = [(claim.statement, claim.place, claim.judged(chosen)) for claim in CLAIMS]
-    return found + [(claim.statement, claim.place, claim.judged(case, chosen)) for claim in MODEL_CLAIMS]
+    results = [(claim.statement, claim.place, claim.judged(chosen)) for claim in CLAIMS]
+    return results + [(claim.statement, claim.place, claim.judged(case, chosen)) for claim in MODEL_CLAIMS]
 
 
 def conclusions_item(claims: Sequence[Judged], changed: Sequence[ChangedVerdict]) -> Item:
@@ -78,8 +78,8 @@ def conclusions_item(claims: Sequence[Judged], changed: Sequence[ChangedVerdict]
 
 def _examples(judged: Judgement) -> str:
     """The first answer for and the first against, in words."""
-    told = [answer for answer in judged.answers if answer.holds is not None]
-    chosen = [next((a for a in told if a.holds is wanted), None) for wanted in (True, False)]
+    decided = [answer for answer in judged.answers if answer.holds is not None]
+    chosen = [next((a for a in decided if a.holds is wanted), None) for wanted in (True, False)]
     return " | ".join(
         f"{'for' if answer.holds else 'against'}: {_situation(answer)}: {answer.numbers}" for answer in chosen if answer
     )
@@ -96,8 +96,8 @@ def answers_table(solutions: Solutions) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for claim in CLAIMS:
         for answer in claim.judged(base(solutions)).answers:
-            told = {True: "yes", False: "no", None: "says nothing"}[answer.holds]
-            rows.append((claim.name, _situation(answer), told, answer.numbers))
+            verdict = {True: "yes", False: "no", None: "says nothing"}[answer.holds]
+            rows.append((claim.name, _situation(answer), verdict, answer.numbers))
     return Table(
         "answers",
         "Every situation in which a claim was asked",

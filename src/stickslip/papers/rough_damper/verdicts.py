@@ -57,37 +57,37 @@ def judge(answers: Sequence[Answer]) -> Judgement:
     has such a value, the claim does not hold if it fails in more than half of the situations. Without any situation
     that says something: undecided.
     """
-    told = [answer for answer in answers if answer.holds is not None]
-    silent = len(answers) - len(told)
+    decided = [answer for answer in answers if answer.holds is not None]
+    silent = len(answers) - len(decided)
     rest = f" {silent} more say nothing." if silent else ""
-    if not told:
+    if not decided:
         return Judgement(
             Verdict.UNDECIDED, f"None of {len(answers)} situations says anything about it.", tuple(answers)
         )
-    good = sum(bool(answer.holds) for answer in told)
-    counts = f"{good} of {len(told)} situations.{rest}"
-    if good == len(told):
+    good = sum(bool(answer.holds) for answer in decided)
+    counts = f"{good} of {len(decided)} situations.{rest}"
+    if good == len(decided):
         return Judgement(Verdict.HOLDS, f"In {counts}", tuple(answers))
     if good == 0:
         return Judgement(Verdict.DOES_NOT_HOLD, f"In {counts}", tuple(answers))
-    condition = _condition(told, always=True)
+    condition = _condition(decided, always=True)
     if condition:
         return Judgement(Verdict.HOLDS_IF, f"Always for {condition}. In {counts}", tuple(answers))
-    verdict = Verdict.HOLDS_IF if 2 * good >= len(told) else Verdict.DOES_NOT_HOLD
-    exception = _condition(told, always=False)
+    verdict = Verdict.HOLDS_IF if 2 * good >= len(decided) else Verdict.DOES_NOT_HOLD
+    exception = _condition(decided, always=False)
     words = f"Never for {exception}. " if exception else "No single condition decides. "
     return Judgement(verdict, f"{words}In {counts}", tuple(answers))
 
 
-def _condition(told: Sequence[Answer], always: bool) -> str:
+def _condition(decided: Sequence[Answer], always: bool) -> str:
     """The values of one factor for which the claim always (or never) holds, in words; empty if there is none.
 
     The factor is the one whose values cover most answers. A value that was asked once only is no condition.
     """
     best, covered = "", 0
-    for factor in dict.fromkeys(name for answer in told for name in answer.where):
+    for factor in dict.fromkeys(name for answer in decided for name in answer.where):
         by_value: dict[str, list[bool]] = {}
-        for answer in told:
+        for answer in decided:
             by_value.setdefault(answer.where.get(factor, "not given"), []).append(bool(answer.holds) is always)
         clear = [value for value, agrees in by_value.items() if all(agrees) and len(agrees) > 1]
         opposed = [value for value, agrees in by_value.items() if not any(agrees)]

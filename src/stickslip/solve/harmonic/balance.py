@@ -40,7 +40,7 @@ class Trial:
     error: float  # norm of the residual relative to that of the relative displacement, see Balance.evaluate
 
 
-def _share(part: FloatArray, whole: FloatArray) -> float:
+def relative_norm(part: FloatArray, whole: FloatArray) -> float:
     """Norm of a part over that of the whole; the norm itself if the whole is zero."""
     size, scale = float(np.linalg.norm(part)), float(np.linalg.norm(whole))
     return size / scale if scale > 0.0 else size
@@ -138,7 +138,7 @@ class Balance:
         if self._free.size:
             relative = relative.copy()
             relative[0, self._free] = answer[0, self._free]
-        error = max(_share(residual, self.determined(relative)), self._closing_error(residual, contact))
+        error = max(relative_norm(residual, self.determined(relative)), self._closing_error(residual, contact))
         return Trial(omega, load, relative, deviation, contact, amplitude, residual, error)
 
     def _closing_error(self, residual: FloatArray, contact: LawPeriod) -> float:
@@ -152,7 +152,7 @@ class Balance:
         if not hidden.size:
             return 0.0
         force = springs[hidden, :, None] * residual.T.reshape(self.pairs.n_pairs, 3, -1)[hidden]
-        return _share(force, contact.force)
+        return relative_norm(force, contact.force)
 
     def determined(self, relative: FloatArray) -> FloatArray:
         """A copy (2H+1, m) without the means that no contact force depends on (:meth:`ContactPairs.undetermined`).

@@ -28,7 +28,7 @@ class ResolutionCheck:
     neglected_motion:
         relative displacement by the contact force in neglected harmonics (as many as in the solution, at least four),
         over that of the solution.
-    last_harmonic_share:
+    last_harmonic_fraction:
         fraction of the kinetic energy in the two highest harmonics that are not excited (two, because one may be zero
         by symmetry); None if all harmonics are excited.
     """
@@ -37,7 +37,7 @@ class ResolutionCheck:
     sample_omega: float
     neglected_motion: float
     neglected_omega: float
-    last_harmonic_share: float | None
+    last_harmonic_fraction: float | None
 
     def warnings(self, harmonics: int, samples: int) -> tuple[str, ...]:
         """A warning for each number above its limit."""
@@ -50,13 +50,15 @@ class ResolutionCheck:
                 f"Run again with samples = {2 * samples}."
             )
         if self.neglected_motion > LARGEST_NEGLECTED_MOTION:
-            last = self.last_harmonic_share
-            kept = "" if last is None else f"; the highest kept ones hold {100 * last:.2g} % of the kinetic energy"
+            last = self.last_harmonic_fraction
+            energy_words = (
+                "" if last is None else f"; the highest kept ones hold {100 * last:.2g} % of the kinetic energy"
+            )
             more = 2 if self.neglected_motion < 5.0 * LARGEST_NEGLECTED_MOTION else harmonics
             sentences.append(
                 f"Too few harmonics: those above {harmonics} would move the joint by "
                 f"{100 * self.neglected_motion:.1f} % of its motion at {self.neglected_omega / (2 * np.pi):.2f} Hz "
-                f"(wanted: below {100 * LARGEST_NEGLECTED_MOTION:.0f} %){kept}. "
+                f"(wanted: below {100 * LARGEST_NEGLECTED_MOTION:.0f} %){energy_words}. "
                 f"Run again with harmonics = {harmonics + max(2, more)}."
             )
         return tuple(sentences)
@@ -98,30 +100,30 @@ def check_resolution(
     chosen = [trials[i] for i in sorted({*spread.tolist(), int(np.argmax(size))})]
     residuals = np.array([_fine_residuals(fine, trial) for trial in chosen])
     excited: NDArray[np.bool_] = np.abs(fine.applied(chosen)).max(axis=(0, 2)) > 0
-    shares = [last_harmonic_share(trial.amplitude, excited) for trial in chosen]
-    known = [share for share in shares if share is not None]
+    shares = [last_harmonic_fraction(trial.amplitude, excited) for trial in chosen]
+    valid = [share for share in shares if share is not None]
     sample, neglected = residuals.argmax(axis=0)
     return ResolutionCheck(
         float(residuals[sample, 0]),
         chosen[sample].omega,
         float(residuals[neglected, 1]),
         chosen[neglected].omega,
-        max(known) if known else None,
+        max(valid) if valid else None,
     )
 
 
 def _fine_residuals(fine: Balance, trial: Trial) -> tuple[float, float]:
     """Residuals of a trial in the finer balance, in its own and in neglected harmonics, over the relative
     displacement."""
-    kept = trial.relative.shape[0]
+    width = trial.relative.shape[0]
     padded = np.zeros((2 * fine.harmonics + 1, trial.relative.shape[1]))
-    padded[:kept] = trial.relative
+    padded[:width] = trial.relative
     residual = fine.evaluate(padded, trial.omega, trial.load).residual
     scale = max(float(np.linalg.norm(trial.relative)), 1e-300)
-    return float(np.linalg.norm(residual[:kept])) / scale, float(np.linalg.norm(residual[kept:])) / scale
+    return float(np.linalg.norm(residual[:width])) / scale, float(np.linalg.norm(residual[width:])) / scale
 
 
-def last_harmonic_share(amplitude: FloatArray, excited: NDArray[np.bool_]) -> float | None:
+def last_harmonic_fraction(amplitude: FloatArray, excited: NDArray[np.bool_]) -> float | None:
     """Fraction of the kinetic energy in the two highest harmonics that no force excites; None if there are none.
 
     ``amplitude`` (2H, n) of mass-normalised modes; ``excited`` (>= 2H+1,) marks the nonzero coefficients of the force.

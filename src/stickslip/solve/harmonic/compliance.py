@@ -69,15 +69,15 @@ class StaticFactor:
     @classmethod
     def build(cls, superelement: Superelement, pairs: ContactPairs, springs: FloatArray) -> StaticFactor:
         """The factor with ``springs`` (n_pairs, 3) N/m along t1, t2, n. Raises InputError where it is singular."""
-        held = cls.attempt(superelement, pairs, springs)
-        if held is None:
+        factor = cls.attempt(superelement, pairs, springs)
+        if factor is None:
             raise InputError(
                 "the structure with all contacts closed and stuck is singular to working accuracy: some body can move "
                 "freely, or the contact is many orders stiffer than the structure. Fix the body somewhere, check that "
                 "the contact operator couples it to the rest, or lower the contact stiffness: a joint a thousand times "
                 "stiffer than what it joins is rigid."
             )
-        return held
+        return factor
 
     @classmethod
     def attempt(cls, superelement: Superelement, pairs: ContactPairs, springs: FloatArray) -> StaticFactor | None:
@@ -113,7 +113,7 @@ def mean_factor(superelement: Superelement, pairs: ContactPairs) -> tuple[Static
     return StaticFactor.build(superelement, pairs, springs * (~undetermined + restraint * frictional)), restraint
 
 
-def _require_held_at_rest(superelement: Superelement, pairs: ContactPairs) -> None:
+def _require_support_at_rest(superelement: Superelement, pairs: ContactPairs) -> None:
     """Raise InputError for a body that only pairs with a gap could support: it has no state at rest."""
     closed = pairs.closed_at_rest
     if closed.all():
@@ -187,7 +187,7 @@ class Compliance:
         far = self._contact_modes[:, gain.near_modes :]
         self._far = (far / stuck.circular_frequency[gain.near_modes :] ** 2) @ far.T
         self._near_contact = np.ascontiguousarray(self._contact_modes[:, : gain.near_modes])
-        self._kept: tuple[bytes, FloatArray, FloatArray] | None = None
+        self._cached: tuple[bytes, FloatArray, FloatArray] | None = None
 
     def restraint_force(self, mean_relative: FloatArray) -> FloatArray:
         """(..., n_pairs, 2) N along t1, t2 of the restraint at mean relative displacements (..., 3 n_pairs)."""
@@ -243,9 +243,9 @@ class Compliance:
     def newton(self, omega: float, columns: IndexArray) -> NewtonCompliance:
         """A for the Newton matrix at ``omega``, for deviations on ``columns``."""
         key = columns.tobytes()
-        if self._kept is None or self._kept[0] != key:
-            self._kept = key, self._mean_contact[columns], self._far[columns]
-        _, mean, far = self._kept
+        if self._cached is None or self._cached[0] != key:
+            self._cached = key, self._mean_contact[columns], self._far[columns]
+        _, mean, far = self._cached
         return NewtonCompliance(mean, far, self._near_contact, self._near_contact[columns], self.gain.near(omega))
 
 
@@ -304,7 +304,7 @@ def stuck_structure(
             "give either a damping matrix in the superelement or modal_damping_ratio, not both.",
             arguments=["modal_damping_ratio"],
         )
-    _require_held_at_rest(superelement, pairs)
+    _require_support_at_rest(superelement, pairs)
     mean, restraint = mean_factor(superelement, pairs)
     frequency, modes = modal_basis(superelement.mass, stuck_stiffness_matrix(superelement, pairs))
     modal: FloatArray | None

@@ -17,7 +17,7 @@ from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem, Row
 from stickslip.solve.path.problem import NO_PARAMETERS, Plane, Step
 
-Held = Literal["amplitude", "phase"]
+Control = Literal["amplitude", "phase"]
 
 
 @dataclass(frozen=True)
@@ -148,10 +148,10 @@ class ControlledCurve(_BalanceCurve):
     here (response-controlled testing: T. Karaagacli and H. N. Ozguven, Mech. Syst. Signal Process. 148 (2021) 107156).
     """
 
-    def __init__(self, balance: Balance, output: FloatArray, held: Held, target: float) -> None:
+    def __init__(self, balance: Balance, output: FloatArray, control: Control, target: float) -> None:
         super().__init__(balance)
         self._modes = balance.compliance.output_modes(output)
-        self._held = held
+        self._control = control
         self._target = target
 
     def evaluate(self, unknowns: FloatArray, parameters: FloatArray) -> BalancePoint:
@@ -164,7 +164,7 @@ class ControlledCurve(_BalanceCurve):
         cosine, sine = (float(row @ self._modes) for row in trial.amplitude[:2])
         size = max(math.hypot(cosine, sine), 1e-300)
         weights = np.zeros_like(trial.amplitude)
-        if self._held == "amplitude":
+        if self._control == "amplitude":
             weights[0], weights[1] = cosine / size * self._modes, sine / size * self._modes
             return size / self._target - 1.0, weights / self._target
         # Im((c - i s) exp(-i t)) / |o| = -(c sin t + s cos t) / |o|.
@@ -179,7 +179,7 @@ class ControlledCurve(_BalanceCurve):
         too."""
         cosine, sine = (float(row @ self._modes) for row in point.trial.amplitude[:2])
         along = math.cos(self._target) * cosine - math.sin(self._target) * sine  # Re((c - i s) exp(-i t))
-        return self._held == "phase" and point.trial.load * along < 0.0
+        return self._control == "phase" and point.trial.load * along < 0.0
 
     def linearised(self, point: BalancePoint, plane: Plane | None) -> _Linearised:
         balance, trial = self.balance, point.trial

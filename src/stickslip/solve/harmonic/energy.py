@@ -68,8 +68,10 @@ def _measure(
     applied = balance.applied(trials)
     residual = _equation_residuals(trials, displacement, contact, applied, balance, superelement, stuck)
     # The input is the work of the force; its sign convention makes it positive where energy goes in.
-    given = _work(order, displacement, applied).sum(axis=1)
-    return CurveMeasures(displacement, by_direction.sum(axis=2), by_direction[:, :, 2], given, viscous, residual)
+    work_of_force = _work(order, displacement, applied).sum(axis=1)
+    return CurveMeasures(
+        displacement, by_direction.sum(axis=2), by_direction[:, :, 2], work_of_force, viscous, residual
+    )
 
 
 def _work(order: Orders, motion: FloatArray, force: FloatArray) -> FloatArray:

@@ -75,14 +75,14 @@ class DiagonalGain:
         self._squares = circular_frequency**2
         self._damping = damping
         self._order = np.arange(1, harmonics + 1)[:, None]
-        self._kept: tuple[float, ComplexArray] | None = None
+        self._cached: tuple[float, ComplexArray] | None = None
 
     def _gain(self, omega: float) -> ComplexArray:
         """(H, n) gains; those of the last frequency are cached."""
-        if self._kept is None or self._kept[0] != omega:
+        if self._cached is None or self._cached[0] != omega:
             x = self._order * omega
-            self._kept = omega, np.asarray(1.0 / (self._squares - x**2 + 1j * x * self._damping))
-        return self._kept[1]
+            self._cached = omega, np.asarray(1.0 / (self._squares - x**2 + 1j * x * self._damping))
+        return self._cached[1]
 
     def answer(self, omega: float, force: FloatArray) -> FloatArray:
         return times_gain(self._gain(omega), force)
@@ -115,18 +115,18 @@ class CoupledGain:
         far[np.arange(near_modes, len(far)), np.arange(near_modes, len(far))] = 0.0
         self._coupling = far
         self._order = np.arange(1, harmonics + 1)[:, None]
-        self._kept: tuple[float, ComplexArray, ComplexArray] | None = None
+        self._cached: tuple[float, ComplexArray, ComplexArray] | None = None
 
     def _inner(self, omega: float) -> tuple[ComplexArray, ComplexArray]:
         """Inverse (H, p, p) of the near block and gains (H, n - p) of the far diagonal; those of the last frequency are
         cached."""
-        if self._kept is None or self._kept[0] != omega:
+        if self._cached is None or self._cached[0] != omega:
             x, p = self._order * omega, self.near_modes
             block = 1j * x[:, :, None] * self._damping[:p, :p]
             block[:, np.arange(p), np.arange(p)] += self._squares[:p] - x**2
             far: ComplexArray = np.asarray(1.0 / (self._squares[p:] - x**2 + 1j * x * np.diag(self._damping)[p:]))
-            self._kept = (omega, np.asarray(np.linalg.inv(block), dtype=complex), far)
-        return self._kept[1], self._kept[2]
+            self._cached = (omega, np.asarray(np.linalg.inv(block), dtype=complex), far)
+        return self._cached[1], self._cached[2]
 
     def _solve(self, omega: float, force: ComplexArray) -> ComplexArray:
         near, far = self._inner(omega)

@@ -38,10 +38,10 @@ class LinearLimit:
         self.circular_frequency, self._modes = circular_frequency, modes
         self.rigid = np.zeros(circular_frequency.size, dtype=bool) if rigid is None else rigid
         if modal_damping.ndim == 1:
-            self._diagonal, self._rest = modal_damping, None
+            self._diagonal, self._coupling = modal_damping, None
         else:
             self._diagonal = np.diag(modal_damping).copy()
-            self._rest = modal_damping - np.diag(self._diagonal)
+            self._coupling = modal_damping - np.diag(self._diagonal)
 
     @classmethod
     def of_matrices(cls, mass: FloatArray, stiffness: FloatArray, damping: FloatArray) -> LinearLimit:
@@ -85,16 +85,16 @@ class LinearLimit:
         """Modal amplitudes (n_modes, n_frequencies), complex."""
         gain = 1.0 / (self.circular_frequency[:, None] ** 2 - x**2 + 1j * x * self._diagonal[:, None])
         modal = gain * force[:, None]
-        if self._rest is None:
+        if self._coupling is None:
             return modal
         for _ in range(40):
-            improved = gain * (force[:, None] - 1j * x * _product(self._rest, modal))
+            improved = gain * (force[:, None] - 1j * x * _product(self._coupling, modal))
             change = np.abs(improved - modal).max(axis=0)
             modal = improved
             if (change <= 1e-10 * np.abs(modal).max(axis=0)).all():
                 return modal
         for k in np.flatnonzero(~(change <= 1e-10 * np.abs(modal).max(axis=0))):
-            matrix = np.diag(1.0 / gain[:, k]) + 1j * x[k] * self._rest
+            matrix = np.diag(1.0 / gain[:, k]) + 1j * x[k] * self._coupling
             modal[:, k] = scipy.linalg.solve(matrix, force)
         return modal
 

@@ -78,7 +78,9 @@ class Branch(Generic[PointT]):
         self._largest = 0.0
         self._visited: Visited[PointT] = Visited()
         self._back: list[int] = []
-        self._left: PointT | None = None  # target of the last retreat, and the number of earlier ones with this target
+        self._last_target: PointT | None = (
+            None  # target of the last retreat, and the number of earlier ones with this target
+        )
         self._again = 0
         self._pace = Pace(settings.largest_step)
         self.points: list[BranchPoint[PointT]] = []
@@ -93,7 +95,7 @@ class Branch(Generic[PointT]):
         tangent = self._first_tangent()
         if tangent is None:
             self.message = (
-                f"The equations are singular at the start, {self._named(self._start)}: no direction of the curve is "
+                f"The equations are singular at the start, {self._name_of(self._start)}: no direction of the curve is "
                 "determined there. Start elsewhere."
             )
             return self.points
@@ -105,8 +107,8 @@ class Branch(Generic[PointT]):
                 outcome = self._around_corner(point, tangent)
             if outcome is None:
                 return self.points
-            correction, turned, taken, step = outcome
-            self._pace.walked(taken)
+            correction, turned, length, step = outcome
+            self._pace.advance(length)
             reached = _parameter(correction.point)
             if (reached - self._stop) * self._direction >= 0.0:
                 landed, iterations = self._land(point, correction.point)
@@ -116,32 +118,32 @@ class Branch(Generic[PointT]):
                 return self.points
             if (reached - self._origin) * self._direction < 0.0:
                 self.message = (
-                    f"The branch turned back and left the range at {self._named(correction.point)}, where it had "
+                    f"The branch turned back and left the range at {self._name_of(correction.point)}, where it had "
                     "started. Start from the other end (swap start and stop), or widen the range."
                 )
                 return self.points
             self._accept(BranchPoint(correction.point, correction.iterations))
-            met = self._met()
-            if met is None:
-                bend = turned.plus(tangent.times(-1.0)).times(1.0 / taken)
+            target = self._retreat_target()
+            if target is None:
+                bend = turned.plus(tangent.times(-1.0)).times(1.0 / length)
                 tangent = turned
                 continue
             if len(self.retreats) == MOST_RETREATS:
                 self.message = (
                     f"The branch came back to where it had been {MOST_RETREATS + 1} times, the last time at "
-                    f"{self._named(self.points[-1].point)}: other solutions lie too close to it. Take more "
+                    f"{self._name_of(self.points[-1].point)}: other solutions lie too close to it. Take more "
                     "samples, fewer harmonics, or more damping."
                 )
                 return self.points
-            tangent, step = self._retreat(met)
+            tangent, step = self._retreat(target)
             bend = tangent.times(0.0)
         self.message = (
             f"{self._settings.max_points} points were not enough; the branch had come to "
-            f"{self._named(self.points[-1].point)}. Raise max_points or narrow the range."
+            f"{self._name_of(self.points[-1].point)}. Raise max_points or narrow the range."
         )
         return self.points
 
-    def _named(self, point: PointT) -> str:
+    def _name_of(self, point: PointT) -> str:
         return self._problem.named(_parameter(point))
 
     def _accept(self, point: BranchPoint[PointT]) -> None:
@@ -149,7 +151,7 @@ class Branch(Generic[PointT]):
         self._visited.add(point.point)
         self._on_event(Accepted(point.point, len(self.points)))
 
-    def _met(self) -> int | None:
+    def _retreat_target(self) -> int | None:
         """The target of a retreat because the last step came back to the branch; None if the point is new.
 
         On a second round of a loop in the same direction it is the point before the first of the loop; after a
@@ -196,7 +198,7 @@ class Branch(Generic[PointT]):
         onward = chord_between(points[last], points[last + 1])
         length = math.sqrt(metric.product(onward, onward))
         self._again = self._again + 1 if self._retreated_near(points[last], length, metric) else 0
-        self._left = points[last]
+        self._last_target = points[last]
         self.retreats.append(_parameter(points[last]))
         self._on_event(Retreat(_parameter(points[last]), last + 1))
         if self._again == 0:
@@ -204,18 +206,18 @@ class Branch(Generic[PointT]):
             self._pace.slow_down(step)
         else:
             step = min(LONGER**self._again * length, self._settings.first_step)
-            self._pace.hurry()
+            self._pace.relax()
         del self.points[last + 1 :]
-        self._visited.keep(last + 1)
+        self._visited.truncate(last + 1)
         self._back.clear()
         system = self._problem.linearised(points[last], self._plane(points[last], onward, 0.0))
         return metric.unit(self._direction_of(points[last], system, 1.0)), step
 
     def _retreated_near(self, point: PointT, length: float, metric: Metric) -> bool:
         """Whether the last retreat went to a point within a few steps of this one."""
-        if self._left is None:
+        if self._last_target is None:
             return False
-        away = chord_between(self._left, point)
+        away = chord_between(self._last_target, point)
         return metric.product(away, away) <= (LONGER * length) ** 2
 
     def _measure(self, point: PointT) -> Metric:
@@ -273,18 +275,18 @@ class Branch(Generic[PointT]):
             turned = self._direction_of(correction.point, system, 1.0)
             metric = self._measure(correction.point)
             angle = max(metric.angle_deg(turned, tangent), self._detour_deg(metric, point, correction.point, tangent))
-            found = correction, metric.unit(turned), length, self._next_step(length, correction.iterations, angle)
+            candidate = correction, metric.unit(turned), length, self._next_step(length, correction.iterations, angle)
             if angle <= settings.largest_angle_deg:
                 if length > step:
                     self.corners.append(_parameter(point))
                     self._on_event(Corner(_parameter(point)))
-                return found
+                return candidate
             reason = f"the branch turned by {angle:.0f} degrees"
             if length < 4.0 * settings.smallest_step:
-                last = found  # a corner, if no step passes it
+                last = candidate  # a corner, if no step passes it
         if last is None:
             self.message = (
-                f"The branch was lost at {self._named(point)}: {reason} even at the smallest step "
+                f"The branch was lost at {self._name_of(point)}: {reason} even at the smallest step "
                 f"({settings.smallest_step:g} of the range). Try more samples, fewer harmonics, or a lower force."
             )
         return last

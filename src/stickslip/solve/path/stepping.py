@@ -72,21 +72,21 @@ class Pace:
 
     def __init__(self, largest_step: float) -> None:
         self._largest = self.limit = largest_step
-        self._rest = 0.0
+        self._slow_length = 0.0
 
     def slow_down(self, limit: float) -> None:
         """Steps of at most ``limit`` for the length of ``SLOW_STEPS`` of them."""
-        self.limit, self._rest = limit, SLOW_STEPS * limit
+        self.limit, self._slow_length = limit, SLOW_STEPS * limit
 
-    def hurry(self) -> None:
+    def relax(self) -> None:
         """Steps of any length again."""
         self.limit = self._largest
 
-    def walked(self, length: float) -> None:
+    def advance(self, length: float) -> None:
         """Count a step of ``length``."""
-        self._rest -= length
-        if self._rest <= 0.0:
-            self.hurry()
+        self._slow_length -= length
+        if self._slow_length <= 0.0:
+            self.relax()
 
 
 def lengths_to_try(step: float, settings: ContinuationSettings) -> Iterator[float]:

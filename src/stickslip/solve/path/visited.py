@@ -33,7 +33,7 @@ class Visited(Generic[PointT]):
         self.points.append(point)
         self._sizes.append(float(np.linalg.norm(point.measured)))
 
-    def keep(self, count: int) -> None:
+    def truncate(self, count: int) -> None:
         """Remove all but the first ``count`` points."""
         del self.points[count:], self._sizes[count:]
 

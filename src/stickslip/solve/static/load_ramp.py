@@ -39,7 +39,7 @@ FIRST_DAMPING, LAST_DAMPING, LARGEST_DAMPING, DAMPED_STEPS = 1.0, 1e-5, 1e3, 60
 DAMPING_DECAY, DAMPING_GROWTH = 0.4, 4.0
 # Without friction: the fraction of the forces that the restraint may carry at the end, the fraction above which it is
 # moved, and the factor by which each move must lower it.
-LARGEST_RESTRAINT_SHARE, SMALLEST_RESTRAINT_SHARE, RESTRAINT_DECAY = 1e-3, 1e-10, 0.99
+LARGEST_RESTRAINT_FRACTION, SMALLEST_RESTRAINT_FRACTION, RESTRAINT_DECAY = 1e-3, 1e-10, 0.99
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class LoadRamp:
     ) -> None:
         self._joint = RestingJoint.build(superelement, pairs, load, law, gap, friction)
         self._iterations = 0
-        self._slider_rest = np.zeros((pairs.n_pairs, 3))
+        self._slider_position = np.zeros((pairs.n_pairs, 3))
 
     def run(self, steps: int) -> StaticState:
         """The state under the full load. Raises ConvergenceError."""
@@ -72,7 +72,7 @@ class LoadRamp:
         history = History(np.zeros((n_pairs, 3)), joint.memories)
         reached, increment, count, damped = 0.0, 1.0 / steps, 0, False
         self._iterations = 0
-        self._slider_rest = np.zeros((n_pairs, 3))
+        self._slider_position = np.zeros((n_pairs, 3))
         point: StepPoint | None = None
         while reached < 1.0:
             target = min(1.0, reached + increment)
@@ -106,7 +106,7 @@ class LoadRamp:
         self, guess: FloatArray, history: History, load: float, damping: float = 0.0, centre: FloatArray | None = None
     ) -> StepPoint | None:
         """A converged point from ``guess``, or None."""
-        problem = self._joint.step(history.memories, load, self._slider_rest, damping, centre)
+        problem = self._joint.step(history.memories, load, self._slider_position, damping, centre)
         correction = Newton(problem, NEWTON, self._count).correct(problem.evaluate(guess))
         return correction.point if correction.converged else None
 
@@ -222,20 +222,20 @@ class LoadRamp:
         The structure or other contacts take over the force, step by step (a proximal point method). Where nothing does,
         the force stays: ConvergenceError unless it is small; then it is part of the residual of the state.
         """
-        held, share = self._restrained(point)
-        while share > SMALLEST_RESTRAINT_SHARE:
-            self._slider_rest = point.unknowns.copy()
+        force, share = self._restrained(point)
+        while share > SMALLEST_RESTRAINT_FRACTION:
+            self._slider_position = point.unknowns.copy()
             moved = self._newton(point.unknowns, history, 1.0)
             before = share
             if moved is not None:
                 point = moved
-                held, share = self._restrained(point)
+                force, share = self._restrained(point)
             if moved is None or share > RESTRAINT_DECAY * before:
                 break
-        if share > LARGEST_RESTRAINT_SHARE:
+        if share > LARGEST_RESTRAINT_FRACTION:
             raise ConvergenceError(
                 f"without friction the static load pushes a body along a direction in which nothing holds it: an "
-                f"artificial restraint carries {held:.3g} N there. Keep the traction of the static solution with "
+                f"artificial restraint carries {force:.3g} N there. Keep the traction of the static solution with "
                 'friction (residual_traction = "kept"), or hold the body along that direction.'
             )
         return point
@@ -243,6 +243,6 @@ class LoadRamp:
     def _restrained(self, point: StepPoint) -> tuple[float, float]:
         """What the restraint carries: N, and as a share of the load and the contact forces."""
         transposed, frictional = self._joint.pairs.operator.T, self._joint.frictional
-        held = float(np.linalg.norm(transposed @ np.where(frictional, point.force, 0.0).ravel()))
+        force = float(np.linalg.norm(transposed @ np.where(frictional, point.force, 0.0).ravel()))
         contact = float(np.linalg.norm(transposed @ np.where(frictional, 0.0, point.force).ravel()))
-        return held, held / (float(np.linalg.norm(self._joint.load)) + contact + 1e-300)
+        return force, force / (float(np.linalg.norm(self._joint.load)) + contact + 1e-300)

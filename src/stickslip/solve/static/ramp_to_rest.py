@@ -83,7 +83,7 @@ def static_preload(
     """
     force = _checked_load(load, superelement, pairs)
     steps = whole_number("steps", steps, 1)
-    told = progress or (lambda fraction, detail: None)
+    listener = progress or (lambda fraction, detail: None)
     if local_stiffness is not None or normal_law is not None:
         _ = pairs.coulomb  # raises InputError for other laws
     gap = _gap(pairs)
@@ -93,11 +93,11 @@ def static_preload(
     others = pairs.law_names != (CoulombLaw.name,) and pairs.frictional().any()
     bent = friction and (gap.any() or normal_law is not None or others)
     if bent:
-        state, steps, path = _settled(ramp, pairs, state, steps)
+        state, steps, path = _refined_steps(ramp, pairs, state, steps)
     if local_stiffness is None:
         return replace(state, message=state.message + (path if bent else ""))
     for iteration in range(STIFFNESS_ITERATIONS):
-        told(iteration / STIFFNESS_ITERATIONS, f"local stiffness, iteration {iteration + 1}")
+        listener(iteration / STIFFNESS_ITERATIONS, f"local stiffness, iteration {iteration + 1}")
         normal, tangential = local_stiffness(state.normal_force)
         # Half a step in the logarithm: stiffness is nearly proportional to the load, and a full step would overshoot.
         normal = np.sqrt(normal * state.normal_stiffness) if normal_law is None else state.normal_stiffness
@@ -116,7 +116,7 @@ def static_preload(
         if change <= STIFFNESS_TOLERANCE:
             words = f" Local stiffness after {iteration + 1} iterations."
             if bent:
-                state, _, path = _settled(ramp, pairs, state, steps)
+                state, _, path = _refined_steps(ramp, pairs, state, steps)
                 words = path + words
             return replace(state, message=state.message + words)
     raise ConvergenceError(
@@ -149,7 +149,7 @@ def _change(new: FloatArray, old: FloatArray) -> float:
     return float(np.abs(new - old).max() / max(old.max(), 1e-300))
 
 
-def _settled(ramp: LoadRamp, pairs: ContactPairs, state: StaticState, steps: int) -> tuple[StaticState, int, str]:
+def _refined_steps(ramp: LoadRamp, pairs: ContactPairs, state: StaticState, steps: int) -> tuple[StaticState, int, str]:
     """The state from a number of load steps above which its tractions do not change, this number, and a sentence on
     it."""
     while True:

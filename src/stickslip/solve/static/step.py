@@ -89,14 +89,14 @@ class RestingJoint:
         """
         return load * float(np.linalg.norm(self.bonded)) + float(np.linalg.norm(self.gap)) + 1e-300
 
-    def forces(self, relative: FloatArray, before: tuple[Any, ...], slider_rest: FloatArray) -> LawStep:
-        """Contact forces after a step; ``slider_rest`` (n_pairs, 3) m is where a restraint carries nothing."""
+    def forces(self, relative: FloatArray, before: tuple[Any, ...], slider_position: FloatArray) -> LawStep:
+        """Contact forces after a step; ``slider_position`` (n_pairs, 3) m is where a restraint carries nothing."""
         step = joined_step(self.laws, self.pairs.members, relative, before)
         if self.friction:
             return step
         # A body that only friction would hold gets the restraint of the mean position in dynamics.
         restraint = MEAN_RESTRAINT * self.springs
-        force = np.where(self.frictional, restraint * (relative - slider_rest), step.force)
+        force = np.where(self.frictional, restraint * (relative - slider_position), step.force)
         derivative = np.where(self.frictional[:, :, None], restraint[:, :, None] * np.eye(3), step.derivative)
         slides = self.frictional.any(axis=1) & (step.state != ContactState.SEPARATING)
         state = np.where(slides, ContactState.STICK_SLIP, step.state).astype(np.int8)
@@ -106,7 +106,7 @@ class RestingJoint:
         self,
         before: tuple[Any, ...],
         load: float,
-        slider_rest: FloatArray,
+        slider_position: FloatArray,
         damping: float = 0.0,
         centre: FloatArray | None = None,
     ) -> JointStep:
@@ -116,7 +116,7 @@ class RestingJoint:
         """
         scale = self.scale(load)
         return JointStep(
-            forces=lambda relative: self.forces(relative, before, slider_rest),
+            forces=lambda relative: self.forces(relative, before, slider_position),
             springs=self.springs,
             compliance=self.compliance,
             linear=load * self.bonded,

@@ -63,9 +63,9 @@ def step_law(  # type: ignore[no-untyped-def]  # pragma: no cover
         share = normal_end / normal_change
         if pull <= mu * normal_change:
             force[0], force[1] = share * pull0, share * pull1
-            share_rate = -normal_stiffness * normal_force / normal_change**2
+            fraction_rate = -normal_stiffness * normal_force / normal_change**2
             tangent[0, 0] = tangent[1, 1] = share * k
-            tangent[0, 2], tangent[1, 2] = pull0 * share_rate, pull1 * share_rate
+            tangent[0, 2], tangent[1, 2] = pull0 * fraction_rate, pull1 * fraction_rate
             return STUCK
         e0, e1 = pull0 / pull, pull1 / pull
         force[0], force[1] = limit_end * e0, limit_end * e1
@@ -200,7 +200,7 @@ def march_period(  # type: ignore[no-untyped-def]  # pragma: no cover
     tangents = np.empty((n_pairs, 3, 3))
     deviation_tangent = np.zeros((n_pairs, 3, 3))
     step = np.empty(3)
-    known_force = np.empty(size)
+    weighted_old_force = np.empty(size)
     deviation = np.empty(size)
     relative = np.empty(size)
     residual = np.empty(size)
@@ -215,10 +215,12 @@ def march_period(  # type: ignore[no-untyped-def]  # pragma: no cover
         force_history[index] = contact_force
         for pair in range(n_pairs):
             for axis in range(3):
-                known = contact_force[pair, axis] - at_rest[pair, axis]
-                known_force[3 * pair + axis] = old_force_weight * known
+                old_force = contact_force[pair, axis] - at_rest[pair, axis]
+                weighted_old_force[3 * pair + axis] = old_force_weight * old_force
             normal_start[pair] = preload[pair] + stuck_springs[3 * pair + 2] * contact_motion[pair, 2]
-        linear = contact_load_response[index] + contact_state_response @ motion - contact_compliance @ known_force
+        linear = (
+            contact_load_response[index] + contact_state_response @ motion - contact_compliance @ weighted_old_force
+        )
         for row in range(size):
             # Start of the iteration: the deviation from stuck springs stays that of the last step.
             pair, axis = row // 3, row % 3
@@ -285,7 +287,7 @@ def march_period(  # type: ignore[no-untyped-def]  # pragma: no cover
         if not converged:
             return index
 
-        full_force = known_force + deviation
+        full_force = weighted_old_force + deviation
         displacement = load_response[index] + state_response @ motion - force_response @ full_force
         velocity_old = motion[n : 2 * n].copy()
         acceleration_old = motion[2 * n :].copy()
