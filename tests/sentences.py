@@ -35,6 +35,7 @@ _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
 _VARYING = (
     (re.compile(r"\bprocess \d+"), "process <number>"),
     (re.compile(r"\b[\d.]+ MB free"), "<number> MB free"),
+    (re.compile(r"\bhas [\d.]+ [kM]B\b"), "has <size>"),  # of a file that HDF5 or a compression wrote
     (re.compile(r"(tcp|tls)://[\w.]+:\d+"), r"\1://<address>"),
     (re.compile(r"\btmp[a-z0-9_]{8}\b"), "<name>"),
     (re.compile(r"\b0x[0-9a-f]{8,}"), "<address>"),
