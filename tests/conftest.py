@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -10,6 +11,27 @@ import pytest
 from helpers import Blade
 
 pytest_plugins = ("pytester", "sentences", "structure_fixtures")
+
+
+TESTS = Path(__file__).parent
+# The tracer of the coverage makes tests 1.7 times slower. Slow tests of these files run the lines that quick tests of
+# the same room cover, on larger problems; commands that they start are traced nevertheless.
+UNTRACED = (
+    "contact/", "solve/", "structure/", "model/kinds/test_gmsh_study.py", "model/test_solved_preload.py",
+    "reporting/test_", "test_benchmarks.py", "test_examples.py", "test_guide.py", "test_site.py",
+)  # fmt: skip
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Slow tests of :data:`UNTRACED` run without the tracer; files with many slow tests run first, so that the
+    processes of the tests end together."""
+    slow: Counter[Path] = Counter()
+    for item in items:
+        if item.get_closest_marker("slow"):
+            slow[item.path] += 1
+            if item.path.is_relative_to(TESTS) and item.path.relative_to(TESTS).as_posix().startswith(UNTRACED):
+                item.add_marker("no_cover")
+    items.sort(key=lambda item: -slow[item.path])
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -92,6 +92,8 @@ def quick(folder: Path, changes: dict[str, str]) -> Path:
         "harmonics = 3": "harmonics = 1",
         "samples = 128": "samples = 64",
         "modes = 20": "modes = 10",
+        'frequency_start = "430 Hz"': 'frequency_start = "442 Hz"',
+        'frequency_stop = "470 Hz"': 'frequency_stop = "458 Hz"',
         "../../tests": str(STUDY.parents[2] / "tests"),
     }
     for old, new in changes.items():
