@@ -230,6 +230,6 @@ def test_words():
     )
     project.run("--update-sentences", "tests/test_words.py").assert_outcomes(passed=1)
     assert project.snapshot()["tests/test_words.py::test_words"] == [
-        "x must hold real numbers, but it could not be read as such: <words of ValueError>.",
+        "x must contain real numbers, but the conversion fails: <words of ValueError>.",
         "y is '2.5', but it must be one number, without a unit.",
     ]

@@ -69,7 +69,7 @@ def test_mutations(seed: int, tmp_path: Path) -> None:
 
 LONG_NAMES = {
     "unit": (f'[geometry]\nwidth = "1 {"m*" * LONG}m"', "has the unknown unit"),
-    "file": (f'[structure]\nkind = "mesh"\nlength_unit = "mm"\nfile = "{"x" * LONG}"', "is no name of a file"),
+    "file": (f'[structure]\nkind = "mesh"\nlength_unit = "mm"\nfile = "{"x" * LONG}"', "is not a file name"),
     "key": (f"[geometry]\n{'x' * LONG} = 1", "is not a key of a study file"),
     "unicode key": ('[geometry]\n"wídth \U0001f642" = 1', "is not a key of a study file"),
 }
@@ -99,4 +99,4 @@ def test_an_entry_with_a_name_without_end(tmp_path: Path) -> None:
 def test_a_study_file_without_end() -> None:
     result = CliRunner().invoke(app, ["check", "/dev/zero"])
     assert result.exit_code == 2
-    assert "it is a device; only regular files are read" in result.stderr
+    assert "it is a device, but it must be a regular file" in result.stderr

@@ -104,7 +104,7 @@ def test_new_rejects_to_overwrite_unless_forced(study_file: Path) -> None:
 def test_new_into_a_place_that_cannot_be_written(study_file: Path) -> None:
     result = invoke("new", study_file / "blade.toml")
     assert result.exit_code == 2
-    assert "cannot be written" in result.stderr
+    assert "is not writable" in result.stderr
 
 
 def test_check_prints_the_sections(study: Study, study_file: Path) -> None:
@@ -118,7 +118,7 @@ def test_defaults_that_were_used_are_named(study: Study, tmp_path: Path) -> None
     path = tmp_path / "short.toml"
     path.write_text("[friction]\ncoefficient = 0.2\n[preload]\ncentrifugal_force = 20\n", encoding="utf-8")
     result = invoke("check", path)
-    assert "default is used: [study], [geometry]" in result.stderr
+    assert "uses the defaults: [study], [geometry]" in result.stderr
     assert "preload.friction_coefficient_at_assembly" in result.stderr
     assert "[friction]" not in result.stderr
 
@@ -144,7 +144,7 @@ def test_not_converged_keeps_and_names_the_results(study: Study, study_file: Pat
     result = invoke("run", study_file, "--out", tmp_path / "out", "--quiet")
     assert result.exit_code == 3
     assert "482 Hz" in result.stderr
-    assert "kept in: results.nc, report.html" in result.stderr
+    assert "The computed part is in: results.nc, report.html" in result.stderr
     assert result.stdout == ""
 
 
@@ -172,7 +172,7 @@ def test_fault_writes_its_traceback_into_the_folder(study: Study, study_file: Pa
     assert result.exit_code == 1
     assert "Traceback" not in result.stderr
     assert str(log) in result.stderr
-    assert "report it" in result.stderr
+    assert "report the defect" in result.stderr
     assert "ZeroDivisionError: division by zero" in log.read_text(encoding="utf-8")
 
 
@@ -208,7 +208,7 @@ def test_output_folder_that_cannot_be_made(study: Study, study_file: Path) -> No
     result = invoke("run", study_file, "--out", study_file / "out")
     assert result.exit_code == 2
     assert str(study_file / "out") in result.stderr
-    assert "cannot be written" in result.stderr
+    assert "is not writable" in result.stderr
     assert study.calls == []
 
 
@@ -219,7 +219,7 @@ def test_output_folder_that_cannot_be_written(study: Study, study_file: Path, tm
     out.chmod(stat.S_IRUSR | stat.S_IXUSR)
     result = invoke("run", study_file, "--out", out)
     assert result.exit_code == 2
-    assert "cannot be written" in result.stderr
+    assert "is not writable" in result.stderr
     assert study.calls == []
 
 

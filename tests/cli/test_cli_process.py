@@ -66,7 +66,7 @@ def test_a_stopped_sweep_reports_it_and_continues(tmp_path: Path, name: str) -> 
         _, printed = process.communicate(timeout=60)
     assert process.returncode == 128 + getattr(signal, name)
     assert printed.endswith(
-        f"Stopped by {name}; the study did not end. Finished cases are kept; the same command goes on with the "
+        f"Stopped by {name}; the study is not complete. Completed cases are stored; the same command resumes with the "
         "others.\n"
     )
     assert "Traceback" not in printed
@@ -87,7 +87,7 @@ def test_a_stopped_run_reports_it_and_leaves_nothing(tmp_path: Path, name: str) 
         process.send_signal(getattr(signal, name))
         _, printed = process.communicate(timeout=60)
     assert process.returncode == 128 + getattr(signal, name)
-    assert printed.endswith(f"Stopped by {name}; the study did not end.\n")
+    assert printed.endswith(f"Stopped by {name}; the study is not complete.\n")
     require_end(drawing)
     assert [path for path in out.rglob("*") if path.suffix == ".part"] == []
 
@@ -161,7 +161,9 @@ def test_a_limit_of_file_sizes_is_found_before_solving(tmp_path: Path) -> None:
     with start("run", quick_file(tmp_path), "--out", out, preexec_fn=limit) as process:
         _, printed = process.communicate(timeout=120)
     assert process.returncode == 2
-    assert "Error: one file may have 1.0 MB here (ulimit -f), but the largest will have about 11.0 MB." in printed
+    assert (
+        "Error: the limit of the file size is 1.0 MB (ulimit -f), but the largest file needs about 11.0 MB." in printed
+    )
     assert "Response" not in printed
     assert list(out.iterdir()) == []
 

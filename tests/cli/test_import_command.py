@@ -39,7 +39,7 @@ def test_a_deck_as_abaqus_cae_writes_it():
     for words in (
         "instance 'Cube-1' as in the deck, instance 'Cube-2' + 1000",
         "(Cube-2) has 4 rigid-body motions",
-        "The file holds 14 displacements of 6 nodes at zero.",
+        "The file sets 14 displacements of 6 nodes to zero.",
         "Forces act on 5 nodes; their sum is (2, 0, -2.5) N.",
     ):
         assert words in output
@@ -70,7 +70,7 @@ def test_wrong_units_are_warned_of():
     ("options", "words"),
     [
         (["--length-unit", "yard"], "length_unit is 'yard'"),
-        (["--unit-system", "SI"], "needs --length-unit"),
+        (["--unit-system", "SI"], "requires --length-unit"),
         (["--length-unit", "mm", "--unit-system", "SI"], "Systems with mm"),
     ],
 )

@@ -33,8 +33,8 @@ def test_code_is_kept_among_the_temporary_files_and_that_is_reported_once(tmp_pa
     done = run(tmp_path)
     folder = tmp_path / f"stickslip-numba-{os.getuid()}"
     assert done.stdout.strip() == str(folder), done.stderr
-    assert done.stderr.count("StickslipWarning: numba keeps compiled code in") == 1
-    assert "Set NUMBA_CACHE_DIR to a folder that lasts" in done.stderr
+    assert done.stderr.count("StickslipWarning: numba stores compiled code in") == 1
+    assert "Set NUMBA_CACHE_DIR to a permanent folder" in done.stderr
     assert folder.stat().st_mode & 0o777 == 0o700
     assert run(tmp_path).stdout == done.stdout  # the next run finds the code of the first
 
@@ -56,7 +56,7 @@ def test_without_any_folder_the_code_is_compiled_each_time(tmp_path: Path) -> No
     code = "import tempfile; tempfile._candidate_tempdir_list = lambda: []\n" + CODE
     done = run(tmp_path, code)
     assert done.returncode == 0, done.stderr
-    assert done.stderr.count("every run compiles again") == 1
+    assert done.stderr.count("Each run compiles again") == 1
 
 
 @pytest.mark.slow

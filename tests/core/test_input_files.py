@@ -76,7 +76,7 @@ def test_a_huge_file_is_rejected_before_it_is_read(tmp_path, name):
 def test_the_opener(tmp_path):
     (tmp_path / "file").write_bytes(b"content")
     assert read_regular(tmp_path / "file") == b"content"
-    with pytest.raises(UnsuitableFileError, match="it has 7 bytes; at most 6 bytes are read"):
+    with pytest.raises(UnsuitableFileError, match="it has 7 bytes; the limit for such a file is 6 bytes"):
         read_regular(tmp_path / "file", 6)
     with pytest.raises(UnsuitableFileError, match="it is a folder"):
         open_regular(tmp_path)

@@ -42,7 +42,7 @@ def test_a_worker_that_is_killed_loses_no_case(tmp_path: Path) -> None:
         doomed.kill()
         printed, complained = sweep.communicate(timeout=PATIENCE_SECONDS)
     assert sweep.returncode == 0, complained
-    assert "6 cases, 0 of them finished before; 0 failed." in printed
+    assert "6 cases, 0 of them from an earlier run; 0 failed." in printed
     assert "Traceback" not in complained
     assert "Warning" not in complained
     here = ss.sweep(load_case(study), {"preload.centrifugal_force": LOADS}, out=tmp_path / "here", workers=1)

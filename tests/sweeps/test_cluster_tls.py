@@ -60,7 +60,7 @@ def test_certificates_of_the_configuration_of_dask_are_used(tmp_path: Path, monk
         with started_sweep(study, tmp_path / "out", "600", address, env={**os.environ, **configured}) as sweep:
             printed, complained = sweep.communicate(timeout=PATIENCE_SECONDS)
         assert sweep.returncode == 0, complained
-        assert "1 cases, 0 of them finished before; 0 failed." in printed
+        assert "1 cases, 0 of them from an earlier run; 0 failed." in printed
         monkeypatch.setattr(cluster, "CONNECT_SECONDS", 3)  # this process has no certificates
         for wrong in (address, address.replace("tls:", "tcp:")):
             with (

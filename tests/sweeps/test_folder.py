@@ -92,7 +92,7 @@ def test_what_no_row_is_is_named(
     folder.store(cases[0], outcome)
     file = file_of(folder, cases[0], name)
     file.write_text(text, encoding="utf-8")
-    sentence = "it has no digest: it is damaged, was cut, or an older version wrote it. This case is solved again."
+    sentence = "it has no digest: it is damaged or truncated, or an older version wrote it. This case is solved again."
     assert folder.finished(cases[0]) == (None, f'"{file}" is not used: {sentence}')
 
 

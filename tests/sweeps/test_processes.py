@@ -177,7 +177,7 @@ def test_an_interrupted_and_a_killed_sweep_continue_without_solving_again(tmp_pa
         os.killpg(process.pid, signal.SIGINT)
         _, printed = process.communicate(timeout=60)
         assert process.returncode == 130, printed
-        assert "Finished cases are kept; the same command goes on" in printed
+        assert "Completed cases are stored; the same command resumes" in printed
         assert "Traceback" not in printed
         require_end(workers)
     before = len(list(out.glob("cases/*/results.nc")))

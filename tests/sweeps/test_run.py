@@ -194,7 +194,7 @@ def test_damaged_and_foreign_files_are_reported_and_solved_again(swept: tuple, t
     abandoned.write_bytes(b"half")
     again = ss.sweep(quick_case(), VARY, out=tmp_path / "copy", workers=1)
     assert again.found == 1
-    unfit = "is not used: its digest does not fit: it is damaged, or belongs to other inputs or another version."
+    unfit = "is not used: its digest does not match: it is damaged, or belongs to other inputs or another version."
     assert again.notices == (
         f'"{files[0].with_name("row.json")}" {unfit} This case is solved again.',
         f'"{files[1].with_name("row.json")}" {unfit} This case is solved again.',

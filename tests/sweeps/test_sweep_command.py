@@ -27,7 +27,7 @@ def test_files_and_exit_code_of_a_sweep_that_worked(tmp_path: Path) -> None:
     result = invoke(*arguments)
     assert result.exit_code == 0, result.stderr
     written = "".join(f"Wrote {out / name}\n" for name in ("sweep.csv", "sweep.nc", "sweep.html"))
-    head, _, remark = result.stdout.partition("2 cases, 0 of them finished before; 0 failed.\n")
+    head, _, remark = result.stdout.partition("2 cases, 0 of them from an earlier run; 0 failed.\n")
     assert head == written
     assert remark.startswith(
         f"The linear limits are not the same for all values of {LOAD}: the peak with all pairs stuck"
@@ -36,7 +36,7 @@ def test_files_and_exit_code_of_a_sweep_that_worked(tmp_path: Path) -> None:
     assert "Cases: 2 of 2" in result.stderr
     again = invoke(*arguments, "--quiet")
     assert (again.exit_code, again.stdout, again.stderr) == (0, "", "")
-    assert "2 of them finished before" in invoke(*arguments).stdout
+    assert "2 of them from an earlier run" in invoke(*arguments).stdout
 
 
 @pytest.mark.slow
@@ -47,7 +47,7 @@ def test_failed_cases_are_exit_3_with_the_table(tmp_path: Path, monkeypatch: pyt
     assert result.exit_code == 3
     assert result.stdout == ""
     assert "Failed: fractal_roughness-0.0001m_" in result.stderr
-    assert f"The table {out / 'sweep.csv'} has every case with its message." in result.stderr
+    assert f"The table {out / 'sweep.csv'} contains all cases with their messages." in result.stderr
     assert (out / "sweep.csv").read_text(encoding="utf-8").count("\n") == 3
     monkeypatch.setattr(cli, "SHOWN_FAILURES", 0)
     monkeypatch.setattr(work, "solve", None)  # nothing is solved again

@@ -13,7 +13,7 @@ from stickslip.case.sections import Section, of_kind
 
 
 class ForcedAnalysis(Section):
-    """What is computed: forced is the periodic response to the excitation over the window of [solver]."""
+    """The computed result: forced is the periodic response to the excitation over the frequency range of [solver]."""
 
     kind: Literal["forced"] = Field(default="forced", description="forced")
 

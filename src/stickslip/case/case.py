@@ -382,7 +382,7 @@ class OwnCase(Case):
         return NORMAL_LOAD in each.declaration.of_joint or name in self.pressed_interfaces
 
     def _own_misfits(self, loads: tuple[str, ...], excitations: Mapping[str, Any], has_areas: bool) -> Any:
-        """What does not fit, for the sections with static loads and those with excitations that the study has."""
+        """Contradictions in the sections with static loads and with excitations."""
         yield from preload_errors(self.preload, loads, bool(self.pressed_interfaces))
         yield from joint_errors(self.interfaces, self.preload, self.pressed_interfaces)
         harmonics = {name: force.harmonic for name, force in self.forces.items()}

@@ -21,20 +21,20 @@ class EntryError(InputError):
 
 
 def preload_errors(preload: PreloadSection, loads: Sequence[str], pressed: bool) -> Iterator[EntryError]:
-    """What a prescribed preload has no use for, and what a solved one needs.
+    """Keys that a prescribed preload does not use, and missing keys of a solved one.
 
-    ``loads`` are the sections with static loads that the study has; ``pressed`` says whether the stiffness of any face
+    ``loads`` are the sections with static loads of the study; ``pressed`` says whether the stiffness of any face
     follows from its pressure.
     """
     if preload.method == "prescribed":
         for name in loads:
-            yield EntryError((name,), 'is used by preload.method = "solved" alone. Set it, or take the section out.')
+            yield EntryError((name,), 'applies only to preload.method = "solved". Set it, or remove the section.')
         for key in ("residual_traction", "normal_law"):
             if key in preload.model_fields_set and getattr(preload, key) != type(preload).model_fields[key].default:
-                yield EntryError(("preload", key), 'belongs to method = "solved". Set it, or take the key out.')
+                yield EntryError(("preload", key), 'belongs to method = "solved". Set the method, or remove the key.')
         return
     if preload.values is not None:
-        yield EntryError(("preload", "values"), 'are what method = "solved" finds. Take one of the two out.')
+        yield EntryError(("preload", "values"), 'are a result of method = "solved". Remove one of the two.')
     wedge_force = None
     if isinstance(preload, WedgePreloadSection):
         wedge_force = preload.centrifugal_force
@@ -48,7 +48,7 @@ def preload_errors(preload: PreloadSection, loads: Sequence[str], pressed: bool)
     if preload.normal_law == "pressure-gap" and not pressed:
         yield EntryError(
             ("preload", "normal_law"),
-            'is "pressure-gap", which follows from a roughness or another law of stiffness over pressure. Give '
+            'is "pressure-gap", which requires a roughness or another law of stiffness over pressure. Give '
             "[roughness].",
         )
 
@@ -58,12 +58,12 @@ def _wedge_errors(preload: WedgePreloadSection, rotates: bool) -> Iterator[Entry
     if preload.friction_coefficient_at_assembly:
         yield EntryError(
             ("preload", "friction_coefficient_at_assembly"),
-            'belongs to method = "prescribed"; a solved preload takes [friction]. Take it out.',
+            'belongs to method = "prescribed"; a solved preload uses [friction]. Remove it.',
         )
     if preload.centrifugal_force is not None and rotates:
         yield EntryError(
             ("preload", "centrifugal_force"),
-            "and [rotation] would load the damper twice. Take one of the two out.",
+            "and [rotation] would load the damper twice. Remove one of the two.",
         )
 
 
@@ -89,13 +89,13 @@ def joint_errors(
         if not needs_load and each.normal_load is not None and NORMAL_LOAD not in each.declaration.of_joint:
             yield EntryError(
                 (*where, "normal_load"),
-                f'is of no use: neither the law "{each.other_law}" nor the stiffness of this face follows from it. '
-                "Take it out.",
+                f'has no effect: neither the law "{each.other_law}" nor the stiffness of this face depends on it. '
+                "Remove it.",
             )
         if each.normal_load is not None and preload.values is not None:
-            yield EntryError((*where, "normal_load"), "and preload.values are both given. Take one of the two out.")
+            yield EntryError((*where, "normal_load"), "and preload.values are both given. Remove one of the two.")
         if each.normal_load is not None and solved:
-            yield EntryError((*where, "normal_load"), 'is what preload.method = "solved" finds. Take it out.')
+            yield EntryError((*where, "normal_load"), 'is a result of preload.method = "solved". Remove it.')
 
 
 def _static_load_errors(name: str, interface: InterfaceSection, pressed: Sequence[str]) -> Iterator[EntryError]:
@@ -121,7 +121,7 @@ def _useless_keys(where: tuple[str, str], interface: InterfaceSection) -> Iterat
         if not isinstance(interface, MeshInterfaceSection) and getattr(interface, GAP, None) is not None:
             yield EntryError(
                 (*where, GAP),
-                "between matrices serves contact laws with a gap of their own, such as elastic-stop. Give law, or for "
+                "between matrices is for contact laws with their own gap, such as elastic-stop. Give law, or for "
                 "Coulomb friction a gap in preload.values (N below 0).",
             )
         return
@@ -130,7 +130,7 @@ def _useless_keys(where: tuple[str, str], interface: InterfaceSection) -> Iterat
     homes |= {key: STIFFNESSES[0] for key in ("stiffness_law",) if not interface.needs_stiffness}
     for key, constant in homes.items():
         if getattr(interface, key, None) is not None and constant not in of_joint:
-            yield EntryError((*where, key), f'is of no use for the law "{interface.other_law}". Take it out.')
+            yield EntryError((*where, key), f'has no effect on the law "{interface.other_law}". Remove it.')
 
 
 def _stiffness_errors(where: tuple[str, str], interface: InterfaceSection) -> Iterator[EntryError]:
@@ -140,7 +140,7 @@ def _stiffness_errors(where: tuple[str, str], interface: InterfaceSection) -> It
     if given and lacking:
         yield EntryError((*where, lacking[0]), "is missing: give both stiffnesses of a face, or none.")
     if given and interface.stiffness_law is not None:
-        yield EntryError((*where, given[0]), "and stiffness_law are both given. Take one of the two out.")
+        yield EntryError((*where, given[0]), "and stiffness_law are both given. Remove one.")
 
 
 def place_errors(section: str, places: Mapping[str, PlaceSection], has_areas: bool) -> Iterator[EntryError]:
@@ -152,9 +152,9 @@ def place_errors(section: str, places: Mapping[str, PlaceSection], has_areas: bo
             problem = " and ".join(choices) if choices else "none"
             yield EntryError(where, f"must have exactly one of set, point and node, but has {problem}.")
         if place.spread is not None and place.set is None:
-            yield EntryError((*where, "spread"), "says how a set is loaded, but there is no set. Take it out.")
+            yield EntryError((*where, "spread"), "applies to the nodes of a set, but there is no set. Remove it.")
         if place.spread == "area" and not has_areas:
-            yield EntryError((*where, "spread"), 'is "area", but matrices have no areas. Take "equal".')
+            yield EntryError((*where, "spread"), 'is "area", but matrices have no areas. Use "equal".')
 
 
 def excitation_errors(
@@ -170,5 +170,5 @@ def excitation_errors(
         if harmonic > analysis_harmonics:
             yield EntryError(
                 ("forces", name, "harmonic"),
-                f"is {harmonic}, but only solver.harmonics = {analysis_harmonics} are kept. Raise solver.harmonics.",
+                f"is {harmonic}, but the solver uses only solver.harmonics = {analysis_harmonics}. Raise it.",
             )

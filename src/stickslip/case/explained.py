@@ -55,7 +55,7 @@ def _foreign_message(path: tuple[str, ...], own: type[BaseModel], kinds: Mapping
         if not owners:
             return None
         return (
-            f'does not belong to a structure of kind "{kind}", only to {" and ".join(owners)}. Take the section out, '
+            f'does not belong to a structure of kind "{kind}", only to {" and ".join(owners)}. Remove the section, '
             "or set structure.kind."
         )
     sections = [each.foreign for each in _classes(own, path[0]) if issubclass(each, Section)]

@@ -106,7 +106,7 @@ def stiffness_law_declaration(name: str) -> Declaration:
     names = tuple(each for each in stiffness_law_names() if each != FRACTAL)
     if name == FRACTAL:
         raise InputError(
-            "is the law of [roughness]; its values are the keys of that section. Take stiffness_law out, and give "
+            "is the law of [roughness]; its values are the keys of that section. Remove stiffness_law, and give "
             "[roughness] instead."
         )
     return stiffness_declaration_of(_maker(name, stiffness_law, names, "stiffness law"))
@@ -144,7 +144,7 @@ def read_constants(given: object, law: str, declaration: Declaration, try_law: C
     if TABLE_FILE in values:
         twice = [name for name in tables if name in given]
         errors += [
-            _stated(name, given[name], f"and {TABLE_FILE} are both given. Take one of the two out.") for name in twice
+            _stated(name, given[name], f"and {TABLE_FILE} are both given. Remove one of the two.") for name in twice
         ]
     lacking = [name for name in declaration.required if name not in given]
     if TABLE_FILE in given:
@@ -153,7 +153,7 @@ def read_constants(given: object, law: str, declaration: Declaration, try_law: C
         instead = f", or {TABLE_FILE} with all tables of the law" if name in tables else ""
         constant = declaration.constants[name]
         about = f" ({constant.description})" if constant.description else ""
-        sentence = f'is missing: the law "{law}" needs it{about}{instead}. Its constants are: {declaration.words()}.'
+        sentence = f'is missing: the law "{law}" requires it{about}{instead}. Its constants are: {declaration.words()}.'
         errors.append(_stated(name, None, sentence))
     if not errors and TABLE_FILE not in values:
         errors += _rejected(try_law, values)
@@ -173,10 +173,9 @@ def _parsed(key: str, value: Any, declaration: Declaration, law: str) -> Constan
             raise InputError("must be the name of a file, a text in quotes.")
         return value
     if key not in declaration.constants:
-        home = f" The joint gives it: {_HOMES[key]}." if key in declaration.of_joint else ""
+        home = f" The joint defines it: {_HOMES[key]}." if key in declaration.of_joint else ""
         raise _UnknownKeyError(
-            f'is no constant of the law "{law}" that a study file can give.{home} Its constants are: '
-            f"{declaration.words()}."
+            f'is not a constant of the law "{law}" in a study file.{home} Its constants are: {declaration.words()}.'
         )
     constant = declaration.constants[key]
     if constant.quantity is None:

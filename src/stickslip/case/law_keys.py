@@ -26,7 +26,7 @@ class ContactLawKeys(Section):
 
     law: str | None = Field(
         default=None,
-        description="contact law, coulomb unless given; docs/studies.md lists them with their constants",
+        description="contact law, default coulomb; docs/studies.md lists the laws with their constants",
         examples=["iwan"],
     )
     constants: LawConstants | None = Field(
@@ -85,7 +85,7 @@ class ContactLawKeys(Section):
 
 
 class StiffnessLawKeys(Section):
-    """The law that gives the stiffness of a face under its pressure, instead of [roughness]."""
+    """The law of the stiffness of a face under its pressure, instead of [roughness]."""
 
     stiffness_law: str | None = Field(
         default=None,
@@ -94,13 +94,13 @@ class StiffnessLawKeys(Section):
     )
     allocation: Literal["area", "pressure"] | None = Field(
         default=None,
-        description="of stiffness_law: mean pressure of the face (area, unless given) or that of each pair",
+        description="of stiffness_law: mean pressure of the face (area, the default) or that of each pair",
         examples=["pressure"],
     )
     stiffness_constants: LawConstants | None = Field(
         default=None,
         validate_default=True,
-        description="of stiffness_law, also as a section of their own",
+        description="of stiffness_law, also as a separate section",
         examples=['{ file = "stiffness.csv" }'],
     )
 
@@ -115,7 +115,7 @@ class StiffnessLawKeys(Section):
     @classmethod
     def _of_a_stiffness_law(cls, value: str | None, info: ValidationInfo) -> str | None:
         if value is not None and info.data.get("stiffness_law", "") is None:
-            raise InputError("belongs to stiffness_law; for a rough face it is roughness.allocation. Take it out.")
+            raise InputError("belongs to stiffness_law; for a rough face it is roughness.allocation. Remove it.")
         return value
 
     @field_validator("stiffness_constants", mode="plain")
@@ -126,7 +126,7 @@ class StiffnessLawKeys(Section):
         name = info.data["stiffness_law"]
         if name is None:
             if value:
-                raise InputError("belongs to stiffness_law, which is not given. Give it, or take the section out.")
+                raise InputError("belongs to stiffness_law, which is not given. Give it, or remove the section.")
             return None
 
         def try_law(**values: Any) -> None:
@@ -138,6 +138,6 @@ class StiffnessLawKeys(Section):
 
 
 class StiffnessLawSection(StiffnessLawKeys):
-    """Stiffness of the contact faces by a law over their pressure; give it instead of [roughness]."""
+    """Stiffness of the contact faces by a law over their pressure, instead of [roughness]."""
 
-    foreign: ClassVar[dict[str, str]] = dict.fromkeys(STIFFNESSES, "and stiffness_law are both given. Take one out.")
+    foreign: ClassVar[dict[str, str]] = dict.fromkeys(STIFFNESSES, "and stiffness_law are both given. Remove one.")

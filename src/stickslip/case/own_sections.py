@@ -38,12 +38,12 @@ from stickslip.core.errors import InputError
 from stickslip.core.units import LARGEST_INTEGER, Count, Quantity
 
 GROUND = "ground"
-OF_MESH = "belongs to faces of a mesh. Take it out."
-OF_MATRICES = "belongs to matrices; the faces of a mesh have their own. Take it out."
-_OF_MESH_STRUCTURE = 'does not belong to a structure of kind "matrices". Take it out.'
-_IN_FILE = "stands in the superelement of file. Take it out."
+OF_MESH = "belongs to faces of a mesh. Remove it."
+OF_MATRICES = "belongs to matrices; the faces of a mesh define their own. Remove it."
+_OF_MESH_STRUCTURE = 'does not belong to a structure of kind "matrices". Remove it.'
+_IN_FILE = "is in the superelement of file. Remove it."
 _SIDE = 'is missing. Give the name of a set; second may be "ground".'
-_MATERIAL = "is missing: the material of your own structure has no default."
+_MATERIAL = "is missing: only the two-blade structure has a default material."
 # Largest part of the earth's acceleration is 9.81 m/s2; pyroshock reaches 1e6 m/s2.
 Acceleration = Annotated[
     float, Quantity("acceleration", at_least=1e-12, at_most=1e9, usual=(1e-6, 1e6), example='"9.81 m/s^2"')
@@ -73,30 +73,30 @@ Place = tuple[Coordinate, Coordinate, Coordinate]
 
 
 class MeshStructureSection(StructureSection):
-    """The structure is meshed in a file."""
+    """The structure is a mesh in a file."""
 
     foreign: ClassVar[Mapping[str, str]] = dict.fromkeys(
         ("stiffness", "mass", "damping", "unknown_map", "node_positions"),
-        'does not belong to a structure of kind "mesh". Take it out.',
+        'does not belong to a structure of kind "mesh". Remove it.',
     )
 
     kind: Literal["mesh"] = Field(description="two-blade, mesh or matrices")
-    file: Annotated[FileName, Required('is missing, but a structure of kind "mesh" comes from a file.')] = Field(
+    file: Annotated[FileName, Required('is missing: a structure of kind "mesh" requires a mesh file.')] = Field(
         description="mesh, relative to the study file", examples=["blades.inp"]
     )
     length_unit: Annotated[
         str,
-        Required('is missing: a mesh file does not say its unit of length. Give "mm", "m" or another one.'),
+        Required('is missing: a mesh file does not contain its unit of length. Give "mm", "m" or another unit.'),
     ] = Field(description="of the mesh file: m, mm, in ...", examples=["mm"])
     unit_system: str | None = Field(default=None, description="of all other units in this file", examples=["mm-t-s"])
     includes_outside: bool | None = Field(
-        default=None, description="whether the deck may include files outside of its folder", examples=[True]
+        default=None, description="true: the deck may include files outside of its folder", examples=[True]
     )
     fixed: tuple[str, ...] = Field(
-        default=(), description="node or face sets that are clamped, beside what the file holds", examples=[["root"]]
+        default=(), description="clamped node or face sets, in addition to constraints in the file", examples=[["root"]]
     )
     element: Literal["incompatible", "trilinear"] | None = Field(
-        default=None, description="8-node bricks of the mesh; incompatible unless given", examples=["incompatible"]
+        default=None, description="8-node bricks of the mesh; default incompatible", examples=["incompatible"]
     )
 
     @property
@@ -125,7 +125,7 @@ class SuperelementSection(StructureSection):
 
 
 class MatrixFilesSection(StructureSection):
-    """The structure is given by sparse matrices in files of another program."""
+    """The structure consists of sparse matrices in files of another program."""
 
     foreign: ClassVar[Mapping[str, str]] = dict.fromkeys(("fixed", "element", "includes_outside"), _OF_MESH_STRUCTURE)
 
@@ -136,7 +136,7 @@ class MatrixFilesSection(StructureSection):
     mass: Annotated[FileName, Required("is missing: give file, or stiffness and mass.")] = Field(examples=["mass.mtx"])
     length_unit: Annotated[
         str,
-        Required('is missing: matrix files do not say their unit of length. Give "mm", "m" or another one.'),
+        Required('is missing: matrix files do not contain their unit of length. Give "mm", "m" or another unit.'),
     ] = Field(description="of the matrix files: m, mm, in ...", examples=["mm"])
     unit_system: str | None = Field(default=None, description="of all other units in these files", examples=["mm-t-s"])
     damping: FileName | None = Field(default=None, examples=["damping.mtx"])
@@ -165,7 +165,7 @@ MatrixStructure = Annotated[
 
 
 class OwnMaterialSection(Section):
-    """Linear elastic material of every body without one of its own; of rough faces between matrices."""
+    """Linear elastic material of all bodies without their own; of rough faces between matrices."""
 
     young_modulus: Annotated[YoungModulus, Required(_MATERIAL)]
     poisson_ratio: Annotated[PoissonRatio, Required(_MATERIAL)]
@@ -173,7 +173,7 @@ class OwnMaterialSection(Section):
 
 
 class BodySection(Section):
-    """Material of one body of the mesh; a key that is left out is that of the file, or else of [material]."""
+    """Material of one body of the mesh; an omitted key has the value of the file, or else of [material]."""
 
     young_modulus: YoungModulus | None = Field(default=None, examples=["197 GPa"])
     poisson_ratio: PoissonRatio | None = Field(default=None, examples=[0.3])
@@ -184,16 +184,16 @@ class _JointKeys(Section):
     """What a joint of any kind has: its load, its friction and its stiffness."""
 
     tangent: Direction | None = Field(
-        default=None, description="first direction of sliding; up the slope unless given", examples=[[0.0, 0.0, 1.0]]
+        default=None, description="first direction of sliding; default: up the slope", examples=[[0.0, 0.0, 1.0]]
     )
     normal_load: ForceOrNone | None = Field(
-        default=None, description="at rest, on the whole face with uniform pressure", examples=["289 N"]
+        default=None, description="at rest, on the complete face with uniform pressure", examples=["289 N"]
     )
     friction: FrictionCoefficient | None = Field(
-        default=None, description="coefficient of this face instead of that of [friction]", examples=[0.3]
+        default=None, description="friction coefficient of this face, instead of that of [friction]", examples=[0.3]
     )
     normal_stiffness: Stiffness | None = Field(
-        default=None, description="of this whole face, instead of [roughness]", examples=["1.34e8 N/m"]
+        default=None, description="of the complete face, instead of [roughness]", examples=["1.34e8 N/m"]
     )
     tangential_stiffness: Stiffness | None = Field(default=None, examples=["1.11e8 N/m"])
 
@@ -220,35 +220,35 @@ class InterfaceSection(ContactLawKeys, StiffnessLawKeys, _JointKeys):
 # The keys that lead a section are on a class of their own: a file has them before those that all joints share.
 class _Sides(Section):
     first: Annotated[str, Required(_SIDE)] = Field(
-        description="face or node set whose area and outward normal count (the damper's side)",
+        description="face or node set that defines area and outward normal (the damper's side)",
         examples=["damper_left"],
     )
     second: Annotated[str, Required(_SIDE)] = Field(
         description="face or node set of the other side, or ground", examples=["blade_left"]
     )
     search_distance: Distance | None = Field(
-        default=None, description="along the normal, beyond which two faces do not meet", examples=["0.2 mm"]
+        default=None, description="along the normal; faces farther apart form no pairs", examples=["0.2 mm"]
     )
 
 
 class _FacesOfMesh(_Sides):
     points: Literal["nodes", "quadrature"] | None = Field(
         default=None,
-        description="where the pairs stand on the first face; nodes unless given",
+        description="positions of the pairs on the first face; default nodes",
         examples=["nodes"],
     )
     edge_tolerance: Distance | None = Field(
-        default=None, description="how far a point may lie beyond the edge of the second face", examples=["0.05 mm"]
+        default=None, description="largest distance of a point beyond the edge of the second face", examples=["0.05 mm"]
     )
     gap_tolerance: Distance | None = Field(
-        default=None, description="gaps up to it count as none", examples=["0.001 mm"]
+        default=None, description="gaps up to it are set to zero", examples=["0.001 mm"]
     )
     gap: Coordinate | None = Field(
-        default=None, description="to the ground, along the normal; 0 unless given", examples=["0 mm"]
+        default=None, description="to the ground, along the normal; default 0", examples=["0 mm"]
     )
     adjust: Literal["measured", "closed"] | None = Field(
         default=None,
-        description="initial gaps: as measured between the meshes, or all zero",
+        description="initial gaps: those between the meshes, or all zero",
         examples=["closed"],
     )
 
@@ -261,13 +261,13 @@ class MeshInterfaceSection(InterfaceSection, _FacesOfMesh):
 
 class _FaceOfMatrices(Section):
     normal: Annotated[
-        Direction, Required("is missing: matrices do not say it. Give it, such as [0, 0, 1], out of the first side.")
+        Direction, Required("is missing: matrices do not define it. Give it, such as [0, 0, 1], out of the first side.")
     ] = Field(description="out of the first side", examples=[[0.0, 0.0, 1.0]])
     area: Annotated[
-        Area, Required('is missing: matrices do not say it. Give it, such as "180 mm^2", of the whole face.')
-    ] = Field(description="of the whole face; pairs have equal parts", examples=["180 mm^2"])
+        Area, Required('is missing: matrices do not define it. Give it, such as "180 mm^2", of the complete face.')
+    ] = Field(description="of the complete face; pairs have equal parts", examples=["180 mm^2"])
     gap: Distance | None = Field(
-        default=None, description="of each pair at rest, for a contact law that has one", examples=["0.1 mm"]
+        default=None, description="of each pair at rest, for a contact law with a gap", examples=["0.1 mm"]
     )
 
 
@@ -275,7 +275,7 @@ _MESH_KEYS = dict.fromkeys(("points", "edge_tolerance", "gap_tolerance", "adjust
 
 
 class SetInterfaceSection(InterfaceSection, _FaceOfMatrices, _Sides):
-    """A joint between the nodes of two sets, or those of one set and the rigid ground."""
+    """A joint between the nodes of two sets, or between one set and the rigid ground."""
 
     foreign: ClassVar[Mapping[str, str]] = _MESH_KEYS
 
@@ -291,9 +291,7 @@ class PairsInterfaceSection(InterfaceSection, _FaceOfMatrices, _ListedPairs):
 
     foreign: ClassVar[Mapping[str, str]] = {
         **_MESH_KEYS,
-        **dict.fromkeys(
-            ("first", "second", "search_distance"), "is not used where pairs names the nodes. Take it out."
-        ),
+        **dict.fromkeys(("first", "second", "search_distance"), "is not used if pairs names the nodes. Remove it."),
     }
 
 
@@ -307,8 +305,8 @@ class OwnPreloadSection(PreloadSection):
     """Normal load at rest: prescribed, or solved from the static load with contact, gaps and friction."""
 
     foreign: ClassVar[Mapping[str, str]] = {
-        "centrifugal_force": 'is the wedge damper\'s, of kind "two-blade". Give interfaces.NAME.normal_load instead.',
-        "friction_coefficient_at_assembly": 'is the wedge damper\'s, of kind "two-blade". Take it out.',
+        "centrifugal_force": 'belongs to the damper of kind "two-blade". Give interfaces.NAME.normal_load instead.',
+        "friction_coefficient_at_assembly": 'belongs to the damper of kind "two-blade". Remove it.',
     }
 
 
@@ -317,14 +315,14 @@ class PlaceSection(Section):
 
     set: str | None = Field(default=None, description="node or face set", examples=["tip"])
     point: Place | None = Field(
-        default=None, description="the nearest node to it is taken", examples=[["0 mm", "0 mm", "145 mm"]]
+        default=None, description="position; stickslip uses the nearest node", examples=[["0 mm", "0 mm", "145 mm"]]
     )
     node: Annotated[int, Count(at_least=-LARGEST_INTEGER, at_most=LARGEST_INTEGER)] | None = Field(
         default=None, description="number of a node in the file", examples=[1017]
     )
     spread: Literal["equal", "area"] | None = Field(
         default=None,
-        description="shares of the nodes of a set: equal (unless given), or by area of a mesh",
+        description="distribution over the nodes of a set: equal (default), or by area of a mesh",
         examples=["area"],
     )
 
@@ -336,9 +334,9 @@ class NodeGroupSection(PlaceSection):
 
 
 class ForceSection(NodeGroupSection):
-    """A harmonic force, amplitude sin(harmonic w t + phase), spread over a set or at one node."""
+    """A harmonic force, amplitude sin(harmonic w t + phase), distributed over a set or at one node."""
 
-    amplitude: Force = Field(description="0-to-peak, of the whole force")
+    amplitude: Force = Field(description="0-to-peak, of the total force")
     phase: Annotated[
         float,
         Quantity(
@@ -346,7 +344,7 @@ class ForceSection(NodeGroupSection):
             shown="deg",
             at_least=-1e6,
             at_most=1e6,
-            unit_required="A plain number would be radian, which few expect here.",
+            unit_required="A plain number would be in radians, which is unusual here.",
         ),
     ] = Field(default=0.0, description="against the other forces")
     harmonic: Annotated[int, Count(at_least=1, at_most=200)] = Field(
@@ -355,9 +353,9 @@ class ForceSection(NodeGroupSection):
 
 
 class UnbalanceSection(PlaceSection):
-    """A rotating unbalance at a set or a node: its force mass_times_radius w^2 turns about the axis once a period."""
+    """A rotating unbalance at a set or a node: its force mass_times_radius w^2 rotates once in each period."""
 
-    axis: Direction = Field(description="[x, y, z]; it turns to the right about this axis")
+    axis: Direction = Field(description="[x, y, z]; the rotor turns to the right about this axis")
     mass_times_radius: Imbalance = Field(description="unbalanced mass times its distance from the axis")
 
 
@@ -366,14 +364,14 @@ class _BaseDirection(Section):
 
 
 class BaseAccelerationSection(_BaseDirection):
-    """The support moves, amplitude cos(w t), all held nodes together; displacements count from the support."""
+    """The support moves, amplitude cos(w t), all constrained nodes together; displacements are relative to it."""
 
     kind: Literal["acceleration"] = Field(default="acceleration", description="acceleration, or displacement (m)")
     amplitude: Acceleration = Field(description="0-to-peak, of the support")
 
 
 class BaseDisplacementSection(_BaseDirection):
-    """The support moves, amplitude cos(w t), all held nodes together; displacements count from the support."""
+    """The support moves, amplitude cos(w t), all constrained nodes together; displacements are relative to it."""
 
     kind: Literal["displacement"] = Field(description="acceleration (m/s^2), or displacement")
     amplitude: Distance = Field(description="0-to-peak, of the support")
@@ -386,17 +384,17 @@ BaseMotion = Annotated[
 
 
 class ResponseSection(NodeGroupSection):
-    """A displacement to be read: of one node, or the mean of a set. The first one is the curve of the report."""
+    """An output displacement of one node, or the mean of a set. The first one is the curve of the report."""
 
 
 class StaticLoadSection(NodeGroupSection):
-    """A constant force, spread over a set or at one node, for a solved preload."""
+    """A constant force, distributed over a set or at one node, for a solved preload."""
 
-    force: Force = Field(description="of the whole set")
+    force: Force = Field(description="total over the set")
 
 
 class RotationSection(Section):
-    """Constant rotation of the whole model: the centrifugal load of every body, for a solved preload."""
+    """Constant rotation of the complete model: the centrifugal load of all bodies, for a solved preload."""
 
     # Turbochargers turn at 3e4 rad/s, dental drills at 5e4, micro spindles at 1e5.
     speed: Annotated[float, Quantity("speed of rotation", shown="rpm", at_least=0.0, at_most=1e9, usual=(0.0, 1e6))] = (

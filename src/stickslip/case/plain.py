@@ -14,7 +14,7 @@ _FILE_KEYS = ("file", "stiffness", "mass", "damping", "unknown_map", "node_posit
 
 
 def plain_section(section: BaseModel, only_explicit: bool) -> dict[str, Any]:
-    """Key -> value of one section as in a study file, without empty keys, or only with what the file gave."""
+    """Key -> value of one section as in a study file, without empty keys, or only with explicit keys of the file."""
     values: dict[str, Any] = {}
     for key, value in section:
         if value is None or (only_explicit and key not in section.model_fields_set):

@@ -16,14 +16,14 @@ ReferenceFrequency = Annotated[float, Quantity("frequency", at_least=0.0, at_mos
 
 
 class ReferenceSection(Section):
-    """Natural frequencies from elsewhere (a modal test, another program, a publication). The mode table of the report
+    """Natural frequencies from another source (modal test, another program, publication). The mode table of the report
     shows them with the deviation of the model; they change no result."""
 
     mode_frequencies: tuple[ReferenceFrequency, ...] = Field(
-        description=f"of modes 1, 2, ... of that table, at most {MODE_COUNT}; 0 for a mode that has none",
+        description=f"of modes 1, 2, ... of that table, at most {MODE_COUNT}; 0 for a mode without one",
         examples=[["412 Hz", "530 Hz"]],
     )
-    source: str = Field(description="where they come from", examples=["modal test, March 2024"])
+    source: str = Field(description="their origin", examples=["modal test, March 2024"])
 
     @field_validator("mode_frequencies")
     @classmethod
@@ -41,5 +41,5 @@ class ReferenceSection(Section):
     @classmethod
     def _says_something(cls, value: str) -> str:
         if not value.strip():
-            raise InputError('is empty. Say where the frequencies come from, for example "modal test, March 2024".')
+            raise InputError('is empty. Give the origin of the frequencies, for example "modal test, March 2024".')
         return value

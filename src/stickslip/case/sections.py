@@ -86,8 +86,8 @@ def require_printable(value: Any) -> Any:
     odd = next((letter for letter in value if category(letter) in _CONTROLS), "") if isinstance(value, str) else ""
     if odd:
         raise InputError(
-            f"holds the control character U+{ord(odd):04X}, but a text is one line of characters that can be shown. "
-            "Take it out."
+            f"contains the control character U+{ord(odd):04X}, but a text is one line of printable characters. "
+            "Remove it."
         )
     return value
 
@@ -96,7 +96,7 @@ def _file_name(value: str) -> str:
     """``value``. Raises InputError for a name that is too long for any disk."""
     longest = max(map(len, PurePath(value).parts), default=0)
     if longest > 255 or len(value) > 4000:  # what file systems of Linux, macOS and Windows take
-        raise InputError(f"is no name of a file: it has {len(value)} characters, and one part of it {longest}.")
+        raise InputError(f"is not a file name: it has {len(value)} characters, and one part of it has {longest}.")
     return value
 
 
@@ -158,13 +158,13 @@ def of_kind(classes: Mapping[str, type[Section]], default: str) -> PlainValidato
 
 
 class StudySection(Section):
-    """What the study is called."""
+    """Name of the study."""
 
-    title: str = Field(default="Two blades with an under-platform damper", description="heads the report")
+    title: str = Field(default="Two blades with an under-platform damper", description="heading of the report")
 
 
 class StructureSection(Section):
-    """Where the structure comes from."""
+    """Source of the structure."""
 
     kind: str
 
@@ -178,7 +178,7 @@ class ReductionSection(Section):
     """Craig-Bampton reduction to the contact nodes, N1, N2, A and a few modes."""
 
     modes: Annotated[int, Count(at_least=0, at_most=2000)] = Field(
-        default=30, description="fixed-interface modes that are kept"
+        default=30, description="retained fixed-interface modes"
     )
 
 
@@ -197,7 +197,7 @@ class RoughnessSection(Section):
             at_least=NEGLIGIBLE,
             at_most=1e-3,
             usual=(NEGLIGIBLE, 1e-5),
-            unit_required="Publications leave it out, and between m and mm lies a factor of 1000.",
+            unit_required="Publications omit it, and m and mm differ by a factor of 1000.",
             example='"1e-8 m"',
         ),
     ] = Field(default=1e-8, description="G; the unit is required")
@@ -222,15 +222,15 @@ class RoughnessSection(Section):
         description="varying-curvature: K_n along spots of all sizes; unloading: plastic spots respond too",
     )
     allocation: Literal["area", "pressure"] = Field(
-        default="area", description="stiffness of a pair by its share of area, or by its own pressure"
+        default="area", description="stiffness of a pair by its fraction of the area, or by its own pressure"
     )
     reference_area: Area | None = Field(
         default=None,
-        description="pressure: face area for which the law is taken, one for all faces; that of each face unless given",
+        description="pressure: reference area of the law for all faces; default: the area of each face",
         examples=["180 mm^2"],
     )
     domain_extension: Annotated[float, Quantity("pure number", at_least=1.0, at_most=1e3)] = Field(
-        default=1.0, description="psi of the size distribution; 1 leaves it out"
+        default=1.0, description="psi of the size distribution; 1 omits it"
     )
 
     @field_validator("shortest_length")
@@ -246,18 +246,18 @@ class RoughnessSection(Section):
     def _of_the_pressure_alone(cls, value: float | None, info: ValidationInfo) -> float | None:
         if value is not None and info.data.get("allocation") == "area":
             raise InputError(
-                'belongs to allocation = "pressure", but allocation is "area", which spreads the stiffness of each '
-                "face under its own load. Set the allocation, or take the key out."
+                'belongs to allocation = "pressure", but allocation is "area", which distributes the stiffness of each '
+                "face under its own load. Set the allocation, or remove the key."
             )
         return value
 
 
 class ContactStiffnessSection(Section):
-    """Stiffness of one whole contact face, for those who measured it; give it instead of [roughness]."""
+    """Measured stiffness of one complete contact face, instead of [roughness]."""
 
     foreign: ClassVar[Mapping[str, str]] = dict.fromkeys(
         ("allocation", "stiffness_constants"),
-        "belongs to stiffness_law, which is not given. Give it, or take this out.",
+        "belongs to stiffness_law, which is not given. Give it, or remove this key.",
     )
 
     normal_stiffness: Stiffness = Field(examples=["1.34e8 N/m"])
@@ -267,7 +267,7 @@ class ContactStiffnessSection(Section):
 class FrictionSection(Section):
     """Coulomb friction between damper and platforms."""
 
-    coefficient: FrictionCoefficient = Field(default=0.3, description="dry metal joints lie between 0.1 and 0.8")
+    coefficient: FrictionCoefficient = Field(default=0.3, description="dry metal joints have 0.1 to 0.8")
 
 
 class PreloadSection(Section):
@@ -275,16 +275,16 @@ class PreloadSection(Section):
 
     method: Literal["prescribed", "solved"] = Field(
         default="prescribed",
-        description="prescribed: uniform pressure, or values; solved: the pressure that the static load gives",
+        description="prescribed: uniform pressure, or values; solved: the pressure under the static load",
     )
     values: tuple[PairForce, ...] | None = Field(
         default=None,
-        description="N of each pair in the order of the faces, instead of a load of the face; below 0: a gap",
+        description="N, one for each pair in the order of the faces, instead of a load of the face; below 0: a gap",
         examples=[[2.5, 2.5, 2.5]],
     )
     residual_traction: Literal["released", "kept"] = Field(
         default="released",
-        description="solved: what friction holds at rest is forgotten in vibration, or kept until a pair slips",
+        description="solved: released: no traction at rest in vibration; kept: it remains until a pair slips",
     )
     normal_law: Literal["spring", "pressure-gap"] = Field(
         default="spring",
@@ -300,11 +300,11 @@ class DampingSection(Section):
     )
     # 2 pi f zeta of a share of the mass, zeta / (pi f) of the stiffness: more than critical at any frequency below.
     rayleigh_alpha: Annotated[float, Quantity("rate", at_least=0.0, at_most=1e12)] | None = Field(
-        default=None, description="share of the mass matrix, instead of modal_damping_ratio", examples=["0.5 1/s"]
+        default=None, description="multiple of the mass matrix, instead of modal_damping_ratio", examples=["0.5 1/s"]
     )
     rayleigh_beta: Annotated[float, Quantity("time", at_least=0.0, at_most=1e6)] | None = Field(
         default=None,
-        description="share of the stiffness without contact; slower, as it couples the stuck modes",
+        description="multiple of the stiffness without contact; slower, because it couples the stuck modes",
         examples=["6e-7 s"],
     )
 
@@ -320,11 +320,13 @@ class DampingSection(Section):
 
 
 class SolverSection(Section):
-    """The sweep and its accuracy."""
+    """Frequency range of the sweep, and its accuracy."""
 
-    frequency_start: Frequency = Field(default=400.0, description="a start above the stop sweeps downward")
+    frequency_start: Frequency = Field(default=400.0, description="a start above the stop sweeps downwards")
     frequency_stop: Frequency = Field(default=530.0)
-    harmonics: Annotated[int, Count(at_least=1, at_most=200)] = Field(default=5, description="kept beside the mean")
+    harmonics: Annotated[int, Count(at_least=1, at_most=200)] = Field(
+        default=5, description="number of harmonics, in addition to the mean"
+    )
     samples: Annotated[int, Count(at_least=8, at_most=100_000)] = Field(
         default=256, description="per period; 512 with much separation", validate_default=True
     )
@@ -333,19 +335,21 @@ class SolverSection(Section):
         default=1e-9, description="of the residual, relative"
     )
     smallest_step: Step = Field(
-        default=1e-6, description="along the curve, as a share of the window or of the largest response"
+        default=1e-6, description="along the curve, as a fraction of the frequency range or of the largest response"
     )
     first_step: Step = Field(default=0.01, validate_default=True)
     largest_step: Step = Field(default=0.08, validate_default=True)
-    update: Literal["tractrix", "radial"] = Field(default="tractrix", description="return of the friction law")
+    update: Literal["tractrix", "radial"] = Field(
+        default="tractrix", description="return of a slipping pair to the friction limit"
+    )
 
     @field_validator("frequency_stop")
     @classmethod
     def _window_has_a_width(cls, value: float, info: ValidationInfo) -> float:
         if value == info.data.get("frequency_start"):
             raise InputError(
-                "is equal to frequency_start, so the range has zero width. Give two different frequencies; "
-                "a start above the stop sweeps downward."
+                "is equal to frequency_start, so the frequency range is empty. Give two different frequencies; "
+                "a start above the stop sweeps downwards."
             )
         return value
 
@@ -356,8 +360,8 @@ class SolverSection(Section):
         if harmonics is not None and value < 2 * harmonics + 1:
             advice = next(2**k for k in range(8, 20) if 2**k >= 16 * harmonics)
             raise InputError(
-                f"is too few: harmonics = {harmonics} needs at least {2 * harmonics + 1} samples in a period. "
-                f"Take {advice}: friction has kinks that few samples miss."
+                f"is too few: harmonics = {harmonics} requires at least {2 * harmonics + 1} samples in a period. "
+                f"Use {advice}: few samples miss the kinks of friction."
             )
         return value
 
@@ -371,14 +375,16 @@ class SolverSection(Section):
 
 
 class OutputSection(Section):
-    """What is written beside results.nc and report.html."""
+    """Files in addition to results.nc and report.html."""
 
     figure_formats: tuple[Literal["svg", "pdf", "png"], ...] = Field(
-        default=("svg", "png"), description="of the single figures"
+        default=("svg", "png"), description="formats of the separate figures"
     )
-    mode_shapes: Annotated[int, Count(at_least=0, at_most=100)] = Field(default=10, description="written for ParaView")
+    mode_shapes: Annotated[int, Count(at_least=0, at_most=100)] = Field(
+        default=10, description="number of mode shapes for ParaView"
+    )
     deflected_shape_frames: Annotated[int, Count(at_least=0, at_most=1000)] = Field(
-        default=24, description="over one period at the peak, for ParaView; 0 for none"
+        default=24, description="instants of one period at the peak, for ParaView; 0 for none"
     )
 
 

@@ -16,8 +16,8 @@ from stickslip.core.units import Quantity
 
 _OPENING = """\
 # A study of stickslip. Check it with "stickslip check FILE", solve it with "stickslip run FILE --out DIR".
-# Values with a unit are texts ("145 mm", "197 GPa"); plain numbers are SI. A key that is left out takes its default,
-# which "stickslip new FILE" writes. Lines that begin with "# key =" are further possibilities.
+# Values with a unit are texts ("145 mm", "197 GPa"); plain numbers are SI. A key that is omitted has its default,
+# which "stickslip new FILE" writes. Lines that begin with "# key =" are optional keys.
 """
 _WIDTH = 120  # columns of a study file
 _COLUMN = 39  # comments start two columns further

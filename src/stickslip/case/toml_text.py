@@ -33,7 +33,7 @@ def read_text(path: str | PathLike[str]) -> str:
         line = raw.count(b"\n", 0, error.start) + 1
         raise StudyFileError(
             f"{path}, line {line}: the text is not UTF-8 (byte 0x{raw[error.start]:02x}). "
-            "Save it as UTF-8; if it is not a text file at all, give the path of a study file."
+            "Save it as UTF-8; if it is not a text file, give the path of a study file."
         ) from error
 
 
@@ -48,7 +48,7 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
             'blade_length = "145 mm"; a section is [geometry]; a comment starts with #.'
         ) from error
     if not data:
-        raise StudyFileError(f"{source}: the file is empty, there is no section in it. {_NEW_FILE}")
+        raise StudyFileError(f"{source}: the file is empty; it has no section. {_NEW_FILE}")
     return data
 
 
@@ -80,11 +80,11 @@ class KeyPositions:
     varied: tuple[str, ...] = ()
 
     def sentence(self, error: InputError) -> str:
-        """The sentence of an error after the file's name and the place of each key that it is about."""
+        """The message of an error after the file's name and the line of each of its keys."""
         if error.are_arguments:  # of a function, and the file may have a key of that name for something else
             where = []
         elif len(error.keys) == 1 and error.keys[0] in str(error) and self._line(error.keys[0]):
-            where = [f"line {self._line(error.keys[0])}"]  # the sentence names the key itself
+            where = [f"line {self._line(error.keys[0])}"]  # the message names the key itself
         else:
             where = [self._position(key) for key in error.keys]
         return f"{', '.join([self.source, *where])}: {error}"
@@ -169,8 +169,8 @@ def _shortened(word: re.Match[str]) -> str:
 
 @dataclass(frozen=True)
 class _Entry:
-    """Where an error stands: section, the name of the entry in a section of named ones, key, then a key of its own
-    section or a place in a list."""
+    """Position of an error: section, the name of the entry in a section of named ones, key, then a key of its own
+    section or an index in a list."""
 
     path: tuple[str, ...]
     is_named: bool
@@ -231,7 +231,7 @@ def _unknown(entry: _Entry, value: object, allowed: Mapping[str, Sequence[str]])
     if len(path) == 1:
         home = next((section for section, keys in allowed.items() if path[0] in keys), None)
         if home and not isinstance(value, Mapping):
-            return f"{path[0]} stands outside a section; it belongs below the line [{home}]."
+            return f"{path[0]} is outside of a section; it belongs below the line [{home}]."
         nearest = difflib.get_close_matches(path[0].lower(), allowed, n=1)
         advice = f"Did you mean [{nearest[0]}]?" if nearest else f"Sections are {', '.join(allowed)}."
         kind = (
@@ -242,8 +242,8 @@ def _unknown(entry: _Entry, value: object, allowed: Mapping[str, Sequence[str]])
     if entry.is_named and isinstance(value, Mapping):
         name = ".".join(path[1 : entry.depth])
         return (
-            f"[{entry}] is not a section of a study file: a name has no dot unless it stands in quotes. Write "
-            f'[{section}."{name}"] if that is the name.'
+            f"[{entry}] is not a section of a study file: a name with a dot requires quotes. Write "
+            f'[{section}."{name}"] if the name has a dot.'
         )
     nearest = difflib.get_close_matches(key.lower(), allowed[section], n=1)
     homes = [other for other, keys in allowed.items() if key in keys]

@@ -25,7 +25,7 @@ from stickslip.core.units import Quantity
 
 
 class GeometrySection(Section):
-    """Two mirrored blades and the damper between them; every dimension. The defaults come from no drawing: they were
+    """All dimensions of two mirrored blades and the damper between them. The defaults are from no drawing; they are
     fitted to ten natural frequencies of such a pair. z runs from the fixed root to the tip, x across the airfoil's
     thickness, y along the chord."""
 
@@ -41,7 +41,7 @@ class GeometrySection(Section):
             shown="deg",
             at_least=1e-6,
             below=1.5707963267948966,
-            unit_required="A plain number would be radian, which few expect here.",
+            unit_required="A plain number would be in radians, which is unusual here.",
         ),
     ] = Field(default=0.523598775598299, description="contact face against the horizontal")
     underside_height_at_shank: Length = Field(default=0.0367, description="height of the platform's underside")
@@ -49,10 +49,10 @@ class GeometrySection(Section):
     platform_edge_thickness: Length = Field(default=0.0057, description="at the free edge")
     platform_gap: Length = Field(default=0.001, description="between the two platforms")
     shank_thickness_at_platform: Length = Field(default=0.0139, description="tapers to the next one")
-    shank_thickness_at_base: Length = Field(default=0.0093, description="at the fixed root")
+    shank_thickness_at_base: Length = Field(default=0.0093, description="at the clamped root")
     damper_flank_height: Length = Field(default=0.0025, description="vertical side below the damper's contact face")
     excitation_height: Length = Field(
-        default=0.00367, description="z of N1, N2 on the outer shank faces; near the root it takes a large force"
+        default=0.00367, description="z of N1, N2 on the outer shank faces; near the root a large force is necessary"
     )
 
 
@@ -68,7 +68,7 @@ class MeshSection(Section):
     platform_rows: Elements = Field(default=4)
     airfoil_rows: Elements = Field(default=30, description="platform to tip")
     inner_columns: Elements = Field(default=2, description="flat underside between shank and contact face")
-    contact_columns: Elements = Field(default=4, description="up the contact face; the damper has as many")
+    contact_columns: Elements = Field(default=4, description="up the contact face; the same number in the damper")
     chordwise: Elements = Field(default=10, description="along the damper's length")
     beyond_damper: Elements = Field(default=1, description="at each end, if the damper is shorter than the width")
     damper_columns: Elements = Field(default=4)
@@ -97,12 +97,12 @@ class ExcitationSection(Section):
 
 
 class TwoBladeStructureSection(StructureSection):
-    """The structure is meshed from [geometry] and [mesh]."""
+    """stickslip meshes the structure from [geometry] and [mesh]."""
 
     foreign: ClassVar[Mapping[str, str]] = dict.fromkeys(
         ("file", "length_unit", "unit_system", "includes_outside", "stiffness", "mass", "damping", "unknown_map",
          "node_positions", "fixed", "element"),
-        'does not belong to a structure of kind "two-blade". Take it out.',
+        'does not belong to a structure of kind "two-blade". Remove it.',
     )  # fmt: skip
 
     kind: Literal["two-blade"] = Field(default="two-blade", description="two-blade, mesh or matrices")
@@ -114,7 +114,7 @@ class _WedgeKeys(Section):
         description="F of the damper, total over both ends; each face carries F / (2 (cos angle + mu_0 sin angle))",
     )
     friction_coefficient_at_assembly: Annotated[float, Quantity("pure number", at_least=0.0, at_most=10.0)] = Field(
-        default=0.0, description="mu_0: friction that helps to carry the force"
+        default=0.0, description="mu_0: friction that supports part of the force"
     )
 
 

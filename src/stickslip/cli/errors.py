@@ -38,28 +38,28 @@ def error_messages(debug: bool, log_folder: Path | None = None, closing: str = "
     except StoppedBySignal as error:
         with suppress(OSError):  # a lost terminal shows no message
             _show_traceback(debug)
-            echo(f"Stopped by {error}; the study did not end. {closing}".rstrip(), err=True)
+            echo(f"Stopped by {error}; the study is not complete. {closing}".rstrip(), err=True)
         raise typer.Exit(128 + error.number) from error
     except KeyboardInterrupt as error:
         _show_traceback(debug)
-        echo(f"Interrupted; the study did not end. {closing}".rstrip(), err=True)
+        echo(f"Interrupted; the study is not complete. {closing}".rstrip(), err=True)
         raise typer.Exit(EXIT_INTERRUPTED) from error
     except MemoryError as error:
         _show_traceback(debug)
         echo(
-            "Error: the memory is too small. Take fewer elements, harmonics or samples, or a machine with more of it.",
+            "Error: the memory is too small. Use fewer elements, harmonics or samples, or a machine with more memory.",
             err=True,
         )
         raise typer.Exit(InputError.exit_code) from error
     except Exception as error:
         _show_traceback(debug)
-        where = "Run it again with --debug to see where" if log_folder is None else _write_log(log_folder)
+        where = "Run it again with --debug to see the traceback" if log_folder is None else _write_log(log_folder)
         if isinstance(error, OSError):
             echo(f"Error: a file could not be read or written: {error}. {where}.", err=True)
             raise typer.Exit(EXIT_FAULT) from error
         echo(
-            f"Fault of stickslip ({type(error).__name__}: {error}), not of your input. {where}, "
-            "and please report it to the developers together with the study file.",
+            f"Defect of stickslip ({type(error).__name__}: {error}), not of your input. {where}, "
+            "and please report the defect to the developers together with the study file.",
             err=True,
         )
         raise typer.Exit(EXIT_FAULT) from error
@@ -76,5 +76,5 @@ def _write_log(folder: Path) -> str:
     try:
         log.write_text(traceback.format_exc(), encoding="utf-8")
     except OSError:
-        return "Run it again with --debug to see where"
+        return "Run it again with --debug to see the traceback"
     return f"The traceback is in {log}"

@@ -47,7 +47,7 @@ def _folder(text: str) -> Path:
     return Path(text)
 
 
-FINISHED_CASES_NOTE = "Finished cases are kept; the same command goes on with the others."
+FINISHED_CASES_NOTE = "Completed cases are stored; the same command resumes with the others."
 StudyFile = Annotated[Path, typer.Argument(metavar="FILE", help="The study file (TOML).", show_default=False)]
 OutFolder = Annotated[
     Path,
@@ -76,14 +76,14 @@ def options(
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version.")
     ] = False,
 ) -> None:
-    """The options that stand before the command."""
+    """The options before the command."""
 
 
 @app.command()
 def new(
     path: StudyFile,
     kind: Annotated[
-        str, typer.Option("--kind", help="Structure: two-blade, mesh (a file of yours) or matrices.")
+        str, typer.Option("--kind", help="Structure: two-blade, mesh (your own file) or matrices.")
     ] = "two-blade",
     force: Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")] = False,
     debug: Debug = False,
@@ -129,11 +129,11 @@ def run(
         typer.Option(
             "--threads",
             min=1,
-            help="Threads, else STICKSLIP_THREADS, else the usable cores (at most 4).",
+            help="Threads; default STICKSLIP_THREADS, else the usable cores (at most 4).",
             show_default=False,
         ),
     ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print only errors.")] = False,
     debug: Debug = False,
 ) -> None:
     """Solve a study and write results, report and figures into DIR."""
@@ -156,7 +156,7 @@ def sweep(
             "--vary",
             metavar="KEY=VALUES",
             help="A key of the study file and its values: a comma list (100,300 or single,same) or a range "
-            "start:stop:count or start:stop:count:log. Several --vary give every combination.",
+            "start:stop:count or start:stop:count:log. Several --vary give all combinations.",
             show_default=False,
         ),
     ],
@@ -165,17 +165,17 @@ def sweep(
     ],
     workers: Annotated[
         int | None,
-        typer.Option("--workers", min=1, help="Processes; one for each processor unless given.", show_default=False),
+        typer.Option("--workers", min=1, help="Processes; default one for each processor.", show_default=False),
     ] = None,
     scheduler: Annotated[
         str | None,
         typer.Option("--scheduler", metavar="ADDRESS", help="Solve on the Dask cluster with this scheduler."),
     ] = None,
     threads: Annotated[int, typer.Option("--threads", min=1, help="Threads of each worker.")] = 1,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print only errors.")] = False,
     debug: Debug = False,
 ) -> None:
-    """Solve a study for every combination of some values; goes on where an earlier sweep into DIR ended."""
+    """Solve a study for all combinations of some values; resumes an earlier sweep into DIR."""
     with error_messages(debug, log_folder=out, closing=FINISHED_CASES_NOTE):
         if scheduler is not None and workers is not None:
             raise InputError("--workers and --scheduler cannot both be given: the cluster has its own workers.")
@@ -187,7 +187,7 @@ def sweep(
         from stickslip.sweeps.cluster import cluster_executor
 
         varied = axes.split_options(vary)
-        axes.swept_keys(varied, case)  # a wrong key is told before a folder is made or a cluster is asked
+        axes.swept_keys(varied, case)  # a wrong key is reported before a folder is created or a cluster is contacted
         require_folder(out)
         places = replace(places, varied=tuple(varied))
         with (
@@ -204,10 +204,10 @@ def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder with results.nc.", show_default=False)],
     debug: Debug = False,
 ) -> None:
-    """Make the report of a solved study again, without solving."""
+    """Write the report of a solved study again, without a new solution."""
     with error_messages(debug):
         if not folder.is_dir():
-            raise InputError(f'there is no folder "{folder}". Give the --out folder of a run, which holds results.nc.')
+            raise InputError(f'the folder "{folder}" does not exist. Give the --out folder of a run, with results.nc.')
         from stickslip.study import run as study
 
         for file in study.report(folder):
@@ -224,10 +224,10 @@ def roughness(
         tuple[str, str] | None, typer.Option("--scales", help='Shortest and longest lag: "4 um" "0.2 mm".')
     ] = None,
     longest_wave: Annotated[
-        str | None, typer.Option("--longest-wave", help='Where waves end, such as the cut-off of a filter: "0.8 mm".')
+        str | None, typer.Option("--longest-wave", help='Longest wave, such as the cut-off of a filter: "0.8 mm".')
     ] = None,
     hardness: Annotated[
-        str | None, typer.Option("--hardness", help='Of the face, for the load that it needs: "3 GPa".')
+        str | None, typer.Option("--hardness", help='Hardness of the face, for the load that it requires: "3 GPa".')
     ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Folder for plot and table.", parser=_folder)
@@ -286,10 +286,10 @@ def paper(
         Path, typer.Option("--out", metavar="DIR", help="Folder of the study.", show_default=False, parser=_folder)
     ],
     workers: Annotated[int, typer.Option("--workers", min=1, help="Processes.")] = 2,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print only errors.")] = False,
     debug: Debug = False,
 ) -> None:
-    """Compute a published study again, with a verdict on each of its claims; goes on where it was stopped."""
+    """Compute a published study again, with a verdict on each of its claims; resumes an interrupted run."""
     with error_messages(debug, log_folder=out, closing=FINISHED_CASES_NOTE.replace("cases", "curves")):
         from stickslip.papers.rough_damper.study import paper_study
 
@@ -300,7 +300,7 @@ def paper(
         if not quiet:
             echo(f"Wrote {outcome.files[0]} and {len(outcome.files) - 1} other files.")
             words = ", ".join(f"{verdict.value}: {count}" for verdict, count in outcome.verdicts.items())
-            echo(f"{outcome.curves} curves, {outcome.found} of them taken from an earlier run. Claims: {words}.")
+            echo(f"{outcome.curves} curves, {outcome.found} of them from an earlier run. Claims: {words}.")
         for failure in outcome.failures[:SHOWN_FAILURES]:
             echo(f"Failed: {failure.setting}: {failure.message}", err=True)
         if outcome.failures:
@@ -314,7 +314,7 @@ def _load(path: Path, quiet: bool = False) -> tuple[Case, KeyPositions]:
     case, places = load_case_and_positions(path)
     defaults = case.defaulted_keys()
     if defaults and not quiet:
-        echo(f"Not in the file, so the default is used: {', '.join(defaults)}", err=True)
+        echo(f"Not in the file; stickslip uses the defaults: {', '.join(defaults)}", err=True)
     return case, places
 
 
@@ -323,7 +323,7 @@ def _close(outcome: StudyOutcome, quiet: bool) -> None:
     if not outcome.converged:
         files = ", ".join(str(file) for file in outcome.files)
         echo(f"Not converged: {outcome.message}", err=True)
-        echo(f"What was computed so far is kept in: {files}" if files else "Nothing was computed.", err=True)
+        echo(f"The computed part is in: {files}" if files else "There is no result.", err=True)
         raise typer.Exit(EXIT_NOT_CONVERGED)
     if not quiet:
         for file in outcome.files:
@@ -339,7 +339,7 @@ def _close_sweep(result: Sweep, quiet: bool) -> None:
     if not quiet:
         for file in result.files:
             echo(f"Wrote {file}")
-        echo(f"{count} cases, {result.found} of them finished before; {len(failed)} failed.")
+        echo(f"{count} cases, {result.found} of them from an earlier run; {len(failed)} failed.")
         for remark in result.remarks:
             echo(remark)
     for row in failed[:SHOWN_FAILURES]:
@@ -347,7 +347,7 @@ def _close_sweep(result: Sweep, quiet: bool) -> None:
     if failed:
         rest = len(failed) - SHOWN_FAILURES
         more = f" {rest} more failed." if rest > 0 else ""
-        echo(f"{more} The table {result.files[0]} has every case with its message.".lstrip(), err=True)
+        echo(f"{more} The table {result.files[0]} contains all cases with their messages.".lstrip(), err=True)
         raise typer.Exit(EXIT_NOT_CONVERGED)
 
 

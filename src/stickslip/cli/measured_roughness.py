@@ -73,7 +73,7 @@ def rows(measured: MeasuredRoughness) -> list[tuple[str, str]]:
         ("scales of the fit", f"{_shown(low)} to {_shown(high)}"),
     ]
     if fit.noise_height:
-        table.append(("noise", f"{_shown(fit.noise_height)} rms, left out of D and G"))
+        table.append(("noise", f"{_shown(fit.noise_height)} rms, not included in D and G"))
     if fit.usable:
         table += [
             ("D of the surface", f"{fit.fractal_dimension:.3f} {_between(fit.fractal_dimension_interval, '.3f')}"),
@@ -104,16 +104,16 @@ def contact_message(fit: RoughnessFit, hardness: str | None = None) -> str:
     origin = "" if hardness else "the default "
     return (
         f"With {origin}hardness {roughness.hardness / 1e9:g} GPa spots below the critical area "
-        f"{exp(log_critical_area(roughness)):.3g} m2 are plastic. A face that carries less than {least:.3g} N has no "
-        "other spots, so the law gives it no stiffness (mode unloading does); above that it has one, which stickslip "
-        "check shows."
+        f"{exp(log_critical_area(roughness)):.3g} m2 are plastic. A face with a load below {least:.3g} N has no "
+        "other spots, and the law gives it no stiffness (mode unloading does). Above this load it has a stiffness; "
+        "stickslip check shows it."
     )
 
 
 def study_lines(fit: RoughnessFit, hardness: str | None = None) -> str:
     """The section of a study file, with the hardness if one is given. Raises InputError for a fit without D and G."""
     if not fit.usable:
-        raise InputError(f"there is no D and G for a study file. {fit.warnings[0]}")
+        raise InputError(f"the profile gives no D and G for a study file. {fit.warnings[0]}")
     return (
         f"[roughness]\nfractal_dimension = {fit.fractal_dimension:.4f}\n"
         f'fractal_roughness = "{fit.fractal_roughness:.4g} m"\n' + (f'hardness = "{hardness}"\n' if hardness else "")

@@ -32,7 +32,7 @@ def print_model(path: Path, length_unit: str | None, unit_system: str | None, in
     from rich.table import Table
 
     if unit_system is not None and length_unit is None:
-        raise InputError("--unit-system needs --length-unit, too: give both.")
+        raise InputError("--unit-system requires --length-unit. Give both.")
     units_known = length_unit is not None
     units = find_unit_system(length_unit or "m", unit_system)
     raw = read_raw(path, includes_outside)
@@ -116,18 +116,18 @@ def _messages(model: ImportedModel, units_known: bool) -> Iterator[str]:
         if part.is_hinged:
             element = model.shown(model.element_labels[part.cells[0]])
             yield (
-                f"Warning: connected part {number} ({bodies}; element {element} is one of it) consists of "
-                f"{part.n_regions} regions that hang together at nodes or edges only, like hinges: its stiffness "
-                "is singular whatever contact holds it. Join their faces, or separate them."
+                f"Warning: connected part {number} ({bodies}; for example element {element}) consists of "
+                f"{part.n_regions} regions that are connected at nodes or edges only, like hinges. Its stiffness "
+                "is singular with any contact. Connect their faces, or separate them."
             )
         if part.rigid:
             yield (
-                f"Connected part {number} ({bodies}) has {part.rigid} rigid-body motions that the file does not hold: "
-                "contact or the study must."
+                f"Connected part {number} ({bodies}) has {part.rigid} rigid-body motions that the file leaves free: "
+                "contact or the study must constrain them."
             )
     constrained: IntArray = model.fixed_unknowns
     if constrained.size:
-        yield f"The file holds {constrained.size} displacements of {np.unique(constrained // 3).size} nodes at zero."
+        yield f"The file sets {constrained.size} displacements of {np.unique(constrained // 3).size} nodes to zero."
     loaded = np.flatnonzero(model.node_forces.any(axis=1))
     if loaded.size:
         total = ", ".join(f"{force:.6g}" for force in model.node_forces.sum(axis=0))
@@ -141,7 +141,7 @@ def _ask_for_unit(raw: RawModel) -> str:
     size = np.ptp(raw.coordinates, axis=0)
     in_metres = " x ".join(f"{value:.4g}" for value in size)
     return (
-        f"The length unit is not stated in the file. The bounding box would be {in_metres} m with --length-unit m, and "
-        f"{in_metres} mm with --length-unit mm. Name it: {', '.join(LENGTH_UNITS)}; --unit-system names the system of "
-        f"materials and forces where it is not the usual one: {', '.join(UNIT_SYSTEMS)}."
+        f"The file does not state its length unit. The bounding box would be {in_metres} m with --length-unit m, and "
+        f"{in_metres} mm with --length-unit mm. Give it: {', '.join(LENGTH_UNITS)}; --unit-system gives the system of "
+        f"materials and forces if it is not the usual one: {', '.join(UNIT_SYSTEMS)}."
     )

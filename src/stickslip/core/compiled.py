@@ -33,12 +33,12 @@ def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
                 raise
         folder = _private_folder()
         if folder is None:
-            _warn("numba finds no folder for compiled code, so every run compiles again, which takes a minute.")
+            _warn("numba has no writable folder for compiled code. Each run compiles again, which takes a minute.")
             return numba.njit(**{**options, "cache": False})(function)
         numba.config.CACHE_DIR = os.environ[_VARIABLE] = str(folder)  # also for processes that are started later
         _warn(
-            f'numba keeps compiled code in "{folder}", because neither the installation nor the user\'s cache folder '
-            f"can be written."
+            f'numba stores compiled code in "{folder}", because the installation and the cache folder of the user '
+            "are not writable."
         )
         return numba.njit(**options)(function)
 
@@ -47,7 +47,7 @@ def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
 @cache  # once for all functions
 def _warn(sentence: str) -> None:
-    warnings.warn(f"{sentence} Set {_VARIABLE} to a folder that lasts.", StickslipWarning, stacklevel=4)
+    warnings.warn(f"{sentence} Set {_VARIABLE} to a permanent folder.", StickslipWarning, stacklevel=4)
 
 
 @cache

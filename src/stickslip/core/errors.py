@@ -47,10 +47,10 @@ def show_warnings_as_lines() -> None:
 class InputError(StickslipError, ValueError):
     """The input is not usable: a key, an array, a matrix or a file is wrong.
 
-    ``keys`` says what the sentence is about where that is known: keys or sections of a study file, such as
-    "geometry.width" or "interfaces.joint", or arguments of a class that is used without a study file. Where the keys
-    are ``arguments`` of the function or class that raised the error, ``are_arguments`` is true: a study file need not
-    have a key of that name, so callers who know the key replace them (:func:`concerning`), and no line is named.
+    ``keys`` are the subjects of the message, if any: keys or sections of a study file, such as "geometry.width" or
+    "interfaces.joint", or arguments of a class that is used without a study file. If the keys are ``arguments`` of the
+    function or class that raised the error, ``are_arguments`` is true: a study file need not have a key of that name,
+    so callers that know the key replace them (:func:`concerning`), and the message has no line number.
     """
 
     def __init__(self, sentence: str, keys: Sequence[str] = (), *, arguments: Sequence[str] = ()) -> None:

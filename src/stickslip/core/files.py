@@ -111,9 +111,9 @@ def write_solved(target: Path, content: bytes, what: str, error: type[StickslipE
     except error as problem:
         saved = _saved_elsewhere(target.name, content)
         words = (
-            "It could not be kept in another place either: make room, and run the same command again."
+            "No other folder is writable either. Free disk space, and run the same command again."
             if saved is None
-            else f'What was solved is kept in "{saved}": make room, move that file to the place above, and {then}.'
+            else f'The result is in "{saved}". Free disk space, move that file to the path above, and {then}.'
         )
         raise error(f"{problem} {words}") from problem
 
@@ -140,7 +140,7 @@ def require_folder(folder: Path, files: Iterable[str] = (), folders: Iterable[st
 
 def _name_conflict(place: Path, existing: str, wanted: str) -> OutputError:
     return OutputError(
-        f'"{place}" is a {existing}, but a {wanted} of that name will be written. Move it, or give another folder.'
+        f'"{place}" is a {existing}, but stickslip writes a {wanted} of that name. Move it, or give another folder.'
     )
 
 
@@ -150,17 +150,17 @@ def require_disk_space(folder: Path, whole_bytes: int, largest_file_bytes: int) 
         free = shutil.disk_usage(folder).free
     except OSError as error:
         raise OutputError(
-            f"the folder {folder} is not there any more ({error.strerror}), and nothing is solved yet. Start again."
+            f"the folder {folder} no longer exists ({error.strerror}), and nothing is solved yet. Start again."
         ) from error
     if free < whole_bytes:
         raise OutputError(
-            f"the disk of the folder {folder} has {_megabytes(free)} free, but about {_megabytes(whole_bytes)} will be "
-            "written. Make room, or give a folder on another disk."
+            f"the disk of the folder {folder} has {_megabytes(free)} free, but the files need about "
+            f"{_megabytes(whole_bytes)}. Free disk space, or give a folder on another disk."
         )
     limit = _size_limit()
     if limit is not None and limit < largest_file_bytes:
         raise OutputError(
-            f"one file may have {_megabytes(limit)} here (ulimit -f), but the largest will have about "
+            f"the limit of the file size is {_megabytes(limit)} (ulimit -f), but the largest file needs about "
             f"{_megabytes(largest_file_bytes)}. Raise that limit."
         )
 
@@ -181,8 +181,8 @@ def _errors_as(target: Path, what: str, error: type[StickslipError]) -> Iterator
         if isinstance(problem, StickslipError):  # MissingPackageError and others have two parents
             raise
         raise error(
-            f'the {what} could not be written to "{target}": {problem.strerror or problem}. Choose a folder that '
-            "exists and that you may write to, with room on the disk."
+            f'the {what} could not be written to "{target}": {problem.strerror or problem}. Give an existing, '
+            "writable folder with free disk space."
         ) from problem
 
 
@@ -277,9 +277,7 @@ def _require_writable(folder: Path) -> None:
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        raise OutputError(
-            f"the folder {folder} cannot be written ({error.strerror}). Give a folder in which you can make files."
-        ) from error
+        raise OutputError(f"the folder {folder} is not writable ({error.strerror}). Give a writable folder.") from error
 
 
 def _size_limit() -> int | None:

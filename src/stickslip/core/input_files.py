@@ -74,10 +74,10 @@ def _without_waiting(path: str, flags: int) -> int:
 def _require_suitable(status: os.stat_result, largest: int | None) -> None:
     if not stat.S_ISREG(status.st_mode):
         kind = next((words for is_kind, words in _KINDS if is_kind(status.st_mode)), "no regular file")
-        raise UnsuitableFileError(errno.EINVAL, f"it is {kind}; only regular files are read")
+        raise UnsuitableFileError(errno.EINVAL, f"it is {kind}, but it must be a regular file")
     if largest is not None and status.st_size > largest:
         raise UnsuitableFileError(
-            errno.EFBIG, f"it has {in_words(status.st_size)}; at most {in_words(largest)} are read of such a file"
+            errno.EFBIG, f"it has {in_words(status.st_size)}; the limit for such a file is {in_words(largest)}"
         )
 
 
@@ -102,10 +102,10 @@ def require_unpackable(path: Path, packed: int, unpacked: int, at_least: bool = 
     limit = unpacked_limit(packed)
     if unpacked > limit:
         raise ImportFileError(
-            f'"{path}" has {in_words(packed)}, but unpacks to {"more than " if at_least else ""}'
-            f"{in_words(limit if at_least else unpacked)}; at most {in_words(limit)} are unpacked "
-            f"({in_words(LARGEST_UNPACKED)}, or {LARGEST_RATIO} times the file). Write it without compression, or "
-            "matrices as sparse ones, if it is no damaged or malicious file."
+            f'"{path}" has {in_words(packed)}, but decompresses to {"more than " if at_least else ""}'
+            f"{in_words(limit if at_least else unpacked)}; the limit is {in_words(limit)} "
+            f"({in_words(LARGEST_UNPACKED)}, or {LARGEST_RATIO} times the file size). If the file is neither "
+            "damaged nor malicious, write it without compression, or write sparse matrices."
         )
 
 
@@ -198,9 +198,9 @@ def _require_own_data(path: Path, packed: int, file: h5py.File) -> None:
                 waiting.append(item)
             elif isinstance(item, h5py.Dataset):
                 if item.external:
-                    _reject_foreign_data(path, group, name, "keeps its data in another file")
+                    _reject_foreign_data(path, group, name, "has its data in another file")
                 if item.is_virtual:
-                    _reject_foreign_data(path, group, name, "is put together from data sets of other files")
+                    _reject_foreign_data(path, group, name, "consists of data sets of other files")
                 # a chunk is unpacked completely, however little of it belongs to the data set
                 chunk = item.dtype.itemsize
                 for length in item.chunks or ():
@@ -211,8 +211,8 @@ def _require_own_data(path: Path, packed: int, file: h5py.File) -> None:
 
 def _reject_foreign_data(path: Path, group: h5py.Group, name: str, what: str) -> None:
     raise ImportFileError(
-        f"\"{path}\": '{group.name.rstrip('/')}/{name}' {what}. Other files are not read through an HDF5 file; write "
-        "all data into this one."
+        f"\"{path}\": '{group.name.rstrip('/')}/{name}' {what}. stickslip reads no other files through an HDF5 "
+        "file. Write all data into this file."
     )
 
 
@@ -225,7 +225,7 @@ def read_input(path: str | PathLike[str], advice: str, largest: int, error: type
     try:
         return read_regular(Path(path), largest)
     except FileNotFoundError as problem:
-        raise error(f"{path}: there is no such file. {advice}") from problem
+        raise error(f"{path}: the file does not exist. {advice}") from problem
     except (OSError, ValueError) as problem:  # a name with the character NUL is a ValueError
         why = problem.strerror if isinstance(problem, OSError) and problem.strerror else str(problem)
         raise error(f"{_short(str(path))}: the file cannot be read ({why}). {advice}") from problem

@@ -25,7 +25,7 @@ def odd_value(
     if not low <= value <= high:
         shown = f" {unit}" if unit else ""
         yield OddValue(
-            f"{words} {value:.3g}{shown}, outside {low:g} to {high:g}{shown}, where machine parts lie. Check {cause}.",
+            f"{words} {value:.3g}{shown}; machine parts have {low:g} to {high:g}{shown}. Check {cause}.",
             key,
         )
 
@@ -42,7 +42,7 @@ def suspecting(odd: Sequence[OddValue]) -> Iterator[None]:
         if not odd:
             raise
         first = odd[0]
-        sentence = f"{first.sentence} Most likely because of that: {error}"
+        sentence = f"{first.sentence} This is the probable cause of the following error: {error}"
         reworded = error.reworded(sentence) if isinstance(error, InputError) else InputError(sentence)
         if first.key:
             reworded.concern(first.key)

@@ -24,7 +24,7 @@ class Registry(Generic[T]):
     def register(self, name: str, maker: Callable[..., T]) -> None:
         """Register ``maker(**constants)`` under a name. Raises InputError for a name that another maker has."""
         if self._makers.get(name, maker) is not maker:
-            raise InputError(f'there is a {self._what} "{name}" already; register the new one under another name.')
+            raise InputError(f'the {self._what} "{name}" exists already. Register the new one under another name.')
         self._makers[name] = maker
 
     def names(self) -> tuple[str, ...]:

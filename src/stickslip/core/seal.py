@@ -44,8 +44,8 @@ def require_seal(stream: BinaryIO, subject: str) -> int:
     if end >= length and last.endswith(expected):
         return size
     if _FIRST_WORDS not in last:
-        raise ResultsFileError("it has no digest: it is damaged, was cut, or an older version wrote it.")
-    raise ResultsFileError("its digest does not fit: it is damaged, or belongs to other inputs or another version.")
+        raise ResultsFileError("it has no digest: it is damaged or truncated, or an older version wrote it.")
+    raise ResultsFileError("its digest does not match: it is damaged, or belongs to other inputs or another version.")
 
 
 def _seal(stream: BinaryIO, size: int, subject: str) -> bytes:

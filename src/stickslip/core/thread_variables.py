@@ -33,6 +33,6 @@ def threads_of_variable(variable: str) -> int | None:
         shortened = text if len(text) <= 40 else f"{text[:36]} ..."
         raise InputError(
             f"the environment variable {variable} is {shortened!r}, but it must be a whole number from 1 to "
-            f"{MOST_THREADS}. Change it, or take it out of the environment."
+            f"{MOST_THREADS}. Change it, or unset it."
         )
     return numbers[0]

@@ -62,7 +62,7 @@ class Quantity:
     unit_required:
         a sentence why a plain number is rejected, or "" where a plain number is the SI value.
     example:
-        a value as messages show it, where that of the kind would mislead.
+        a value as messages show it, where the example of the kind would mislead.
     unit:
         SI unit of a kind that ``KINDS`` does not have.
     """
@@ -106,7 +106,7 @@ class Quantity:
             raise InputError(f"must be a finite number. {self._example()}")
         result = number if unit == self.si_unit else self._in_si(number, unit)
         if 0.0 < abs(result) < NEGLIGIBLE:
-            raise InputError(f"is so near to zero that nothing can be computed with it. {self._example()}")
+            raise InputError(f"is too close to zero for a computation. {self._example()}")
         self._check_range(result, plain=isinstance(value, int | float))
         return result
 

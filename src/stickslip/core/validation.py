@@ -69,22 +69,20 @@ def finite_array(name: str, value: ArrayLike) -> FloatArray:
     if np.iscomplexobj(value):
         raise argument_error(
             name,
-            f"{name} must hold real numbers, but it is complex. Give structural damping as a viscous damping matrix.",
+            f"{name} must contain real numbers, but it is complex. Give structural damping as a viscous matrix.",
         )
     try:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError) as error:
-        raise argument_error(
-            name, f"{name} must hold real numbers, but it could not be read as such: {error}."
-        ) from error
+        raise argument_error(name, f"{name} must contain real numbers, but the conversion fails: {error}.") from error
     bad = np.argwhere(~np.isfinite(array))
     if len(bad):  # a single number has no index, so bad has no columns
         where = f"[{', '.join(str(i) for i in bad[0])}]" if array.ndim else ""
         entry = array[tuple(bad[0])]
         raise argument_error(
             name,
-            f"{name}{where} is {entry}; every entry must be a finite number ({len(bad)} of {array.size} are not). "
-            "Look for a division by zero or an empty cell where the array was made.",
+            f"{name}{where} is {entry}; each entry must be a finite number ({len(bad)} of {array.size} are not). "
+            "Look for a division by zero or an empty cell in the source of the array.",
         )
     return array
 

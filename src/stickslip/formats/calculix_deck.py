@@ -72,7 +72,7 @@ def write_calculix_deck(
     """
     target = Path(path)
     if target.suffix != ".inp":
-        raise InputError(f'"{target}" must end in .inp, the input file that CalculiX looks for.')
+        raise InputError(f'"{target}" must end in .inp, the ending of CalculiX input files.')
     require_choice("step", step, ("frequency", "matrices"))
     require_choice("element", element, BRICKS)
     blocks = mesh.cell_arrays()

@@ -55,7 +55,7 @@ def read_profile(
     spacing = scale[0] * _spacing(source, numbers[:, 0], lines)
     if not SPACING_RANGE[0] <= spacing <= SPACING_RANGE[1]:
         raise InputError(
-            f"{source}: the points are {spacing:.3g} m apart, but a profile has distances from {SPACING_RANGE[0]:g} to "
+            f"{source}: the points are {spacing:.3g} m apart, but the distance must be {SPACING_RANGE[0]:g} to "
             f"{SPACING_RANGE[1]:g} m. Check the unit of the position, {units[0]}."
         )
     return Profile(scale[1] * numbers[:, 1], spacing, units)
@@ -71,7 +71,7 @@ def _require_size(
         if wrong.size:
             raise InputError(
                 f"{source}, line {lines[wrong[0]]}: the {name} is {numbers[wrong[0], column]:g} {units[column]}, but "
-                f"it must lie within {limit:g} {units[column]}. Check the number and the unit."
+                f"it must be within {limit:g} {units[column]}. Check the number and the unit."
             )
 
 
@@ -94,7 +94,7 @@ def _rows(source: Path) -> tuple[str, list[tuple[int, tuple[float, float]]]]:
             rows.append((number, _two_numbers(source, number, line)))
     if len(rows) < 2:
         raise InputError(
-            f"{source}: the file holds {len(rows)} lines of numbers, too few for a profile. {_EXPECTED_FORMAT}"
+            f"{source}: the file contains {len(rows)} lines of numbers, too few for a profile. {_EXPECTED_FORMAT}"
         )
     return " ".join(heading), rows
 
@@ -106,7 +106,7 @@ def _lines(source: Path) -> Iterator[tuple[int, str]]:
     try:
         text = read_input(source, "Give the path of a profile.", LARGEST_PROFILE).decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InputError(f"{source}: this is not a text file in UTF-8. {_EXPECTED_FORMAT}") from error
+        raise InputError(f"{source}: the file is not a text file in UTF-8. {_EXPECTED_FORMAT}") from error
     yield from enumerate(text.splitlines(), start=1)
 
 
@@ -137,7 +137,7 @@ def _two_numbers(source: Path, number: int, line: str) -> tuple[float, float]:
             raise InputError(f'{source}, line {number}: the {name} "{word[:40]}" is not a number. {_EXPECTED_FORMAT}')
         if not math.isfinite(value):
             raise InputError(
-                f"{source}, line {number}: the {name} is {word}, but gaps in a profile are refused. Fill them in the "
+                f"{source}, line {number}: the {name} is {word}, but a profile must have no gaps. Fill them in the "
                 "instrument's software, or cut out a part without gaps."
             )
         values.append(value)
@@ -153,13 +153,13 @@ def _units(source: Path, heading: str, options: tuple[str | None, str | None]) -
         unit = wanted or stated
         if unit is None:
             raise InputError(
-                f"{source}: the unit of the {name} is not stated, and it is not guessed. Name it with --unit um (both "
+                f"{source}: the file does not state the unit of the {name}. Give it with --unit um (both "
                 f"columns), --position-unit and --height-unit, or in a first line: # x [mm], z [um]."
             )
         if wanted and stated and _metres(wanted) != _metres(stated):
             raise InputError(
-                f"{source}: the file states the {name} in {stated}, but {wanted} was asked for. Leave out the option, "
-                "or correct the file if it is wrong."
+                f"{source}: the file states the {name} in {stated}, but the option specifies {wanted}. Omit the "
+                "option, or correct the file if it is wrong."
             )
         result.append(unit)
     return result[0], result[1]
@@ -180,14 +180,14 @@ def _spacing(source: Path, position: FloatArray, lines: list[int]) -> float:
     if wrong.size:
         raise InputError(
             f"{source}, line {lines[wrong[0] + 1]}: the position {position[wrong[0] + 1]:g} is not above that of the "
-            f"line before, {position[wrong[0]]:g}. Positions must increase from line to line."
+            f"previous line, {position[wrong[0]]:g}. Positions must increase from line to line."
         )
     spacing = float((position[-1] - position[0]) / steps.size)
     wrong = np.flatnonzero(np.abs(steps - spacing) > SPACING_TOLERANCE * spacing)
     if wrong.size:
         at = int(np.abs(steps - spacing).argmax())
         raise InputError(
-            f"{source}, line {lines[at + 1]}: the position is {steps[at]:g} after that of the line before, but the "
+            f"{source}, line {lines[at + 1]}: the position is {steps[at]:g} after that of the previous line, but the "
             f"mean distance is {spacing:g} ({wrong.size} of {steps.size} distances differ by more than "
             f"{100 * SPACING_TOLERANCE:g} %). Export the profile at equal distances, with enough digits."
         )

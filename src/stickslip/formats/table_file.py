@@ -36,7 +36,7 @@ def read_table(path: str, columns: Mapping[str, Quantity], entry: str) -> dict[s
     rows = [(number, _SEPARATOR.split(line)) for number, line in lines if line and not line.startswith("#")]
     where = f"{entry}: {path}, line {rows[0][0] if rows else 1}:"
     if len(rows) < 2:
-        raise ImportFileError(f"{where} the file holds no table. {wanted}", (entry,))
+        raise ImportFileError(f"{where} the file contains no table. {wanted}", (entry,))
     units = _units(rows[0][1], columns, f"{where} ", wanted, entry)
     values: dict[str, list[float]] = {name: [] for name, _ in units}
     for number, words in rows[1:]:
@@ -62,7 +62,7 @@ def _units(
         match = _HEADING.fullmatch(word)
         name, unit = ("", "") if match is None else (match[1], match[2] or "")
         if name not in columns or name in dict(found):
-            twice = "stands there twice" if name in dict(found) else "is no column of this table"
+            twice = "is there twice" if name in dict(found) else "is not a column of this table"
             raise ImportFileError(f'{where}"{word[:_LONGEST_SHOWN]}" {twice}. {wanted}', (entry,))
         if columns[name].si_unit and not unit:
             raise ImportFileError(

@@ -29,7 +29,7 @@ def solve(
 def _forced(case: Case, model: ReducedModel, listener: Progress, threads: int | None) -> ForcedResponse:
     """The forced response over the window of [solver]."""
     settings = case.solver
-    compiling = "preparing; the first run on a machine compiles the friction law, about ten seconds"
+    compiling = "preparation; the first run on a machine compiles the friction law in about ten seconds"
     listener.update("Response", 0.0, compiling)
     return forced_response(
         model.superelement,

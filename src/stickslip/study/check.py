@@ -54,19 +54,19 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
     warnings = list(study_warnings(case, joint))
     if solved:
         warnings.append(
-            "The preload is solved by a run: normal loads, stiffness and frequencies shown here are those of the "
-            "pressure that the solution starts from, with every pair closed that has no gap."
+            "A run solves the preload. Normal loads, stiffness and frequencies in this table are those of the "
+            "initial pressure of that solution, with all pairs without a gap closed."
         )
     if (stuck_hz == 0.0).any():
         warnings.append(
-            "A frequency of 0 Hz is a body that moves freely: "
+            "A frequency of 0 Hz is an unsupported body: "
             + ("pairs without a gap" if solved else "the pairs closed at rest")
-            + " do not hold it"
-            + (", so the static load must close others." if solved else ", and a run refuses that.")
+            + " do not support it"
+            + (", so the static load must close others." if solved else ", and a run rejects that.")
         )
     low, high = sorted((solver.frequency_start, solver.frequency_stop))
     if not ((stuck_hz >= low) & (stuck_hz <= high)).any():
-        warnings.append("None of these natural frequencies lies in the sweep, so it may hold no resonance.")
+        warnings.append("No natural frequency of this list is in the sweep, so the sweep may contain no resonance.")
     if warnings:
         sections.append(("Warnings", [(f"{i}.", sentence) for i, sentence in enumerate(warnings, start=1)]))
     return sections

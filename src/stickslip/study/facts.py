@@ -52,7 +52,7 @@ def _faces(joint: Joint) -> Iterator[Derived]:
             f"Normal stiffness per unit area, {name}",
             float(1e-9 * normal[face] / area[face]),
             "N/mm³",
-            "as contact stiffness is often given",
+            "the usual form of a contact stiffness",
         )
 
 
@@ -78,7 +78,7 @@ def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
     if not rough or case.roughness is None:
         return
     section, first = case.roughness, rough[0]
-    yield "Fractal dimension D", section.fractal_dimension, "-", "of the surface; share of fine-scale content"
+    yield "Fractal dimension D", section.fractal_dimension, "-", "of the surface; a measure of its fine-scale content"
     yield "Fractal roughness G", section.fractal_roughness, "m", "scale of the heights"
     yield "Sq", float(1e6 * first.statistics.sq), "µm", "root mean square height between the longest and shortest wave"
     yield "Sdq", float(first.statistics.sdq), "-", "root mean square slope"
@@ -91,10 +91,10 @@ def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
     area, where = first.reference_area, "of one face under its preload"
     if section.reference_area is not None:
         where = "of the reference area under the mean pressure of one face"
-        yield "Reference area", float(1e6 * area), "mm²", "on which the contact law takes the pressure of a pair"
+        yield "Reference area", float(1e6 * area), "mm²", "area for which the contact law uses the pressure of a pair"
     yield "Largest spot area", float(1e6 * first.stiffness.largest_area), "mm²", where
     yield "Real over nominal area", float(first.stiffness.real_area / area), "-", "of one face"
-    yield "Load on plastic spots", float(100.0 * first.stiffness.plastic_load_share), "%", "share of the preload"
+    yield "Load on plastic spots", float(100.0 * first.stiffness.plastic_load_share), "%", "fraction of the preload"
 
 
 def resting_state(model: ReducedModel) -> tuple[Derived, ...]:
@@ -120,7 +120,7 @@ def resting_state(model: ReducedModel) -> tuple[Derived, ...]:
         if not model.pairs.released:
             limit = int((state.state[here] == ContactState.STICK_SLIP).sum())
             words = "resultant of the tractions of its pairs"
-            meaning = "moved further the same way, they slip at once"
+            meaning = "further motion in the same direction causes slip"
             rows.append((f"Pairs on the friction limit at rest, {name}", limit, "-", meaning))
         rows += [
             (f"Largest pressure at rest, {name}", largest, "MPa", "normal force over area of a pair"),
@@ -137,7 +137,7 @@ def _resting_face(name: str, law: ContactLaw, state: StaticState, here: BoolArra
     of_all = f"of {int(here.sum())}; law {law.name}"
     return [
         *((f"Pairs in the state '{words}' at rest, {name}", count, "-", of_all) for words, count in counts),
-        (f"Normal force at rest, {name}", force[0], "N", "sum over its pairs, above 0 where it presses"),
+        (f"Normal force at rest, {name}", force[0], "N", "sum over its pairs, above 0 for pressure"),
         (f"Tangential force at rest, {name}", force[1], "N", "resultant over its pairs"),
     ]
 
@@ -153,12 +153,12 @@ def compared_tractions(
     own = summary(response, output)
     label = f"Peak with tractions at rest {names[1]}"
     if isinstance(other, str):
-        return ((label, "not found", "-", other),)
+        return ((label, "no result", "-", other),)
     there = summary(other, output)
     change = 100.0 * (there.peak.amplitude / own.peak.amplitude - 1.0)
     energy = 100.0 * (there.friction_energy / own.friction_energy - 1.0) if own.friction_energy > 0.0 else math.nan
     shift = there.peak.frequency_hz - own.peak.frequency_hz
-    words = f"this study's tractions are {names[0]}; {change:+.2f} % against it"
+    words = f"this study's tractions are {names[0]}; {change:+.2f} % relative to it"
     if not other.converged:
         words += f"; that curve is not complete: {other.message}"
     return (
@@ -167,7 +167,7 @@ def compared_tractions(
             f"{label}: frequency",
             there.peak.frequency_hz,
             "Hz",
-            f"{'+' if shift >= 0.0 else ''}{hertz(shift)} Hz against this study",
+            f"{'+' if shift >= 0.0 else ''}{hertz(shift)} Hz relative to this study",
         ),
         (f"{label}: friction energy", float(1e6 * there.friction_energy), "µJ", f"per cycle, {energy:+.1f} %"),
     )
@@ -177,7 +177,7 @@ def linear_natural_frequencies(response: ForcedResponse, count: int = 4) -> tupl
     """The first natural frequencies of the two linear limits of this study."""
     limits = {
         "contacts that are closed at rest stuck": ("stuck", response.linear.stuck_frequency_hz),
-        "no contact; rigid-body motions left out": ("free", response.linear.free_frequency_hz),
+        "no contact; rigid-body motions omitted": ("free", response.linear.free_frequency_hz),
     }
     return tuple(
         (f"Natural frequencies, {name}", ", ".join(f"{f:.2f}" for f in values[:count]), "Hz", words)

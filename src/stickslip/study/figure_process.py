@@ -95,8 +95,8 @@ class Drawing:
             self.folder.mkdir(exist_ok=True)
         except OSError as error:
             raise InputError(
-                f'the folder "{self.folder}" of the figures cannot be made ({error.strerror}). Give a folder in which '
-                "you can make others."
+                f'the folder "{self.folder}" of the figures cannot be created ({error.strerror}). Give a '
+                "writable folder."
             ) from error
 
 
@@ -135,12 +135,12 @@ class SecondProcess:
         answer = cast(IO[bytes], self._process.stdout).read()
         code = self._process.wait()
         if not answer:
-            raise RuntimeError(f"the process that draws the figures ended with code {code} and no answer.")
+            raise RuntimeError(f"the process of the figures stopped with code {code} and without an answer.")
         outcome = pickle.loads(answer)
         if isinstance(outcome, StickslipError):
             raise outcome
         if isinstance(outcome, str):
-            raise RuntimeError(f"the figures could not be drawn:\n{outcome}")
+            raise RuntimeError(f"the figures could not be created:\n{outcome}")
         return cast("list[Path]", outcome)
 
     def __exit__(self, *details: object) -> None:

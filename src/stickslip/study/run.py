@@ -69,7 +69,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
     response, record = solution.response, replace(solution.record, rough_patch=rough_patch(case, PAGE_GRID))
     progress.update("Files", 0.0, RESULTS_FILE)
     artist.start(response, record)
-    then = '"stickslip report" makes the report of it'
+    then = '"stickslip report" writes its report'
     write_solved(out / RESULTS_FILE, results_bytes(response, record), "results", ResultsFileError, then)
     with _saved_results(out):
         progress.update("Files", 0.3, REPORT_FILE)
@@ -88,7 +88,7 @@ def _saved_results(out: Path) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        safe = f'The curve is safe in "{out / RESULTS_FILE}"; "stickslip report" makes the report of it.'
+        safe = f'The curve is in "{out / RESULTS_FILE}"; "stickslip report" writes its report.'
         raise error.reworded(f"{error} {safe}") from error
 
 
@@ -132,8 +132,8 @@ def report(folder: str | PathLike[str]) -> tuple[Path, ...]:
     saved = load_results(source)
     if saved.study is None:
         raise ResultsFileError(
-            f'"{source}" holds a response without a study, so there is nothing to say about faces and outputs. '
-            'Only "stickslip run" writes files that the report needs.'
+            f'"{source}" contains a response without a study, and therefore no data of faces and outputs. '
+            'Only "stickslip run" writes files for the report.'
         )
     require_folder(Path(folder), files=(REPORT_FILE,))
     return (_page(Path(folder), saved.response, saved.study),)

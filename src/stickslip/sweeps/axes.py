@@ -51,7 +51,7 @@ def swept_keys(vary: Vary, case: Case | None = None) -> tuple[SweptKey, ...]:
     Raises InputError for an unknown key, a key that holds neither numbers nor choices, or values that it cannot take.
     """
     if not vary:
-        raise InputError("there is no key to vary. Give at least one, for example preload.centrifugal_force=100,300.")
+        raise InputError("no key to vary is given. Give at least one, for example preload.centrifugal_force=100,300.")
     return tuple(_swept_key(name, values, case) for name, values in vary.items())
 
 
@@ -87,14 +87,12 @@ def _kind(name: str, case: Case | None) -> Quantity | Count | tuple[str, ...]:
         everything = [f"{each}{between[each]}{inner}" for each, keys in all_keys.items() for inner in keys]
         homes = [full for full in everything if full.partition(".")[2] == name.split(".")[-1]]
         nearest = homes or difflib.get_close_matches(name, everything, n=1)
-        advice = f"Did you mean {nearest[0]}?" if nearest else '"stickslip new FILE" writes a file with every key.'
+        advice = f"Did you mean {nearest[0]}?" if nearest else '"stickslip new FILE" writes a file with all keys.'
         raise InputError(
             f"{name} is not a key of a study file (section.key or section.NAME.key). {advice}", arguments=[name]
         )
     if section in UNSWEPT_SECTIONS:
-        raise InputError(
-            f"{name} does not change the answer of a case, so there is nothing to vary. Leave it out.", arguments=[name]
-        )
+        raise InputError(f"{name} does not change the result of a case. Remove it.", arguments=[name])
     model, field = Case.field_of(section, key)
     quantity, annotation, metadata = quantity_of(model, key), field.annotation, field.metadata
     count = next((entry for entry in metadata if isinstance(entry, Count)), None)
@@ -108,7 +106,7 @@ def _kind(name: str, case: Case | None) -> Quantity | Count | tuple[str, ...]:
         return count
     words = "a text" if value_type is str else "the number of a node" if value_type is int else "a list of values"
     raise InputError(
-        f"{name} holds {words}; a sweep varies keys that hold a quantity, a count or one of some choices.",
+        f"{name} is {words}; a sweep varies only quantities, counts and choices.",
         arguments=[name],
     )
 
@@ -122,14 +120,12 @@ def _constant_kind(name: str, case: Case | None) -> Quantity:
     constants: LawConstants | None = getattr(holder, table, None)
     above = name.removesuffix(f".{table}.{key}")
     if constants is None:
-        raise InputError(f"{name} is not in the study: its section [{above}] names no law with constants of this kind.")
+        raise InputError(f"{name} is not in the study: its section [{above}] has no law with such constants.")
     declared = constants.declared.get(key)
     if declared is None:
-        raise InputError(f"{name} is no constant of the law; it has: {', '.join(constants.declared)}.")
+        raise InputError(f"{name} is not a constant of the law; its constants are: {', '.join(constants.declared)}.")
     if declared.quantity is None or declared.is_table:
-        raise InputError(
-            f"{name} holds {'a list' if declared.is_table else 'true or false'}; a sweep varies quantities."
-        )
+        raise InputError(f"{name} is {'a list' if declared.is_table else 'true or false'}; a sweep varies quantities.")
     return declared.quantity
 
 
@@ -177,10 +173,10 @@ def _range(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> li
     parts = [part.strip() for part in item.split(":")]
     if isinstance(kind, tuple):
         raise InputError(
-            f"{statement}, but it holds a choice: {', '.join(kind)}. Give a list of these words.", arguments=[name]
+            f"{statement}, but its value is a choice: {', '.join(kind)}. Give a list of these words.", arguments=[name]
         )
     if len(parts) not in (3, 4) or not all(parts) or (len(parts) == 4 and parts[3] != "log"):
-        raise InputError(f"{statement}, which cannot be read. {_RANGE}", arguments=[name])
+        raise InputError(f"{statement}, which is not valid. {_RANGE}", arguments=[name])
     start, stop = (float(_single(name, kind, _number_or_text(part))) for part in parts[:2])
     if not parts[2].isdecimal() or not 2 <= int(parts[2]) <= LARGEST_COUNT:
         raise InputError(
@@ -189,7 +185,7 @@ def _range(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> li
         )
     if not stop > start:
         raise InputError(
-            f"{statement}, whose stop is not above its start. The third number is the count, no step. {_RANGE}",
+            f"{statement}, whose stop is not above its start. The third number is the count, not a step. {_RANGE}",
             arguments=[name],
         )
     count, logarithmic = int(parts[2]), len(parts) == 4
@@ -206,7 +202,7 @@ def _range(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> li
     broken = next((value for value in values if not value.is_integer()), None)
     if broken is not None:
         raise InputError(
-            f"{statement}, which holds {broken:g}, but this key takes whole numbers. Choose a count that divides "
+            f"{statement}, which contains {broken:g}, but this key requires whole numbers. Choose a count that divides "
             f"{stop - start:g} evenly, or list the numbers: {name}=1,3,5.",
             arguments=[name],
         )

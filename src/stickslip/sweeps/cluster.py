@@ -53,11 +53,11 @@ class ClusterExecutor(SizedExecutor):
         waited = time.monotonic() - self._last_worker
         if waited >= WITHOUT_WORKER_SECONDS:
             raise WorkersError(
-                f'the Dask scheduler at "{self._address}" has had no worker for {waited:.0f} s. Look why its workers '
-                f'ended (too little memory, or the time limit of a job), and start some with "dask worker '
+                f'the Dask scheduler at "{self._address}" has had no worker for {waited:.0f} s. Check why its workers '
+                f'stopped (too little memory, or the time limit of a job), and start some with "dask worker '
                 f'{self._address}".'
             )
-        return f"no worker is left, waiting for one since {waited:.0f} s (at most {WITHOUT_WORKER_SECONDS:.0f} s)"
+        return f"no worker is available; waiting for {waited:.0f} s (at most {WITHOUT_WORKER_SECONDS:.0f} s)"
 
     def meaning(self, error: BaseException) -> BaseException:
         """The client cancels submitted tasks when it loses its scheduler, and gives up a task that killed its
@@ -85,7 +85,7 @@ class ClusterExecutor(SizedExecutor):
 
     def _connection_error(self) -> WorkersError:
         return WorkersError(
-            f'the Dask scheduler at "{self._address}" does not answer any more: it ended, or the network failed.'
+            f'the Dask scheduler at "{self._address}" no longer responds: it stopped, or the network failed.'
         )
 
 
@@ -102,7 +102,7 @@ def cluster_executor(address: str, progress: Progress | None = None) -> Iterator
         from distributed import Client
     except ImportError as error:
         raise MissingPackageError(
-            'a Dask cluster needs the package distributed. Install it: pip install "stickslip[cluster]".'
+            'a Dask cluster requires the package distributed. Install it: pip install "stickslip[cluster]".'
         ) from error
     progress = progress or SilentProgress()
     with dask.config.set(_CONFIG):
@@ -111,7 +111,7 @@ def cluster_executor(address: str, progress: Progress | None = None) -> Iterator
         with _without_log(), Client(address, timeout=CONNECT_SECONDS, set_as_default=False) as client:
             workers = _workers_of_this_version(client, address, progress)
             _require_passage(client, address)
-            progress.update("Cluster", 1.0, f"{workers} workers with the same version as here")
+            progress.update("Cluster", 1.0, f"{workers} workers with the same version")
             yield ClusterExecutor(client, address)
 
 
@@ -144,8 +144,8 @@ def _require_answer(address: str) -> None:
     # address without port or of an unknown kind, name or port without answer, missing or wrong certificates
     except (OSError, ValueError, TypeError, RuntimeError) as error:
         raise InputError(
-            f'no Dask scheduler answers at "{address}" ({error}). Give the address that "dask scheduler" prints, for '
-            "example tcp://host:8786. An address tls://host:8786 needs certificates in Dask's configuration "
+            f'no Dask scheduler responds at "{address}" ({error}). Give the address that "dask scheduler" prints, for '
+            "example tcp://host:8786. An address tls://host:8786 requires certificates in Dask's configuration "
             "(distributed.comm.tls)."
         ) from error
     finally:
@@ -181,15 +181,15 @@ def _require_passage(client: Any, address: str) -> None:
     except Exception as error:  # another version may raise any error
         raise WorkersError(
             f'the Dask scheduler at "{address}" or its worker cannot read a task of stickslip ({type(error).__name__}: '
-            f"{' '.join(str(error).split())}). Install stickslip {worker_version()} where the scheduler and the "
-            "workers run."
+            f"{' '.join(str(error).split())}). Install stickslip {worker_version()} for the scheduler and the "
+            "workers."
         ) from error
 
 
 def _no_worker(address: str) -> InputError:
     return InputError(
-        f'the Dask scheduler at "{address}" has no worker that answers. Start some with "dask worker {address}", and '
-        "look at their log if they end at once."
+        f'the Dask scheduler at "{address}" has no worker that responds. Start some with "dask worker {address}", and '
+        "check their log if they stop at once."
     )
 
 
@@ -206,5 +206,5 @@ def _require_this_version(answers: dict[str, Any]) -> None:
     if wrong:
         raise WorkersError(
             f"the sweep runs stickslip {worker_version()}, but of its Dask workers {'; '.join(wrong)}. Install the "
-            "same version there, or end these workers."
+            "same version there, or stop these workers."
         )

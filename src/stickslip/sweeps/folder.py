@@ -95,7 +95,7 @@ def _make(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise ResultsFileError(
-            f'the folder "{folder}" cannot be made ({error.strerror}). Give a folder in which you can make files.'
+            f'the folder "{folder}" cannot be created ({error.strerror}). Give a writable folder.'
         ) from error
 
 
@@ -117,7 +117,7 @@ def _row(outcome: CaseOutcome) -> dict[str, Any]:
 def _solved(results: Path, row: dict[str, Any]) -> CaseOutcome:
     """The outcome of a row. Raises ResultsFileError unless its results file is present and unchanged."""
     if row["results"] != _digest(_content(results)):
-        raise ResultsFileError(f'"{results}" is not used: it is not the file that "{ROW_FILE}" beside it belongs to.')
+        raise ResultsFileError(f'"{results}" is not used: "{ROW_FILE}" in the same folder belongs to another file.')
     curve = SweepCurve(np.array(row["frequency_hz"]), np.array(row["amplitude_m"]))
     return CaseOutcome(row["converged"], row["message"], row["measures"], curve, tuple(row["warnings"]))
 

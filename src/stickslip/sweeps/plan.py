@@ -63,7 +63,9 @@ def plan_cases(case: Case, keys: tuple[SweptKey, ...]) -> tuple[PlannedCase, ...
     count = math.prod(len(key.values) for key in keys)
     if count > LARGEST_SWEEP:
         sizes = " x ".join(str(len(key.values)) for key in keys)
-        raise InputError(f"the sweep has {sizes} = {count} cases; at most {LARGEST_SWEEP} are possible. Vary less.")
+        raise InputError(
+            f"the sweep has {sizes} = {count} cases; at most {LARGEST_SWEEP} are allowed. Use fewer values."
+        )
     planned, wrong = [], []
     for places in itertools.product(*(range(len(key.values)) for key in keys)):
         chosen = list(zip(keys, places, strict=True))

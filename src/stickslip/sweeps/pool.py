@@ -93,8 +93,8 @@ class LocalProcesses(SizedExecutor):
             self.submit(probe).result()
         except WorkerDied as error:
             raise InputError(
-                "worker processes cannot be started. In a script the call of stickslip.sweep must stand below "
-                'if __name__ == "__main__": because every worker process reads the script first; or give workers=1.'
+                "worker processes cannot be started. In a script the call of stickslip.sweep must be below "
+                'if __name__ == "__main__": because each worker process reads the script first. Or give workers=1.'
             ) from error
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
@@ -160,14 +160,14 @@ class _Worker:
             answer: tuple[bool, Any] = pipe.recv()
         except (EOFError, OSError) as error:
             self._close()
-            raise WorkerDied("the worker process ended before it answered") from error
+            raise WorkerDied("the worker process stopped without an answer") from error
         return answer
 
     def _started(self) -> Connection:
         """The pipe to the process, which is started for the first task and after a death."""
         with self._lock:
             if self._ended:
-                raise WorkerDied("the worker processes were ended")
+                raise WorkerDied("the worker processes were stopped")
             if self._pipe is None:
                 context = multiprocessing.get_context("spawn")
                 pipe, theirs = context.Pipe()
@@ -208,7 +208,7 @@ def _work(pipe: Connection) -> None:
         try:
             pipe.send(answer)
         except Exception as error:  # an answer that cannot be pickled; nothing of it was sent
-            pipe.send((False, RuntimeError(f"the answer of a task cannot travel ({error}): {answer[1]!r}")))
+            pipe.send((False, RuntimeError(f"the answer of a task cannot be sent ({error}): {answer[1]!r}")))
 
 
 def _end_with_parent() -> None:

@@ -172,7 +172,7 @@ class _Run:
         if self.folder is None:
             return
         for number, planned in enumerate(self.planned):
-            self._progress.update("Finished cases", number / len(self.planned), planned.name)
+            self._progress.update("Completed cases", number / len(self.planned), planned.name)
             outcome, notice = self.folder.finished(planned)
             if notice:
                 self.notices.append(notice)
@@ -181,7 +181,7 @@ class _Run:
                 if outcome.curve is not None:
                     self._filed.add(planned.key)
         self.found = len(self.outcomes)
-        self._progress.update("Finished cases", 1.0, f"{self.found} of {len(self.planned)}")
+        self._progress.update("Completed cases", 1.0, f"{self.found} of {len(self.planned)}")
 
     def check_joints(self, threads: int) -> list[StructureGroup]:
         """Mesh, pairs and joint of every remaining case; a case with an unusable joint has its message as outcome.
@@ -232,20 +232,20 @@ class _Run:
         try:
             future, began = executor.submit(worker_version), time.monotonic()
             while not wait([future], CHECK_SECONDS).done:
-                words = f"no answer of the executor for {time.monotonic() - began:.0f} s; has it workers?"
+                words = f"no answer of the executor for {time.monotonic() - began:.0f} s; check that it has workers"
                 self._progress.update("Workers", 0.0, words)
             version = future.result()
         except (ImportError, AttributeError, BrokenExecutor) as error:
             raise InputError(
-                f"the workers of the executor cannot run stickslip ({type(error).__name__}: {error}). Install it where "
-                'they run; in a script the call must stand below if __name__ == "__main__":.'
+                f"the workers of the executor cannot run stickslip ({type(error).__name__}: {error}). Install it for "
+                'them; in a script the call must be below if __name__ == "__main__":.'
             ) from error
         if version != worker_version():
             raise InputError(
-                f"the workers run stickslip {version}, but this is {worker_version()}. Install the same version where "
-                "they run."
+                f"the workers run stickslip {version}, but this is {worker_version()}. Install the same version "
+                "for them."
             )
-        self._progress.update("Workers", 1.0, "same version as here")
+        self._progress.update("Workers", 1.0, "same version")
 
     def solve(self, groups: list[StructureGroup], executor: Executor, at_a_time: Callable[[], int]) -> None:
         """Solve the cases of the groups; each is written as soon as it is finished."""
@@ -254,9 +254,9 @@ class _Run:
         try:
             Schedule(executor, at_a_time, self._finish, self._break, waiting=self._show).run(groups)
         except WorkersError as error:
-            closing = " and kept; the same command goes on with the others" if self.folder is not None else ""
+            closing = " and stored; the same command resumes with the others" if self.folder is not None else ""
             count, total = self.found + self._solved - self._failed, len(self.planned)
-            raise WorkersError(f"{error} {count} of {total} cases are finished{closing}.") from error
+            raise WorkersError(f"{error} {count} of {total} cases are completed{closing}.") from error
 
     def _finish(self, planned: PlannedCase, outcome: CaseOutcome) -> None:
         if self.folder is not None:
@@ -270,15 +270,14 @@ class _Run:
         it."""
         if isinstance(error, BrokenExecutor | WorkerDied):
             words = (
-                "its worker processes died, twice or more often, perhaps because the memory was too small. Try fewer "
-                "workers."
+                "its worker processes died at least twice, perhaps because the memory was too small. Use fewer workers."
             )
         elif isinstance(error, MemoryError):
             words = (
-                "the memory of the worker was too small. Take fewer elements, harmonics or samples, or fewer workers."
+                "the memory of the worker was too small. Use fewer elements, harmonics or samples, or fewer workers."
             )
         else:
-            words = f"fault of stickslip or of the executor ({type(error).__name__}: {error})."
+            words = f"defect of stickslip or of the executor ({type(error).__name__}: {error})."
             if self.folder is not None:
                 words += f" The traceback is in {self.folder.store_traceback(planned, error)}"
         self._note(planned, CaseOutcome(converged=False, message=words, measures={}))
@@ -313,7 +312,7 @@ class _Run:
 
 def _none_solvable(first: StickslipError, count: int) -> StickslipError:
     """The error of a sweep without a case that could be solved."""
-    sentence = f"none of the {count} cases can be solved. The first: {first}"
+    sentence = f"no case of {count} can be solved. The first: {first}"
     return first.reworded(sentence) if isinstance(first, InputError) else type(first)(sentence)
 
 

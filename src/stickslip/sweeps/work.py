@@ -96,7 +96,7 @@ def open_parcel(received: Parcel) -> Any:
     if received.version != worker_version():
         raise WorkersError(
             f"the worker on {socket.gethostname()} (process {os.getpid()}) runs stickslip {worker_version()}, but the "
-            f"sweep runs {received.version}. Install the same version there, or end that worker."
+            f"sweep runs {received.version}. Install the same version there, or stop that worker."
         )
     task, arguments = pickle.loads(received.content)
     return task(*arguments)

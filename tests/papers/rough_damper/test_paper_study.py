@@ -127,9 +127,9 @@ def test_a_stopped_study_continues_and_damage_is_computed_again(
     assert (again.found, len(solved), len(again.solved)) == (outcome.curves - 3, 3, outcome.curves)  # type: ignore[attr-defined]
     # the file that was missing needs no sentence
     assert sorted(again.notices) == [
-        f'"{files[1]}" is not used: it has no digest: it is damaged, was cut, or an older version wrote it. '
+        f'"{files[1]}" is not used: it has no digest: it is damaged or truncated, or an older version wrote it. '
         "This curve is computed again.",
-        f'"{files[2]}" is not used: its digest does not fit: it is damaged, or belongs to other inputs or another '
+        f'"{files[2]}" is not used: its digest does not match: it is damaged, or belongs to other inputs or another '
         "version. This curve is computed again.",
     ]
 
@@ -155,7 +155,7 @@ def test_command(made: tuple[Path, PaperOutcome], monkeypatch: pytest.MonkeyPatc
     result = CliRunner().invoke(cli.app, ["paper", "--out", str(tmp_path), "--workers", "1"])
     assert result.exit_code == 0, result.stderr
     assert f"Wrote {outcome.files[0]}" in result.stdout
-    assert "21 curves, 0 of them taken from an earlier run. Claims: " in result.stdout
+    assert "21 curves, 0 of them from an earlier run. Claims: " in result.stdout
     failed = replace(
         outcome,
         notices=("A file was damaged.",),

@@ -45,7 +45,7 @@ def ansys_full(path: Path) -> Matrices:
     file_bytes(path)
     if find_spec("ansys") is None or find_spec("ansys.mapdl.reader") is None:
         raise MissingPackageError(
-            f'"{path}" is an Ansys .full file, which needs the package ansys-mapdl-reader: pip install '
+            f'"{path}" is an Ansys .full file, which requires the package ansys-mapdl-reader: pip install '
             "'stickslip[ansys]'. Or write the matrices with the command HBMAT (ASCII, with its mapping file)."
         )
     with tempfile.TemporaryDirectory() as folder:
@@ -56,7 +56,7 @@ def ansys_full(path: Path) -> Matrices:
         except subprocess.TimeoutExpired as problem:
             raise ImportFileError(f'"{path}" could not be read within {_SECONDS} s; it is damaged.') from problem
         if done.returncode or not result.exists():
-            last = (done.stderr.strip().splitlines() or [f"the reader ended with code {done.returncode}"])[-1]
+            last = (done.stderr.strip().splitlines() or [f"the reader stopped with code {done.returncode}"])[-1]
             raise ImportFileError(f'"{path}" could not be read as an Ansys .full file: {last[:200]}.')
         arrays = numpy_arrays(result)
     unknowns = arrays["unknowns"].astype(np.int64)

@@ -38,7 +38,7 @@ def _symmetric_sparse(name: str, value: Any) -> tuple[Any, str]:
     if value.dtype.kind not in "fiub":
         kind = "complex" if value.dtype.kind == "c" else str(value.dtype)
         raise InputError(
-            f"{name} must hold real numbers, but it is {kind}. Give structural damping as a viscous damping matrix."
+            f"{name} must contain real numbers, but it is {kind}. Give structural damping as a viscous damping matrix."
         )
     matrix = scipy.sparse.csr_matrix(value, dtype=float)
     matrix.sum_duplicates()
@@ -47,7 +47,7 @@ def _symmetric_sparse(name: str, value: Any) -> tuple[Any, str]:
         entries = matrix.tocoo()
         row, column = entries.row[bad[0]], entries.col[bad[0]]
         raise InputError(
-            f"{name}[{row}, {column}] is {matrix.data[bad[0]]}; every entry must be a finite number ({bad.size} of "
+            f"{name}[{row}, {column}] is {matrix.data[bad[0]]}; each entry must be a finite number ({bad.size} of "
             f"{matrix.nnz} are not)."
         )
     matrix.eliminate_zeros()
@@ -56,7 +56,7 @@ def _symmetric_sparse(name: str, value: Any) -> tuple[Any, str]:
         which = "lower" if lower.nnz else "upper"
         half = lower if lower.nnz else upper
         completed = scipy.sparse.csr_matrix(matrix + half.T)
-        return completed, f"{name}: only the {which} triangle is stored; the other one was taken as its mirror image."
+        return completed, f"{name}: the file contains only the {which} triangle; the other one is its mirror image."
     difference = abs(matrix - matrix.T).tocoo()
     largest = float(np.abs(matrix.data).max(initial=0.0))
     if difference.nnz and difference.data.max() > ASYMMETRY * largest:
@@ -65,7 +65,7 @@ def _symmetric_sparse(name: str, value: Any) -> tuple[Any, str]:
         raise InputError(
             f"{name} must be symmetric, but entry [{i}, {j}] = {matrix[i, j]:.6g} and entry [{j}, {i}] = "
             f"{matrix[j, i]:.6g}, counted from 0, differ by {difference.data[worst] / largest:.1e} of the largest "
-            f"entry (allowed: {ASYMMETRY:.0e}). Gyroscopic or follower terms do not belong into these matrices."
+            f"entry (allowed: {ASYMMETRY:.0e}). These matrices must not contain gyroscopic or follower terms."
         )
     return scipy.sparse.csr_matrix(0.5 * (matrix + matrix.T)), ""
 
@@ -82,7 +82,7 @@ def _require_definite(name: str, matrix: Any, node: IntArray, direction: IntArra
     low = np.flatnonzero(diagonal <= 0.0) if name == "stiffness" else np.flatnonzero(diagonal < -1e-12 * largest)
     if low.size or largest <= 0.0:
         worst = int(low[0]) if low.size else 0
-        allowed = "above 0" if name == "stiffness" else "0 or above, and above 0 somewhere"
+        allowed = "above 0" if name == "stiffness" else "0 or above, and at least one above 0"
         raise InputError(
             f"{name}[{worst}, {worst}] ({_unknown(worst, node, direction)}) is {diagonal[worst]:.6g}; the diagonal "
             f"must be {allowed} ({low.size} of {len(diagonal)} entries are not). Is this the {name} matrix, and "
@@ -96,7 +96,7 @@ def _require_definite(name: str, matrix: Any, node: IntArray, direction: IntArra
         raise InputError(
             f"{name} is not positive semidefinite: entry [{i}, {j}] ({_unknown(i, node, direction)} and "
             f"{_unknown(j, node, direction)}) is {value:.6g}, but with diagonal entries {diagonal[i]:.6g} and "
-            f"{diagonal[j]:.6g} it may be {bound[bad[0]]:.6g} at most ({bad.size} entries are like this). Was a "
+            f"{diagonal[j]:.6g} the limit is {bound[bad[0]]:.6g} ({bad.size} entries exceed it). Was a "
             "triangle added twice, or an index shifted by one?"
         )
     if len(diagonal) <= DENSE_SIZE:

@@ -34,11 +34,11 @@ def number_table(path: Path, lines: Sequence[str], first_line: int, width: int) 
     except ValueError as problem:
         _name_bad_line(path, lines, numbers, first_line, width)
         raise ImportFileError(
-            f'"{path}" could not be read as a table of {width} numbers a line: {problem}.'
+            f'"{path}" could not be read as a table of {width} numbers on each line: {problem}.'
         ) from problem
     if table.shape != (len(where), width):
         _name_bad_line(path, lines, numbers, first_line, width)
-        raise ImportFileError(f'"{path}" must have {width} numbers a line.')
+        raise ImportFileError(f'"{path}" must have {width} numbers on each line.')
     return table, numbers
 
 
@@ -79,7 +79,7 @@ def coordinate_matrix(path: Path, table: FloatArray, lines: IntArray, size: int 
     bad = np.flatnonzero((np.minimum(row, column) < 1) | (np.maximum(row, column) > size))
     if bad.size:
         raise ImportFileError(
-            f'"{path}", line {lines[bad[0]]}: row {row[bad[0]]}, column {column[bad[0]]} lies outside 1 to {size}; '
+            f'"{path}", line {lines[bad[0]]}: row {row[bad[0]]}, column {column[bad[0]]} is outside 1 to {size}; '
             "indices count from 1."
         )
     require_plausible(path, size, len(table))
@@ -89,8 +89,8 @@ def coordinate_matrix(path: Path, table: FloatArray, lines: IntArray, size: int 
     if twice.size:
         first, second = order[twice[0]], order[twice[0] + 1]
         raise ImportFileError(
-            f'"{path}": entry {row[first]}, {column[first]} stands twice, in lines {lines[first]} and {lines[second]}; '
-            "each entry must come once."
+            f'"{path}": entry {row[first]}, {column[first]} is in two lines, {lines[first]} and {lines[second]}; '
+            "each entry must occur once."
         )
     return scipy.sparse.csr_matrix((table[:, 2], (row - 1, column - 1)), shape=(size, size))
 
@@ -98,7 +98,7 @@ def coordinate_matrix(path: Path, table: FloatArray, lines: IntArray, size: int 
 def require_plausible(path: Path, size: int, entries: int) -> None:
     """Raise ImportFileError for a size that only a damaged file has, before memory is allocated."""
     if size < 1 or (size > _PLAUSIBLE_SIZE and entries < size):
-        raise ImportFileError(f'"{path}" says that it has {size} rows, but it has {entries} entries. It is damaged.')
+        raise ImportFileError(f'"{path}" has {size} rows in its header, but only {entries} entries. It is damaged.')
 
 
 def calculix_matrix(path: Path) -> Matrices:
@@ -114,7 +114,7 @@ def calculix_matrix(path: Path) -> Matrices:
     if len(on_diagonal) != matrix.shape[0]:
         row = np.setdiff1d(np.arange(1, matrix.shape[0] + 1), on_diagonal)[0]
         raise ImportFileError(
-            f'"{path}" lacks the diagonal entry {row}, {row}; CalculiX stores all of them, zeros as well, so the file '
+            f'"{path}" lacks the diagonal entry {row}, {row}; CalculiX stores all of them, also zeros, so the file '
             "is not complete."
         )
     return {"": matrix}
@@ -126,7 +126,7 @@ def one_triangle(path: Path, matrix: Any) -> Any:
         entries = matrix.tocoo()
         below, above = (np.flatnonzero(side)[0] for side in (entries.row > entries.col, entries.row < entries.col))
         raise ImportFileError(
-            f'"{path}" is a symmetric matrix of which one triangle must be stored, but it has entries on both sides of '
+            f'"{path}" is a symmetric matrix and must contain one triangle, but it has entries on both sides of '
             f"the diagonal: {entries.row[below] + 1}, {entries.col[below] + 1} and {entries.row[above] + 1}, "
             f"{entries.col[above] + 1}."
         )
@@ -145,28 +145,28 @@ def matrix_market(path: Path) -> Matrices:
     words = lines[0].lower().split()
     allowed = (("%%matrixmarket",), ("matrix",), ("coordinate", "array"), ("real", "integer"), ("general", "symmetric"))
     if len(words) != 5 or any(word not in choices for word, choices in zip(words, allowed, strict=True)):
-        header = f'"{lines[0][:80]}"' if lines[0].startswith("%%") else "what stands there"
+        header = f'"{lines[0][:80]}"' if lines[0].startswith("%%") else "the content"
         raise ImportFileError(
             f'"{path}", line 1: {header} must read "%%MatrixMarket matrix", then coordinate or array, then '
-            "real or integer, then general or symmetric. Complex, pattern and skew matrices make no model."
+            "real or integer, then general or symmetric. Complex, pattern and skew matrices are no model."
         )
     coordinate, symmetric = words[2] == "coordinate", words[4] == "symmetric"
     start = next((i for i, line in enumerate(lines) if line.strip() and not line.startswith("%")), len(lines))
     promised, _ = number_table(path, lines[start : start + 1], start + 1, 3 if coordinate else 2)
     if not len(promised):
-        raise ImportFileError(f'"{path}" ends before the line that gives its size.')
+        raise ImportFileError(f'"{path}" ends before the line with its size.')
     if (
         not (np.abs(promised) < 2**40).all()
         or (promised != np.floor(promised)).any()
         or promised[0, 0] != promised[0, 1]
     ):
-        raise ImportFileError(f'"{path}", line {start + 1}: {quoted(lines[start])} is no size of a square matrix.')
+        raise ImportFileError(f'"{path}", line {start + 1}: {quoted(lines[start])} is not the size of a square matrix.')
     size = int(promised[0, 0])
     table, numbers = number_table(path, lines[start + 1 :], start + 2, 3 if coordinate else 1)
     full = size * (size + 1) // 2 if symmetric else size * size
     expected = int(promised[0, 2]) if coordinate else full
     if len(table) != expected:
-        raise ImportFileError(f'"{path}" promises {expected} entries in line {start + 1}, but it has {len(table)}.')
+        raise ImportFileError(f'"{path}" announces {expected} entries in line {start + 1}, but it has {len(table)}.')
     require_plausible(path, size, len(table))
     if coordinate:
         matrix = coordinate_matrix(path, table, numbers, size)

@@ -61,15 +61,15 @@ def read_superelement(path: str | PathLike[str]) -> Superelement:
         source = source / FILE_NAME
     if source.is_file() and source.suffix.lower() != ".npz":
         raise ImportFileError(
-            f'"{source}" is no superelement: those are .npz files in the format of docs/matrices.md. Stiffness and '
-            "mass in other files are read by read_matrices (structure.stiffness and structure.mass in a study), a "
-            'mesh by read_model (structure.kind = "mesh").'
+            f'"{source}" is not a superelement, an .npz file in the format of docs/matrices.md. Use read_matrices for '
+            "stiffness and mass in other files (structure.stiffness and structure.mass in a study), and read_model for "
+            'a mesh (structure.kind = "mesh").'
         )
     arrays = numpy_arrays(source)
     if arrays.get("format") is None or str(arrays["format"]) != FORMAT:
         raise ImportFileError(
             f'"{source}" is not a stickslip superelement: its array "format" must be "{FORMAT}". docs/matrices.md '
-            "describes the arrays; matrices in other arrays are read by read_matrices."
+            "describes the arrays; use read_matrices for matrices in other arrays."
         )
     version = arrays.get("format_version", np.array("missing"))
     if version.shape != () or version.dtype.kind not in "iu" or int(version) != FORMAT_VERSION:

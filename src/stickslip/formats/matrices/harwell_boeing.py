@@ -27,7 +27,7 @@ def harwell_boeing(path: Path) -> Matrices:
     """
     lines = text_lines(path)
     if len(lines) < 5:
-        raise ImportFileError(f'"{path}" ends in line {len(lines)}, before the header of a Harwell-Boeing file does.')
+        raise ImportFileError(f'"{path}" ends in line {len(lines)}, within the header of a Harwell-Boeing file.')
     counts = _whole_numbers(path, lines[1], 2, 14, 0)
     kind = lines[2][:3].upper()
     if kind not in ("RSA", "RUA"):
@@ -50,20 +50,18 @@ def harwell_boeing(path: Path) -> Matrices:
     pointer, index, data = parts[0].astype(np.int64) - 1, parts[1].astype(np.int64) - 1, parts[2]
     if pointer[0] != 0 or pointer[-1] != entries or (np.diff(pointer) < 0).any():
         raise ImportFileError(
-            f'"{path}": the column pointers must rise from 1 to {entries + 1}, the number of entries and 1; they run '
+            f'"{path}": the column pointers must rise from 1 to {entries + 1}, the number of entries plus 1; they run '
             f"from {pointer[0] + 1} to {pointer[-1] + 1}."
         )
     bad = np.flatnonzero((index < 0) | (index >= rows))
     if bad.size:
-        raise ImportFileError(
-            f'"{path}": row number {index[bad[0]] + 1} of entry {bad[0] + 1} lies outside 1 to {rows}.'
-        )
+        raise ImportFileError(f'"{path}": row number {index[bad[0]] + 1} of entry {bad[0] + 1} is outside 1 to {rows}.')
     matrix = scipy.sparse.csc_matrix((data, index, pointer), shape=(rows, rows))
     if not matrix.has_canonical_format:
         matrix.sum_duplicates()
         if matrix.nnz != entries:
             raise ImportFileError(
-                f'"{path}": {entries - matrix.nnz} of {entries} entries stand twice; each must come once.'
+                f'"{path}": {entries - matrix.nnz} of {entries} entries occur twice; each must occur once.'
             )
     matrix = scipy.sparse.csr_matrix(matrix)
     return {"": one_triangle(path, matrix) if kind == "RSA" else matrix}
@@ -74,7 +72,7 @@ def _whole_numbers(path: Path, line: str, number: int, width: int, start: int) -
     words = [line[i : i + width].strip() for i in range(start, len(line.rstrip()), width)]
     if len(words) < 3 or not all(re.fullmatch(r"[+-]?\d{1,12}", word) for word in words):
         raise ImportFileError(
-            f'"{path}", line {number}: {quoted(line)} must hold whole numbers in columns of {width}, as the '
+            f'"{path}", line {number}: {quoted(line)} must contain whole numbers in columns of {width}, as the '
             "header of a Harwell-Boeing file does."
         )
     return [int(word) for word in words]

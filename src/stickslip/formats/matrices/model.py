@@ -85,20 +85,18 @@ class MatrixModel:
         for name, array in (("node", node), ("direction", direction)):
             if array.shape != (size,) or not np.issubdtype(array.dtype, np.integer):
                 raise InputError(
-                    f"{name} must hold {size} whole numbers, one for each row of stiffness; found shape {array.shape} "
-                    f"of type {array.dtype}."
+                    f"{name} must contain {size} whole numbers, one for each row of stiffness, but its shape is "
+                    f"{array.shape} and its type {array.dtype}."
                 )
         bad = np.flatnonzero((direction < 0) | (direction > OTHER))
         if bad.size:
-            raise InputError(
-                f"direction[{bad[0]}] is {direction[bad[0]]}; it must lie between 0 (x) and {OTHER} (other)."
-            )
+            raise InputError(f"direction[{bad[0]}] is {direction[bad[0]]}; it must be from 0 (x) to {OTHER} (other).")
         motion = direction != OTHER
         pairs, count = np.unique(np.column_stack([node, direction])[motion], axis=0, return_counts=True)
         if (count > 1).any():
             twice = pairs[count.argmax()]
             raise InputError(
-                f"node {twice[0]} has direction {DIRECTIONS[twice[1]]} in {count.max()} rows; each unknown must come "
+                f"node {twice[0]} has direction {DIRECTIONS[twice[1]]} in {count.max()} rows; each unknown must occur "
                 "once. Look for two maps in one file, or a map of other matrices."
             )
         object.__setattr__(self, "node", node.astype(np.int64))
@@ -113,7 +111,7 @@ class MatrixModel:
         if position.shape != (len(labels), 3) or len(np.unique(labels)) != len(labels):
             raise InputError(
                 f"position must have shape ({len(labels)}, 3), x, y, z in m of each node in node_labels, and each node "
-                f"must come once; found shape {position.shape} for {len(np.unique(labels))} different nodes."
+                f"must occur once, but its shape is {position.shape} for {len(np.unique(labels))} different nodes."
             )
         object.__setattr__(self, "position", position)
         object.__setattr__(self, "node_labels", labels)
@@ -150,7 +148,7 @@ class MatrixModel:
             has = ", ".join(DIRECTIONS[axis] for axis in self.direction[self.node == node]) or "no unknowns"
             raise InputError(
                 f"node {node} must have unknowns along x, y and z, but it has {has} ({missing.size} of {wanted.size} "
-                "nodes are like this). Contact, force and output nodes must be free in the source, and its unknown map "
+                "nodes lack some). Contact, force and output nodes must be free in the source, and its unknown map "
                 "must be given."
             )
         return position.T

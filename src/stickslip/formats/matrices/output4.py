@@ -69,10 +69,10 @@ def _all_matrices(path: Path, file: _TextFile | _BinaryFile) -> Matrices:
         require_plausible(path, header.rows, file.remaining)
         require_plausible(path, header.columns, file.remaining)
         if header.name in matrices:
-            raise ImportFileError(f'"{path}" holds two matrices "{header.name}"; keep the one that is meant.')
+            raise ImportFileError(f'"{path}" contains two matrices "{header.name}"; remove one.')
         matrices[header.name] = _matrix(path, file, header)
     if not matrices:
-        raise ImportFileError(f'"{path}" holds no matrix.')
+        raise ImportFileError(f'"{path}" contains no matrix.')
     return matrices
 
 
@@ -98,7 +98,7 @@ def _matrix(path: Path, file: _TextFile | _BinaryFile, header: _Header) -> Any:
     row, column_of, data = (np.concatenate(part) for part in (rows, columns, values))
     key = row.astype(np.int64) * header.columns + column_of
     if len(np.unique(key)) != len(key):
-        raise ImportFileError(f'"{path}": an entry of "{header.name}" stands twice; each must come once.')
+        raise ImportFileError(f'"{path}": an entry of "{header.name}" occurs twice; each must occur once.')
     return scipy.sparse.csr_matrix((data, (row, column_of)), shape=(header.rows, header.columns))
 
 
@@ -107,8 +107,8 @@ def _checked_header(path: Path, place: str, numbers: list[int], name: str) -> _H
     clean = name.strip().upper()
     if columns < 1 or rows == 0 or not re.fullmatch(r"[A-Z][A-Z0-9]{0,7}", clean):
         raise ImportFileError(
-            f'"{path}", {place}: columns {columns}, rows {rows}, form {form}, type {kind}, name "{clean}" is no header '
-            "of an OUTPUT4 matrix."
+            f'"{path}", {place}: columns {columns}, rows {rows}, form {form}, type {kind}, name "{clean}" is not a '
+            "header of an OUTPUT4 matrix."
         )
     if kind not in (1, 2, 3, 4):
         raise ImportFileError(f'"{path}", {place}: matrix "{clean}" is of type {kind}; types are 1 to 4.')
@@ -203,7 +203,7 @@ class _TextFile:
         if len(numbers) != count:
             raise ImportFileError(
                 f'"{self._path}", lines {self._next - n_lines + 1} to {self._next}: {len(numbers)} values of '
-                f'"{header.name}" where {count} are promised.'
+                f'"{header.name}", but the file announces {count}.'
             )
         return numbers
 
@@ -257,7 +257,7 @@ class _BinaryFile:
         if self._word == 8 and header.words == 2:
             raise ImportFileError(
                 f'"{self._path}", {self.place}: matrix "{header.name}" is of type {header.kind} (double precision) in '
-                "words of 64 bits, for which no layout is known; write it in single precision words or as text."
+                "words of 64 bits, a layout that stickslip does not read. Write it in single precision or as text."
             )
         return header
 
@@ -272,8 +272,8 @@ class _BinaryFile:
             if row > 0:
                 if count % header.words:
                     raise ImportFileError(
-                        f'"{self._path}", {self.place}: column {column} has {count} words, which is no whole number of '
-                        f"values of {header.words} words. The file is damaged; write it again."
+                        f'"{self._path}", {self.place}: column {column} has {count} words, which is not a whole number '
+                        f"of values of {header.words} words. The file is damaged; write it again."
                     )
                 yield column, row, self.values(count // header.words, header)
             else:
@@ -294,8 +294,8 @@ class _BinaryFile:
         stop = start + 4 + length
         if length < 0 or stop + 4 > len(self._content) or self._length(stop) != length:
             raise ImportFileError(
-                f'"{self._path}", byte {start}: a record of {length} bytes does not end where it should; the file is '
-                "damaged, incomplete, or was transferred as text."
+                f'"{self._path}", byte {start}: a record of {length} bytes does not end at its announced length; the '
+                "file is damaged, incomplete, or was transferred as text."
             )
         self._record, self._used, self._next = self._content[start + 4 : stop], 0, stop + 4
 
@@ -305,6 +305,6 @@ class _BinaryFile:
 
     def _read_bytes(self, size: int) -> bytes:
         if self._used + size > len(self._record):
-            raise ImportFileError(f'"{self._path}", {self.place}: a record is too short for what it promises.')
+            raise ImportFileError(f'"{self._path}", {self.place}: a record is shorter than it announces.')
         self._used += size
         return self._record[self._used - size : self._used]

@@ -100,7 +100,7 @@ def read_matrices(
         if matrix.shape != (size, size):
             raise ImportFileError(
                 f'the {name} in "{files[name]}" has shape {matrix.shape}, but the stiffness in "{stiffness}" has '
-                f"{size} rows; all must be square and of one size.",
+                f"{size} rows; all must be square and have the same size.",
                 tuple(dict.fromkeys((name, "stiffness"))),
             )
     with concerning("stiffness" if unknown_map is None else "unknown_map"):
@@ -172,7 +172,7 @@ def _matrix(source: str, role: str, contents: dict[Path, Matrices]) -> Any:
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         raise ImportFileError(
-            f'"{path}" ends in "{path.suffix}", but matrices are read from files that end in: {", ".join(_READERS)}.'
+            f'"{path}" ends in "{path.suffix}", but files of matrices must end in: {", ".join(_READERS)}.'
         )
     if path not in contents:
         contents[path] = reader(path)
@@ -186,7 +186,7 @@ def _matrix(source: str, role: str, contents: dict[Path, Matrices]) -> Any:
     if len(names) != 1:
         shown = ", ".join(f"{name} {matrix.shape}" for name, matrix in sorted(content.items())) or "none"
         raise ImportFileError(
-            f'"{path}" has no single matrix that is the {role}; it has: {shown}. Name the one that is meant behind #, '
+            f'"{path}" has no unique matrix of the {role}; it has: {shown}. Give the name of the matrix after #, '
             f'such as "{path.name}#{_NAMES[role][1].upper()}".'
         )
     return content[names[0]]

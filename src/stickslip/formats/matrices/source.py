@@ -44,7 +44,7 @@ def readable(path: Path, kind: str) -> Iterator[None]:
     except Exception as error:  # exceptions of other readers for a damaged file are not documented
         raise ImportFileError(
             f'"{path}" could not be read as {kind}: {type(error).__name__}, {error}. It is damaged, incomplete or of '
-            "another kind; write it again, and do not transfer binary files as text."
+            "another kind. Write it again, and do not transfer binary files as text."
         ) from error
 
 
@@ -59,7 +59,7 @@ def quoted(text: str) -> str:
     Such a line is not a damaged row: the file is a wrong one, and its content must not be in an error message.
     """
     shown = text.strip()[:60]
-    return f'"{shown}"' if _BEGINS_WITH_NUMBER.match(shown) else "what stands there"
+    return f'"{shown}"' if _BEGINS_WITH_NUMBER.match(shown) else "the content"
 
 
 def file_bytes(path: Path) -> bytes:
@@ -82,14 +82,14 @@ def text_lines(path: Path, may_lack_end: bool = False) -> list[str]:
     try:
         text = content.decode("utf-8")
     except UnicodeDecodeError as error:
-        raise ImportFileError(f'"{path}" is no text file: byte {error.start} is no letter or digit.') from error
+        raise ImportFileError(f'"{path}" is not a text file: byte {error.start} is no text character.') from error
     if "\0" in text:
-        raise ImportFileError(f'"{path}" is no text file: byte {text.index(chr(0))} is 0.')
+        raise ImportFileError(f'"{path}" is not a text file: byte {text.index(chr(0))} is 0.')
     lines = text.splitlines()
     if not text.endswith(("\n", "\r")) and not may_lack_end:
         raise ImportFileError(
-            f'"{path}" ends in the middle of line {len(lines)}, without a line end, so its last number may be cut off. '
-            "Write the file again; if it is complete, add a line end."
+            f'"{path}" ends in the middle of line {len(lines)}, without a line end, so its last number may be '
+            "truncated. Write the file again; if it is complete, add a line end."
         )
     return lines
 
@@ -100,5 +100,5 @@ def numpy_arrays(path: Path) -> dict[str, NDArray[Any]]:
         require_unpackable_zip(path, stream)
         data = np.load(stream, allow_pickle=False)
         if not isinstance(data, np.lib.npyio.NpzFile):
-            raise ImportFileError(f'"{path}" holds one array, but a .npz file holds several with names.')
+            raise ImportFileError(f'"{path}" contains one array, but an .npz file contains several arrays with names.')
         return {name: data[name] for name in data.files}

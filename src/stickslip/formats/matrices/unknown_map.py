@@ -67,7 +67,7 @@ def read_unknown_map(path: Path) -> tuple[IntArray, IntArray]:
                 "writes rising nodes and directions. The lines are out of order."
             )
     if not nodes:
-        raise ImportFileError(f'"{path}" names no unknown; each line must name the node and direction of a matrix row.')
+        raise ImportFileError(f'"{path}" contains no unknown; each line must have the node and direction of a row.')
     return np.array(nodes, dtype=np.int64), np.array(directions, dtype=np.int64)
 
 
@@ -94,9 +94,9 @@ def read_node_positions(path: Path) -> tuple[IntArray, FloatArray]:
             )
         node = int(words[0])
         if node in labels:
-            raise ImportFileError(f'"{path}": node {node} stands twice, in lines {labels[node]} and {number}.')
+            raise ImportFileError(f'"{path}": node {node} is in two lines, {labels[node]} and {number}.')
         labels[node] = number
         positions.append(position)
     if not labels:
-        raise ImportFileError(f'"{path}" names no node; each line must hold a node number, x, y and z.')
+        raise ImportFileError(f'"{path}" contains no node; each line must contain a node number, x, y and z.')
     return np.array(list(labels), dtype=np.int64), np.array(positions)

@@ -108,10 +108,10 @@ class _Reader:
         self._require_members()
         raw.bodies = _named_bodies(self._sections or self._bodies_of_blocks())
         if self._step > 1:
-            raw.messages.append(f"of {self._step} steps, constraints and forces of the first one are taken.")
+            raw.messages.append(f"the deck has {self._step} steps; constraints and forces are those of the first one.")
         if self._skipped:
             words = ", ".join(f"*{keyword} (line {line})" for keyword, line in self._skipped.items())
-            raw.messages.append(f"not read, so without effect here: {words}.")
+            raw.messages.append(f"ignored, without effect here: {words}.")
         return raw
 
     def _bodies_of_blocks(self) -> list[tuple[str, RawBody]]:
@@ -150,7 +150,7 @@ class _Reader:
         for line, words in card.data:
             values = [word for word in words if word] if words[-1] == "" else words
             if not 2 <= len(values) <= 4:
-                card.fail(f"a node is a number and x, y, z; found {len(values)} entries.", line)
+                card.fail(f"a node is a number and x, y, z, but the line has {len(values)} entries.", line)
             self._labels.append(card.label(values[0], line))
             xyz = [card.number(word or "0", line) for word in values[1:]]
             self._coordinates.append(xyz + [0.0] * (3 - len(xyz)))
@@ -163,8 +163,8 @@ class _Reader:
         solid = ELEMENT_TYPES.get(name)
         if solid is None and name not in NOT_SOLID:
             card.fail(
-                f"the element type {name} is not known. Solid types that are read: {', '.join(ELEMENT_TYPES)}; shells, "
-                "membranes, beams and springs are left out."
+                f"the element type {name} is unknown. stickslip reads the solid types {', '.join(ELEMENT_TYPES)}; it "
+                "ignores shells, membranes, beams and springs."
             )
         width = CELL_KINDS[solid].n_nodes if solid else NOT_SOLID[name]
         rows, lines = self._rows(card, width + 1)
@@ -174,7 +174,7 @@ class _Reader:
             self._add("element", elset, labels, card.line)
         if solid is None:
             self._other_labels += labels.tolist()
-            self.raw.messages.append(f"line {card.line}: {len(labels)} elements {name} have no volume; left out.")
+            self.raw.messages.append(f"line {card.line}: {len(labels)} elements {name} have no volume; ignored.")
             return
         if not rows:
             card.fail("there are no elements below.")
@@ -183,9 +183,7 @@ class _Reader:
         self._blocks_named.append((card.instance, elset or card.instance, labels, card.line))
         if name in OTHER_FORMULATIONS:
             if name not in self._reported:
-                self.raw.messages.append(
-                    f"elements {name} are taken with the formulation of this program for a {solid}."
-                )
+                self.raw.messages.append(f"elements {name} have the formulation of stickslip for a {solid}.")
             self._reported.add(name)
 
     def _rows(self, card: Card, width: int) -> tuple[list[list[int]], list[int]]:
@@ -255,7 +253,7 @@ class _Reader:
         for line, words in card.data:
             limits = [card.label(word, line) for word in words if word]
             if len(limits) not in (2, 3) or limits[1] < limits[0]:
-                card.fail("GENERATE needs the first and the last number, and a step above 0.", line)
+                card.fail("GENERATE requires the first and the last number, and a step above 0.", line)
             step = limits[2] if len(limits) == 3 else 1
             inside = slice(*np.searchsorted(existing, [limits[0], limits[1] + 1]))
             chosen[inside] |= (existing[inside] - limits[0]) % step == 0
@@ -289,7 +287,7 @@ class _Reader:
         elements = self._find(card, "element", name, card.line)
         material = card.parameter("MATERIAL").upper()
         if ("element", name.upper()) not in self._names:
-            card.fail(f"ELSET={name} is a number; a section is that of an element set. Give the name of one.")
+            card.fail(f"ELSET={name} is a number; a section requires the name of an element set. Give one.")
         body = RawBody(self._names["element", name.upper()], elements, material, card.line)
         self._sections.append((card.instance, body))
 
@@ -304,11 +302,11 @@ class _Reader:
         if not self._material:
             card.fail("there is no *MATERIAL above.")
         if not card.data or len(card.data[0][1]) < count:
-            card.fail(f"{count} numbers are needed below.")
+            card.fail(f"{count} numbers are required below.")
         if len(card.data) > 1:
             self.raw.messages.append(
-                f"line {card.line}: *{card.keyword} of '{self._material}' depends on temperature; its first line is "
-                "taken."
+                f"line {card.line}: *{card.keyword} of '{self._material}' depends on temperature; stickslip uses its "
+                "first line only."
             )
         line, words = card.data[0]
         return [card.number(word, line) for word in words[:count]]
@@ -342,7 +340,7 @@ class _Reader:
             start = card.label(first, line)
             stop = card.label(words[2], line) if len(words) > 2 and words[2] else start
             if start > stop or stop > 6:
-                card.fail(f"directions {start} to {stop} are not understood; they run from 1 to 6.", line)
+                card.fail(f"directions {start} to {stop} are not valid; directions are 1 to 6.", line)
             if len(words) > 3 and words[3] and card.number(words[3], line) != 0.0:
                 card.fail("a displacement other than 0 is not read. Give a force, or remove the line.", line)
             directions = tuple(range(start - 1, min(stop, 3)))
@@ -357,7 +355,7 @@ class _Reader:
                 card.fail("a force is a node or node set, a direction and a value.", line)
             direction = card.label(words[1], line)
             if direction > 3:
-                card.fail(f"direction {direction} is not one of 1, 2, 3; solid elements take no moments.", line)
+                card.fail(f"direction {direction} is not one of 1, 2, 3; solid elements accept no moments.", line)
             nodes = self._find(card, "node", words[0], line)
             self.raw.loads.append(RawLoad(nodes, direction - 1, card.number(words[2], line), line))
 

@@ -65,7 +65,7 @@ def _number(scopes: list[Scope]) -> None:
         largest = scope.last + scope.offset
         if largest >= LARGEST_LABEL:
             scope.cards[0].fail(
-                f"with the offset {scope.offset} that keeps the instances apart, the numbers of "
+                f"with the offset {scope.offset} that separates the instances, the numbers of "
                 f"{_scope_name(scope)} go up to {largest}, above {LARGEST_LABEL - 1}. Number the parts from 1 on."
             )
 
@@ -88,7 +88,7 @@ def _numbering(scopes: list[Scope]) -> list[str]:
     if not any(scope.offset for scope in scopes):
         return []
     words = [f"{_scope_name(scope)} {f'+ {scope.offset}' if scope.offset else 'as in the deck'}" for scope in scopes]
-    return [f"nodes and elements have numbers of their own in each instance: {', '.join(words)}."]
+    return [f"each instance has its own numbers of nodes and elements: {', '.join(words)}."]
 
 
 class _Writer:
@@ -125,7 +125,7 @@ class _Writer:
         if card.keyword not in ("NSET", "ELSET") or "INSTANCE" not in card.parameters:
             return scope
         if scope.name:
-            card.fail("INSTANCE= is for sets of the assembly; a part or an instance names its own nodes. Take it out.")
+            card.fail("INSTANCE= is for sets of the assembly; a part or an instance uses its own nodes. Remove it.")
         word = self._without_assembly(plain_name(card.parameter("INSTANCE")))
         if word.upper() not in self._assembly.instances:
             names = ", ".join(each.name for each in self._assembly.instances.values()) or "none"

@@ -31,8 +31,8 @@ NOT_SOLID = {
     "R3D3": 3,
 }
 _TIES = (
-    "it ties nodes to each other, and the model would be another one without it. Take it out: hold or load the set of "
-    "its nodes, merge meshes in the preprocessor, or make the faces an interface of the study"
+    "it ties nodes to each other, and the model would be another one without it. Remove it: constrain or load the set "
+    "of its nodes, merge meshes in the preprocessor, or make the faces an interface of the study"
 )
 # These change the meaning of a deck's numbers; the model would be wrong without them.
 REFUSED = {
@@ -43,13 +43,13 @@ REFUSED = {
         ),
         _TIES,
     ),
-    "NONSTRUCTURAL MASS": "its mass would be missing. Take it out, or give its share to the density of the solids",
+    "NONSTRUCTURAL MASS": "its mass would be missing. Remove it, or add its mass to the density of the solids",
     "SYSTEM": "node coordinates in another coordinate system are not read. Write all nodes in the global one",
     "TRANSFORM": "directions of nodes other than x, y, z are not read. Write constraints and loads in the global ones",
     "PARAMETER": "parameters are not read. Write the numbers themselves",
     **dict.fromkeys(
         ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY"),
-        "generated nodes and elements are not read. Write them out",
+        "generated nodes and elements are not read. Write each of them into the deck",
     ),
 }
 # Supported, or without effect on mesh, mass and stiffness.

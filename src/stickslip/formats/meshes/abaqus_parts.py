@@ -47,7 +47,7 @@ class Scope:
         """Number in the flat deck. Raises ImportFileError for a number of another scope."""
         if not self.first <= label <= self.last:
             where = f"the instance '{self.name}' has" if self.name else "the assembly itself has"
-            advice = "" if self.name else " That of an instance is written INSTANCE.NUMBER."
+            advice = "" if self.name else " For an instance write INSTANCE.NUMBER."
             card.fail(f"{where} no node or element {label}.{advice}", line)
         return label + self.offset
 
@@ -116,12 +116,12 @@ class _Nest:
         """The assembly after the last card."""
         if self._open:
             last = self._open[-1]
-            last.fail(f"*END {last.keyword} is missing. Write it where the {_name_of(last)} ends.")
+            last.fail(f"*END {last.keyword} is missing. Write it at the end of the {_name_of(last)}.")
         if self._parts and not self._instances:
             first, _ = next(iter(self._parts.values()))
             first.fail(f"no *INSTANCE places the {_name_of(first)}, so there is no mesh. Write the assembly, too.")
         unused = [
-            f"the {_name_of(card)} (line {card.line}) has no instance; it is left out."
+            f"the {_name_of(card)} (line {card.line}) has no instance; it is ignored."
             for name, (card, _) in self._parts.items()
             if name not in self._used
         ]
@@ -140,12 +140,12 @@ class _Nest:
             return
         if len(keywords) > len(wanted) or not wanted:
             self._fail_unclosed(card)
-        card.fail("it stands outside of an assembly. Write *ASSEMBLY above it, and *END ASSEMBLY after the last one.")
+        card.fail("it is outside of an assembly. Write *ASSEMBLY above it, and *END ASSEMBLY after the last one.")
 
     def _fail_unclosed(self, card: Card) -> NoReturn:
         last = self._open[-1]
         card.fail(
-            f"it stands inside of the {_name_of(last)} ({_place(last, card)}), where it cannot be. Write "
+            f"it is inside of the {_name_of(last)} ({_place(last, card)}), which is not allowed. Write "
             f"*END {last.keyword} above it."
         )
 
@@ -154,7 +154,7 @@ class _Nest:
         if not self._open or self._open[-1].keyword != wanted:
             if any(each.keyword == wanted for each in self._open):
                 self._fail_unclosed(card)
-            card.fail(f"there is no *{wanted} above that it ends.")
+            card.fail(f"there is no *{wanted} above it.")
         self._open.pop()
         self._scope = self._itself
 
@@ -174,7 +174,7 @@ class _Nest:
         for parameter in ("LIBRARY", "INSTANCE"):
             if parameter in card.parameters:
                 card.fail(
-                    f"{parameter}= takes the instance of an earlier analysis, whose mesh is in another file that is "
+                    f"{parameter}= uses the instance of an earlier analysis, with its mesh in another file that is "
                     "not read. Write its mesh into this deck."
                 )
         name, part = plain_name(card.parameter("NAME")), plain_name(card.parameter("PART"))
@@ -202,8 +202,8 @@ def _place(other: Card, card: Card) -> str:
 
 def _fail_twice(card: Card, first: Card) -> NoReturn:
     card.fail(
-        f"the name '{plain_name(card.parameters['NAME'])}' is used twice (first in {_place(first, card)}); capitals do "
-        "not count. Give one of the two another name."
+        f"the name '{plain_name(card.parameters['NAME'])}' is used twice (first in {_place(first, card)}); upper and "
+        "lower case do not differ. Give one of the two another name."
     )
 
 
@@ -231,6 +231,6 @@ def _numbers(card: Card, line: int, words: list[str], count: int) -> FloatArray:
     """``count`` numbers of a data line; missing entries are 0."""
     numbers = words[:-1] if words[-1] == "" else words
     if len(numbers) > count:
-        card.fail(f"{count} numbers are expected in this line; found {len(numbers)}.", line)
+        card.fail(f"this line has {len(numbers)} numbers, but it must have {count}.", line)
     values = [card.number(word or "0", line) for word in numbers]
     return np.array(values + [0.0] * (count - len(values)))

@@ -26,8 +26,8 @@ def build_model(raw: RawModel, units: UnitSystem) -> ImportedModel:
     """Check a raw model and turn it into SI units. Raises ImportFileError that names file and entry."""
     if not raw.blocks:
         raw.fail(
-            "there are no solid elements. Tetrahedra, wedges and hexahedra, linear or quadratic, are read; shells and "
-            "beams have no volume."
+            "there are no solid elements. stickslip reads linear and quadratic tetrahedra, wedges and hexahedra; "
+            "shells and beams have no volume."
         )
     lost = np.flatnonzero(~(np.abs(units.length * raw.coordinates) < LARGEST_COORDINATE).all(axis=1))
     if lost.size:
@@ -122,7 +122,7 @@ def _bodies(raw: RawModel, cells: list[IntArray], element_labels: IntArray) -> t
     if rest.size:
         raw.fail(
             f"element {raw.shown(element_labels[rest[0]])} belongs to no section or group that makes a body "
-            f"({rest.size} of {len(body)} solid elements do not), so its material is missing. Give every solid element "
+            f"({rest.size} of {len(body)} solid elements do not), so its material is missing. Give each solid element "
             "one.",
             int(np.concatenate([block.lines for block in raw.blocks])[rest[0]]),
         )
@@ -143,7 +143,7 @@ def _members(
         if numbers.size:
             answer[name] = np.unique(numbers)
         else:
-            messages.append(f"{what} set '{name}' holds no {what} of a solid element; it is left out.")
+            messages.append(f"{what} set '{name}' contains no {what} of a solid element; it is ignored.")
     return answer
 
 
@@ -169,8 +169,8 @@ def _materials(raw: RawModel, units: UnitSystem, names: tuple[str, ...], message
         ]
         if material.young_modulus is None or material.poisson_ratio is None or material.density is None:
             messages.append(
-                f"material '{body.material}' has no {' and no '.join(missing)}, so body '{body.name}' needs a material "
-                "in the study file."
+                f"material '{body.material}' has no {' and no '.join(missing)}, so body '{body.name}' requires a "
+                "material in the study file."
             )
             continue
         try:
@@ -185,7 +185,7 @@ def _materials(raw: RawModel, units: UnitSystem, names: tuple[str, ...], message
 def _clashes(mesh: Mesh, nodes: dict[str, IntArray], of_faces: dict[str, IntArray]) -> list[str]:
     """Sentences on names of several kinds of sets with different nodes, where a study means one of them."""
     sentences = [
-        f"the name '{name}' is that of a surface and of another node set; the nodes of the surface are taken."
+        f"the name '{name}' is that of a surface and of another node set; stickslip uses the nodes of the surface."
         for name in sorted(of_faces.keys() & nodes.keys())
         if not np.array_equal(nodes[name], of_faces[name])
     ]
@@ -193,8 +193,8 @@ def _clashes(mesh: Mesh, nodes: dict[str, IntArray], of_faces: dict[str, IntArra
         if not np.array_equal(mesh.nodes_of_cells(cells), mesh.node_sets[name]):
             kind = "surface" if name in of_faces else "node set"
             sentences.append(
-                f"the name '{name}' is that of an element set and of a {kind} with other nodes; a study that names it "
-                f"means the {kind}."
+                f"the name '{name}' is that of an element set and of a {kind} with other nodes; in a study it is "
+                f"the name of the {kind}."
             )
     return sentences
 
@@ -212,9 +212,9 @@ def _parts(mesh: Mesh) -> list[str]:
         together = int(np.isfinite(distance[:, 1]).sum())
         if together:
             sentences.append(
-                f"body '{name}' has {together} nodes that lie at the place of another of its nodes and are not joined "
-                "to it. If it is in one piece, merge coincident nodes in the preprocessor; if these are two faces in "
-                "contact, give each side a body of its own."
+                f"body '{name}' has {together} nodes at the position of another of its nodes that are not connected "
+                "to it. If the body is one piece, merge coincident nodes in the preprocessor; if these are two faces "
+                "in contact, use a separate body for each side."
             )
     return sentences
 

@@ -85,8 +85,8 @@ class BulkCard:
                 self.ranges.count -= max(value - answer[-1], 0)
                 if self.ranges.count < 0:
                     self.fail(
-                        f"{answer[-1]} THRU {value} is too long: the ranges of the deck name more than "
-                        f"{MOST_IN_RANGES} numbers in total, the most that are read."
+                        f"{answer[-1]} THRU {value} is too long: the ranges of the deck contain more than "
+                        f"{MOST_IN_RANGES} numbers in total, the limit."
                     )
                 answer += range(answer[-1] + 1, value)
             through = False
@@ -127,7 +127,7 @@ def read_bulk(lines: list[str], places: LinePositions) -> Iterator[BulkCard]:
         if line.split()[0].upper() == "BEGIN":
             places.fail(
                 f'"{line.strip()[:40]}" begins a second part of bulk data (a superelement or another deck), which is '
-                "not read. Put all entries behind one BEGIN BULK.",
+                "not read. Put all entries after one BEGIN BULK.",
                 number,
             )
         if card is not None:

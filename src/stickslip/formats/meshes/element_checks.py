@@ -43,7 +43,7 @@ def _require_distinct_nodes(raw: RawModel, block: RawBlock, cells: IntArray) -> 
     if bad.size:
         raw.fail(
             f"element {raw.shown(block.labels[bad[0]])} ({block.kind}) has a node more than once "
-            f"({bad.size} elements do). Collapsed elements are not read: use tetrahedra or wedges in their place.",
+            f"({bad.size} elements do). Collapsed elements are not allowed: use tetrahedra or wedges instead.",
             int(block.lines[bad[0]]),
         )
 
@@ -87,7 +87,7 @@ def _fail_for(raw: RawModel, block: RawBlock, start: int, wrong: np.ndarray, lar
     how = "inverted" if largest[bad[0]] < 0.0 else "flat or folded"
     raw.fail(
         f"element {raw.shown(labels[0])} ({block.kind}) is {how}: its Jacobian is not above 0{where}. "
-        f"{bad.size} elements of the first {start + len(wrong)} of this block are like this: "
+        f"{bad.size} elements of the first {start + len(wrong)} of this block have this defect: "
         f"{', '.join(raw.shown(label) for label in labels[:_SHOWN])}{' ...' if bad.size > _SHOWN else ''}. "
         "Check the order of their nodes.",
         int(block.lines[start + bad[0]]),

@@ -130,8 +130,8 @@ def build_face_sets(
         inner = sum(int((flags & ~free).sum()) for flags, free in zip(chosen, table.free, strict=True))
         if inner:
             messages.append(
-                f"surface '{name}' is kept as a node set only: {inner} of its sides lie inside the solid, between two "
-                "elements that share their nodes. A contact face needs nodes of its own on each side."
+                f"surface '{name}' becomes a node set only: {inner} of its sides are inside the solid, between two "
+                "elements that share their nodes. A contact face requires separate nodes on each side."
             )
         else:
             faces[name] = sides
@@ -154,8 +154,8 @@ def _positions(
     missing = np.flatnonzero(~np.isin(entry.elements, element_labels))
     if missing.size:
         raw.fail(
-            f"surface '{name}' names element {raw.shown(entry.elements[missing[0]])}, which is no solid element of the "
-            "file.",
+            f"surface '{name}' names element {raw.shown(entry.elements[missing[0]])}, which is not a solid element of "
+            "the file.",
             int(entry.lines[missing[0]]),
         )
     cells = np.flatnonzero(np.isin(element_labels, entry.elements))
@@ -199,8 +199,8 @@ def _by_corners(
     if unmatched.any():
         at = int(np.flatnonzero(unmatched)[0])
         raw.fail(
-            f"surface '{name}' has a side with nodes {', '.join(raw.shown(node) for node in corners[at])}, which is no "
-            f"side of a solid element ({int(unmatched.sum())} of {len(corners)} sides are not).",
+            f"surface '{name}' has a side with nodes {', '.join(raw.shown(node) for node in corners[at])}, which is "
+            f"not a side of a solid element ({int(unmatched.sum())} of {len(corners)} sides are not).",
             int(entry.lines[at]),
         )
     return positions

@@ -20,7 +20,7 @@ _LARGEST_TAG = 10_000_000  # meshio's table then takes 80 MB
 _VERSIONS = (b"2", b"2.2", b"4.0", b"4", b"4.1")
 _COMMENTS = re.compile(rb"\s*\$Comments\r?\n.*?\$EndComments[^\n]*\n", re.DOTALL)
 _PARAMETRIC = (
-    "its nodes have parametric coordinates, which are not read. Write it again with Mesh.SaveParametric = 0 "
+    "its nodes have parametric coordinates, which stickslip does not read. Write it again with Mesh.SaveParametric = 0 "
     "(in Gmsh's export window: without 'Save parametric coordinates')."
 )
 
@@ -70,7 +70,7 @@ def readable_content(source: Path) -> bytes:
         if most > 1 and version == b"4.0":
             fail(
                 source,
-                "it has entities in several physical groups, of which one each is read of version 4.0. "
+                "it has entities in several physical groups, but version 4.0 allows one for each entity. "
                 "Write it again as version 4.1.",
             )
         content = content.replace(entities, grouped, 1)
@@ -78,7 +78,7 @@ def readable_content(source: Path) -> bytes:
 
 
 def _damaged(section: str) -> str:
-    return f"the file is damaged or cut off: its ${section} section does not hold what it announces. Write it again."
+    return f"the file is damaged or truncated: its ${section} section is incomplete. Write the file again."
 
 
 def _section(source: Path, content: bytes, name: bytes) -> bytes:
@@ -112,7 +112,7 @@ def _node_problem(numbers: _Binary | _Text) -> str:
         missing -= count
         numbers.take(3 * count, "f8")
         if largest > _LARGEST_TAG:
-            return f"there is a node {largest}; numbers up to {_LARGEST_TAG} are read. Renumber the nodes."
+            return f"there is a node {largest}; the largest allowed number is {_LARGEST_TAG}. Renumber the nodes."
         if smallest < 1:
             raise ValueError("node 0")
     return _damaged("Nodes") if missing else ""

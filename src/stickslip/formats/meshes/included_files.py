@@ -41,9 +41,9 @@ class IncludedFiles:
         if not self.may_read(path):
             fail(
                 source,
-                f"INCLUDE names '{str(path)[:200]}', which lies outside of the deck's folder {self._folder}. A deck "
-                "from somebody else could read any file so. Copy the file into the folder of the deck or below; if you "
-                "trust the deck, allow it with --includes-outside (structure.includes_outside = true in a study file).",
+                f"INCLUDE names '{str(path)[:200]}', which is outside of the deck's folder {self._folder}. A deck "
+                "from another person could read any file in this way. Copy the file into the folder of the deck or "
+                "below; if you trust the deck, use --includes-outside (structure.includes_outside = true in a study).",
                 number,
             )
         if depth > DEEPEST_INCLUDE:
@@ -52,16 +52,16 @@ class IncludedFiles:
             self._foreign.add(path)
         self._times[path.resolve()] += 1
         if self._times[path.resolve()] > MOST_REPEATS:
-            fail(source, f"INCLUDE brings in {path} more than {MOST_REPEATS} times. Take some out.", number)
+            fail(source, f"INCLUDE reads {path} more than {MOST_REPEATS} times. Remove some.", number)
         if self._times.total() > MOST_FILES:
-            fail(source, f"INCLUDE: the deck brings in more than {MOST_FILES} files. Join some of them.", number)
+            fail(source, f"INCLUDE: the deck reads more than {MOST_FILES} files. Join some of them.", number)
         lines = read_text(path)
         self._characters += len(lines) + sum(map(len, lines))
         if self._characters > LARGEST_FILE:
             fail(
                 source,
-                f"INCLUDE: with {path} the included files have more than {in_words(LARGEST_FILE)} in total, the most "
-                "that is read of a model.",
+                f"INCLUDE: with {path} the included files have more than {in_words(LARGEST_FILE)} in total, the limit "
+                "for a model.",
                 number,
             )
         return lines
@@ -76,8 +76,8 @@ class IncludedFiles:
                 place = re.match(re.escape(str(path)) + r"(, line \d+)?: ", str(error))
                 if place:
                     raise ImportFileError(
-                        f"{place[0]}this file cannot be read as a part of the deck. It lies outside of the deck's "
-                        "folder, so nothing of it is shown. Copy it below that folder to see what is wrong."
+                        f"{place[0]}this file cannot be read as a part of the deck. It is outside of the deck's "
+                        "folder, so the message shows no text of it. Copy it below that folder to see the error."
                     ) from None
             raise
 

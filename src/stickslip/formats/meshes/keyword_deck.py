@@ -42,9 +42,9 @@ class Card:
         try:
             value = int(word)
         except ValueError:
-            self.fail(f'"{word[:40]}" is no node or element number.', line)
+            self.fail(f'"{word[:40]}" is not a node or element number.', line)
         if not 0 < value < LARGEST_LABEL:
-            self.fail(f"{word[:40]} is no node or element number; they run from 1 to {LARGEST_LABEL - 1}.", line)
+            self.fail(f"{word[:40]} is not a node or element number; numbers are 1 to {LARGEST_LABEL - 1}.", line)
         return value
 
     def number(self, word: str, line: int) -> float:
@@ -87,7 +87,7 @@ def _cards(source: Path, text: list[str], included: IncludedFiles, depth: int) -
             cards[-1].data.append((number, [word.strip() for word in line.split(",")]))
         else:
             # not quoted: it is not an entry of a deck, and may be any file
-            fail(source, "something stands before the first keyword; this is no Abaqus or CalculiX deck.", number)
+            fail(source, "the file has text before the first keyword; it is not an Abaqus or CalculiX deck.", number)
     return cards
 
 

@@ -116,18 +116,16 @@ def _parsed(source: Path, kind: str, readable: Path | None = None) -> Any:
     # A damaged file can end in any error of meshio, NumPy, HDF5 or an XML parser; all mean that it cannot be read.
     except (Exception, SystemExit) as error:
         detail = str(error).splitlines()[0][:200] if str(error).strip() else type(error).__name__
-        fail(source, f"the file is damaged, or no {kind} file ({detail}). Write it again, as text if it is binary.")
+        fail(source, f"the file is damaged, or not a {kind} file ({detail}). Write it again, as text if it is binary.")
     if "not closed" in output.getvalue():
-        fail(source, f"the file is damaged or cut off ({' '.join(output.getvalue().split())[:200]}). Write it again.")
+        fail(source, f"the file is damaged or truncated ({' '.join(output.getvalue().split())[:200]}). Write it again.")
     points = np.asarray(mesh.points)
     if points.ndim != 2 or points.shape[1] != 3 or not np.issubdtype(points.dtype, np.floating):
-        fail(source, f"the nodes have the shape {points.shape}; three coordinates for each node are needed.")
+        fail(source, f"the nodes have the shape {points.shape}; each node requires three coordinates.")
     for block in mesh.cells:
         cells = np.asarray(block.data)
         if block.type not in CELL_KINDS and block.type not in _SURFACES and block.type not in _LINES:
-            fail(
-                source, f"the element type '{block.type}' is not known; solids that are read: {', '.join(CELL_KINDS)}."
-            )
+            fail(source, f"the element type '{block.type}' is unknown; solids are: {', '.join(CELL_KINDS)}.")
         if cells.ndim != 2 or (block.type in CELL_KINDS and cells.shape[1] != CELL_KINDS[block.type].n_nodes):
             fail(source, f"{block.type} cells have the shape {cells.shape}.")
         bad = cells[(cells < 0) | (cells >= len(points))]
@@ -188,7 +186,7 @@ def _is_flag(array: NDArray[Any]) -> bool:
 
 def _whole(source: Path, name: str, array: NDArray[Any]) -> NDArray[Any]:
     if array.ndim != 1 or not np.issubdtype(array.dtype, np.integer):
-        fail(source, f"the cell array '{name}' must hold one whole number for each cell.")
+        fail(source, f"the cell array '{name}' must contain one whole number for each cell.")
     return array
 
 
@@ -207,7 +205,7 @@ def _raw(source: Path, form: str, mesh: Any, groups: dict[str, Members], nodes: 
             mirrored += turned
             raw.blocks.append(RawBlock(block.type, label, cells + 1, np.zeros(len(label), dtype=np.int64)))
     if mirrored:
-        raw.messages.append(f"{mirrored} elements have the node order of MED, the mirror of VTK's; they were turned.")
+        raw.messages.append(f"{mirrored} elements have the node order of MED, not that of VTK; they are converted.")
     for name, members in nodes.items():
         raw.node_sets[name] = np.unique(members) + 1
     for name, of_block in groups.items():

@@ -40,11 +40,11 @@ _SHELLS = {"CTRIA3": 3, "CTRIAR": 3, "CTRIA6": 3, "CQUAD4": 4, "CQUADR": 4, "CQU
 _TO_VTK = {"wedge15": [*range(9), 12, 13, 14, 9, 10, 11], "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]}
 _SILENT = ("PSHELL", "PARAM", "EIGRL", "EIGR", "MDLPRM", "PCOMP")
 _TIES = (
-    "it ties nodes of solids to each other, and without it the model would be another one. Take it out; hold, load or "
-    "pair the set of its nodes instead"
+    "it ties nodes of solids to each other, and without it the model would be another one. Remove it; constrain, load "
+    "or pair the set of its nodes instead"
 )
 _REJECTED = {
-    "CPYRAM": "pyramids are not read; tetrahedra, wedges (CPENTA) and hexahedra are",
+    "CPYRAM": "stickslip reads no pyramids, but tetrahedra, wedges (CPENTA) and hexahedra",
     **dict.fromkeys(("RBE1", "RBE2", "RBE3", "RBAR", "RBAR1", "RROD", "RTRPLT", "RSPLINE", "RSSCON", "RJOINT"), _TIES),
 }
 _NAMES = (
@@ -138,7 +138,7 @@ class _Reader:
             self._cards[card.name](card)
         elif card.name not in _SILENT:
             # text that is not the name of an entry is not quoted: the file may be a wrong one
-            name = card.name if _CARD_NAME.fullmatch(card.name) else "lines that are no entries"
+            name = card.name if _CARD_NAME.fullmatch(card.name) else "lines that are not entries"
             self._skipped.setdefault(name, card.line)
 
     def finished(self) -> RawModel:
@@ -168,7 +168,7 @@ class _Reader:
                 raw.node_sets[f"{what} {number}"] = np.unique(np.concatenate([entry.nodes for entry in entries]))
         if self._skipped:
             words = ", ".join(f"{name} ({raw.where(line)})" for name, line in self._skipped.items())
-            raw.messages.append(f"not read, so without effect here: {words}.")
+            raw.messages.append(f"ignored, without effect here: {words}.")
         return raw
 
     def _bodies(self) -> None:
@@ -204,7 +204,7 @@ class _Reader:
         """The side of a solid that a PLOAD4 names by G1 and G3 (quadrilaterals) or G4 (opposite corner of a tetra)."""
         label = card.integer(1)
         if label not in self._solids:
-            card.fail(f"element {label} is no solid element.")
+            card.fail(f"element {label} is not a solid element.")
         kind, nodes = self._solids[label]
         first, other = card.integer(6, 0), card.integer(7, 0)
         positions = []
@@ -220,7 +220,7 @@ class _Reader:
                 fits = other in corners and (corners.index(other) - corners.index(first)) % 4 == 2
             positions += [position] if fits else []
         if len(positions) != 1:
-            card.fail(f"the grids G1 = {first} and G3/G4 = {other} name no side of element {label}.")
+            card.fail(f"the grids G1 = {first} and G3/G4 = {other} are on no side of element {label}.")
         return RawSides(card.line, elements=np.array([label], dtype=np.int64), side=positions[0])
 
     def _combination(self, card: BulkCard) -> None:
@@ -234,7 +234,7 @@ class _Reader:
         nodes = [card.integer(2 + at) for at in range(len(words))]
         kinds = {CELL_KINDS[kind].n_nodes: kind for kind in _SOLIDS[card.name]}
         if len(nodes) not in kinds:
-            card.fail(f"it has {len(nodes)} grids; {' or '.join(map(str, kinds))} are read.")
+            card.fail(f"it has {len(nodes)} grids, but it must have {' or '.join(map(str, kinds))}.")
         kind = kinds[len(nodes)]
         label = card.integer(0)
         self._elements.setdefault(kind, []).append((label, card.integer(1, label), nodes, card.line))

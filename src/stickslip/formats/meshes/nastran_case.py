@@ -59,14 +59,14 @@ def active_entries(
         if len(sets) > 1 or (sets and case.exists) or combined:
             no_sum = f", without the factors of {_COMBINATION[what]} {next(iter(combined))}" if combined else ""
             raw.messages.append(
-                f"the case control selects no {what}, so the entries of all {len(sets)} sets "
-                f"({', '.join(map(str, sets))}) are taken together{no_sum}."
+                f"the case control selects no {what}, so stickslip uses the entries of all {len(sets)} sets "
+                f"({', '.join(map(str, sets))}) together{no_sum}."
             )
         return [entry for entries in sets.values() for entry in entries]
     if len(chosen) > 1:
         raw.messages.append(
-            f"the case control selects {what} = {', '.join(map(str, chosen))} in several subcases; {chosen[0]} is "
-            "taken."
+            f"the case control selects {what} = {', '.join(map(str, chosen))} in several subcases; stickslip uses "
+            f"{chosen[0]}."
         )
     if chosen[0] in combined:
         return list(_combination(raw, what, sets, combined[chosen[0]]))
@@ -83,7 +83,7 @@ def _combination(raw: RawModel, what: str, sets: Mapping[int, list[Entry]], card
         last = max((at for at, word in enumerate(card.fields) if word), default=0)
         parts = [(card.real(1) * card.real(at), card.integer(at + 1)) for at in range(2, max(last, 3) + 1, 2)]
     if not parts:
-        card.fail("it names no set.")
+        card.fail("it has no set number.")
     for factor, number in parts:
         if number not in sets:
             _report_missing_set(
@@ -97,4 +97,4 @@ def _report_missing_set(raw: RawModel, what: str, words: str, number: int, line:
     sentence = f"{words} there are no {_ENTRIES[what]} entries of set {number}"
     if what == "SPC":
         raw.fail(f"{sentence}. Add them, or select another set.", line)
-    raw.messages.append(f"{sentence}; loads of other kinds are not read.")
+    raw.messages.append(f"{sentence}; stickslip reads no loads of other kinds.")

@@ -108,7 +108,7 @@ class Grids:
             return [*constraints]
         raw.messages.append(
             f"{len(frames)} grids have a coordinate system of displacements (CD), the first of them {min(frames)}: "
-            "their constraints are converted to x, y, z, in which all displacements are given here."
+            "stickslip converts their constraints to x, y, z, the directions of all displacements."
         )
         answer: list[RawConstraint] = []
         components: dict[int, set[int]] = {}
@@ -126,8 +126,8 @@ class Grids:
             if directions is None:
                 self._cards[at].fail(
                     f"grid {label} has its displacements in the system {self._system(self._cards[at], _CD)} (CD), and "
-                    f"the constraint in {raw.where(lines[label])} holds {_words(axes)} of them, not along x, y or z "
-                    "at this place. Hold 1, 2 and 3, or give the grid a CD with axes along x, y, z."
+                    f"the constraint in {raw.where(lines[label])} constrains {_words(axes)} of them, not along x, y or "
+                    "z at this position. Constrain 1, 2 and 3, or give the grid a CD with axes along x, y, z."
                 )
             answer.append(RawConstraint(np.array([label], dtype=np.int64), directions, lines[label]))
         return answer
@@ -157,6 +157,6 @@ def constrained_nodes(card: BulkCard, components: str, nodes: list[int]) -> RawC
     Raises ImportFileError for other components, and where there are none or no nodes.
     """
     if not nodes or not components or set(components) - set("123456"):
-        card.fail(f'it needs components out of 1 to 6 and grids; found "{components[:12]}" and {len(nodes)} grids.')
+        card.fail(f'it requires components of 1 to 6 and grids, but it has "{components[:12]}" and {len(nodes)} grids.')
     solid = tuple(sorted({int(each) - 1 for each in components if each in "123"}))
     return RawConstraint(np.array(nodes, dtype=np.int64), solid, card.line)

@@ -69,7 +69,7 @@ class _Joiner:
             fail(
                 source,
                 f"entries follow, but ENDDATA in line {end_line} of the included file {end} ends the bulk data before. "
-                "Take ENDDATA out there.",
+                "Remove that ENDDATA.",
                 number,
             )
 
@@ -88,12 +88,12 @@ class _Joiner:
             fail(
                 source,
                 f"INCLUDE: there is no file '{name[:200]}' in {' or '.join(str(each) for each in folders)}. Put it "
-                "there, or correct the name (capitals count).",
+                "there, or correct the name (upper and lower case differ).",
                 number,
             )
         if existing.resolve() in [each.resolve() for each in path]:
             way = " includes ".join(str(each) for each in (*path, existing))
-            fail(source, f"INCLUDE: files include each other in a circle: {way}. Take one INCLUDE out.", number)
+            fail(source, f"INCLUDE: files include each other in a circle: {way}. Remove one INCLUDE.", number)
         return existing
 
 
@@ -104,7 +104,7 @@ def _name_and_lines(source: Path, rest: str, text: list[str], at: int) -> tuple[
     if quote not in ("'", '"'):
         words = rest.partition("$")[0].split()
         if len(words) != 1:
-            fail(source, f'INCLUDE: "{rest[:60]}" is no name of one file. Put the name in quotes.', at + 1)
+            fail(source, f'INCLUDE: "{rest[:60]}" is not the name of one file. Put the name in quotes.', at + 1)
         return words[0], 1
     pieces: list[str] = []
     for count, line in enumerate([rest[1:], *text[at + 1 : at + _LONGEST_STATEMENT]], start=1):
@@ -115,7 +115,7 @@ def _name_and_lines(source: Path, rest: str, text: list[str], at: int) -> tuple[
             if not name or after.partition("$")[0].strip():
                 fail(
                     source,
-                    f'INCLUDE: one name of a file must stand in the quotes, nothing after; found "{name[:60]}'
+                    f'INCLUDE: the quotes must contain one file name and end the line, but it has "{name[:60]}'
                     f'" and "{after.strip()[:60]}".',
                     at + count,
                 )

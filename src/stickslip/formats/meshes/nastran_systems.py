@@ -55,7 +55,7 @@ class Systems:
                     self._define(card.integer(at), _Definition(card, tuple(card.integer(at + n) for n in (1, 2, 3))))
             return
         if len(card.fields) <= 8:
-            card.fail("its second line, with the third place, is missing.")
+            card.fail("its second line, with the third point, is missing.")
         reference = card.integer(1, 0)
         places = [[card.real(at + axis, 0.0) for axis in range(3)] for at in (2, 5, 8)]
         self._define(
@@ -85,8 +85,8 @@ class Systems:
             if current not in self._resolved:
                 if definition is None:
                     named_by.fail(
-                        f"there is no coordinate system {current}. Read are {', '.join(SYSTEM_CARDS)}: add one of this "
-                        "number, or use the basic system (0)."
+                        f"there is no coordinate system {current}. stickslip reads {', '.join(SYSTEM_CARDS)}: add one "
+                        "of this number, or use the basic system (0)."
                     )
                 needed = next((each for each in self._places(definition) if each.system not in self._resolved), None)
                 if needed is not None:
@@ -94,7 +94,7 @@ class Systems:
                         circle = [*waiting][[*waiting].index(needed.system) :]
                         way = ", ".join(map(str, circle[1:_SHOWN]))
                         needed.card.fail(
-                            f"the system {needed.system} is given in itself{', by way of ' if way else ''}{way}"
+                            f"the system {needed.system} depends on itself{', through ' if way else ''}{way}"
                             f"{' ...' if len(circle) > _SHOWN else ''}."
                         )
                     waiting[needed.system] = needed.card
@@ -116,5 +116,5 @@ class Systems:
         points = [self._resolved[each.system].basic(each.coordinates[None, :])[0] for each in self._places(definition)]
         frame = Frame.through(_KINDS[definition.card.name[-1]], np.array(points))
         if frame is None:
-            definition.card.fail("its three points lie in one line, so that they give no axes.")
+            definition.card.fail("its three points are on one line and define no axes.")
         return frame

@@ -40,7 +40,7 @@ register_model_format = _FORMATS.register
 _ADVICE = {
     **dict.fromkeys(
         (".stl", ".step", ".stp", ".iges", ".igs", ".brep", ".x_t", ".obj", ".ply"),
-        "It holds a shape without solid elements: mesh it first, for example with Gmsh, and give the .msh file",
+        "It contains a shape without solid elements: mesh it first, for example with Gmsh, and give the .msh file",
     ),
     **dict.fromkeys(
         (".odb", ".cae", ".op2", ".rst", ".db", ".cdb", ".frd", ".mph", ".hm", ".k", ".xdmf", ".vtk"),
@@ -48,11 +48,9 @@ _ADVICE = {
     ),
     **dict.fromkeys(
         (".mtx", ".npz", ".npy", ".mat", ".op4", ".sti", ".mas", ".full", ".hb"),
-        'It holds matrices: name it in a study with structure.kind = "matrices" (docs/matrices.md)',
+        'It contains matrices: give it in a study with structure.kind = "matrices" (docs/matrices.md)',
     ),
-    **dict.fromkeys(
-        (".toml", ".yaml", ".yml"), "It is a study file: give the mesh file that it names, or use stickslip check"
-    ),
+    **dict.fromkeys((".toml", ".yaml", ".yml"), "It is a study file: give its mesh file, or use stickslip check"),
 }
 
 
@@ -92,12 +90,12 @@ def read_raw(path: str | PathLike[str], includes_outside: bool = False) -> RawMo
     ending = source.suffix.lower()
     formats = _FORMATS.names()
     if ending.removeprefix(".") not in formats:
-        advice = _ADVICE.get(ending, "Export the model in one of these, or give the file its usual ending")
+        advice = _ADVICE.get(ending, "Export the model in one of these, or use the usual ending of the format")
         fail(
             source,
-            f"'{source.suffix}' is no model format that can be read; there are: "
+            f"'{source.suffix}' is not a model format of stickslip; the formats are: "
             f"{', '.join(f'.{name}' for name in formats)}. {advice}.",
         )
     if not source.exists():
-        fail(source, "there is no such file.")
+        fail(source, "the file does not exist.")
     return _FORMATS.find(ending.removeprefix("."))(source, includes_outside)

@@ -93,7 +93,7 @@ class MatrixSetup:
         return (
             ("nodes with x, y, z", f"{nodes}"),
             ("other unknowns", f"{matrices.size - 3 * nodes}"),
-            ("mass that moves along x with all nodes", f"{_mass_along_x(matrices):.4g} kg"),
+            ("mass for a common motion along x", f"{_mass_along_x(matrices):.4g} kg"),
             ("node sets", sets or "none"),
         )
 
@@ -113,16 +113,16 @@ class MatrixKind(OwnKind[MatrixCase]):
         matrices = _read(case)
         if matrices.damping is not None and case.damping.modal_damping_ratio is not None:
             raise InputError(
-                f"damping.modal_damping_ratio = {case.damping.modal_damping_ratio:g} cannot come on top of the damping "
-                "in the matrix files. Set damping.rayleigh_alpha = 0 to take that of the files alone, or take theirs "
-                "out.",
+                f"damping.modal_damping_ratio = {case.damping.modal_damping_ratio:g} cannot be added to the damping "
+                "in the matrix files. Set damping.rayleigh_alpha = 0 to use only that of the files, or remove it from "
+                "the files.",
                 ("damping.modal_damping_ratio",),
             )
         lookup, pairs, messages = _NodeTable.of(matrices), [], []
         if not lookup.labels.size:
             raise InputError(
-                "structure.unknown_map: no node of the matrices has unknowns along x, y and z, so no place can be "
-                "named. Give a file with the node and direction of each row.",
+                "structure.unknown_map: no node of the matrices has unknowns along x, y and z, so no node can be "
+                "selected. Give a file with the node and direction of each row.",
                 ("structure.unknown_map",),
             )
         odd_values = _odd_values(case, matrices, lookup)
@@ -206,7 +206,7 @@ def _nodes(lookup: _NodeTable, entry: str, name: str) -> IntArray:
         raise InputError(f"{entry}: the matrices have no node set '{name}'; they have: {names}.", [entry])
     nodes = np.asarray(lookup.node_sets[name], dtype=np.int64)
     if not nodes.size:
-        raise InputError(f"{entry}: node set '{name}' is empty. Give it nodes, or take another set.", [entry])
+        raise InputError(f"{entry}: node set '{name}' is empty. Add nodes to it, or use another set.", [entry])
     return nodes
 
 
@@ -229,10 +229,10 @@ def _pairs(
     if places is None:
         position = np.column_stack([np.zeros(count), _MAP_STEP * np.arange(count)])
         messages.append(
-            f"{entry}: the matrices do not say where their nodes are, so maps show the pairs in a row in their order."
+            f"{entry}: the matrices contain no node positions, so maps show the pairs in a row in their order."
         )
         if isinstance(section, SetInterfaceSection) and section.second != GROUND:
-            messages.append(f"{entry}: its nodes are paired in the order of the two sets, as positions are not known.")
+            messages.append(f"{entry}: its nodes are paired in the order of the two sets, without positions.")
     else:
         position = map_position(points, tangent1, tangent2, area)
     gap = np.full(count, section.gap or 0.0)
@@ -273,7 +273,7 @@ def _listed_pairs(lookup: _NodeTable, entry: str, path: Path) -> tuple[IntArray,
         where = f"{entry}.pairs: {path}, line {number}:"
         if not all(map(_NODE_NUMBER.fullmatch, words)) or len(words) != len(rows[0] if rows else words):
             raise ImportFileError(
-                f"{where} {quoted(line)} must be two node numbers, or one in every line for the ground."
+                f"{where} {quoted(line)} must be two node numbers, or one in each line for the ground."
             )
         rows.append([int(word) for word in words])
         missing = np.setdiff1d(rows[-1], lookup.labels)
@@ -283,7 +283,7 @@ def _listed_pairs(lookup: _NodeTable, entry: str, path: Path) -> tuple[IntArray,
             )
             raise ImportFileError(f"{where} {what}.")
     if not rows:
-        raise ImportFileError(f"{entry}.pairs: {path} holds no pair. Write two node numbers a line.")
+        raise ImportFileError(f"{entry}.pairs: {path} contains no pair. Write two node numbers on each line.")
     table = np.array(rows, dtype=np.int64)
     different, count = np.unique(table, axis=0, return_counts=True)
     if count.max() > 1:
@@ -312,8 +312,8 @@ def _partners(
     """
     if first.size != others.size:
         raise InputError(
-            f"{entry}: '{joint.first}' has {first.size} nodes and '{joint.second}' has {others.size}; each node needs "
-            "one partner. Make the sets equal.",
+            f"{entry}: '{joint.first}' has {first.size} nodes and '{joint.second}' has {others.size}; each node "
+            "requires one partner. Use sets of equal size.",
             (f"{entry}.first", f"{entry}.second"),
         )
     places, opposite = _places(lookup, first), _places(lookup, others)
@@ -353,7 +353,7 @@ def _node_group(lookup: _NodeTable, name: str, section: PlaceSection) -> NodeGro
 def _nearest(lookup: _NodeTable, name: str, point: FloatArray) -> NodeGroup:
     """The node nearest to a point. Raises InputError without positions, and if the node is far or ambiguous."""
     if lookup.positions is None:
-        raise InputError(f"{name}.point: the matrices do not say where their nodes are. Give node or set.")
+        raise InputError(f"{name}.point: the matrices contain no node positions. Give node or set.")
     try:
         return NodeGroup.single(int(lookup.labels[nearest_node(lookup.positions, point)]))
     except InputError as error:

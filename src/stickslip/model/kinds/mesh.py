@@ -72,7 +72,7 @@ class MeshSetup:
             *bodies,
             ("face sets", ", ".join(sorted(mesh.face_sets)) or "none"),
             ("other sets", ", ".join(others) or "none"),
-            ("held displacements", f"{self.fixed_unknowns.size}"),
+            ("constrained displacements", f"{self.fixed_unknowns.size}"),
         )
 
     def write_places(self, folder: Path) -> tuple[Path, ...]:
@@ -140,7 +140,7 @@ def body_materials(case: MeshCase, source: ImportedModel) -> tuple[Material, ...
     unknown = [name for name in case.bodies if name not in names]
     if unknown:
         raise InputError(
-            f"[bodies.{bare_name(unknown[0])}] names no body of {source.source}; its bodies are: {', '.join(names)}.",
+            f"[bodies.{bare_name(unknown[0])}] is no body of {source.source}; its bodies are: {', '.join(names)}.",
             (f"bodies.{unknown[0]}",),
         )
     return tuple(_material(case, name, source) for name in names)
@@ -185,10 +185,10 @@ def _pairing(mesh: Mesh, name: str, section: MeshInterfaceSection) -> Pairing:
             of_two_faces = ("search_distance", "edge_tolerance", "gap_tolerance", "adjust")
             wrong = [key for key in of_two_faces if getattr(section, key) is not None]
             if wrong:
-                raise InputError(f"{wrong[0]} serves two faces; the ground follows the first face. Take it out.", wrong)
+                raise InputError(f"{wrong[0]} applies to two faces; the ground uses the first face. Remove it.", wrong)
             return pair_with_ground(mesh, section.first, points=points, gap=section.gap or 0.0, tangent=section.tangent)
         if section.gap is not None:
-            raise InputError("gap belongs to the ground; between two faces it is measured. Take it out.", ["gap"])
+            raise InputError("gap belongs to the ground; the mesh defines it between faces. Remove it.", ["gap"])
         return pair_surfaces(
             mesh,
             section.first,
@@ -221,8 +221,8 @@ def _layout(
     if case.base_motion is not None:
         if not fixed.size:
             raise InputError(
-                "[base_motion] moves the nodes that are held, but neither structure.fixed nor the file holds any. Hold "
-                "some, or take the section out.",
+                "[base_motion] moves the constrained nodes, but neither structure.fixed nor the file has any. "
+                "Constrain some, or remove the section.",
                 ("base_motion",),
             )
         base_inertia = translation_inertia(mesh, materials)
@@ -251,7 +251,7 @@ def _layout(
 def _facts(names: Sequence[str], pairings: Sequence[Pairing]) -> Iterator[Derived]:
     for name, pairing in zip(names, pairings, strict=True):
         for label, value, unit in pairing.summary():
-            yield f"{label[0].upper()}{label[1:]}, {name}", value, unit or "-", "how the faces were paired"
+            yield f"{label[0].upper()}{label[1:]}, {name}", value, unit or "-", "from the pairing of the faces"
 
 
 def _unused_forces(source: ImportedModel) -> Iterator[str]:
@@ -299,18 +299,16 @@ def _require_free(
         wrong = np.intersect1d(pairing.pairs.nodes, constrained)
         if wrong.size:
             raise InputError(
-                f"interfaces.{name}: node {source.shown(source.node_labels[wrong[0]])} of the file is held by a "
-                f"constraint and is part of a contact pair ({wrong.size} nodes are). Take these nodes out of the "
-                "faces, or out of the constraint.",
+                f"interfaces.{name}: node {source.shown(source.node_labels[wrong[0]])} of the file is in a "
+                f"constraint and in a contact pair ({wrong.size} nodes are). Remove these nodes from the "
+                "faces or from the constraint.",
                 (f"interfaces.{name}",),
             )
     for name, node_group in node_groups.items():
         if np.isin(node_group.nodes, constrained).all() or (
             node_group.is_single and np.isin(node_group.nodes, constrained).any()
         ):
-            raise InputError(
-                f"{name}: it is at nodes that are held, so nothing moves there. Choose another place.", [name]
-            )
+            raise InputError(f"{name}: its nodes are constrained and cannot move. Choose another position.", [name])
 
 
 def _require_support(mesh: Mesh, pairs: FacePairs, fixed: IntArray, source: ImportedModel) -> None:
@@ -320,14 +318,14 @@ def _require_support(mesh: Mesh, pairs: FacePairs, fixed: IntArray, source: Impo
         bodies = ", ".join(mesh.body_names[body] for body in np.unique(mesh.body[part.cells]))
         if part.is_hinged:
             raise InputError(
-                f"{element} ({bodies}) consists of {part.n_regions} regions that hang together at nodes or edges only, "
-                "like hinges, so its stiffness is singular whatever holds it. Join their faces, or separate them.",
+                f"{element} ({bodies}) consists of {part.n_regions} regions that are connected at nodes or edges only, "
+                "like hinges, so its stiffness is singular with any constraint. Connect their faces, or separate them.",
                 ("structure.file",),
             )
         in_contact = np.isin(pairs.nodes, mesh.nodes_of_cells(part.cells)).any()
         if part.rigid and not in_contact:
             raise InputError(
                 f"{element} ({bodies}) can move freely ({part.rigid} rigid-body motions): neither structure.fixed nor "
-                "a constraint of the file holds it, and no interface touches it. Hold it, pair it, or leave it out.",
+                "a constraint of the file constrains it, and no interface touches it. Constrain, pair or remove it.",
                 ("structure.fixed",),
             )

@@ -48,8 +48,8 @@ class OwnKind(Generic[OwnCaseT]):
             touching = (pairs.face == face) & (pairs.gap <= 0.0)
             if section.normal_load is None or not touching.any():
                 raise InputError(
-                    f"interfaces.{name}: the normal load cannot rest on this face, because all of its pairs are apart "
-                    f"by {1e3 * pairs.gap[pairs.face == face].min():.3g} mm or more. If the bodies touch and only "
+                    f"interfaces.{name}: this face cannot carry the normal load, because all of its pairs have a gap "
+                    f"of {1e3 * pairs.gap[pairs.face == face].min():.3g} mm or more. If the bodies touch and only "
                     'their meshes differ, set adjust = "closed".',
                     (f"interfaces.{name}.normal_load",),
                 )

@@ -73,7 +73,7 @@ class BladePairGeometry:
         if self.damper_length > self.width and not self.damper_spans_width:
             raise InputError(
                 f"damper_length is {1e3 * self.damper_length:.6g} mm; it must be at most {1e3 * self.width:.6g} mm, "
-                "the width of the blades, or the damper does not fit under the platforms.",
+                "the width of the blades; a longer damper does not fit under the platforms.",
                 ("damper_length", "width"),
             )
         self._below(
@@ -115,7 +115,7 @@ class BladePairGeometry:
             "excitation_height",
             self.excitation_height,
             self.underside_height_at_shank,
-            "underside_height_at_shank, for N1 and N2 lie on the shank",
+            "underside_height_at_shank, because N1 and N2 are on the shank",
             ("excitation_height", "underside_height_at_shank"),
         )
 
@@ -128,9 +128,7 @@ class BladePairGeometry:
     @staticmethod
     def _below(name: str, value: float, limit: float, reason: str, keys: tuple[str, ...]) -> None:
         if not value < limit:
-            raise InputError(
-                f"{name} is {1e3 * value:.6g} mm; it must stay below {1e3 * limit:.6g} mm: {reason}.", keys
-            )
+            raise InputError(f"{name} is {1e3 * value:.6g} mm; it must be below {1e3 * limit:.6g} mm: {reason}.", keys)
 
     @property
     def damper_spans_width(self) -> bool:
@@ -193,7 +191,7 @@ class BladePairElements:
         if self.most_elements > MOST_ELEMENTS:
             raise InputError(
                 f"the counts of [mesh] make up to {self.most_elements} elements, but at most {MOST_ELEMENTS} are "
-                "allowed: no usual machine has the memory for more. Take smaller counts."
+                "allowed, because usual machines have no memory for more. Use smaller counts."
             )
 
     @property
