@@ -76,8 +76,8 @@ def test_a_pressure_outside_of_the_table_is_a_warning() -> None:
     case = measured_case(TABLE | {"pressure": ["1 Pa", "2 Pa", "3 Pa"]})
     joint = load_joint(case, set_up(case).layout)
     (sentence,) = joint.stiffness_warnings
-    assert sentence.startswith("sole: The pressure runs from")
-    assert "outside of the measured range, 1 to 3 Pa" in sentence
+    assert sentence.startswith("sole: Pressures from")
+    assert "outside the measured range, 1 to 3 Pa" in sentence
     assert any(sentence == words for title, rows in check(case) if title == "Warnings" for _, words in rows)
 
 
@@ -124,7 +124,7 @@ def test_a_solved_pressure_outside_of_the_table_is_a_warning(
     assert pressure.mean() < 8.2e4 < pressure.max()
     sentences = model.joint.stiffness_warnings
     assert bool(sentences) is warns
-    assert all("outside of the measured range, 1e+03 to 8.2e+04 Pa" in each for each in sentences)
+    assert all("outside the measured range, 1e+03 to 8.2e+04 Pa" in each for each in sentences)
 
 
 @pytest.mark.parametrize(

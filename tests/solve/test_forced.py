@@ -201,7 +201,7 @@ def test_a_joint_too_stiff_for_the_arithmetic_is_reported() -> None:
     superelement, pairs = two_bodies(1e9, 0.01)
     response = forced_response(superelement, pairs, [50.0, 0, 0, 0, 0, 0], frequency_hz=(150.0, 175.0), harmonics=3)
     assert (response.contact_state > 0).any()
-    (sentence,) = (sentence for sentence in response.warnings if "met only to" in sentence)
+    (sentence,) = (sentence for sentence in response.warnings if "satisfied only to" in sentence)
     assert "Contact many orders stiffer" in sentence
     assert "drifts" not in sentence
     superelement, pairs = two_bodies(1e12, 0.01)
@@ -220,7 +220,7 @@ def test_digits_that_a_drift_costs_are_not_blamed_on_the_stiffness(monkeypatch: 
 
     response = solved()
     assert response.residual.max() > 1e-6
-    (sentence,) = (sentence for sentence in response.warnings if "met only to" in sentence)
+    (sentence,) = (sentence for sentence in response.warnings if "satisfied only to" in sentence)
     assert "The cause is a body that drifts" in sentence
     assert "Contact many orders stiffer" not in sentence
     worst = int(response.residual.argmax())

@@ -38,7 +38,7 @@ def test_an_undamped_resonance_ends_the_curve(mass: float) -> None:
     assert np.abs(window.displacement).max() < 1e6
     if not window.converged:
         assert "There is no viscous damping" in window.message
-        assert "the equation of motion is met only to" in window.message
+        assert "the equation of motion is satisfied only to" in window.message
     assert mass < 1.0 or not window.converged
 
 

@@ -102,7 +102,7 @@ def test_damaged_file_is_named_and_made_again(reduction: Counted) -> None:
     with pytest.warns(StickslipWarning) as reported:
         again = reduction.cached()
     assert [str(warning.message) for warning in reported] == [
-        f'The reduced structure kept in "{file}" is not used: its digest does not match: it is damaged, or belongs to '
+        f'The reduced structure in "{file}" is not used: its digest does not match: it is damaged, or belongs to '
         "other inputs or another version. It is computed again."
     ]
     assert reduction.calls == 2

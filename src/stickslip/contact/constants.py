@@ -132,7 +132,7 @@ def _declaration(
     maker: Callable[..., Any], of_joint: tuple[str, ...], undeclared: Callable[[Field[Any]], Constant | None]
 ) -> Declaration:
     if not is_dataclass(maker):
-        raise InputError("can be used from Python only: it is no dataclass, whose fields would declare its constants.")
+        raise InputError("can be used from Python only: it is not a dataclass, so it declares no constants.")
     constants: dict[str, Constant] = {}
     of_joint_found, optional, unknown = [], set(), []
     for field in fields(maker):
@@ -161,5 +161,5 @@ def _require_si(name: str, found: Constant) -> None:
     """Raise InputError for a declared unit that is no SI unit: a plain number of a file is in SI units."""
     if found.quantity is not None and not found.quantity.is_si:
         raise InputError(
-            f'can be used from Python only: it declares {name} in "{found.unit}", which is no product of SI units.'
+            f'can be used from Python only: it declares {name} in "{found.unit}", which is not a product of SI units.'
         )

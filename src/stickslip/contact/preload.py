@@ -73,10 +73,10 @@ def checked_area(area: ArrayLike) -> FloatArray:
     areas = finite_array("area", area)
     if areas.ndim != 1 or areas.size == 0:
         raise InputError(
-            f"area must have the shape (n_pairs,), one area in m2 for each pair; found {areas.shape}.",
+            f"area must have the shape (n_pairs,), one area in m2 for each pair, but its shape is {areas.shape}.",
             arguments=["area"],
         )
-    require_positive("area", areas, "A pair stands for a part of the contact face; look for faces of zero size.")
+    require_positive("area", areas, "A pair represents a part of the contact face; check for faces of zero area.")
     return areas
 
 

@@ -80,7 +80,7 @@ class NamedLaw:
         gap = pairs.gap[members]
         if GAP not in self.declaration.of_joint and (gap > 0.0).any():
             raise InputError(
-                f"{self.section}: {np.count_nonzero(gap > 0.0)} of {members.size} pairs are apart, by up to "
+                f"{self.section}: {np.count_nonzero(gap > 0.0)} of {members.size} pairs have a gap, of up to "
                 f'{1e3 * gap.max():.3g} mm, but the law "{self.name}" has no gap. If the bodies touch and only their '
                 'meshes differ, set adjust = "closed".',
                 (self.section,),
@@ -98,7 +98,7 @@ class NamedLaw:
         if law.n_pairs != members.size:
             raise InputError(
                 f'{self.section}: the law "{self.name}" is for {law.n_pairs} pairs, but the face has {members.size}. A '
-                "law takes their number from a constant that it declares with of_face=True, or from the joint.",
+                "law gets the number of pairs from a constant that it declares with of_face=True, or from the joint.",
                 (f"{self.section}.law",),
             )
         return law

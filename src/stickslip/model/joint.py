@@ -96,9 +96,9 @@ class Joint:
     friction_coefficient: FloatArray  # (n_pairs,)
     normal_stiffness: FloatArray  # (n_pairs,) N/m
     tangential_stiffness: FloatArray  # (n_pairs,) N/m
-    rough_faces: tuple[RoughFace | None, ...]  # one for each face; None where the stiffness was given
+    rough_faces: tuple[RoughFace | None, ...]  # one for each face; None where the stiffness is an input
     laws: tuple[tuple[NamedLaw, ContactLaw, IntArray], ...] = ()  # those beside Coulomb friction, with their pairs
-    stiffness_warnings: tuple[str, ...] = ()  # what the stiffness laws of faces say of their pressures
+    stiffness_warnings: tuple[str, ...] = ()  # messages of the stiffness laws of faces on their pressures
 
     @property
     def face_pairs(self) -> FacePairs:
@@ -173,11 +173,11 @@ def make_joint(case: Case, layout: Layout, preload: FloatArray, settings: Sequen
     rough_faces = describe_faces(case, layout, preload, settings)
     normal, tangential = pair_springs(case, layout, preload, settings)
     laws = _laws_beside_friction(layout, preload, settings, normal, tangential)
-    # The pressure that a solved preload starts from says nothing; what it finds is judged then.
+    # The starting pressure of a solved preload gives no warnings; its solution does.
     solved = case.preload.method == "solved"
     warnings = () if solved else pressure_warnings(layout, preload, settings)
-    # A pair that stands apart closes when it has moved by its gap; no load is on it before. The pressure that a solved
-    # preload starts from is on all pairs, for the stiffness of rough faces alone.
+    # A pair with a gap closes when it has moved by its gap; before that it has no load. The starting pressure of a
+    # solved preload is on all pairs, only for the stiffness of rough faces.
     unloaded = (preload == 0.0) | solved
     preload = np.where((pairs.gap > 0.0) & unloaded, -normal * pairs.gap, preload)
     for _, law, members in laws:
@@ -298,7 +298,7 @@ def face_law(case: Case, layout: Layout, face: int, settings: FaceSettings) -> S
 
 
 def _stiffness_keys(case: Case, settings: FaceSettings) -> tuple[str, ...]:
-    """What the stiffness of a face follows from: the roughness or its law, and where its load comes from."""
+    """Keys that determine the stiffness of a face: the roughness or its law, and the source of its load."""
     if case.preload.method == "solved":
         load = "preload.method"
     elif case.preload.values is not None:

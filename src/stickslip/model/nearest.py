@@ -32,7 +32,7 @@ def nearest_node(positions: FloatArray, point: FloatArray) -> int:
     apart[nearest] = np.inf
     if apart.min() <= SAME_PLACE_FRACTION * size:
         raise InputError(
-            f"two nodes lie at ({x:.4g}, {y:.4g}, {z:.4g}) mm, the nearest place to the point, as on both sides of a "
-            "joint. Give a set or a node."
+            f"two nodes are at ({x:.4g}, {y:.4g}, {z:.4g}) mm, the position nearest to the point, as on both sides of "
+            "a joint. Give a set or a node."
         )
     return nearest

@@ -53,7 +53,7 @@ def _sides(mesh: Mesh, face: str | None) -> set[tuple[int, ...]]:
 
 def _reject(name: str, other: str, what: str) -> None:
     raise InputError(
-        f"interfaces.{name} and interfaces.{other} join the same {what}, so contact would count twice there. Take one "
-        "of the two out, or give them faces that do not overlap.",
+        f"interfaces.{name} and interfaces.{other} both connect the same {what}, so their contact would count twice. "
+        "Remove one of the two, or give them faces that do not overlap.",
         (f"interfaces.{name}", f"interfaces.{other}"),
     )

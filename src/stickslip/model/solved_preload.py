@@ -36,9 +36,9 @@ if TYPE_CHECKING:
 LOWEST_PRESSURE = 0.01
 LOWEST_ABOVE_PLASTIC = 2.0
 SECANT_WARNING = (
-    'allocation = "pressure" with a solved preload takes the stiffness under the pressure of a pair as a '
-    "spring from zero, N = A kappa(p) closure. The curve of a rough face is flatter at first, so this concentrates the "
-    'load on few pairs. preload.normal_law = "pressure-gap" follows the whole curve.'
+    'allocation = "pressure" with a solved preload uses the stiffness at the pressure of a pair as a linear spring '
+    "from zero load, N = A kappa(p) closure. The curve of a rough face is flatter at first, so this concentrates the "
+    'load on few pairs. preload.normal_law = "pressure-gap" follows the complete curve.'
 )
 # chosen: largest pressure of the pressure-gap table over the mean pressure of the face.
 HIGHEST_PRESSURE = 1e3
@@ -48,7 +48,7 @@ HIGHEST_PRESSURE = 1e3
 class SolvedPreload:
     """The state at rest with the tractions of the case, and the other one for comparison.
 
-    ``other`` is None where it does not exist; ``why`` then says so. ``unloaded`` are the pairs before the load.
+    ``other`` is None if it does not exist; ``why`` is then the reason. ``unloaded`` are the pairs before the load.
     """
 
     unloaded: ContactPairs
@@ -154,7 +154,7 @@ def _lowest_pressure(case: Case, joint: Joint, normal_force: FloatArray) -> Floa
 
 
 def _with_floor(case: Case, joint: Joint, settings: Sequence[FaceSettings], normal_force: FloatArray) -> FloatArray:
-    """Normal forces (n_pairs,) for the stiffness law: where pairs follow their own pressure, none below the lowest.
+    """Normal forces (n_pairs,) for the stiffness law: if it uses the pressure of each pair, at least the lowest.
 
     Open pairs have this pressure too, so that their stiffness does not jump when they close.
     """
@@ -172,7 +172,7 @@ def _lowest_load(case: Case, joint: Joint, normal_force: FloatArray) -> FloatArr
 def _pressure_warnings(
     case: Case, joint: Joint, settings: Sequence[FaceSettings], state: StaticState
 ) -> tuple[str, ...]:
-    """What stiffness laws say of the pressures at rest; along a pressure-gap curve each pair has its own."""
+    """Messages of stiffness laws on the pressures at rest; on a pressure-gap curve each pair has its own."""
     if case.preload.normal_law == "spring":
         return pressure_warnings(joint.layout, _with_floor(case, joint, settings, state.normal_force), settings)
     least = _lowest_load(case, joint, state.normal_force)
@@ -180,7 +180,7 @@ def _pressure_warnings(
 
 
 def _pressure_gap_law(case: Case, joint: Joint, settings: Sequence[FaceSettings], state: StaticState) -> NormalLaw:
-    """Each face's curve of pressure over closure, from its stiffness law; springs where its stiffness is given."""
+    """Pressure over closure of each face, from its stiffness law; springs if its stiffness is an input."""
     pairs, mean = joint.face_pairs, _mean_pressure(joint, state.normal_force)
     lowest = _lowest_pressure(case, joint, state.normal_force)
     laws: list[NormalLaw] = []

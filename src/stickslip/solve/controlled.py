@@ -105,7 +105,7 @@ def controlled_response(
         solver = Newton(curve, newton, report.iteration)
         branch = Branch(solver, start, stop_omega, continuation or ContinuationSettings(), follower(window, report))
         branch.follow()
-        how = f"The first point was reached with a load factor of {start.trial.load:.4g}."
+        how = f"The first point converged with a load factor of {start.trial.load:.4g}."
         response = response_of(branch, balances, balance, window, newton, how, report)
     settings = {**response.settings, f"held_{control}": target if control == "amplitude" else -math.degrees(target)}
     provenance = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
@@ -116,7 +116,7 @@ def _checked_target(amplitude: float | None, phase_deg: float | None) -> tuple[C
     """The controlled quantity, and its value in SI units."""
     if (amplitude is None) == (phase_deg is None):
         raise InputError(
-            "give either amplitude or phase_deg: one of them is held.", arguments=["amplitude", "phase_deg"]
+            "give either amplitude or phase_deg: the solver controls one of them.", arguments=["amplitude", "phase_deg"]
         )
     if amplitude is not None:
         return "amplitude", positive_number("amplitude", amplitude, "of the output")
@@ -135,7 +135,8 @@ def _first_point(
     size = math.hypot(cosine, sine)
     if size == 0.0:
         raise InputError(
-            "the excitation does not move the output, so nothing can be held there. Take another output.",
+            "the excitation does not move the output, so its amplitude and phase cannot be controlled. Choose another "
+            "output.",
             arguments=["output"],
         )
 
@@ -149,8 +150,9 @@ def _first_point(
         point = solved(target, linear, 1.0)
         if point is None:
             raise ConvergenceError(
-                f"no response with this phase was found at the first frequency, {omega / (2 * math.pi):.3f} Hz, near a "
-                "load factor of 1. Start at a resonance of the linear stuck response, where the phase is 90 degrees."
+                f"the solver found no response with this phase at the first frequency, {omega / (2 * math.pi):.3f} Hz, "
+                "near a load factor of 1. Start at a resonance of the linear stuck response, where the phase is 90 "
+                "degrees."
             )
         return point
     fraction, factor = FIRST_FRACTION, FIRST_FACTOR
@@ -167,7 +169,8 @@ def _first_point(
             point = None
     if point is None:
         raise ConvergenceError(
-            f"no response with this amplitude was found at the first frequency, {omega / (2 * math.pi):.3f} Hz; it was "
-            f"reached up to {100 * fraction:.3g} % of it. Start farther from the resonance, or hold less."
+            f"the solver found no response with this amplitude at the first frequency, {omega / (2 * math.pi):.3f} Hz; "
+            f"it reached {100 * fraction:.3g} % of the amplitude. Start farther from the resonance, or give a smaller "
+            "amplitude."
         )
     return point

@@ -96,7 +96,7 @@ def response_of(
         input_energy=measures.input_energy,
         viscous_energy=measures.viscous_energy,
         converged=converged,
-        message=f"{how} {'The stop frequency was reached.' if converged else message}",
+        message=f"{how} {'The curve reaches the stop frequency.' if converged else message}",
         warnings=warnings + neighbour_warnings(*places_hz),
         harmonics=harmonics,
         samples=balance.samples,
@@ -115,8 +115,8 @@ def _unbalanced(trials: list[Trial], end: int, residual: float, damped: bool) ->
     words = f"{residual:.1e}" if np.isfinite(residual) else "no number"
     where = f"The curve ends at {trials[end - 1].omega / (2.0 * np.pi):.3f} Hz" if end else "There is no curve"
     cause = (
-        "Contact many orders stiffer than the structure loses all digits: lower its stiffness, or look for unknowns "
-        "with nearly no mass."
+        "Contact many orders stiffer than the structure loses all digits: lower its stiffness, or check for unknowns "
+        "with almost no mass."
     )
     if not damped:
         cause = (
@@ -124,8 +124,8 @@ def _unbalanced(trials: list[Trial], end: int, residual: float, damped: bool) ->
             "give a damping matrix or modal_damping_ratio."
         )
     return (
-        f"{where}: at {hertz:.3f} Hz the equation of motion is met only to {words} of its forces, but a result meets "
-        f"it to {LARGEST_UNBALANCE:.0e}. {cause}"
+        f"{where}: at {hertz:.3f} Hz the equation of motion is satisfied only to {words} of its forces, but a result "
+        f"requires {LARGEST_UNBALANCE:.0e}. {cause}"
     )
 
 

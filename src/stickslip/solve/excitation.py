@@ -136,7 +136,8 @@ class Excitation:
         rows = _columns("first", first), _columns("second", second)
         if rows[0].shape != rows[1].shape or rows[0].shape[1] != 1:
             raise InputError(
-                f"first and second must have the same shape (n,); found {rows[0].shape} and {rows[1].shape}.",
+                f"first and second must have the same shape (n,), but the shapes are {rows[0].shape} and "
+                f"{rows[1].shape}.",
                 arguments=["first", "second"],
             )
         return cls((_Part(2, size * rows[0], size * rows[1], False, f"unbalance of {size:g} kg m"),))
@@ -169,8 +170,8 @@ class Excitation:
                     )
                 if columns.shape[1] > harmonics:
                     raise InputError(
-                        f"{name} has {columns.shape[1]} harmonics, but only harmonics = {harmonics} are kept. Raise "
-                        "harmonics.",
+                        f"{name} has {columns.shape[1]} harmonics, but the solution has only harmonics = {harmonics}. "
+                        "Raise harmonics.",
                         arguments=[name],
                     )
                 force = -(superelement.mass @ columns) if part.inertial else columns
@@ -190,7 +191,9 @@ def _base_part(name: str, vector: ArrayLike, amplitude: float, kind: BaseMotion,
     size = positive_number("amplitude", amplitude, unit)
     column = size * _columns(name, vector)
     if column.shape[1] != 1:
-        raise argument_error(name, f"{name} must have shape (n,), one entry for each unknown; found {column.shape}.")
+        raise argument_error(
+            name, f"{name} must have shape (n,), one entry for each unknown, but its shape is {column.shape}."
+        )
     # A displacement X cos(w t) is an acceleration -w^2 X cos(w t).
     power, sign = (0, 1.0) if kind == "acceleration" else (2, -1.0)
     return _Part(power, sign * column, np.zeros_like(column), inertial, f"base {kind} of {size:g} {unit}")

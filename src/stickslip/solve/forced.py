@@ -121,7 +121,7 @@ def as_excitation(
     if isinstance(excitation, Excitation):
         if force_sin is not None or force_cos is not None:
             raise InputError(
-                "force_cos and force_sin belong to a force given as arrays; the excitation has its own.",
+                "force_cos and force_sin belong to a force given as arrays; an Excitation has its own force.",
                 arguments=["force_cos", "force_sin"],
             )
         return excitation

@@ -104,7 +104,7 @@ def _require_comparable(superelement: Superelement, pairs: ContactPairs, omega: 
         raise InputError(
             f"the contact stiffness of pair {worst // 3} is {springs[worst]:.3g} N/m, but the structure has only "
             f"{there:.3g} N/m there: more than {STIFFEST_CONTACT:.0e} times as much leaves no digits for the "
-            f"deformation of the contact. {1e3 * there:.2g} N/m is rigid in effect; give that, or less."
+            f"deformation of the contact. {1e3 * there:.2g} N/m is rigid in effect; give this value, or less."
         )
 
 
@@ -134,7 +134,7 @@ def _check_counts(harmonics: int, samples: int) -> None:
         whole_number(name, value, 1)
     if samples < 2 * harmonics + 1:
         raise InputError(
-            f"samples is {samples}, but {harmonics} harmonics need at least {2 * harmonics + 1} samples a period. "
-            "Take 256 (512 with much separation): friction has kinks that few samples miss.",
+            f"samples is {samples}, but {harmonics} harmonics require at least {2 * harmonics + 1} samples per period. "
+            "Use 256 (512 with much separation): friction forces have kinks that few samples miss.",
             arguments=["samples"],
         )

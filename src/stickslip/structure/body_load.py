@@ -26,7 +26,7 @@ def centrifugal_load(mesh: Mesh, materials: Sequence[Material], axis: FloatArray
 
 
 def translation_inertia(mesh: Mesh, materials: Sequence[Material]) -> FloatArray:
-    """(3 * n_nodes, 3) kg: ``M r`` for translations r of all nodes by 1 along x, y, z, held ones included.
+    """(3 * n_nodes, 3) kg: ``M r`` for translations r of all nodes, including constrained ones, by 1 along x, y, z.
 
     ``M`` is the consistent mass. Times an acceleration of the support it is the force that the support exerts through
     the inertia of the structure.

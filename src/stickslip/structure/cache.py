@@ -119,7 +119,7 @@ def _read(path: Path) -> Arrays | None:
         return None
     except (OSError, ResultsFileError) as error:
         problem = f"{error.strerror}." if isinstance(error, OSError) else error
-        sentence = f'The reduced structure kept in "{path}" is not used: {problem} It is computed again.'
+        sentence = f'The reduced structure in "{path}" is not used: {problem} It is computed again.'
         warnings.warn(sentence, StickslipWarning, stacklevel=2)
         return None
     with suppress(OSError):  # the folder may be read-only

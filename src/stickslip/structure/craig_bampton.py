@@ -86,7 +86,7 @@ def _reduced(
     boundary, interior = partition(structure, nodes)
     if not 0 <= n_modes < len(interior):
         raise InputError(
-            f"n_modes is {n_modes}; with {len(interior)} interior unknowns it must lie between 0 and "
+            f"n_modes is {n_modes}; with {len(interior)} interior unknowns it must be between 0 and "
             f"{len(interior) - 1}.",
             ("n_modes",),
         )
@@ -205,7 +205,7 @@ def reduction_table(
     full mesh; neither is a number for rigid-body modes. Raises InputError for a superelement without recovery.
     """
     if superelement.recovery is None:
-        raise InputError("reduction_table needs a superelement with a recovery, as craig_bampton makes it.")
+        raise InputError("reduction_table requires a superelement with a recovery, such as that of craig_bampton.")
     if springs is None:
         full_hz, full = cached_tied_modes(structure, pairs, count)
     else:

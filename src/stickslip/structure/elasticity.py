@@ -122,7 +122,7 @@ class Structure:
         wanted = np.asarray(nodes, dtype=np.int64)
         if wanted.size and (wanted.min() < 0 or wanted.max() >= self.mesh.n_nodes):
             raise InputError(
-                f"nodes run from {wanted.min()} to {wanted.max()}, but the mesh has nodes 0 to "
+                f"nodes contains {wanted.min()} to {wanted.max()}, but the mesh has nodes 0 to "
                 f"{self.mesh.n_nodes - 1}.",
                 arguments=["nodes"],
             )
@@ -136,9 +136,9 @@ class Structure:
         if hits.size:
             axes = ", ".join("xyz"[unknown % 3] for unknown in self.fixed_unknowns if unknown // 3 == hits[0])
             raise InputError(
-                f"node {hits[0]} is held along {axes}, so it has no three unknowns ({hits.size} of {wanted.size} nodes "
-                "are held in part); contact, force and output nodes must be free. Take such nodes out of the "
-                "constraint, or out of the set.",
+                f"node {hits[0]} is constrained along {axes}, so it does not have three unknowns ({hits.size} of "
+                f"{wanted.size} nodes are partly constrained); contact, force and output nodes must be free. Remove "
+                "such nodes from the constraint, or from the set.",
                 arguments=["nodes"],
             )
         position = np.full(3 * self.mesh.n_nodes, -1, dtype=np.int64)
@@ -170,7 +170,7 @@ def assemble(
     Raises
     ------
     InputError
-        for an element that does not exist or does not suit the cells, for cells that are no bricks, and for a node
+        for an element that does not exist or does not fit the cells, for cells that are no bricks, and for a node
         number that does not exist.
     """
     require_choice("element", element, get_args(Element))
@@ -178,7 +178,7 @@ def assemble(
         mesh = mesh.quadratic()
     elif mesh.bricks().shape[1] != 8:
         raise InputError(
-            f"element {element!r} needs 8-node cells, but the mesh has 20-node cells; use 'serendipity'.",
+            f"element {element!r} requires 8-node cells, but the mesh has 20-node cells; use 'serendipity'.",
             arguments=["element"],
         )
     if fixed_nodes is None:
@@ -261,7 +261,7 @@ def _existing(name: str, value: ArrayLike, size: int) -> IntArray:
     numbers = np.unique(np.asarray(value, dtype=np.int64))
     if numbers.size and (numbers[0] < 0 or numbers[-1] >= size):
         raise argument_error(
-            name, f"{name} must lie between 0 and {size - 1}, but found {numbers[0]} to {numbers[-1]}."
+            name, f"{name} must be between 0 and {size - 1}, but contains {numbers[0]} to {numbers[-1]}."
         )
     return numbers
 
@@ -295,7 +295,7 @@ def natural_frequencies(
     size = stiffness.shape[0]
     if not 1 <= count < size:
         raise InputError(
-            f"count is {count}; with {size} unknowns it must lie between 1 and {size - 1}.", arguments=["count"]
+            f"count is {count}; with {size} unknowns it must be between 1 and {size - 1}.", arguments=["count"]
         )
     scale = float(stiffness.diagonal().sum() / mass.diagonal().sum())
     if scipy.sparse.issparse(stiffness):

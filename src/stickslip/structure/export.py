@@ -38,13 +38,14 @@ def write_mode_shapes(path: str | Path, mesh: Mesh, modes: FloatArray, frequency
     frequency = finite_array("frequency_hz", frequency_hz)
     if frequency.shape != (shapes.shape[2],):
         raise InputError(
-            f"frequency_hz must have shape ({shapes.shape[2]},), one a mode; found {frequency.shape}.",
+            f"frequency_hz must have shape ({shapes.shape[2]},), one for each mode, but its shape is "
+            f"{frequency.shape}.",
             arguments=["frequency_hz"],
         )
     largest = np.linalg.norm(shapes, axis=1).max(axis=0)
     if not largest.all():
         raise InputError(
-            f"modes[:, {int(largest.argmin())}] is zero everywhere, so it has no shape to draw.", arguments=["modes"]
+            f"modes[:, {int(largest.argmin())}] is zero everywhere, so it has no shape to plot.", arguments=["modes"]
         )
     fields = {f"mode {k + 1:02d}, {frequency[k]:.1f} Hz": shapes[:, :, k] / largest[k] for k in range(len(frequency))}
     with whole_file(target, "mode shapes", InputError) as part:
@@ -74,13 +75,13 @@ def write_deflected_period(path: str | Path, mesh: Mesh, coefficients: FloatArra
     n_coefficients = series.shape[2]
     if n_coefficients % 2 == 0:
         raise InputError(
-            f"coefficients must have 2H + 1 columns (mean, cos 1, sin 1, ...); found {n_coefficients}.",
+            f"coefficients must have 2H + 1 columns (mean, cos 1, sin 1, ...), but there are {n_coefficients}.",
             arguments=["coefficients"],
         )
     if n_frames < n_coefficients:
         raise InputError(
             f"n_frames is {n_frames}; {(n_coefficients - 1) // 2} harmonics need {n_coefficients} frames or more, and "
-            "36 make a smooth film.",
+            "36 make a smooth animation.",
             arguments=["n_frames"],
         )
     synthesis = synthesis_matrix((n_coefficients - 1) // 2, n_frames)
@@ -116,7 +117,7 @@ def write_points(path: str | Path, points: FloatArray, fields: Mapping[str, Floa
     target = _target(path, ".vtu")
     for name, values in fields.items():
         if len(values) != len(points):
-            raise InputError(f"{name} must have one entry for each of {len(points)} points; found {len(values)}.")
+            raise InputError(f"{name} must have one entry for each of {len(points)} points, but it has {len(values)}.")
     vertices = [("vertex", np.arange(len(points))[:, None])]
     with whole_file(target, "points", InputError) as part:
         meshio.Mesh(points, vertices, point_data=dict(fields)).write(part, file_format="vtu")
@@ -136,8 +137,8 @@ def _displacement(name: str, value: FloatArray, mesh: Mesh) -> FloatArray:
     if array.ndim != 2 or array.shape[0] != 3 * mesh.n_nodes or not array.shape[1]:
         raise argument_error(
             name,
-            f"{name} must have shape ({3 * mesh.n_nodes}, k), three displacements for each of {mesh.n_nodes} nodes; "
-            f"found shape {array.shape}.",
+            f"{name} must have shape ({3 * mesh.n_nodes}, k), three displacements for each of {mesh.n_nodes} nodes, "
+            f"but its shape is {array.shape}.",
         )
     return array.reshape(mesh.n_nodes, 3, -1)
 

@@ -10,7 +10,7 @@ from stickslip.structure.shapes import side_rule, side_shape_functions
 
 
 def face_geometry(mesh: Mesh, name: str) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Nodes (k,) of a face set, the area (k,) in m2 that each node stands for, and its outward unit normal (k, 3).
+    """Nodes (k,) of a face set, the area (k,) in m2 that each node represents, and its outward unit normal (k, 3).
 
     On sides of three or four nodes the area is ``integral of N_i dA``. With midside nodes that integral is zero or
     negative at the corners, so the area of the side is distributed in proportion to ``integral of N_i^2 dA`` instead

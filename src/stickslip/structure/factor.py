@@ -27,8 +27,8 @@ PARDISO_SIZE = 40_000
 # Time of a SuperLU factor of a slender and of a full solid mesh of 100,000 unknowns, measured (docs/performance.md).
 SUPERLU_SECONDS, SUPERLU_SIZE, SUPERLU_GROWTH = (7.0, 50.0), 100_000, 1.9
 _SINGULAR_ADVICE = (
-    "A body or node that nothing holds makes it so: fix more nodes (or keep them as boundary nodes), or use a negative "
-    "shift for free structures."
+    "A body or node without support is the usual cause: fix more nodes (or make them boundary nodes), or use a "
+    "negative shift for free structures."
 )
 
 
@@ -109,14 +109,14 @@ def factorize(matrix: Any, backend: Backend = "superlu", threads: int = 1) -> Fa
         if ``pardiso`` is requested and not installed.
     """
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not matrix.shape[0]:
-        raise InputError(f"a matrix to be factored must be square and not empty; found shape {matrix.shape}.")
+        raise InputError(f"the matrix must be square and not empty, but its shape is {matrix.shape}.")
     require_choice("backend", backend, get_args(Backend))
     solve = _superlu(matrix) if backend == "superlu" else _pardiso(matrix)
     residual, solution_error = _errors(matrix, solve)
     if not solution_error <= SOLUTION_ERROR_LIMIT:
         raise SingularMatrixError(
-            f"a matrix with {matrix.shape[0]} unknowns is singular or nearly so: its factor misses a known solution by "
-            f"{solution_error:.1e} (allowed: {SOLUTION_ERROR_LIMIT:.0e}). {_SINGULAR_ADVICE}"
+            f"a matrix with {matrix.shape[0]} unknowns is singular or nearly so: the error of its factor for a test "
+            f"solution is {solution_error:.1e} (allowed: {SOLUTION_ERROR_LIMIT:.0e}). {_SINGULAR_ADVICE}"
         )
     if not residual <= RESIDUAL_LIMIT:
         raise ConvergenceError(
@@ -148,7 +148,7 @@ def _pardiso(matrix: Any) -> Callable[[FloatArray], FloatArray]:
         import pypardiso
     except ImportError as error:
         raise MissingPackageError(
-            "backend 'pardiso' needs the package pypardiso: pip install 'stickslip[pardiso]', or use "
+            "backend 'pardiso' requires the package pypardiso: pip install 'stickslip[pardiso]', or use "
             "backend='superlu', which comes with scipy."
         ) from error
     # Type -2, real symmetric indefinite, reads the upper triangle: twice as fast as the general type, half the memory.

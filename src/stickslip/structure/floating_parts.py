@@ -65,13 +65,13 @@ def floating_message(stiffness: Any, node: IntArray) -> str:
     if not floating:
         return (
             f"the stiffness of the {stiffness.shape[0]} unknowns between the boundary nodes is singular or nearly so, "
-            "though each of its connected parts is held; its entries differ too much in size."
+            "although each of its connected parts is constrained; its entries differ too much in size."
         )
     first = floating[0]
     return (
-        f"the stiffness is singular with the boundary nodes held: {len(floating)} of {part.max() + 1} "
-        f"connected parts float. The first has {named_nodes(node[first])} and "
-        f"{strainless_motions(stiffness[first][:, first]).shape[1]} motions without strain. Keep enough of its nodes "
+        f"the stiffness is singular with all boundary nodes fixed: {len(floating)} of {part.max() + 1} connected parts "
+        f"are unsupported. The first has {named_nodes(node[first])} and "
+        f"{strainless_motions(stiffness[first][:, first]).shape[1]} motions without strain. Choose enough of its nodes "
         "as boundary nodes (three that are not in one line), or fix it."
     )
 
@@ -116,13 +116,13 @@ def require_rigid_bodies(
         what = f"the connected part with {named_nodes(node[mine])} can move in {count} ways without strain"
         if not contact[mine].any():
             raise InputError(
-                f"the stiffness is singular: {what}, and it has no contact that could hold it. Fix it, connect it, or "
-                "name nodes of it in a contact face."
+                f"the stiffness is singular: {what}, and no contact supports it. Fix it, connect it, or include its "
+                "nodes in a contact face."
             )
         if count > RIGID_MOTIONS:
             raise InputError(
                 f"the stiffness is singular: {what}, but a body in one piece has {RIGID_MOTIONS}. It is a mechanism, "
-                "or entries that join its nodes are missing."
+                "or entries that connect its nodes are missing."
             )
         if position is not None and _misfit(motions, position, mine) > _RIGID_RESIDUAL:
             raise InputError(

@@ -53,9 +53,9 @@ def tie_matrix(followers: IntArray, leaders: IntArray, weights: FloatArray, size
     used = weights != 0.0
     if len(np.unique(followers)) != len(followers) or np.intersect1d(leaders[used], followers).size:
         raise InputError(
-            "a node is in more than one contact pair as the one that follows (the second node where all pairs join "
-            "node to node, else the first one), or it leads in one pair and follows in another; such pairs cannot be "
-            "tied. Give springs instead."
+            "a node is the follower in more than one contact pair (the second node where all pairs join node to node, "
+            "else the first one), or the leader in one pair and the follower in another; such pairs cannot be tied. "
+            "Give springs instead."
         )
     leads = np.ones(size, dtype=bool)
     leads[followers] = False
@@ -125,7 +125,8 @@ def joined_modes(
             operator = pairs.operator(model)
         if np.shape(springs) != (operator.shape[0],):
             raise InputError(
-                f"springs must have shape ({operator.shape[0]},), t1, t2, n of each pair; found {np.shape(springs)}.",
+                f"springs must have shape ({operator.shape[0]},), t1, t2, n of each pair, but the shape is "
+                f"{np.shape(springs)}.",
                 arguments=["springs"],
             )
         stiffness = model.stiffness + operator.T @ (scipy.sparse.diags(springs) @ operator)

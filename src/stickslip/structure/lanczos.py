@@ -39,12 +39,12 @@ def eigenpairs_near(
         raise ConvergenceError(
             f"only {len(error.eigenvalues)} of {count} eigenvalues of a matrix with {size} unknowns converged in "
             f"{MOST_RESTARTS} restarts. Its entries most likely differ too much in size: check the units of Young's "
-            "modulus, density, lengths and contact stiffness. Else ask for fewer, or for a shift closer to the wanted "
-            "ones."
+            "modulus, density, lengths and contact stiffness. Otherwise request fewer, or a shift closer to the "
+            "required ones."
         ) from error
     except scipy.sparse.linalg.ArpackError as error:
         raise ConvergenceError(
-            f"the eigenvalues of a matrix with {size} unknowns cannot be found: its entries most likely differ too "
+            f"the eigenvalues of a matrix with {size} unknowns cannot be computed: its entries most likely differ too "
             "much in size. Check the units of Young's modulus, density, lengths and contact stiffness."
         ) from error
     return np.asarray(values), np.asarray(vectors)

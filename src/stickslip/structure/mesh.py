@@ -81,7 +81,7 @@ class Mesh:
         points = finite_array("points", self.points)
         if points.ndim != 2 or points.shape[1] != 3:
             raise InputError(
-                f"points must have shape (n, 3), x, y, z of each node; found shape {points.shape}.",
+                f"points must have shape (n, 3), x, y, z of each node, but the shape is {points.shape}.",
                 arguments=["points"],
             )
         object.__setattr__(self, "points", points)
@@ -139,8 +139,8 @@ class Mesh:
         if name not in self.node_sets and name in self.body_names:
             known = ", ".join(sorted(self.node_sets)) or "none"
             raise InputError(
-                f"'{name}' is the name of a body, no node or face set: its material can be given, but forces, "
-                "responses, constraints and joints need a place on it. Give a set of its nodes or sides, or for a "
+                f"'{name}' is the name of a body, not of a node or face set. A body can have a material, but forces, "
+                "responses, constraints and joints require a part of it. Give a set of its nodes or sides, or for a "
                 f"force or a response also a point or a node; the mesh has: {known}."
             )
         return named_nodes(self.node_sets, name)
@@ -160,8 +160,8 @@ class Mesh:
     def sides(self, name: str) -> tuple[IntArray, ...]:
         """Sides (k, 3 | 4 | 6 | 8) of a face set, or the outer sides all of whose nodes lie in a node set.
 
-        Corners run counter-clockwise seen from outside the body; midside nodes follow. Sides that two cells share are
-        inside the body and left out. Raises InputError when there is no such set, or when a node set spans no side.
+        Corners run counter-clockwise seen from outside the body; midside nodes follow. Sides of two cells are inside
+        the body and not included. Raises InputError if the set is missing, or if a node set contains no side.
         """
         if name in self.face_sets:
             return self.face_sets[name]
@@ -185,14 +185,14 @@ class Mesh:
     def quadratic(self) -> Mesh:
         """The same bricks with a node in the middle of each edge (20-node serendipity cells).
 
-        Corner nodes keep their numbers; a node set gains every edge node whose two ends it holds. Raises InputError for
-        cells that are no bricks, and for face sets, which would lack the new nodes.
+        Corner nodes keep their numbers; a node set gains every edge node whose two ends it contains. Raises InputError
+        for cells that are no bricks, and for face sets, which would lack the new nodes.
         """
         cells = self.bricks()
         if cells.shape[1] == 20:
             return self
         if self.face_sets:
-            raise InputError("a mesh with face sets cannot be made quadratic; give node sets in their place.")
+            raise InputError("a mesh with face sets cannot be made quadratic; give node sets instead.")
         cell_edges = np.sort(cells[:, EDGES], axis=2)
         edges, position = np.unique(cell_edges.reshape(-1, 2), axis=0, return_inverse=True)
         middle = self.n_nodes + position.reshape(len(cells), len(EDGES))
@@ -218,7 +218,8 @@ class Mesh:
         body = body if body.size else np.zeros(n_cells, dtype=np.int64)
         if body.shape != (n_cells,):
             raise InputError(
-                f"body must have shape ({n_cells},), one number a cell; found shape {body.shape}.", arguments=["body"]
+                f"body must have shape ({n_cells},), one number for each cell, but its shape is {body.shape}.",
+                arguments=["body"],
             )
         count = int(body.max()) + 1
         names = tuple(self.body_names) or (("body",) if count == 1 else tuple(f"body {at}" for at in range(count)))
@@ -229,11 +230,11 @@ class Mesh:
             )
         empty = np.setdiff1d(np.arange(len(names)), body)
         if self.body_names and empty.size:
-            raise InputError(f"body '{names[empty[0]]}' has no cells; leave it out.", arguments=["body"])
+            raise InputError(f"body '{names[empty[0]]}' has no cells; remove it.", arguments=["body"])
         lone = np.setdiff1d(np.arange(self.n_nodes), np.concatenate([cells.ravel() for cells in arrays]))
         if lone.size:
             raise InputError(
-                f"node {lone[0]} belongs to no cell ({lone.size} nodes do not); leave such nodes out.",
+                f"node {lone[0]} belongs to no cell ({lone.size} nodes do not); remove such nodes.",
                 arguments=["cells"],
             )
         object.__setattr__(self, "body", body)
@@ -242,7 +243,7 @@ class Mesh:
     def _checked_faces(self, name: str, sides: tuple[IntArray, ...]) -> tuple[IntArray, ...]:
         checked = tuple(node_numbers(f"face set '{name}'", side, self.n_nodes) for side in sides if len(side))
         if not checked or any(side.ndim != 2 or side.shape[1] not in CORNERS_OF_SIDE for side in checked):
-            raise InputError(f"face set '{name}' must hold arrays (k, 3), (k, 4), (k, 6) or (k, 8) of sides.")
+            raise InputError(f"face set '{name}' must contain arrays (k, 3), (k, 4), (k, 6) or (k, 8) of sides.")
         return checked
 
 
@@ -254,7 +255,7 @@ def _checked_cells(points: FloatArray, groups: tuple[IntArray, ...]) -> tuple[In
         if cells.ndim != 2 or cells.shape[1] not in KIND_OF_SIZE:
             kinds = ", ".join(f"{size} {kind.name}" for size, kind in KIND_OF_SIZE.items())
             raise InputError(
-                f"cells must have shape (m, k) with k nodes each: {kinds}; found shape {cells.shape}.",
+                f"cells must have shape (m, k) with k nodes each: {kinds}, but the shape is {cells.shape}.",
                 arguments=["cells"],
             )
         require_upright(KIND_OF_SIZE[cells.shape[1]], points, cells, sum(map(len, checked)))
@@ -289,7 +290,7 @@ def node_numbers(name: str, value: ArrayLike, n_nodes: int) -> IntArray:
     """Return ``value`` as integers after checking that each is the number of a node; raises InputError."""
     array = np.asarray(value)
     if array.size and not np.issubdtype(array.dtype, np.integer):
-        raise argument_error(name, f"{name} must hold node numbers (integers), but its type is {array.dtype}.")
+        raise argument_error(name, f"{name} must contain node numbers (integers), but its type is {array.dtype}.")
     array = array.astype(np.int64)
     bad = array[(array < 0) | (array >= n_nodes)]
     if bad.size:
@@ -323,8 +324,8 @@ def sides_in_nodes(name: str, nodes: IntArray, n_nodes: int, cells: list[tuple[s
     sides = tuple(side for side in single if len(side))
     if not sides:
         raise InputError(
-            f"no side of a cell has all its nodes in node set '{name}' ({member.sum()} nodes); a face set must "
-            "hold every node of the sides that make up the face, midside nodes included."
+            f"no side of a cell has all its nodes in node set '{name}' ({member.sum()} nodes); a face set must contain "
+            "each node of the sides of the face, including midside nodes."
         )
     return sides
 
@@ -340,6 +341,7 @@ def require_upright(kind: CellKind, points: FloatArray, cells: IntArray, first_c
         centre = 1e3 * points[cells[bad[0], : kind.n_corners]].mean(axis=0)
         raise InputError(
             f"cell {first_cell + bad[0]} (centre at {centre[0]:.3g}, {centre[1]:.3g}, {centre[2]:.3g} mm) is inverted "
-            f"or flat: its corner Jacobian falls to {volume[bad[0]].min():.3g} m3 and must stay above 0; {bad.size} of "
-            f"{len(cells)} cells are like this. Check the order of its nodes and the dimensions that shape it."
+            f"or flat: its smallest corner Jacobian is {volume[bad[0]].min():.3g} m3, but it must be above 0 "
+            f"({bad.size} of {len(cells)} cells are like this). Check the order of its nodes and the dimensions of the "
+            "part."
         )

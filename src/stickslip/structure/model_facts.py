@@ -74,7 +74,7 @@ def wave_oddities(about: str, material: Material, points: FloatArray) -> Iterato
     """Frequencies of a body with the nodes (n, 3) m that only a wrong unit explains."""
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     wave = float(np.sqrt(material.young_modulus / material.density)) / (2.0 * size)
-    words = f"{about} lets expect frequencies of compression of about"
+    words = f"{about} has estimated frequencies of compression of about"
     yield from odd_value(words, wave, "Hz", FREQUENCY_RANGE, "the units")
 
 
@@ -101,9 +101,9 @@ def matrix_oddities(
     if places is not None and len(places) > 1:
         diagonal = float(np.linalg.norm(np.ptp(places, axis=0)))
         yield from odd_value("the nodes of the matrices span", diagonal, "m", SIZE_RANGE, units)
-    yield from odd_value("the matrices hold the mass", moving_mass, "kg", MASS_RANGE, units)
+    yield from odd_value("the matrices contain the mass", moving_mass, "kg", MASS_RANGE, units)
     heavy = mass_diagonal > 0.0
     if heavy.any():
         typical = float(np.sqrt(np.median(stiffness_diagonal[heavy] / mass_diagonal[heavy]))) / (2.0 * np.pi)
-        words = "a typical node of the matrices, its neighbours held, vibrates at about"
+        words = "a typical node of the matrices, with fixed neighbours, vibrates at about"
         yield from odd_value(words, typical, "Hz", NODE_FREQUENCY_RANGE, units)

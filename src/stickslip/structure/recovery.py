@@ -118,7 +118,7 @@ def reduced_load(superelement: Superelement, load: FloatArray) -> FloatArray:
     """
     recovery = superelement.recovery
     if not isinstance(recovery, Recovery):
-        raise InputError("reduced_load needs a superelement with a recovery, as craig_bampton makes it.")
+        raise InputError("reduced_load requires a superelement with a recovery, such as that of craig_bampton.")
     if np.shape(load)[0] != recovery.shape[0]:
         raise InputError(
             f"load has {np.shape(load)[0]} rows, but the mesh has {recovery.shape[0]} displacements (3 of each node).",

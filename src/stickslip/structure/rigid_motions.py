@@ -54,7 +54,7 @@ class PartMotions:
 
 
 def part_motions(mesh: Mesh, fixed_unknowns: IntArray) -> tuple[PartMotions, ...]:
-    """Motions of each connected part with displacements held at positions among the 3 * n_nodes displacements."""
+    """Motions of each connected part with constraints at indices among the 3 * n_nodes displacements."""
     cells = [block.cells for block in mesh.blocks]
     part, region = connected_parts(cells), _regions(mesh)
     answer = []
@@ -70,7 +70,7 @@ def part_motions(mesh: Mesh, fixed_unknowns: IntArray) -> tuple[PartMotions, ...
 
 
 def _regions(mesh: Mesh) -> IntArray:
-    """Number of the region (n_cells,) of each cell; cells that share a side belong to one region."""
+    """Number of the region (n_cells,) of each cell; cells with a common side belong to one region."""
     rows, columns = [], []
     for n_corners in (3, 4):
         groups = [entry for entry in all_sides(mesh.cell_arrays()) if CORNERS_OF_SIDE[entry[0].shape[1]] == n_corners]

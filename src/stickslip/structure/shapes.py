@@ -150,8 +150,8 @@ def jacobians(corners: FloatArray, gradients: FloatArray) -> tuple[FloatArray, F
     bad = np.flatnonzero(determinant <= 0.0)
     if bad.size:
         raise InputError(
-            f"cell {bad[0]} is folded: its Jacobian is {determinant[bad[0]]:.3g} m3 at an integration point and must "
-            "be above 0. Check its nodes, midside nodes included."
+            f"cell {bad[0]} is folded: its Jacobian is {determinant[bad[0]]:.3g} m3 at an integration point, but it "
+            "must be above 0. Check its nodes, including midside nodes."
         )
     return jacobian, determinant
 

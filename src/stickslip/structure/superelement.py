@@ -83,8 +83,8 @@ class Superelement:
         nodes = self.boundary_nodes
         if 3 * nodes.size > self.size:
             raise InputError(
-                f"boundary_nodes has {nodes.size} nodes, which own {3 * nodes.size} unknowns, but the matrices have "
-                f"{self.size}; each boundary node owns three of them.",
+                f"boundary_nodes has {nodes.size} nodes, which have {3 * nodes.size} unknowns, but the matrices have "
+                f"{self.size}; each boundary node has three of them.",
                 arguments=["boundary_nodes"],
             )
         unique, count = np.unique(nodes, return_counts=True)
@@ -97,8 +97,8 @@ class Superelement:
             positions = finite_array("positions", self.positions)
             if positions.shape != (nodes.size, 3):
                 raise InputError(
-                    f"positions must have shape ({nodes.size}, 3), x, y, z in m of each boundary node; found shape "
-                    f"{positions.shape}.",
+                    f"positions must have shape ({nodes.size}, 3), x, y, z in m of each boundary node, but the shape "
+                    f"is {positions.shape}.",
                     arguments=["positions"],
                 )
             object.__setattr__(self, "positions", positions)

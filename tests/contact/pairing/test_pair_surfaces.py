@@ -284,7 +284,7 @@ def test_a_pin_needs_a_tangent_that_no_normal_is_along():
 
 def test_warnings_about_the_choice_of_the_first_face():
     coarse = pair_surfaces(stacked((4, 4, 1), (2, 2, 1)), "bottom", "top")
-    assert any("Take the finer face as the first one" in text for text in coarse.warnings)
+    assert any("Use the finer face as the first one" in text for text in coarse.warnings)
     quadratic = pair_surfaces(stacked(upper_options={"quadratic": True}), "bottom", "top")
     assert any("midside nodes" in text for text in quadratic.warnings)
     many = pair_surfaces(stacked((14, 14, 1), (15, 15, 1)), "bottom", "top", points="quadrature")
@@ -336,8 +336,8 @@ def test_summary_shows_tolerances_and_what_is_left():
     assert rows["area of the first face"] == (pytest.approx(1e6), "mm2")
     total = rows["area of the pairs"][0] + rows["area without a partner"][0]
     assert total == pytest.approx(1e6)
-    assert rows["largest overhang of places without a partner"] == (pytest.approx(300.0), "mm")
-    assert rows["places of 'bottom' without a partner"] == (f"{len(pairing.unpaired_first)} beyond the edge", "")
+    assert rows["largest overhang of positions without a partner"] == (pytest.approx(300.0), "mm")
+    assert rows["positions on 'bottom' without a partner"] == (f"{len(pairing.unpaired_first)} beyond the edge", "")
 
 
 def test_pairs_and_unpaired_places_read_back(tmp_path):

@@ -58,7 +58,7 @@ def test_what_is_named_works_as_printed_and_the_digit_before_does_not(
     assert is_elastic(face, needed)
     assert not is_elastic(face, needed - 1.001 * last_digit(needed, 4))
 
-    finer = number_after("take G below", sentence)
+    finer = number_after("set G below", sentence)
     assert finer is not None
     assert is_elastic(replace(face, fractal_roughness=finer), load)
     assert not is_elastic(replace(face, fractal_roughness=finer + 1.001 * last_digit(finer, 3)), load)

@@ -38,7 +38,7 @@ def test_a_power_law_comes_back_at_every_pressure() -> None:
 def test_it_says_which_pressures_are_not_measured() -> None:
     assert law().valid(np.array([1e6, 1.6e7])) == ()
     (sentence,) = law().valid(np.array([2e6, 5e5, 2e7]))
-    assert "5e+05 to 2e+07 Pa where it is outside of the measured range, 1e+06 to 1.6e+07 Pa" in sentence
+    assert "5e+05 to 2e+07 Pa are outside the measured range, 1e+06 to 1.6e+07 Pa" in sentence
 
 
 def test_springs_of_pairs_take_the_pressure_of_the_face_or_of_the_pair() -> None:

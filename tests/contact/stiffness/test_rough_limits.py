@@ -80,7 +80,7 @@ def test_interference_over_radius_falls_with_g_and_is_least_in_the_middle_of_d(l
     assert ((least > 2.4) & (least < 2.7)).all(), least
     message = contact_stiffness(rough(2.2, 1e-7, hardness=hardness), load).messages[-1]
     assert f"interference is {ratio(2.2, 1e-7):.2g} of their radius" in message
-    assert "least for a D between 2.4 and 2.7" in message
+    assert "smallest for a D between 2.4 and 2.7" in message
 
 
 def test_a_load_below_one_smallest_spot_is_rejected() -> None:

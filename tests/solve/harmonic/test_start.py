@@ -63,6 +63,6 @@ def test_walks_in_from_outside_when_the_ramp_folds(blade: Blade) -> None:
     with rejects(ConvergenceError):
         first_point(newton, curve, OMEGA)
     point, how = first_point(newton, curve, OMEGA, walk=walk)
-    assert "where it converged" in how
+    assert "Continuation from" in how
     assert point.trial.omega == pytest.approx(OMEGA)
     assert point.error <= 1e-9

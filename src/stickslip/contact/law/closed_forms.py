@@ -113,9 +113,9 @@ def in_phase_loop(
     mean, change = friction_coefficient * preload, friction_coefficient * normal_amplitude
     if spring <= max(mean, abs(change)) or change <= -mean:
         raise InputError(
-            f"The loop in closed form needs stiffness * amplitude ({spring:g} N) above friction_coefficient * preload "
+            f"The closed-form loop requires stiffness * amplitude ({spring:g} N) above friction_coefficient * preload "
             f"({mean:g} N) and above friction_coefficient * |normal_amplitude| ({abs(change):g} N), and "
-            "normal_amplitude above -preload. Take a larger amplitude, or shift the motion by half a period."
+            "normal_amplitude above -preload. Use a larger amplitude, or shift the motion by half a period."
         )
     stick_end = math.acos((spring - 2.0 * mean - change) / (spring + change))
     unload, slip_back = (mean + change - spring, spring, 0.0), (-mean, -change, 0.0)
@@ -148,9 +148,10 @@ def quadrature_loop(
     b = math.acos(1.0 - 2.0 * mean / radius) if radius > mean else 0.0
     if abs(normal_amplitude) >= preload or b <= 2.0 * abs(a):
         raise InputError(
-            f"The loop in closed form needs |normal_amplitude| ({abs(normal_amplitude):g} N) below preload "
-            f"({preload:g} N) and two stick phases, which holds if stiffness * amplitude ({spring:g} N) is well above "
-            f"friction_coefficient * preload ({mean:g} N). Take a larger amplitude or a smaller normal_amplitude."
+            f"The closed-form loop requires |normal_amplitude| ({abs(normal_amplitude):g} N) below preload "
+            f"({preload:g} N) and two stick phases. The pair sticks twice if stiffness * amplitude ({spring:g} N) is "
+            f"well above friction_coefficient * preload ({mean:g} N). Use a larger amplitude or a smaller "
+            "normal_amplitude."
         )
     turning = spring * math.cos(a)
     least = mean - change * math.sin(a)
@@ -176,7 +177,7 @@ def circular_force(stiffness: float, friction_coefficient: float, preload: float
     if share >= 1.0:
         raise InputError(
             f"The pair slides on a circle only if stiffness * amplitude ({stiffness * amplitude:g} N) is above "
-            f"friction_coefficient * preload ({limit:g} N). Take a larger amplitude."
+            f"friction_coefficient * preload ({limit:g} N). Use a larger amplitude."
         )
     tangential = limit * math.sqrt(1.0 - share**2)
     return CircularForce(limit * share, tangential, 2.0 * math.pi * amplitude * tangential)

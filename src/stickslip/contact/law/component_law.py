@@ -26,7 +26,8 @@ def per_component(name: str, value: ArrayLike, n_pairs: int, count: int = COMPON
         values = np.repeat(np.broadcast_to(values, (n_pairs,))[:, None], count, axis=1)
     if values.shape != (n_pairs, count):
         raise InputError(
-            f"{name} must be a number, or have shape ({n_pairs},) or ({n_pairs}, {count}); found {values.shape}.",
+            f"{name} must be a number, or have shape ({n_pairs},) or ({n_pairs}, {count}), but its shape is "
+            f"{values.shape}.",
             (name,),
         )
     return values
@@ -36,14 +37,16 @@ def pairs_in(name: str, *values: ArrayLike) -> int:
     """The number of pairs of a law, that is the length of its longest constant. ``name`` is that of the law."""
     lengths = {np.shape(value)[0] for value in values if np.ndim(value)}
     if len(lengths) > 1:
-        raise InputError(f"the constants of the law {name} are for {sorted(lengths)} pairs; give all for one number.")
+        raise InputError(
+            f"the constants of the law {name} are for {sorted(lengths)} pairs; give all for the same number."
+        )
     return lengths.pop() if lengths else 1
 
 
 def require_at_least_zero(name: str, values: FloatArray) -> None:
     """Raise InputError for an entry below zero."""
     if (values < 0.0).any():
-        raise InputError(f"{name} is {values.min():g} somewhere, but it must be 0 or above.", (name,))
+        raise InputError(f"the smallest value of {name} is {values.min():g}, but it must be 0 or above.", (name,))
 
 
 @dataclass(frozen=True)
@@ -182,7 +185,7 @@ class ElasticLaw(ABC):
         law = replace(self, rest_displacement=self._rest + displacement)
         if not np.array_equal(law.resting_springs(), law._at_rest[1]):
             raise InputError(
-                f"the law {self.name} gives resting springs of its own that stay the same under a static load. Leave "
-                "resting_springs out of it: ElasticLaw takes the slope at rest."
+                f"the law {self.name} defines resting_springs, which do not change with a static load. Remove "
+                "resting_springs from it: ElasticLaw uses the slope at rest."
             )
         return law

@@ -80,7 +80,7 @@ class ContactPairs:
             )
         if preload is not None and (normal_load is not None or gap is not None):
             raise InputError(
-                "preload stands for normal_load and gap together; give either it or these two.",
+                "preload replaces normal_load and gap; give either preload or these two.",
                 arguments=["preload", "normal_load"],
             )
         law = CoulombLaw.with_preload(
@@ -110,7 +110,7 @@ class ContactPairs:
             missing = [name for name in _MEMBERS if not hasattr(law, name)]
             if missing:
                 raise InputError(
-                    f"{type(law).__name__} is no contact law: it has no {', '.join(missing)} (docs/extending.md)."
+                    f"{type(law).__name__} is not a contact law: it has no {', '.join(missing)} (docs/extending.md)."
                 )
         n_pairs = matrix.shape[0] // 3
         counts = [law.n_pairs for law in laws]
@@ -125,7 +125,7 @@ class ContactPairs:
                 "pair needs exactly one law."
             )
         if len(laws) == 1 and not np.array_equal(groups[0], together):
-            raise InputError("a single law has its pairs in their order; sort the pairs, or leave members out.")
+            raise InputError("a single law has its pairs in order; sort members, or omit it.")
         pairs = cls.__new__(cls)
         pairs._set(matrix, tuple(laws), groups)
         return pairs
@@ -178,7 +178,7 @@ class ContactPairs:
         if len(self.laws) == 1 and isinstance(self.laws[0], CoulombLaw):
             return self.laws[0]
         raise InputError(
-            f"the pairs follow the law(s) {', '.join(self.law_names)}; this works for Coulomb friction alone."
+            f"the pairs follow the law(s) {', '.join(self.law_names)}; this requires Coulomb friction in all pairs."
         )
 
     def collect(self, value: Callable[[ContactLaw], Any], shape: tuple[int, ...] = ()) -> FloatArray:
@@ -362,7 +362,8 @@ def _checked_operator(operator: Any) -> FloatArray:
     matrix = finite_array("operator", operator.toarray() if scipy.sparse.issparse(operator) else operator)
     if matrix.ndim != 2 or matrix.shape[0] % 3 or matrix.shape[0] == 0:
         raise InputError(
-            f"operator must have shape (3 * n_pairs, n): rows t1, t2, n for each pair; found shape {matrix.shape}.",
+            "operator must have shape (3 * n_pairs, n): rows t1, t2, n for each pair, but its shape is "
+            f"{matrix.shape}.",
             arguments=["operator"],
         )
     return matrix

@@ -95,7 +95,7 @@ class CoulombLaw:
         object.__setattr__(self, "tangential_stiffness", _tangential(self.tangential_stiffness, n_pairs))
         require_positive("normal_stiffness", self.normal_stiffness, _ADVICE)
         require_positive("tangential_stiffness", self.tangential_stiffness, _ADVICE)
-        require_positive("friction_coefficient", self.friction_coefficient, "Dry metal joints lie between 0.1 and 0.8.")
+        require_positive("friction_coefficient", self.friction_coefficient, "Dry metal joints have 0.1 to 0.8.")
         self._require_rest()
         if self.residual_traction is not None:
             object.__setattr__(self, "residual_traction", self._admissible(self.residual_traction))
@@ -122,8 +122,8 @@ class CoulombLaw:
         residual = finite_array("residual_traction", traction)
         if residual.shape != (self.n_pairs, 2):
             raise InputError(
-                f"residual_traction must have shape ({self.n_pairs}, 2), N along t1 and t2 of each pair; found "
-                f"{residual.shape}.",
+                f"residual_traction must have shape ({self.n_pairs}, 2), N along t1 and t2 of each pair, but its shape "
+                f"is {residual.shape}.",
                 arguments=["residual_traction"],
             )
         size, limit = np.hypot(residual[:, 0], residual[:, 1]), self.largest_slip_force
@@ -131,9 +131,9 @@ class CoulombLaw:
         if beyond.size:
             pair = beyond[0]
             raise InputError(
-                f"residual_traction[{pair}] is {size[pair]:.4g} N, but friction holds only {limit[pair]:.4g} N at rest "
-                f"(friction_coefficient * preload; {beyond.size} of {self.n_pairs} pairs are above). Take it from a "
-                "static solution with friction, such as static_preload gives.",
+                f"residual_traction[{pair}] is {size[pair]:.4g} N, but friction carries at most {limit[pair]:.4g} N at "
+                f"rest (friction_coefficient * preload; {beyond.size} of {self.n_pairs} pairs are above it). Use the "
+                "traction of a static solution with friction, for example of static_preload.",
                 arguments=["residual_traction"],
             )
         return np.asarray(residual * np.where(size > limit, limit / np.where(size > 0.0, size, 1.0), 1.0)[:, None])
@@ -244,8 +244,8 @@ class CoulombLaw:
 
 
 _ADVICE = (
-    "A pair without stiffness carries no contact: leave it out of the operator, or check the roughness and the load "
-    "that gave the stiffness."
+    "A pair without stiffness carries no load: remove it from the operator, or check the roughness and the load that "
+    "determine the stiffness."
 )
 
 

@@ -191,7 +191,7 @@ def contact_cycle(displacement: ArrayLike, pairs: CoulombConstants, update: Upda
     if motion.ndim != 3 or motion.shape[1:] != (pairs.n_pairs, 3):
         raise InputError(
             f"displacement must have shape (n_samples, n_pairs, 3) = (n_samples, {pairs.n_pairs}, 3): t1, t2, n of "
-            f"each pair at each sample; found shape {motion.shape}.",
+            f"each pair at each sample, but its shape is {motion.shape}.",
             arguments=["displacement"],
         )
     _check_samples(motion.shape[0], MIN_SAMPLES, "displacement", "has")
@@ -266,8 +266,8 @@ def _coefficients(coefficients: ArrayLike, n_pairs: int, samples: int) -> FloatA
     array = np.asarray(coefficients, dtype=float)
     if array.ndim != 3 or array.shape[:2] != (n_pairs, 3) or array.shape[2] % 2 == 0 or array.shape[2] < 3:
         raise InputError(
-            f"coefficients must have shape (n_pairs, 3, 2 * harmonics + 1) = ({n_pairs}, 3, odd number above 1); found "
-            f"shape {array.shape}.",
+            f"coefficients must have shape (n_pairs, 3, 2 * harmonics + 1) = ({n_pairs}, 3, odd number above 1), but "
+            f"its shape is {array.shape}.",
             arguments=["coefficients"],
         )
     _check_samples(samples, max(MIN_SAMPLES, array.shape[2]), "samples", "is")
@@ -277,7 +277,7 @@ def _coefficients(coefficients: ArrayLike, n_pairs: int, samples: int) -> FloatA
 def _check_samples(samples: int, least: int, argument: str, verb: str) -> None:
     if samples < least:
         raise InputError(
-            f"{argument} {verb} {samples} samples a period, but at least {least} are needed (2 * harmonics + 1, and "
-            "8). Friction has kinks: take 256, or 512 and more with separation.",
+            f"{argument} {verb} {samples} samples per period, but at least {least} are required (2 * harmonics + 1, "
+            "and 8). Friction forces have kinks: use 256, or 512 and more with separation.",
             arguments=[argument],
         )

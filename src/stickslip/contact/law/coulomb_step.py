@@ -43,7 +43,7 @@ def friction_step(
     ratios: FloatArray,
     tractrix: bool = True,
 ) -> StepForces:
-    """Friction of pairs whose motion and limit change linearly from a known state.
+    """Friction of pairs whose motion and limit change linearly from a given state.
 
     ``traction`` (n_pairs, 2) and ``limit`` (n_pairs,) N at the start, the limit negative in a gap; ``pull`` (n_pairs,
     2) N is ``k ds``; ``ratios`` (n_pairs, 2) are ``k / k_max`` along t1 and t2. Slip turns the traction along the

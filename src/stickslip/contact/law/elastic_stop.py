@@ -32,7 +32,7 @@ class ElasticStop(ElasticLaw):
     spring:
         (p,) N/m of the spring that always acts, by default 0.
     two_sided:
-        whether a stop is on either side.
+        whether there is a stop on each side.
     rest_displacement:
         m, see :class:`ElasticLaw`; beyond the gap along n the stop is closed at rest and its spring acts there.
 
@@ -55,14 +55,14 @@ class ElasticStop(ElasticLaw):
         metadata=constant("N/m", of_face=True, description="of the spring along n that always acts"),
     )
     two_sided: bool = field(
-        default=False, metadata=constant(is_switch=True, description="whether a stop is on either side")
+        default=False, metadata=constant(is_switch=True, description="whether there is a stop on each side")
     )
 
     def __post_init__(self) -> None:
         count = pairs_in(self.name, self.stiffness, self.gap, self.spring)
         for name in ("stiffness", "gap", "spring"):
             object.__setattr__(self, name, per_pair(name, getattr(self, name), count))
-        require_positive("stiffness", self.stiffness, "A stop without stiffness is none.")
+        require_positive("stiffness", self.stiffness, "A stop requires a stiffness.")
         require_positive("gap", self.gap, "A stop that touches at rest is a contact with a normal load of 0.")
         require_at_least_zero("spring", self.spring)
         if not isinstance(self.two_sided, bool | np.bool_):

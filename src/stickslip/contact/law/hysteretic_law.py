@@ -72,8 +72,8 @@ class HystereticLaw(ABC):
     def keeping(self, memory: Any) -> Self:
         """The law about the state with a memory, its traction kept. Raises InputError unless a subclass gives it."""
         raise InputError(
-            f'the law {self.name} has no form that keeps a traction at rest ("kept"). Take the state without friction '
-            'instead ("released").'
+            f'the law {self.name} cannot retain a traction at rest ("kept"). Use the state without friction instead '
+            '("released").'
         )
 
     @property

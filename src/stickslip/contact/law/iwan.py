@@ -38,17 +38,17 @@ class IwanJoint(HystereticLaw):
     tangential_stiffness:
         K_T, (p,) or (p, 2) N/m, above zero: of small motions.
     slip_force:
-        F_S, (p,) or (p, 2) N, above zero: at which the whole patch slides.
+        F_S, (p,) or (p, 2) N, above zero: at which the complete patch slides.
     exponent:
         chi, (p,), above -1 and at most 0: dissipation grows with the amplitude to the power chi + 3.
     ratio:
         beta, (p,), 0 or above: stiffness of the elements that slip last over that of the others.
     normal_stiffness:
-        (p,) N/m along n, 0 unless given.
+        (p,) N/m along n, by default 0.
     path_to_rest:
         None ("released"): the elements start each period at the mean of the motion, without force. Or (p, 2, m) m
         ("kept"): displacements from rest along t1, t2 where the motion began without force, and then turned, on its
-        way to the state at rest; elements that do not slip in vibration keep what they held there.
+        way to the state at rest; elements that do not slip in vibration retain their force from there.
 
     Raises
     ------
@@ -64,10 +64,12 @@ class IwanJoint(HystereticLaw):
 
     tangential_stiffness: FloatArray
     slip_force: FloatArray = field(
-        metadata=constant("N", of_face=True, components=2, description="F_S, at which the whole patch slides")
+        metadata=constant("N", of_face=True, components=2, description="F_S, at which the complete patch slides")
     )
     exponent: FloatArray = field(metadata=constant(description="chi, above -1 and at most 0"))
-    ratio: FloatArray = field(metadata=constant(description="beta, stiffness of what slips last over that of the rest"))
+    ratio: FloatArray = field(
+        metadata=constant(description="beta, ratio of stiffness: elements that slip last to the others")
+    )
     normal_stiffness: FloatArray = 0.0  # type: ignore[assignment]
     path_to_rest: FloatArray | None = None
 
@@ -78,7 +80,7 @@ class IwanJoint(HystereticLaw):
             object.__setattr__(self, name, per_pair(name, getattr(self, name), count))
         for name in ("tangential_stiffness", "slip_force"):
             values = per_component(name, getattr(self, name), count, 2)
-            require_positive(name, values, "An Iwan joint has a stiffness and slides at some force.")
+            require_positive(name, values, "An Iwan joint has a stiffness and a force at which it slides.")
             object.__setattr__(self, name, values)
         if not ((self.exponent > -1.0) & (self.exponent <= 0.0)).all():
             raise InputError(
@@ -93,7 +95,7 @@ class IwanJoint(HystereticLaw):
             if path.ndim != 3 or path.shape[:2] != (count, 2) or path.shape[2] == 0:
                 raise InputError(
                     f"path_to_rest must have shape ({count}, 2, m) with at least one displacement for t1 and t2 of "
-                    f"each pair; found {path.shape}. Take it from static_preload.",
+                    f"each pair, but its shape is {path.shape}. Use the path of static_preload.",
                     ("path_to_rest",),
                 )
             object.__setattr__(self, "path_to_rest", path)
@@ -232,7 +234,7 @@ def _walk(
             top, bottom = path.argmax(), path.argmin()
             half = 0.5 * (path[top] - path[bottom])
             value, slope = backbone_force(half, k, density, chi, largest)
-            # Elements that do not slip any more hold what they held when they started from the mean.
+            # Elements that no longer slip carry the force that they had when they started from the mean.
             shift = 0.5 * (path[top] + path[bottom]) - path.mean()
             side = 1.0 if shift > 0.0 else -1.0
             outer, outer_slope = backbone_force(half + abs(shift), k, density, chi, largest)

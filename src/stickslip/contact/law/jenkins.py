@@ -43,10 +43,10 @@ class JenkinsElement(HystereticLaw):
     friction_limit:
         (p,) or (p, 2) N, above zero.
     normal_stiffness:
-        (p,) N/m of a spring along n that never opens, 0 unless given.
+        (p,) N/m of a spring along n that never opens, by default 0.
     residual_traction:
         None ("released"): the slider starts each period at the mean of the motion. Or (p, 2) N along t1, t2 ("kept"):
-        the traction at rest, at most ``friction_limit``; an element that never slips keeps it.
+        the traction at rest, at most ``friction_limit``; an element that never slips retains it.
 
     Raises
     ------
@@ -74,7 +74,7 @@ class JenkinsElement(HystereticLaw):
         object.__setattr__(self, "normal_stiffness", per_pair("normal_stiffness", self.normal_stiffness, count))
         require_at_least_zero("tangential_stiffness", self.tangential_stiffness)
         require_at_least_zero("normal_stiffness", self.normal_stiffness)
-        require_positive("friction_limit", self.friction_limit, "Without friction there is no element.")
+        require_positive("friction_limit", self.friction_limit, "An element requires a friction limit.")
         if self.residual_traction is not None:
             object.__setattr__(self, "residual_traction", self._admissible(self.residual_traction))
 
@@ -85,8 +85,8 @@ class JenkinsElement(HystereticLaw):
         if kept.shape != largest.shape or (np.abs(kept) > largest).any():
             raise InputError(
                 f"residual_traction of the law {self.name} must have shape {largest.shape} and lie within the friction "
-                f"limit of each element (0 where its stiffness is 0); found shape {kept.shape} and up to "
-                f"{np.abs(kept).max(initial=0.0):g} N. Take it from static_preload.",
+                f"limit of each element (0 where its stiffness is 0), but its shape is {kept.shape} and its largest "
+                f"value {np.abs(kept).max(initial=0.0):g} N. Use the traction of static_preload.",
                 ("residual_traction",),
             )
         return kept

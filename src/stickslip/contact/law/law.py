@@ -1,8 +1,8 @@
 """The contact law: the force of contact pairs over a period of their relative motion, with its derivative.
 
-A law is an object that holds the constants of a group of pairs. The harmonic balance asks it for the springs that small
-motions feel, for the force over a period, and for the derivative of that force. Time integration and static loads ask
-it for the force after a step from a known state; pages ask for the names of its states.
+A law is an object with the constants of a group of pairs. The harmonic balance takes from it the springs for small
+motions, the force over a period, and the derivative of that force. Time integration and static loads take the force
+after a step from a given state; pages take the names of its states.
 A new law is one file with one class and one entry in ``registry.py``; docs/extending.md shows one from start to end.
 """
 

@@ -82,14 +82,14 @@ class PressureGapLaw:
             if table.ndim != 1 or table.size < 2 or table[0] != 0.0 or not (np.diff(table) > 0.0).all():
                 raise InputError(
                     f"{name} of a pressure-gap law must be (n_points,) values in {unit} that start at 0 and rise, at "
-                    f"least two of them; found shape {table.shape} from {table.flat[0]:g} to {table.flat[-1]:g}.",
+                    f"least two of them, but the shape is {table.shape}, from {table.flat[0]:g} to {table.flat[-1]:g}.",
                     arguments=[name],
                 )
             object.__setattr__(self, name, table)
         if self.closure.size != self.pressure.size:
             raise InputError(
-                f"closure has {self.closure.size} entries and pressure {self.pressure.size}; a pressure-gap law needs "
-                "one pressure for each closure.",
+                f"closure has {self.closure.size} entries and pressure {self.pressure.size}; a pressure-gap law "
+                "requires one pressure for each closure.",
                 arguments=["closure"],
             )
 
@@ -104,10 +104,10 @@ class PressureGapLaw:
         highest and kappa is above zero.
         """
         if not 0.0 < lowest < highest:
-            raise InputError(f"the pressures must satisfy 0 < lowest < highest; found {lowest:g} and {highest:g} Pa.")
+            raise InputError(f"the pressures must satisfy 0 < lowest < highest, but are {lowest:g} and {highest:g} Pa.")
         pressure = np.geomspace(lowest, highest, TABLE_POINTS)
         kappa = finite_array("stiffness", stiffness(pressure))
-        require_positive("stiffness", kappa, "A pressure-gap law needs a stiffness per area at every pressure.")
+        require_positive("stiffness", kappa, "A pressure-gap law requires a stiffness per area at every pressure.")
         slope = 0.5 * (1.0 / kappa[1:] + 1.0 / kappa[:-1])
         first = lowest / kappa[0]
         closure = np.concatenate([[0.0, first], first + np.cumsum(slope * np.diff(pressure))])

@@ -78,9 +78,10 @@ class FacePairs:
         ):  # fmt: skip
             if finite_array(name, getattr(self, name)).shape != shape:
                 raise InputError(
-                    f"{name} must have shape {shape}; found {np.shape(getattr(self, name))}.", arguments=[name]
+                    f"{name} must have shape {shape}, but its shape is {np.shape(getattr(self, name))}.",
+                    arguments=[name],
                 )
-        require_positive("area", self.area, "It is the part of the face in m2 that a pair stands for.")
+        require_positive("area", self.area, "It is the area of the face in m2 that a pair represents.")
         self._require_weights()
         directions = self._directions()
         product = directions @ directions.swapaxes(1, 2)
@@ -96,7 +97,7 @@ class FacePairs:
             if weights.ndim != 2 or len(weights) != self.n_pairs or np.shape(nodes) != weights.shape:
                 raise InputError(
                     f"{side}_nodes and {side}_weights must both have shape ({self.n_pairs}, k), the nodes of each pair "
-                    f"and their weights; found {np.shape(nodes)} and {weights.shape}.",
+                    f"and their weights, but their shapes are {np.shape(nodes)} and {weights.shape}.",
                     arguments=[f"{side}_nodes", f"{side}_weights"],
                 )
             total = weights.sum(axis=1)
@@ -157,7 +158,7 @@ class FacePairs:
     def concatenate(parts: Sequence[FacePairs]) -> FacePairs:
         """Pairs of several faces in one object; face numbers continue from part to part. Raises InputError if empty."""
         if not parts:
-            raise InputError("FacePairs.concatenate got no faces; give it at least one FacePairs.")
+            raise InputError("FacePairs.concatenate has no faces; give it at least one FacePairs.")
         wide = {side: max(part._weights(side).shape[1] for part in parts) for side in ("first", "second")}
         renumbered = []
         n_faces = 0

@@ -27,13 +27,13 @@ def local_tangents(
     """
     if chosen is None:
         direction = _default_direction(normal, area)
-        advice = "Give `tangent`, a direction that lies in the face; a face that bends through all axes must be split."
+        advice = "Give `tangent`, a direction in the face; split a face that curves through all axes."
     else:
         direction = finite_array("tangent", chosen)
         if direction.shape != (3,) or not direction.any():
-            raise InputError(f"tangent must be a vector x, y, z of some length; found {np.asarray(chosen).tolist()}.")
+            raise InputError(f"tangent must be a non-zero vector x, y, z, but it is {np.asarray(chosen).tolist()}.")
         direction = direction / np.linalg.norm(direction)
-        advice = "Choose a direction that lies in the face, or split the face."
+        advice = "Choose a direction in the face, or split the face."
     tangent1 = direction - (normal @ direction)[:, None] * normal
     length = np.linalg.norm(tangent1, axis=1)
     if length.min() < _SMALLEST_SINE:
@@ -41,7 +41,7 @@ def local_tangents(
         a, b, c = direction
         raise InputError(
             f"the tangential direction ({a:.3g}, {b:.3g}, {c:.3g}) is parallel to the normal of the face at ({x:.4g}, "
-            f"{y:.4g}, {z:.4g}) mm, so it has no part in the face there. {advice}"
+            f"{y:.4g}, {z:.4g}) mm, so it has no component in the face there. {advice}"
         )
     tangent1 = tangent1 / length[:, None]
     tangent2 = np.cross(normal, tangent1)

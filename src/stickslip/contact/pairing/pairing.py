@@ -53,7 +53,7 @@ def pair_faces(
         when a set is missing, empty or contains no complete cell side, when the sets share a node, and when a node of
         either set has no partner within the tolerance.
     """
-    positive_number("tolerance", tolerance, "m: it is the distance that counts as none")
+    positive_number("tolerance", tolerance, "m: it is the distance that counts as zero")
     face = SurfaceMesh.of(mesh, first_set)
     second = mesh.node_set(second_set)
     _require_own_nodes(first_set, face.nodes, second_set, second)
@@ -141,12 +141,13 @@ def pair_surfaces(
     paired = np.flatnonzero(projection.reason == PAIRED)
     if not paired.size:
         finite = np.abs(missed.gap[np.isfinite(missed.gap)])
-        distance = f"{1e3 * finite.min():.3g} mm" if finite.size else "not to be found"
+        distance = f"{1e3 * finite.min():.3g} mm" if finite.size else "not defined"
         raise InputError(
-            f"the faces '{first}' and '{second}' meet nowhere. Places of '{first}': {missed.counts()}. The smallest "
-            f"distance along the normal is {distance} (search_distance {1e3 * search:.3g} mm), the smallest overhang "
-            f"{1e3 * missed.overhang.min():.3g} mm (edge_tolerance {1e3 * edge:.3g} mm). Check the sets and where the "
-            "bodies lie, or raise the tolerance that is passed.",
+            f"no position on face '{first}' has a partner on face '{second}'. Positions on '{first}': "
+            f"{missed.counts()}. The smallest distance along the normal is {distance} (search_distance "
+            f"{1e3 * search:.3g} mm), the smallest overhang {1e3 * missed.overhang.min():.3g} mm (edge_tolerance "
+            f"{1e3 * edge:.3g} mm). Check the sets and the positions of the bodies, or raise the tolerance that is too "
+            "small.",
             ("first", "second"),
         )
     gap = np.where(np.abs(projection.gap[paired]) <= none, 0.0, projection.gap[paired])
@@ -309,8 +310,8 @@ def _require_own_nodes(first_name: str, first: IntArray, second_name: str, secon
     shared = np.intersect1d(first, second)
     if shared.size:
         raise InputError(
-            f"node sets '{first_name}' and '{second_name}' share node {shared[0]} ({shared.size} in all); the two "
-            "sides of a joint need nodes of their own.",
+            f"node sets '{first_name}' and '{second_name}' both contain node {shared[0]} ({shared.size} nodes in all); "
+            "the two sides of a joint require separate nodes.",
             ("first", "second"),
         )
 

@@ -154,34 +154,34 @@ class Pairing:
             area = float(alone.area.sum())
             yield (
                 f"{1e6 * area:.4g} mm2 of face '{self.first}' ({100 * area / self.first_area:.3g} %) has no partner on "
-                f"'{self.second}' and carries nothing: {alone.counts()}. If this part should touch, look at its places "
-                "in the VTU file of the pairs, and at search_distance and edge_tolerance."
+                f"'{self.second}' and carries no load: {alone.counts()}. If this part should touch, look at its "
+                "positions in the VTU file of the pairs, and check search_distance and edge_tolerance."
             )
         overlap = np.flatnonzero(gap < 0.0)
         if overlap.size:
             x, y, z = 1e3 * self.pairs.points[gap.argmin()]
             yield (
                 f"{names} overlap at {overlap.size} of {gap.size} pairs, by up to {-1e3 * gap.min():.3g} mm at "
-                f"({x:.4g}, {y:.4g}, {z:.4g}) mm: an interference fit loads the pairs. If the meshes only differ, take "
-                'adjust = "closed".'
+                f"({x:.4g}, {y:.4g}, {z:.4g}) mm: an interference fit loads the pairs. If the overlap comes from the "
+                'meshes alone, set adjust = "closed".'
             )
         largest = float(np.abs(gap).max())
         if 0.0 < largest <= self.facet_height:
             yield (
-                f"the gaps between {names} reach {1e3 * largest:.3g} mm, no more than their flat sides stand off the "
-                f"curved faces ({1e3 * self.facet_height:.3g} mm): they may come from the meshes alone. If the faces "
-                'touch, take adjust = "closed"; if the gaps are real, mesh finer or with midside nodes.'
+                f"the gaps between {names} reach {1e3 * largest:.3g} mm, not more than the distance of their flat "
+                f"sides from the curved faces ({1e3 * self.facet_height:.3g} mm): they may come from the meshes alone. "
+                'If the faces touch, set adjust = "closed"; if the gaps are real, refine the mesh or use midside nodes.'
             )
         if self.points == "nodes" and self.is_first_coarser:
             yield (
                 f"the sides of '{self.first}' are larger than those of '{self.second}', so nodes of the second face "
-                'between its nodes carry nothing. Take the finer face as the first one, or points = "quadrature".'
+                'between its nodes carry no load. Use the finer face as the first one, or points = "quadrature".'
             )
         if self.points == "nodes" and self.has_midside_nodes:
             yield (
-                f"face '{self.first}' has midside nodes, and its tributary areas are not what a uniform pressure gives "
-                'them: stiff contact springs make its pressure uneven from node to node. Take points = "quadrature", '
-                "or a face without midside nodes as the first one, where single pressures matter."
+                f"face '{self.first}' has midside nodes, and its tributary areas do not correspond to the nodal forces "
+                "of a uniform pressure: stiff contact springs make its pressure uneven from node to node. Use points = "
+                '"quadrature", or a face without midside nodes as the first one, if single pressures matter.'
             )
         if self.points == "quadrature" and gap.size > max(MANY_PAIRS, self.node_count):
             yield (
@@ -208,17 +208,17 @@ class Pairing:
         if self.second == GROUND:
             return tuple(rows)
         for name, alone in ((self.first, unpaired_1), (self.second, unpaired_2)):
-            rows.append((f"places of '{name}' without a partner", alone.counts() or "none", ""))
+            rows.append((f"positions on '{name}' without a partner", alone.counts() or "none", ""))
         return (
             *rows,
             ("area of the second face", 1e6 * self.second_area, "mm2"),
-            ("area of the second face that nothing meets", 1e6 * float(unpaired_2.area.sum()), "mm2"),
+            ("area of the second face without a partner", 1e6 * float(unpaired_2.area.sum()), "mm2"),
             ("largest overhang of pairs beyond the edge", 1e3 * float(self.overhang.max()), "mm"),
-            ("largest overhang of places without a partner", 1e3 * unpaired_1.largest_overhang, "mm"),
-            ("flat sides stand off curved faces by about", 1e3 * self.facet_height, "mm"),
+            ("largest overhang of positions without a partner", 1e3 * unpaired_1.largest_overhang, "mm"),
+            ("distance of flat sides from curved faces, about", 1e3 * self.facet_height, "mm"),
             ("tolerance: search distance along the normal", 1e3 * self.search_distance, "mm"),
             ("tolerance: beyond the edge", 1e3 * self.edge_tolerance, "mm"),
-            ("tolerance: gap that counts as none", 1e3 * self.gap_tolerance, "mm"),
+            ("tolerance: gap that counts as zero", 1e3 * self.gap_tolerance, "mm"),
             ("tolerance: angle between the faces", LARGEST_ANGLE_DEG, "deg"),
         )
 
@@ -233,12 +233,12 @@ def write_pairs(path: str | Path, pairings: Sequence[Pairing]) -> Path:
     """Write pairs and unpaired points of interfaces as points of one .vtu file, for ParaView.
 
     Fields: ``interface`` (its number), ``side`` (1: first face, 2: second face), ``reason`` (0 paired; 1 beyond the
-    edge, 2 farther than the search distance, 3 faces do not look at each other), ``gap mm`` (NaN without an
+    edge, 2 farther than the search distance, 3 on sides that do not face each other), ``gap mm`` (NaN without an
     intersection), ``overhang mm``, ``area mm2``, ``normal``, and ``tangent 1`` (zero for unpaired points). Raises
     InputError for no pairings, another suffix, or a folder that cannot be written.
     """
     if not pairings:
-        raise InputError("write_pairs got no pairings; give it at least one Pairing.")
+        raise InputError("write_pairs has no pairings; give it at least one Pairing.")
     columns: dict[str, list[FloatArray]] = {}
     for number, pairing in enumerate(pairings):
         pairs = pairing.pairs

@@ -111,8 +111,8 @@ def cut_points(first: SurfaceMesh, second: SurfaceMesh, search_distance: float) 
         raise InputError(
             f"the side of '{first.name}' at ({x:.4g}, {y:.4g}, {z:.4g}) mm is covered {answer.covered[twice[0]]:.3g} "
             f"times by '{second.name}' within the search distance of {1e3 * search_distance:.3g} mm ({twice.size} "
-            "sides are): the second face lies in layers there. Give a smaller search_distance, or leave the layers "
-            "behind out of the set."
+            "sides are): the second face has several layers there. Give a smaller search_distance, or remove the "
+            "layers behind from the set."
         )
     return answer
 

@@ -53,13 +53,16 @@ class SurfaceMesh:
 
     @staticmethod
     def of(mesh: Mesh, name: str) -> SurfaceMesh:
-        """The face ``name`` of a mesh. Raises InputError for a set without whole sides, or with a node of none."""
+        """The face ``name`` of a mesh.
+
+        Raises InputError for a set without complete sides, or with a node that is on none.
+        """
         nodes, area, direction = face_geometry(mesh, name)
         isolated = np.flatnonzero(area <= 0.0)
         if isolated.size:
             raise InputError(
-                f"node {nodes[isolated[0]]} of node set '{name}' belongs to no side of a cell that lies in the set; "
-                "a face set must hold every node of its sides and nothing else."
+                f"node {nodes[isolated[0]]} of node set '{name}' belongs to no cell side in the set; a face set must "
+                "contain each node of its sides and no other nodes."
             )
         normal = np.zeros((mesh.n_nodes, 3))
         normal[nodes] = direction

@@ -58,15 +58,16 @@ class Roughness:
         longest, shortest = self.sample_length, self.shortest_length
         if longest is not None and shortest is not None and not shortest < longest:
             raise InputError(
-                f"shortest_length is {shortest:g} m, but it must be below sample_length, {longest:g} m: the surface "
-                "has its waves between the two.",
+                f"shortest_length is {shortest:g} m, but it must be below sample_length, {longest:g} m: the "
+                "wavelengths of the surface are between the two.",
                 arguments=["shortest_length"],
             )
         if abs(log_critical_area(self)) > LOG_LARGEST_NUMBER:
             raise RoughnessError(
                 f"fractal_dimension {dimension:g} with fractal_roughness {self.fractal_roughness:g} m puts the "
-                f"critical area of the spots at 1e{log_critical_area(self) / log(10):.0f} m2, which no computer number "
-                "can hold. Its exponent is 2 / (D - 2): take D farther from 2, or check the unit of G.",
+                f"critical area of the spots at 1e{log_critical_area(self) / log(10):.0f} m2, which is outside the "
+                "range of floating-point numbers. Its exponent is 2 / (D - 2): choose D farther from 2, or check the "
+                "unit of G.",
                 arguments=["fractal_dimension"],
             )
 
@@ -255,9 +256,9 @@ def _reject_a_single_spot(roughness: Roughness, load: float, log_smallest: float
     least = SpotPopulation(roughness, log_smallest, log_smallest + SMALLEST_SPREAD).load
     if load < least:
         raise RoughnessError(
-            f"The load, {load:g} N, is next to nothing beside that of one smallest spot, "
-            f"a_s' = {exp(log_smallest):.3g} m2: the contact law needs a range of spots, and more than {least:.3g} N. "
-            "Raise the load or take a shorter shortest_length."
+            f"The load, {load:g} N, is far below that of one smallest spot, a_s' = {exp(log_smallest):.3g} m2: the "
+            f"contact law requires a range of spot sizes, and more than {least:.3g} N. Raise the load or give a "
+            "shorter shortest_length."
         )
 
 

@@ -141,9 +141,9 @@ def _log_smallest_area(roughness: Roughness, mode: StiffnessMode) -> float:
         return -inf
     if roughness.shortest_length is None:
         raise InputError(
-            'mode "unloading" needs roughness.shortest_length (m), which sets the smallest contact spot, '
-            "a_s' = pi (Ls/2)^2; without it the stiffness of the plastic spots has no bound. Give the shortest wave of "
-            "the surface, for example 1e-6 m.",
+            'mode "unloading" requires roughness.shortest_length (m), which sets the smallest contact spot, a_s\' = '
+            "pi (Ls/2)^2; without it the stiffness of the plastic spots has no bound. Give the shortest wave of the "
+            "surface, for example 1e-6 m.",
             arguments=["mode"],
         )
     return _log_disc(roughness.shortest_length)
@@ -175,9 +175,9 @@ def _findings(spots: SpotPopulation, load: float, mode: StiffnessMode, nominal_a
     if slope > LARGEST_ASPERITY_SLOPE:
         yield (
             ContactStatus.STEEP_ASPERITIES,
-            f"Half of the load rests on spots whose interference is {slope:.2g} of their radius or more (Hertz: at "
-            f"most {LARGEST_ASPERITY_SLOPE:g}): small strain is only a rough guide there. A smaller G makes the "
-            "ratio smaller; it is least for a D between 2.4 and 2.7.",
+            f"Spots whose interference is {slope:.2g} of their radius or more (Hertz: at most "
+            f"{LARGEST_ASPERITY_SLOPE:g}) carry half of the load: small strain is only an approximation there. A "
+            "smaller G reduces the ratio; it is smallest for a D between 2.4 and 2.7.",
         )
     if min(dimension - 2.0, 3.0 - dimension) < NEAR_LIMIT:
         yield (
@@ -192,7 +192,7 @@ def _plasticity_findings(spots: SpotPopulation, load: float, mode: StiffnessMode
     if spots.log_largest <= log_critical:
         consequence = "The contact law then gives no stiffness at all."
         if mode == "unloading":
-            consequence = "The stiffness is that of plastic spots in unloading alone, and the shortest wave decides it."
+            consequence = "Only plastic spots in unloading give stiffness, and the shortest wave determines it."
         yield (
             ContactStatus.FULLY_PLASTIC,
             f"Fully plastic: under {load:g} N the largest contact spot, {exp(spots.log_largest):.3g} m2, is not above "
@@ -203,7 +203,8 @@ def _plasticity_findings(spots: SpotPopulation, load: float, mode: StiffnessMode
             ContactStatus.NO_PLASTIC_SPOTS,
             f"The smallest spot of the surface, pi (Ls/2)^2 = {exp(_log_disc(shortest)):.3g} m2 with Ls = {shortest:g} "
             f"m, is not below the critical area, {exp(log_critical):.3g} m2: no spot is plastic, and the stiffness "
-            'depends on where the waves end. Mode "unloading" cuts the spots there, the others count smaller ones too.',
+            'depends on the shortest wave. Mode "unloading" truncates the spots there; the other modes include smaller '
+            "ones.",
         )
 
 
@@ -219,7 +220,7 @@ def _area_findings(spots: SpotPopulation, nominal_area: float) -> Iterator[Findi
         yield (
             ContactStatus.LARGE_REAL_AREA,
             f"The real contact area is {100 * share:.3g} % of the nominal area; above {100 * LARGEST_AREA_RATIO:g} % "
-            "neighbouring spots merge, which the contact law leaves out.",
+            "neighbouring spots merge, which the contact law neglects.",
         )
     if largest > nominal_area:
         yield (
@@ -236,7 +237,7 @@ def _wave_findings(roughness: Roughness) -> Iterator[Finding]:
         yield (
             ContactStatus.SHORTEST_WAVE_BELOW_ROUGHNESS,
             f"The shortest wave, {shortest:g} m, is not above the fractal roughness, G = {scale:g} m: waves shorter "
-            "than G are steeper than 1. Take a longer shortest_length, or check the unit of G.",
+            "than G are steeper than 1. Give a longer shortest_length, or check the unit of G.",
         )
     if longest is None:
         return
@@ -244,8 +245,8 @@ def _wave_findings(roughness: Roughness) -> Iterator[Finding]:
     if slope > 1.0:
         yield (
             ContactStatus.STEEP_SURFACE,
-            f"The root mean square slope of the surface is Sdq = {slope:.3g}; above 1 it is no machined face, and a "
-            "contact law of small slopes does not hold. A smaller G or a larger D makes a smoother face.",
+            f"The root mean square slope of the surface is Sdq = {slope:.3g}; above 1 it is not a machined face, and a "
+            "contact law for small slopes is not valid. A smaller G or a larger D makes a smoother face.",
         )
 
 
@@ -265,18 +266,20 @@ def why_no_stiffness(roughness: Roughness, mode: StiffnessMode, load: float) -> 
     enough = _rounded(needed, 4, ROUND_CEILING)
     ways = [
         f"raise the load above {enough} N",
-        f"take G below {_rounded(scale * sqrt(load / needed), 3, ROUND_FLOOR)} m",
+        f"set G below {_rounded(scale * sqrt(load / needed), 3, ROUND_FLOOR)} m",
     ]
     dimension = _least_dimension(roughness, load)
     if dimension is not None:
         ways.append(f"raise D to {dimension:g} (a smoother face)")
     if mode != "unloading":
-        ways.append('use mode "unloading", where plastic spots respond to oscillation too (it needs shortest_length)')
+        ways.append(
+            'use mode "unloading", where plastic spots respond to oscillation too (it requires shortest_length)'
+        )
     return (
-        f"with D = {roughness.fractal_dimension:g} and G = {scale:g} m every contact spot is plastic under a "
-        f"face load of {load:.4g} N; elastic spots need more than {enough} N. What helps: "
-        f"{', or '.join(ways)}. Stiffness only begins at these limits. If G is from a publication, check its unit: "
-        "between m and mm lies a factor of 1000."
+        f"with D = {roughness.fractal_dimension:g} and G = {scale:g} m every contact spot is plastic under a face load "
+        f"of {load:.4g} N; elastic spots require more than {enough} N. Remedies: {', or '.join(ways)}. At these limits "
+        "the stiffness is still almost zero. If G is from a publication, check its unit: m and mm differ by a factor "
+        "of 1000."
     )
 
 

@@ -42,7 +42,8 @@ class MeasuredStiffness:
             values = finite_array(name, getattr(self, name))
             if values.ndim != 1 or values.size < 2:
                 raise InputError(
-                    f"{name} of measured stiffness must be a list of at least two numbers; found shape {values.shape}.",
+                    f"{name} of measured stiffness must be a list of at least two numbers, but its shape is "
+                    f"{values.shape}.",
                     (name,),
                 )
             with concerning(name):
@@ -78,8 +79,8 @@ class MeasuredStiffness:
             return ()
         values = np.asarray(pressure)[outside]
         return (
-            f"The pressure runs from {values.min():.3g} to {values.max():.3g} Pa where it is outside of the measured "
-            f"range, {low:.3g} to {high:.3g} Pa; the stiffness there continues the power law of the last two points.",
+            f"Pressures from {values.min():.3g} to {values.max():.3g} Pa are outside the measured range, {low:.3g} to "
+            f"{high:.3g} Pa; the stiffness there continues the power law of the last two points.",
         )
 
     def describe(self) -> str:

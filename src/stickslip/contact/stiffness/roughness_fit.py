@@ -119,8 +119,8 @@ def _line_sets(heights: FloatArray, spacing: float | Sequence[float]) -> tuple[_
     grid = heights[None] if heights.ndim == 1 else heights
     if max(grid.shape) > MOST_POINTS:
         raise InputError(
-            f"heights has {max(grid.shape)} points on a line, but {MOST_POINTS} is the most that simulated surfaces "
-            "follow. Give a part of it, or every second or third point.",
+            f"heights has {max(grid.shape)} points on a line, but {MOST_POINTS} is the largest number for simulated "
+            "surfaces. Give a part of it, or each second or third point.",
             arguments=["heights"],
         )
     steps = _spacings(spacing, heights.ndim)
@@ -133,7 +133,7 @@ def _line_sets(heights: FloatArray, spacing: float | Sequence[float]) -> tuple[_
             parts.append(_part(lines[chosen], place))
     if not parts:
         raise InputError(
-            f"heights has {max(grid.shape)} points on a line, but a fit of D and G needs {FEWEST_POINTS} or more. "
+            f"heights has {max(grid.shape)} points on a line, but a fit of D and G requires {FEWEST_POINTS} or more. "
             "Measure a longer line or with a smaller spacing.",
             arguments=["heights"],
         )
@@ -146,8 +146,8 @@ def _part(lines: FloatArray, place: LineSet) -> _Part:
     total, rest = float(np.mean(centred**2)), float(np.mean(flat**2))
     if not rest > 1e-24 * max(total, float(np.mean(lines**2))):
         raise InputError(
-            "the heights lie on straight lines, so there is no roughness in them. Check the column, the unit, and "
-            "whether the instrument's resolution is finer than the roughness."
+            "the heights lie on straight lines, so they contain no roughness. Check the column, the unit, and whether "
+            "the instrument's resolution is finer than the roughness."
         )
     return _Part(flat, place, 1.0 - rest / total)
 
@@ -213,8 +213,8 @@ class _Problem:
         usable = [(part, lags) for part in parts if (lags := _lags(part.place, low, high)).size >= FEWEST_LAGS]
         if not usable:
             raise InputError(
-                f"the scales from {low:.3g} m to {high:.3g} m hold fewer than {FEWEST_LAGS} lags of the measurement. "
-                "Widen the range, or measure a longer line or with a smaller spacing."
+                f"the scales from {low:.3g} m to {high:.3g} m contain fewer than {FEWEST_LAGS} lags of the "
+                "measurement. Widen the range, or measure a longer line or with a smaller spacing."
             )
         waves = wavelengths(longest_wave, min(part.place.spacing for part, _ in usable))
         models = tuple(LineModel.build(part.place.points, part.place.spacing, waves, lags) for part, lags in usable)

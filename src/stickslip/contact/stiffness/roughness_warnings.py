@@ -42,12 +42,12 @@ def _warnings_of(fit: Evidence) -> Iterator[str]:
         limit = 2 if fit.dimension < 2.5 else 3
         like = "smoother than any fractal surface" if limit == 2 else "like noise"
         yield (
-            f"D out of 2..3: the best fit lies at the limit {limit}, so the heights are {like} over these scales; "
-            "D and G are not usable. Choose other scales or check the filter of the instrument."
+            f"D out of 2..3: the best fit is at the limit {limit}, so the heights are {like} over these scales; D and "
+            "G are not usable. Choose other scales or check the filter of the instrument."
         )
     if fit.probability < UNLIKELY:
         yield (
-            f"Not fractal over the range: of simulated surfaces with this D and G only {100 * fit.probability:.1f} % "
+            f"Not fractal over the range: only {100 * fit.probability:.1f} % of simulated surfaces with this D and G "
             "fit worse. Look at the plot and choose the scales over which it is straight."
         )
     if abs(fit.direction_deviation) > DIRECTIONS_DIFFER:
@@ -65,30 +65,30 @@ def _warnings_of(fit: Evidence) -> Iterator[str]:
         yield f"Too few points: {fit.points} on a line; {FEW_POINTS} or more make the intervals narrower."
     if fit.noise_fraction > LARGE_NOISE:
         yield (
-            f"Noise: a constant makes up {100 * fit.noise_fraction:.0f} % of S at the shortest lag, as "
-            f"heights without neighbourhood of {fit.noise_height:.3g} m rms do. The fit leaves it out; waves "
-            "shorter than the range cannot be told from it."
+            f"Noise: a constant makes up {100 * fit.noise_fraction:.0f} % of S at the shortest lag, like uncorrelated "
+            f"heights of {fit.noise_height:.3g} m rms. The fit excludes it; it cannot be distinguished from waves "
+            "shorter than the range."
         )
     if fit.raised:
         yield (
-            f"Short waves are missing (stylus tip, spot or filter): the fit starts at {low:.3g} m, and D and G say "
-            "nothing about shorter scales."
+            f"Short waves are missing (stylus tip, spot or filter): the fit starts at {low:.3g} m, and D and G are not "
+            "valid for shorter scales."
         )
     if fit.trend_fraction > LARGE_TREND:
         yield (
-            f"Trend removed: the mean line of the heights held {100 * fit.trend_fraction:.0f} % of their variance. If "
-            "that is form or tilt, all is well; if it is long waves, measure a longer line."
+            f"Trend removed: the mean line of the heights contained {100 * fit.trend_fraction:.0f} % of their "
+            "variance. Form or tilt requires no action; if it is long waves, measure a longer line."
         )
     lowest, highest = fit.dimension_interval
     if fit.usable and min(lowest - 2.0, 3.0 - highest) < NEAR_LIMIT:
         yield (
-            f"D is poorly determined: its interval, {lowest:.2f} to {highest:.2f}, reaches the limit of 2 or 3, so "
-            "that of G says little. Use more scales, or take the mean of several lines."
+            f"D is poorly determined: its interval, {lowest:.2f} to {highest:.2f}, reaches the limit of 2 or 3, so the "
+            "interval of G is of little use. Use more scales, or the mean of several lines."
         )
     if fit.usable and min(fit.dimension - 2.0, 3.0 - fit.dimension) < NEAR_LIMIT:
         yield f"D = {fit.dimension:.3f} is near its limit, where G and the contact law are ill-determined."
     if fit.usable and fit.roughness >= low:
         yield (
-            f"G = {fit.roughness:.3g} m is not below the shortest scale of the fit, {low:.3g} m: waves of that "
-            "length are steeper than 1, and the contact law does not hold for them."
+            f"G = {fit.roughness:.3g} m is not below the shortest scale of the fit, {low:.3g} m: waves of that length "
+            "are steeper than 1, and the contact law is not valid for them."
         )

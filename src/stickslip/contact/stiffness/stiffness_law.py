@@ -56,9 +56,7 @@ def springs_of_pairs(
     dead = np.flatnonzero(~(normal > 0.0))
     if dead.size:
         reasons = law.valid(np.unique(pressure[dead])[:1]) or (f"the law gives none: {law.describe()}.",)
-        advice = (
-            ' With allocation "area" each pair takes the mean pressure of its face.' if allocation != "area" else ""
-        )
+        advice = ' With allocation "area" each pair has the mean pressure of its face.' if allocation != "area" else ""
         raise RoughnessError(
             f"{dead.size} of {areas.size} contact pairs (first: pair {dead[0]}) would have no contact stiffness: "
             f"{reasons[0]}{advice}"
@@ -85,5 +83,5 @@ def _require_load(pressure: FloatArray) -> None:
         raise RoughnessError(
             f"{unloaded.size} of {pressure.size} contact pairs (first: pair {unloaded[0]}) would have no contact "
             "stiffness, because the preload of their face is 0 N. Give the face a preload above 0 N, or give the "
-            "contact stiffness itself."
+            "contact stiffness."
         )

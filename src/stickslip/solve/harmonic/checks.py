@@ -46,20 +46,22 @@ class ResolutionCheck:
             sentences.append(
                 f"Too few samples: with {2 * samples} instead of {samples} samples the residual is "
                 f"{100 * self.sample_residual:.2f} % of the relative displacement at "
-                f"{self.sample_omega / (2 * np.pi):.2f} Hz (wanted: below {100 * LARGEST_SAMPLE_RESIDUAL:.1f} %). "
+                f"{self.sample_omega / (2 * np.pi):.2f} Hz (required: below {100 * LARGEST_SAMPLE_RESIDUAL:.1f} %). "
                 f"Run again with samples = {2 * samples}."
             )
         if self.neglected_motion > LARGEST_NEGLECTED_MOTION:
             last = self.last_harmonic_fraction
             energy_words = (
-                "" if last is None else f"; the highest kept ones hold {100 * last:.2g} % of the kinetic energy"
+                ""
+                if last is None
+                else f"; the highest ones of the solution have {100 * last:.2g} % of the kinetic energy"
             )
             more = 2 if self.neglected_motion < 5.0 * LARGEST_NEGLECTED_MOTION else harmonics
             sentences.append(
-                f"Too few harmonics: those above {harmonics} would move the joint by "
-                f"{100 * self.neglected_motion:.1f} % of its motion at {self.neglected_omega / (2 * np.pi):.2f} Hz "
-                f"(wanted: below {100 * LARGEST_NEGLECTED_MOTION:.0f} %){energy_words}. "
-                f"Run again with harmonics = {harmonics + max(2, more)}."
+                f"Too few harmonics: those above {harmonics} would move the joint by {100 * self.neglected_motion:.1f} "
+                f"% of its motion at {self.neglected_omega / (2 * np.pi):.2f} Hz (required: below "
+                f"{100 * LARGEST_NEGLECTED_MOTION:.0f} %){energy_words}. Run again with harmonics = "
+                f"{harmonics + max(2, more)}."
             )
         return tuple(sentences)
 
@@ -81,8 +83,8 @@ def normal_work_warnings(
     verb = "give" if normal_work[worst] < 0.0 else "take"
     return (
         f"Too few samples: the normal forces of the pairs {verb} {100 * share[worst]:.1f} % of the energy of the "
-        f"excitation at {omega[worst] / (2 * np.pi):.2f} Hz (wanted: below {100 * LARGEST_NORMAL_WORK:.0f} %), because "
-        f"some are closed for a few samples of the period only. Run again with samples = {2 * samples}.",
+        f"excitation at {omega[worst] / (2 * np.pi):.2f} Hz (required: below {100 * LARGEST_NORMAL_WORK:.0f} %), "
+        f"because some are closed for a few samples of the period only. Run again with samples = {2 * samples}.",
     )
 
 

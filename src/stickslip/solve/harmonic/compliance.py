@@ -73,9 +73,9 @@ class StaticFactor:
         if factor is None:
             raise InputError(
                 "the structure with all contacts closed and stuck is singular to working accuracy: some body can move "
-                "freely, or the contact is many orders stiffer than the structure. Fix the body somewhere, check that "
-                "the contact operator couples it to the rest, or lower the contact stiffness: a joint a thousand times "
-                "stiffer than what it joins is rigid."
+                "freely, or the contact is many orders stiffer than the structure. Constrain the body, check that the "
+                "contact operator couples it to the other bodies, or lower the contact stiffness: a joint a thousand "
+                "times stiffer than the parts that it connects is rigid."
             )
         return factor
 
@@ -122,8 +122,8 @@ def _require_support_at_rest(superelement: Superelement, pairs: ContactPairs) ->
     if StaticFactor.attempt(superelement, pairs, springs) is None:
         raise InputError(
             f"preload is zero or negative (a gap) at {int((~closed).sum())} of {closed.size} pairs, and the others do "
-            "not hold every body: displacements count from a state at rest that does not exist. Press at least some "
-            "pairs of each body together, or fix it elsewhere.",
+            "not support each body: displacements are relative to a state at rest, which does not exist. Press at "
+            "least some pairs of each body together, or constrain the body.",
             ("preload",),
         )
 

@@ -42,19 +42,19 @@ def curve_warnings(
     closure = max(float(trial.contact.closure.max()) for trial in trials)
     if closure > LARGEST_CLOSURE:
         sentences.append(
-            f"The slider of some pair did not come to a periodic state (closure error {closure:.1e} of the friction "
-            "limit); the force of that pair is uncertain by about this share."
+            f"The slider of at least one pair did not reach a periodic state (closure error {closure:.1e} of the "
+            "friction limit); the force of that pair is uncertain by about this fraction."
         )
     sentences.extend(_residual(balance, trials, measures.residual))
     if not damped:
         sentences.append(
-            "There is no viscous damping: the linear curves have no finite peaks (their heights in the figures mean "
-            "nothing), and where nothing slips only the distance from the resonance limits the amplitude."
+            "There is no viscous damping: the linear curves have no finite peaks (their heights in the figures have no "
+            "meaning), and if no pair slips, only the distance from the resonance limits the amplitude."
         )
     if free_ratio is not None and wanted_ratio and free_ratio > NOTABLE_DAMPING * wanted_ratio:
         sentences.append(
-            f"The damping ratio of {100 * wanted_ratio:.3g} % holds for the stuck modes; the free modes in the window "
-            f"get up to {100 * free_ratio:.3g} % from the same matrix, part of it across the joint."
+            f"The damping ratio of {100 * wanted_ratio:.3g} % applies to the stuck modes; the free modes in the "
+            f"frequency range have up to {100 * free_ratio:.3g} % from the same matrix, part of it across the joint."
         )
     return (*sentences, *_drift(balance, trials), *_folds(trials))
 
@@ -77,15 +77,15 @@ def neighbour_warnings(retreats_hz: Sequence[float], corners_hz: Sequence[float]
     sentences = []
     if retreats_hz:
         sentences.append(
-            f"Near {_places(retreats_hz)} Hz the curve came back to where it had been, and was followed again from "
-            "there with other steps: further periodic motions lie close to it (friction keeps tractions, and nearly "
-            "symmetric structures have unsymmetric motions). Another number of samples may lead along another of them; "
-            "compare twice the samples."
+            f"Near {_places(retreats_hz)} Hz the solver returned to a part of the curve that it had already computed, "
+            "and continued from there with other steps: further periodic motions are close to the curve (friction "
+            "retains tractions, and nearly symmetric structures have unsymmetric motions). Another number of samples "
+            "may lead to another of these motions; compare with twice the samples."
         )
     if corners_hz:
         sentences.append(
-            f"Near {_places(corners_hz)} Hz the curve has corners where it turns back over less than one step; "
-            "they were passed. More samples make them smaller."
+            f"Near {_places(corners_hz)} Hz the curve has corners where it turns back over less than one step; the "
+            "solver passed them. More samples make them smaller."
         )
     return tuple(sentences)
 
@@ -118,12 +118,13 @@ def _residual(balance: Balance, trials: list[Trial], residuals: FloatArray) -> t
     )
     if restrained > 0.0 and residual * share <= LARGEST_RESIDUAL:
         cause = (
-            f"The cause is a body that drifts: where the residual is largest an artificial restraint carries "
+            "The cause is a body that drifts: where the residual is largest an artificial restraint carries "
             f"{restrained:.2e} N and lets the mean slip by {float(np.linalg.norm(means, axis=1).max()):.2e} m, and the "
-            "accuracy of the solution is relative to this displacement. Hold the body along its free direction."
+            "accuracy of the solution is relative to this displacement. Constrain the body along its free direction."
         )
     return (
-        f"The equation of motion is met only to {residual:.1e} of its forces (wanted: {LARGEST_RESIDUAL:.0e}). {cause}",
+        f"The equation of motion is satisfied only to {residual:.1e} of its forces (required: {LARGEST_RESIDUAL:.0e}). "
+        f"{cause}",
     )
 
 
@@ -134,7 +135,7 @@ def _drift(balance: Balance, trials: list[Trial]) -> tuple[str, ...]:
     if traction <= LARGEST_RESTRAINT * limit:
         return ()
     return (
-        f"A body that only friction holds wants to drift: a mean force of {traction:.2e} N (friction limit "
-        f"{limit:.2e} N) acts where nothing in the model carries it, and an artificial restraint takes it. Add a "
-        "restraint along the free direction of that body.",
+        f"A body that only friction supports tends to drift: a mean force of {traction:.2e} N (friction limit "
+        f"{limit:.2e} N) acts on it in a direction without support, and an artificial restraint carries this force. "
+        "Constrain that body along its free direction.",
     )

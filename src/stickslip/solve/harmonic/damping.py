@@ -31,14 +31,14 @@ def modal_basis(mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, Fl
         squares, modes = scipy.linalg.eigh(stiffness, mass)
     except scipy.linalg.LinAlgError as error:
         raise InputError(
-            "the mass matrix is not positive definite, so the structure has no vibration modes. "
-            "Look for unknowns without mass and condense them, or for a wrong sign."
+            "the mass matrix is not positive definite, so the structure has no vibration modes. Check for unknowns "
+            "without mass and condense them, or for a wrong sign."
         ) from error
     largest = float(np.abs(squares).max())
     if squares[0] < -1e-8 * largest:
         raise InputError(
             f"the stiffness matrix has the negative eigenvalue {squares[0]:.3g} (rad/s)^2; a structure at rest must be "
-            "positive semi-definite. Look for a wrong sign or for unknowns in another order than in the mass matrix."
+            "positive semi-definite. Check for a wrong sign or for unknowns in another order than in the mass matrix."
         )
     return np.sqrt(np.maximum(squares, 0.0)), modes
 
@@ -66,8 +66,8 @@ def rayleigh_damping_matrix(superelement: Superelement, mass_factor: float, stif
     factors = finite_array("Rayleigh damping factors", [mass_factor, stiffness_factor])
     if (factors < 0).any():
         raise InputError(
-            f"Rayleigh damping factors must not be negative, found mass_factor = {mass_factor:g} 1/s and "
-            f"stiffness_factor = {stiffness_factor:g} s.",
+            f"Rayleigh damping factors must not be negative, but mass_factor is {mass_factor:g} 1/s and "
+            f"stiffness_factor is {stiffness_factor:g} s.",
             arguments=["mass_factor", "stiffness_factor"],
         )
     return mass_factor * superelement.mass + stiffness_factor * superelement.stiffness

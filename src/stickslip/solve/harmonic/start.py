@@ -45,7 +45,7 @@ def first_point(
     attempts.append(f"from the linear stuck response: relative residual {direct.point.error:.1e}")
     ramped, reached = _amplitude_ramp(newton, curve, omega)
     if ramped is not None:
-        return ramped, "The first point was reached by an amplitude ramp."
+        return ramped, "The first point converged after an amplitude ramp."
     attempts.append(f"amplitude ramp: stopped at {100 * reached:.1f} % of the force")
     if simpler is not None:
         for harmonics in SIMPLER_HARMONICS:
@@ -53,7 +53,7 @@ def first_point(
                 break
             start = _few_harmonics(newton, curve, simpler(harmonics), omega)
             if start.converged:
-                return start.point, f"The first point was reached from a solution with {harmonics} harmonic(s)."
+                return start.point, f"The first point converged from a solution with {harmonics} harmonic(s)."
             attempts.append(f"from {harmonics} harmonic(s): relative residual {start.point.error:.1e}")
     if walk is not None:
         for multiple in OUTSIDE:
@@ -65,12 +65,12 @@ def first_point(
             branch = walk(outside.point)
             branch.follow()
             if branch.complete:
-                return branch.points[-1].point, f"The first point was reached {place}, where it converged."
+                return branch.points[-1].point, f"Continuation {place} reached the first point."
             attempts.append(f"{place}: {branch.message}")
     raise ConvergenceError(
-        f"no solution was found at the first frequency, {_hz(omega):.3f} Hz ({'; '.join(attempts)}). "
-        "Start farther from the resonance, take more samples or fewer harmonics, or lower the force: contact that "
-        "opens and shuts hard may have no simple periodic motion."
+        f"the solver found no solution at the first frequency, {_hz(omega):.3f} Hz ({'; '.join(attempts)}). Start "
+        "farther from the resonance, use more samples or fewer harmonics, or lower the force: contact that opens and "
+        "closes abruptly may have no simple periodic motion."
     )
 
 

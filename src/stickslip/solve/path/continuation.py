@@ -87,7 +87,7 @@ class Branch(Generic[PointT]):
         self.retreats: list[float] = []
         self.corners: list[float] = []
         self.complete = False
-        self.message = "The branch was not followed yet."
+        self.message = "The branch has no points yet."
 
     def follow(self) -> list[BranchPoint[PointT]]:
         """Follow to the stop, or as far as possible; returns the points of the branch."""
@@ -113,7 +113,7 @@ class Branch(Generic[PointT]):
             if (reached - self._stop) * self._direction >= 0.0:
                 landed, iterations = self._land(point, correction.point)
                 self.complete = True
-                self.message = "The stop was reached."
+                self.message = "The branch reached the stop."
                 self._accept(BranchPoint(landed, iterations + correction.iterations))
                 return self.points
             if (reached - self._origin) * self._direction < 0.0:
@@ -130,15 +130,15 @@ class Branch(Generic[PointT]):
                 continue
             if len(self.retreats) == MOST_RETREATS:
                 self.message = (
-                    f"The branch came back to where it had been {MOST_RETREATS + 1} times, the last time at "
-                    f"{self._name_of(self.points[-1].point)}: other solutions lie too close to it. Take more "
-                    "samples, fewer harmonics, or more damping."
+                    f"The branch returned to a part already computed {MOST_RETREATS + 1} times, the last time at "
+                    f"{self._name_of(self.points[-1].point)}: other solutions are too close to it. Use more samples, "
+                    "fewer harmonics, or more damping."
                 )
                 return self.points
             tangent, step = self._retreat(target)
             bend = tangent.times(0.0)
         self.message = (
-            f"{self._settings.max_points} points were not enough; the branch had come to "
+            f"{self._settings.max_points} points were not enough; the branch reached only "
             f"{self._name_of(self.points[-1].point)}. Raise max_points or narrow the range."
         )
         return self.points
@@ -286,7 +286,7 @@ class Branch(Generic[PointT]):
                 last = candidate  # a corner, if no step passes it
         if last is None:
             self.message = (
-                f"The branch was lost at {self._name_of(point)}: {reason} even at the smallest step "
+                f"The solver lost the branch at {self._name_of(point)}: {reason} even at the smallest step "
                 f"({settings.smallest_step:g} of the range). Try more samples, fewer harmonics, or a lower force."
             )
         return last

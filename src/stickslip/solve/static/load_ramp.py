@@ -83,9 +83,9 @@ class LoadRamp:
                 increment *= 0.5
                 if increment < SMALLEST_INCREMENT:
                     raise ConvergenceError(
-                        f"no equilibrium of the joint was found beyond {100 * reached:.2f} % of the static load. If "
-                        "contact alone holds a body, check that the load presses it into its contacts and that "
-                        "friction can hold it; otherwise lower the contact stiffness."
+                        f"the solver found no equilibrium of the joint beyond {100 * reached:.2f} % of the static "
+                        "load. If contact alone supports a body, check that the load presses it into its contacts and "
+                        "that friction can support it; otherwise lower the contact stiffness."
                     )
                 continue
             point, history = solution, History(solution.unknowns, solution.memory)
@@ -114,7 +114,7 @@ class LoadRamp:
         self._iterations += 1
 
     def _approach(self, history: History, load: float) -> StepPoint | None:
-        """A solution by damped steps: each is tied to the last one, ever more loosely; the last is not tied at all."""
+        """A solution by damped steps: springs tie each to the last one, weaker in each step; the last has no ties."""
         centre, damping = history.relative, FIRST_DAMPING
         for _ in range(DAMPED_STEPS):
             solution = self._newton(centre, history, load, damping, centre)
@@ -130,7 +130,7 @@ class LoadRamp:
         return self._newton(centre, history, load)
 
     def _state(self, point: StepPoint, steps: int, damped: bool) -> StaticState:
-        """What the point under the full load says of the joint."""
+        """The state of the joint at the point under the full load."""
         joint, relative = self._joint, point.unknowns
         operator = joint.pairs.operator
         deviation = (point.force - joint.springs * relative).ravel()
@@ -138,9 +138,9 @@ class LoadRamp:
         equilibrium = self._unbalanced(displacement, point.force)
         if equilibrium > LARGEST_RESIDUAL:
             raise ConvergenceError(
-                f"the static state is in equilibrium only to {equilibrium:.1e} of its forces (wanted: "
+                f"the static state is in equilibrium only to {equilibrium:.1e} of its forces (required: "
                 f"{LARGEST_RESIDUAL:.0e}): contact many orders stiffer than the structure loses digits. Lower the "
-                "contact stiffness; a joint a thousand times stiffer than what it joins is rigid."
+                "contact stiffness; a joint a thousand times stiffer than the parts that it connects is rigid."
             )
         self._require_stable(point)
         force = point.force if joint.friction else np.where(joint.frictional, 0.0, point.force)
@@ -173,8 +173,8 @@ class LoadRamp:
         if softened.any() and StaticFactor.attempt(joint.superelement, joint.pairs, springs) is None:
             raise ConvergenceError(
                 f"the static state is unstable: the springs of {int(softened.any(axis=1).sum())} pairs soften by more "
-                "than the structure holds, so on the way to the static load the joint jumps. Lower the load, or check "
-                "the softening constants."
+                "than the stiffness of the structure, so the joint jumps on the way to the static load. Lower the "
+                "load, or check the softening constants."
             )
 
     def _at_rest_before(self) -> FloatArray:
@@ -217,7 +217,7 @@ class LoadRamp:
         return float(np.linalg.norm(unbalanced) / (np.linalg.norm(self._joint.load) + np.linalg.norm(contact)))
 
     def _release_restraint(self, point: StepPoint, history: History) -> StepPoint:
-        """The solution without friction whose restraint carries nothing: it is moved along until that is so.
+        """The solution without friction and without a force of the restraint, which is moved until it carries none.
 
         The structure or other contacts take over the force, step by step (a proximal point method). Where nothing does,
         the force stays: ConvergenceError unless it is small; then it is part of the residual of the state.
@@ -234,14 +234,14 @@ class LoadRamp:
                 break
         if share > LARGEST_RESTRAINT_FRACTION:
             raise ConvergenceError(
-                f"without friction the static load pushes a body along a direction in which nothing holds it: an "
-                f"artificial restraint carries {force:.3g} N there. Keep the traction of the static solution with "
-                'friction (residual_traction = "kept"), or hold the body along that direction.'
+                "without friction the static load pushes a body along a direction without support: an artificial "
+                f"restraint carries {force:.3g} N there. Retain the traction of the static solution with friction "
+                '(residual_traction = "kept"), or constrain the body along that direction.'
             )
         return point
 
     def _restrained(self, point: StepPoint) -> tuple[float, float]:
-        """What the restraint carries: N, and as a share of the load and the contact forces."""
+        """Force of the restraint: N, and as a fraction of the load and the contact forces."""
         transposed, frictional = self._joint.pairs.operator.T, self._joint.frictional
         force = float(np.linalg.norm(transposed @ np.where(frictional, point.force, 0.0).ravel()))
         contact = float(np.linalg.norm(transposed @ np.where(frictional, 0.0, point.force).ravel()))

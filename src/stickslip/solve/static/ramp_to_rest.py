@@ -55,8 +55,9 @@ def static_preload(
     superelement:
         the structure; only its stiffness matters. Bodies that contact alone supports may be free.
     pairs:
-        the joint before the load, with any laws: ``preload`` of Coulomb pairs is 0 where they just touch, ``-k_n gap``
-        for a gap, above 0 for an interference, and their tangential stiffness is equal in both directions.
+        the joint before the load, with any laws: ``preload`` of Coulomb pairs is 0 for pairs that just touch,
+        ``-k_n gap`` with a gap, above 0 with an interference, and their tangential stiffness is equal in both
+        directions.
     load:
         (n,) N; it may be zero where an interference presses.
     friction:
@@ -68,10 +69,10 @@ def static_preload(
         a law instead of springs, such as :class:`PressureGapLaw`; ``local_stiffness`` then sets the tangential springs
         alone. The gaps are those of ``pairs``. Both are for joints of Coulomb pairs alone.
     steps:
-        load steps to begin with; a step that does not converge is cut. Pairs with a gap, an interference, a
-        pressure-gap law or a law beside Coulomb friction slip along bent lines, so with friction the steps are
-        multiplied by four until no traction changes by more than 1 % of the largest friction limit, at most to 64; the
-        message says how much they still changed.
+        initial number of load steps; a step that does not converge is shortened. Pairs with a gap, an interference, a
+        pressure-gap law or a law beside Coulomb friction slip along curved paths, so with friction the number is
+        multiplied by four until no traction changes by more than 1 % of the largest friction limit, up to 64; the
+        message gives the last change.
 
     Raises
     ------
@@ -122,7 +123,7 @@ def static_preload(
     raise ConvergenceError(
         f"the stiffness of the pairs under their own pressure did not settle in {STIFFNESS_ITERATIONS} iterations; the "
         f"normal forces or stiffness still change by {change:.1e} of the largest. Use a pressure-gap law, or one "
-        "stiffness a face."
+        "stiffness for each face."
     )
 
 
@@ -166,7 +167,8 @@ def _checked_load(load: ArrayLike, superelement: Superelement, pairs: ContactPai
     force = finite_array("load", load)
     if force.shape != (superelement.size,):
         raise InputError(
-            f"load must have shape ({superelement.size},), N on each unknown; found {force.shape}.", arguments=["load"]
+            f"load must have shape ({superelement.size},), N on each unknown, but its shape is {force.shape}.",
+            arguments=["load"],
         )
     if not force.any() and not (_gap(pairs) < 0.0).any():
         raise InputError(
@@ -179,14 +181,14 @@ def _checked_load(load: ArrayLike, superelement: Superelement, pairs: ContactPai
         )
     if not pairs.released:
         raise InputError(
-            "some pairs keep a traction at rest already (residual_traction or path_to_rest), but a static load grows "
+            "some pairs already have a traction at rest (residual_traction or path_to_rest), but a static load grows "
             "from a joint without traction. Give static_preload the pairs before any load."
         )
     springs = pairs.tangential_springs
     unequal = np.flatnonzero((springs[:, 0] != springs[:, 1]) & ~np.isnan(springs[:, 0]))
     if unequal.size:
         raise InputError(
-            f"tangential_stiffness[{unequal[0]}] differs along t1 and t2; a static load ramp takes pairs that are "
+            f"tangential_stiffness[{unequal[0]}] differs along t1 and t2; a static load ramp requires pairs that are "
             "equally stiff in both directions.",
             arguments=["tangential_stiffness"],
         )

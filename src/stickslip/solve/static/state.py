@@ -37,9 +37,9 @@ class StaticState:
     steps, iterations:
         load steps and Newton iterations of the last ramp.
     message:
-        how the solution was reached.
+        the way to the solution.
     memory:
-        what each law remembers there; None without friction.
+        memory of each law there; None without friction.
     """
 
     displacement: FloatArray
@@ -61,14 +61,14 @@ class StaticState:
         return np.where(self.gap > 0.0, -self.normal_stiffness * self.gap, self.normal_force)
 
     def pairs(self, operator: FloatArray, friction_coefficient: ArrayLike, keep_traction: bool) -> ContactPairs:
-        """Coulomb pairs about this state, with the traction at rest kept or released.
+        """Coulomb pairs about this state, with the traction at rest retained or released.
 
-        Raises InputError where pairs follow other laws.
+        Raises InputError if pairs follow other laws.
         """
         if np.isnan(self.tangential_stiffness).any():
             raise InputError(
-                "some pairs of this static state follow other laws than Coulomb friction; take "
-                "about(pairs, keep_traction) for them."
+                "some pairs of this static state follow other laws than Coulomb friction; use about(pairs, "
+                "keep_traction) for them."
             )
         return ContactPairs(
             operator,
@@ -87,12 +87,12 @@ class StaticState:
         """
         if keep_traction and self.memory is None:
             raise InputError(
-                "this static state is without friction, so there is no traction to keep. Take static_preload with "
+                "this static state is without friction, so there is no traction to retain. Use static_preload with "
                 "friction, or keep_traction=False."
             )
         if not keep_traction and self.traction[pairs.frictional()[:, :2]].any():
             raise InputError(
-                "friction holds tractions in this static state, and without them it is not in equilibrium. Take "
+                "this static state has friction tractions, and without them it is not in equilibrium. Use "
                 "static_preload(..., friction=False) to release them, or keep_traction=True."
             )
         relative = (pairs.operator @ self.displacement).reshape(-1, 3)

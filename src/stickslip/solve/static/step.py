@@ -85,7 +85,7 @@ class RestingJoint:
     def scale(self, load: float) -> float:
         """Size of the displacements, m, of the bonded solution and the gaps under a fraction ``load``.
 
-        Not of the solution itself: a body that flies away would make any residual look small.
+        Not of the solution itself: a body without support would make any residual look small.
         """
         return load * float(np.linalg.norm(self.bonded)) + float(np.linalg.norm(self.gap)) + 1e-300
 

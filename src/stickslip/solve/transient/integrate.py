@@ -87,7 +87,7 @@ def _periodic_load(force_cos: ArrayLike, force_sin: ArrayLike, n: int, steps_per
         if amplitude.ndim != 2 or amplitude.shape[0] != n:
             raise InputError(
                 f"{name} must have shape ({n},), or ({n}, n_harmonics) for several harmonics, one row for each unknown "
-                f"of the superelement; found shape {np.shape(value)}.",
+                f"of the superelement, but its shape is {np.shape(value)}.",
                 arguments=[name],
             )
         order = np.arange(1, amplitude.shape[1] + 1)
@@ -140,8 +140,8 @@ def _check_settings(
         pair = int(unequal[0])
         raise InputError(
             f"tangential_stiffness[{pair}] is {springs[pair, 0]:g} N/m along t1 and {springs[pair, 1]:g} N/m along t2; "
-            "time integration takes pairs that are equally stiff in both directions. "
-            "Use forced_response for others, or set both to one value.",
+            "time integration requires pairs that are equally stiff in both directions. Use forced_response for "
+            "others, or set both to one value.",
             arguments=["tangential_stiffness"],
         )
     positive_number("frequency_hz", frequency_hz, "Hz")
@@ -188,8 +188,8 @@ def _march(
     cycle = finite_array("initial_cycle", initial_cycle)
     if cycle.ndim != 3 or cycle.shape[1:] != (pairs.n_pairs, 3) or not len(cycle):
         raise InputError(
-            f"initial_cycle must have shape (n_samples, {pairs.n_pairs}, 3), t1, t2, n of each pair in m; found "
-            f"{cycle.shape}.",
+            f"initial_cycle must have shape (n_samples, {pairs.n_pairs}, 3), t1, t2, n of each pair in m, but its "
+            f"shape is {cycle.shape}.",
             arguments=["initial_cycle"],
         )
     return LawMarch(scheme, pairs, relative, cycle)
@@ -198,14 +198,15 @@ def _march(
 def start_from_response(response: ForcedResponse, point: int) -> dict[str, FloatArray]:
     """Time 0 of one point of a harmonic-balance curve, as ``initial_...`` arguments of integrate_to_steady_state.
 
-    What the laws remember comes along (sliders of Coulomb pairs, a period of the motion for others), so that a pair
-    that sticks keeps the mean traction it has in the harmonic balance; from rest it would end with another one, and
-    both are valid steady states. Raises InputError for a point that does not exist.
+    It includes the memory of the laws (sliders of Coulomb pairs, a period of the motion for others), so that a pair
+    that sticks has the mean traction of the harmonic balance; from rest it would end with another one, and both are
+    valid steady states. Raises InputError for a point that does not exist.
     """
     n_points = response.frequency_hz.size
     if not 0 <= point < n_points:
         raise InputError(
-            f"point must lie between 0 and {n_points - 1}, the points of the curve; found {point}.", arguments=["point"]
+            f"point is {point}, but it must be between 0 and {n_points - 1}, the points of the curve.",
+            arguments=["point"],
         )
     coefficients = response.displacement[point]
     rate = 2.0 * np.pi * response.frequency_hz[point] * np.arange(1, response.harmonics + 1)
@@ -260,13 +261,13 @@ def integrate_to_steady_state(
         (n,) m and m/s at time 0, rest by default. A harmonic-balance solution shortens the transient.
     initial_slider:
         (n_pairs, 2) m: tangential displacement at which a pair carries no friction, ``T = k_t (s - slider)``. The
-        slider at rest by default (zero if released). A pair that slips forgets it; one that always sticks keeps it as a
-        mean traction. For joints of Coulomb pairs alone.
+        slider at rest by default (zero if released). It has no effect on a pair that slips; in one that always sticks
+        it stays as a mean traction. For joints of Coulomb pairs alone.
     spectral_radius:
-        share of its amplitude that a mode much faster than the step keeps in one step.
+        factor of the amplitude of a mode much faster than the step in one step.
     initial_cycle:
         (n_samples, n_pairs, 3) m, for joints with other laws: a period of the relative motion that ends at time 0. The
-        laws go through it twice from rest, and remember what they do in that periodic state. At rest by default.
+        laws go through it twice from rest, and start from the memory of that periodic state. At rest by default.
 
     Raises
     ------
@@ -308,8 +309,8 @@ def integrate_to_steady_state(
         if failed_step >= 0:
             raise ConvergenceError(
                 f"the contact iteration of step {failed_step} in period {period} did not converge in "
-                f"{MAX_STEP_ITERATIONS} iterations at {frequency_hz:g} Hz. Take more than {steps_per_period} steps "
-                "per period."
+                f"{MAX_STEP_ITERATIONS} iterations at {frequency_hz:g} Hz. Use more than {steps_per_period} steps per "
+                "period."
             )
         period_change.append(_relative_change(history[:, :n], previous, stuck_stiffness))
         if period_change[-1] <= tolerance:
