@@ -24,7 +24,7 @@ from stickslip.case import toml_text as case_file
 from stickslip.case.analysis import Analysis, ForcedAnalysis
 from stickslip.case.consistency import EntryError, excitation_errors, joint_errors, place_errors, preload_errors
 from stickslip.case.explained import explained
-from stickslip.case.law_keys import CONSTANT_TABLES, StiffnessLawKeys, StiffnessLawSection
+from stickslip.case.law_keys import CONSTANT_TABLES, StiffnessLawKeys, StiffnessLawSection, table_file
 from stickslip.case.own_sections import (
     BaseMotion,
     BodyName,
@@ -45,6 +45,7 @@ from stickslip.case.own_sections import (
     UnbalanceSection,
 )
 from stickslip.case.plain import omitted_keys, plain_section, with_absolute_files
+from stickslip.case.pressed_interfaces import PressedInterfaces
 from stickslip.case.reference import ReferenceSection
 from stickslip.case.sections import (
     ContactStiffnessSection,
@@ -70,7 +71,6 @@ from stickslip.case.two_blade_sections import (
     TwoBladeStructureSection,
     WedgePreloadSection,
 )
-from stickslip.contact.constants import NORMAL_LOAD
 from stickslip.core.errors import StudyFileError
 
 Kind = Literal["two-blade", "mesh", "matrices"]
@@ -222,7 +222,7 @@ class Case(BaseModel):
     @property
     def input_files(self) -> dict[str, str]:
         """Key or name of an interface -> file that the case reads."""
-        return {**self.structure.files, **_table_file("contact_stiffness", self.contact_stiffness)}
+        return {**self.structure.files, **table_file("contact_stiffness", self.contact_stiffness)}
 
     def replace(self, changes: Mapping[str, Any]) -> Self:
         """A validated copy with other values, ``case.replace({"preload.centrifugal_force": "300 N"})``.
@@ -313,7 +313,7 @@ class TwoBladeCase(Case):
         yield from preload_errors(self.preload, loads, follows)
 
 
-class OwnCase(Case):
+class OwnCase(PressedInterfaces, Case):
     """A study of a structure of the user's own, with interfaces, excitations and responses that have names."""
 
     material: OwnMaterialSection | None = None
@@ -348,38 +348,8 @@ class OwnCase(Case):
         listed = {name: getattr(each, "pairs", None) for name, each in self.interfaces.items()}
         found = {**super().input_files, **{name: file for name, file in listed.items() if file is not None}}
         for name, each in self.interfaces.items():
-            found |= _table_file(f"interfaces.{name}", each)
+            found |= table_file(f"interfaces.{name}", each)
         return found
-
-    @property
-    def rough_interfaces(self) -> tuple[str, ...]:
-        """Names of the interfaces whose stiffness follows from [roughness]."""
-        if self.contact_stiffness is not None:
-            return ()
-        return tuple(
-            name for name, each in self.interfaces.items() if each.needs_stiffness and not each.has_own_stiffness
-        )
-
-    @property
-    def has_rough_faces(self) -> bool:
-        """Whether the stiffness of any face follows from [roughness]."""
-        return self.roughness is not None and bool(self.rough_interfaces)
-
-    @property
-    def pressed_interfaces(self) -> tuple[str, ...]:
-        """Names of the interfaces whose stiffness follows a law over the pressure, rough ones among them."""
-        common = isinstance(self.contact_stiffness, StiffnessLawKeys)
-        return tuple(
-            name
-            for name, each in self.interfaces.items()
-            if (each.needs_stiffness and (each.stiffness_law is not None or (common and not each.has_own_stiffness)))
-            or name in self.rough_interfaces
-        )
-
-    def uses_load(self, name: str) -> bool:
-        """Whether the law or the stiffness of an interface follows from a normal load."""
-        each = self.interfaces[name]
-        return NORMAL_LOAD in each.declaration.of_joint or name in self.pressed_interfaces
 
     def _own_misfits(self, loads: tuple[str, ...], excitations: Mapping[str, Any], has_areas: bool) -> Any:
         """Contradictions in the sections with static loads and with excitations."""
@@ -417,12 +387,6 @@ class MatrixCase(OwnCase):
     def _misfits(self) -> Iterator[EntryError]:
         loads = ("static_loads",) if self.static_loads else ()
         yield from self._own_misfits(loads, {"forces": self.forces, "unbalance": self.unbalance}, has_areas=False)
-
-
-def _table_file(name: str, section: Any) -> dict[str, str]:
-    """The file with stiffness over pressure that a section names."""
-    constants = section.stiffness_constants if isinstance(section, StiffnessLawKeys) else None
-    return {} if constants is None or constants.file is None else {f"{name}.stiffness": constants.file}
 
 
 KINDS: dict[str, type[Case]] = {"two-blade": TwoBladeCase, "mesh": MeshCase, "matrices": MatrixCase}

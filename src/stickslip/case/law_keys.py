@@ -141,3 +141,9 @@ class StiffnessLawSection(StiffnessLawKeys):
     """Stiffness of the contact faces by a law over their pressure, instead of [roughness]."""
 
     foreign: ClassVar[dict[str, str]] = dict.fromkeys(STIFFNESSES, "and stiffness_law are both given. Remove one.")
+
+
+def table_file(name: str, section: Any) -> dict[str, str]:
+    """The file with stiffness over pressure that a section names."""
+    constants = section.stiffness_constants if isinstance(section, StiffnessLawKeys) else None
+    return {} if constants is None or constants.file is None else {f"{name}.stiffness": constants.file}
