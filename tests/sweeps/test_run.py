@@ -162,7 +162,7 @@ def test_an_executor_without_answer_is_reported_and_its_version_asked(monkeypatc
     monkeypatch.setattr(sweep_run, "CHECK_SECONDS", 0.01)
     with rejects(InputError):
         ss.sweep(quick_case(), VARY, executor, progress=received)
-    assert received.news[-1][2].endswith("has it workers?")
+    assert received.news[-1][2].endswith("check that it has workers")
 
 
 @pytest.mark.slow
