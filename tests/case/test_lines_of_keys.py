@@ -205,7 +205,7 @@ def test_a_real_process_says_one_sentence(tmp_path: Path) -> None:
     assert result.stdout == ""
     assert result.stderr.splitlines()[-1] == (
         "Error: study.toml, line 3 (geometry.damper_length), line 4 (geometry.width): damper_length is 29 mm; it must "
-        "be at most 28 mm, the width of the blades, or the damper does not fit under the platforms."
+        "be at most 28 mm, the width of the blades; a longer damper does not fit under the platforms."
     )
     assert "Traceback" not in result.stderr
 

@@ -51,7 +51,7 @@ def test_a_bad_part_ends_with_2(tmp_path):
     (tmp_path / "bad.inp").write_text(text.replace("*End Part", "", 1), encoding="utf-8")
     result = run(tmp_path / "bad.inp", "--length-unit", "mm")
     assert result.exit_code == 2
-    assert "bad.inp, line 32: *PART: it stands inside of the part 'Cube' (line 7)" in " ".join(result.output.split())
+    assert "bad.inp, line 32: *PART: it is inside of the part 'Cube' (line 7)" in " ".join(result.output.split())
 
 
 def test_without_a_unit_one_is_requested():
@@ -94,7 +94,7 @@ def test_a_bad_file_ends_with_2(tmp_path):
         ("job.odb", "Export the model as .inp, .bdf or .vtu"),
         ("k.mtx", 'structure.kind = "matrices"'),
         ("study.toml", "It is a study file"),
-        ("notes.txt", "'.txt' is no model format that can be read; there are: .bdf, .dat"),
+        ("notes.txt", "'.txt' is not a model format of stickslip; the formats are: .bdf, .dat"),
         ("folder.inp", "this is a folder"),
         ("binary.inp", "this is a binary file"),
         ("text.msh", "are not those of a Gmsh file of version 2.2, 4.0 or 4.1"),

@@ -138,7 +138,7 @@ def test_a_body_that_open_pairs_leave_free_moves_at_0_hz() -> None:
     sections = dict(check(case))
     frequencies = dict(sections["Would run"])["first natural frequencies, contact stuck (pairs closed at rest)"]
     assert frequencies == "0.00, 0.00, 0.00, 0.00 Hz"
-    assert "a body that moves freely: the pairs closed at rest do not hold it" in sections["Warnings"][0][1]
+    assert "an unsupported body: the pairs closed at rest do not support it" in sections["Warnings"][0][1]
     with rejects(InputError, "preload"):
         solve(case, actual)
 

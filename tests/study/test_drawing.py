@@ -87,7 +87,7 @@ def test_a_folder_that_cannot_be_made_is_reported(tmp_path: Path) -> None:
 def test_a_fault_of_the_drawing_comes_with_its_traceback(tmp_path: Path) -> None:
     with SecondProcess(Drawing(tmp_path, CASE)) as artist:
         artist.start("no response", synthetic_study())  # type: ignore[arg-type]
-        with pytest.raises(RuntimeError, match=r"(?s)could not be drawn:.*AttributeError"):
+        with pytest.raises(RuntimeError, match=r"(?s)could not be created:.*AttributeError"):
             artist.files()
 
 
@@ -96,7 +96,7 @@ def test_a_process_that_died_is_reported(tmp_path: Path) -> None:
         artist._process.kill()
         artist._process.wait()
         artist.start(synthetic_response(), synthetic_study())
-        with pytest.raises(RuntimeError, match="ended with code -9 and no answer"):
+        with pytest.raises(RuntimeError, match="stopped with code -9 and without an answer"):
             artist.files()
 
 

@@ -68,7 +68,7 @@ def test_a_wrong_address_is_exit_2_at_once(tmp_path: Path, address: str) -> None
     with started_sweep(quick_file(tmp_path), tmp_path / "out", "600", address) as sweep:
         printed, complained = sweep.communicate(timeout=PATIENCE_SECONDS)
     assert (sweep.returncode, printed) == (2, ""), complained
-    assert f'no Dask scheduler answers at "{address}"' in complained
+    assert f'no Dask scheduler responds at "{address}"' in complained
     assert "Traceback" not in complained
 
 

@@ -155,8 +155,8 @@ def test_a_scheduler_that_dies_ends_the_sweep_and_keeps_what_is_finished(tmp_pat
         _, complained = sweep.communicate(timeout=PATIENCE_SECONDS)
     assert sweep.returncode == 2, complained
     assert 1 <= finished() < 6
-    assert f'Error: the Dask scheduler at "{address}" does not answer any more: it ended, or the net' in complained
-    assert f"{finished()} of 6 cases are finished and kept; the same command goes on with the others." in complained
+    assert f'Error: the Dask scheduler at "{address}" no longer responds: it stopped, or the net' in complained
+    assert f"{finished()} of 6 cases are completed and stored; the same command resumes with the others." in complained
     assert "Traceback" not in complained
 
 
@@ -186,7 +186,7 @@ def test_without_workers_the_wait_is_reported_and_ends(own_cluster: tuple, monke
         Schedule(
             executor, lambda: executor.tasks_at_a_time, lambda *_: None, lambda *_: None, waiting=reported.append
         ).run([group()])
-    assert any(words.startswith("no worker is left, waiting for one since ") for words in reported)
+    assert any(words.startswith("no worker is available; waiting for ") for words in reported)
 
 
 @pytest.mark.slow

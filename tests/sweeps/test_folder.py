@@ -110,8 +110,7 @@ def test_files_of_another_case_are_not_taken(folder: SweepFolder, cases: tuple[P
     actual, notice = folder.finished(cases[1])
     assert actual is None
     assert notice == (
-        f'"{results[1]}" is not used: it is not the file that "row.json" beside it belongs to. '
-        "This case is solved again."
+        f'"{results[1]}" is not used: "row.json" in the same folder belongs to another file. This case is solved again.'
     )
     results[1].write_bytes(whole[1])
     assert folder.finished(cases[1])[1] == ""

@@ -84,7 +84,7 @@ def test_an_executor_that_is_broken_fails_its_cases(tmp_path: Path) -> None:
 
 def test_answers_that_cannot_travel_and_processes_that_are_ended(tmp_path: Path) -> None:
     pool = LocalProcesses(1)
-    with pytest.raises(RuntimeError, match="cannot travel"):
+    with pytest.raises(RuntimeError, match="cannot be sent"):
         pool.submit(sweep_deaths.unpicklable).result()
     # The words are Python's own: "Can't pickle local object" until 3.11, "Can't get local object" later.
     with pytest.raises((AttributeError, TypeError), match="local object"):

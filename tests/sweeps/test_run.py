@@ -109,7 +109,7 @@ def test_shared_work_is_done_once(swept: tuple) -> None:
 @pytest.mark.slow
 def test_progress_counts_the_cases(swept: tuple) -> None:
     news = swept[2].news
-    assert [stage for stage, fraction, _ in news if fraction == 1.0] == ["Finished cases", "Checks", "Cases"]
+    assert [stage for stage, fraction, _ in news if fraction == 1.0] == ["Completed cases", "Checks", "Cases"]
     assert news[-1] == ("Cases", 1.0, "4 of 4")
     fractions = [fraction for stage, fraction, _ in news if stage == "Cases"]
     assert fractions == [0.0, 0.25, 0.5, 0.75, 1.0]
@@ -162,7 +162,7 @@ def test_an_executor_without_answer_is_reported_and_its_version_asked(monkeypatc
     monkeypatch.setattr(sweep_run, "CHECK_SECONDS", 0.01)
     with rejects(InputError):
         ss.sweep(quick_case(), VARY, executor, progress=received)
-    assert received.news[-1][2].endswith("has it workers?")
+    assert received.news[-1][2].endswith("check that it has workers")
 
 
 @pytest.mark.slow

@@ -42,7 +42,7 @@ LAST_SECONDS = 2.0  # between the end of the pipe and the end of the first proce
 def rough_patch(case: Case, grid: tuple[int, int]) -> RoughPatch | None:
     """Heights of one rough face of a case from its roughness, ridges and seed, on a grid of points across and along.
 
-    None where no face of the case follows from a roughness. Raises InputError for a roughness that gives no surface.
+    None if no face of the case follows from a roughness. Raises InputError for a roughness without a surface.
     """
     section = case.roughness
     if section is None or not case.has_rough_faces:

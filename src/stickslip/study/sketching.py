@@ -110,7 +110,7 @@ def _carrying_nodes(pairs: FacePairs, face: int) -> IntArray:
 
 
 def _places(mesh: Mesh, layout: Layout, node_groups: list[str]) -> FloatArray:
-    """(k, 3) m, the middle of each port."""
+    """(k, 3) m, the middle of each node group."""
     middles = [layout.node_groups[name].weights @ mesh.points[layout.node_groups[name].nodes] for name in node_groups]
     return np.array(middles, dtype=float).reshape(-1, 3)
 

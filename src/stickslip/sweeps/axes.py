@@ -46,9 +46,9 @@ def split_options(options: Sequence[str]) -> dict[str, str]:
 def swept_keys(vary: Vary, case: Case | None = None) -> tuple[SweptKey, ...]:
     """The keys of a sweep with their values; a text holds lists and ranges, a sequence single values.
 
-    The constants of a law can be varied only where the ``case`` says which law it is.
+    The constants of a law can be varied only if the ``case`` has the law.
 
-    Raises InputError for an unknown key, a key that holds neither numbers nor choices, or values that it cannot take.
+    Raises InputError for an unknown key, a key without numbers or choices, or values that it does not allow.
     """
     if not vary:
         raise InputError("no key to vary is given. Give at least one, for example preload.centrifugal_force=100,300.")
@@ -75,7 +75,7 @@ def _swept_key(name: str, values: str | Sequence[Value], case: Case | None) -> S
 
 
 def _kind(name: str, case: Case | None) -> Quantity | Count | tuple[str, ...]:
-    """What values a key takes: a quantity, a count, or the words of a choice. Raises InputError."""
+    """Type of the values of a key: a quantity, a count, or the words of a choice. Raises InputError."""
     all_keys = Case.allowed_keys()
     named = Case.named_sections()
     section, entry, table, key = parts_of_key(name)

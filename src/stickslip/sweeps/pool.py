@@ -1,8 +1,7 @@
 """Executors of a sweep: this process, or processes on this machine that end with it and do not affect each other.
 
 The pool of the standard library gives up all tasks when one process dies, and waits for ever if that process was
-sending its answer (Python 3.11). Here every process has a pipe and a thread of its own, so that a death is the matter
-of one task.
+sending its answer (Python 3.11). Here every process has its own pipe and thread, so that a death affects one task only.
 """
 
 from __future__ import annotations

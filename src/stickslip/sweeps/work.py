@@ -125,7 +125,7 @@ def _solved(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
     model = connect(task.case, reduced, task.joint)
     response = solve(task.case, model, threads=task.threads)
     response = replace(response, provenance={**response.provenance, CASE_KEY: task.key})
-    # The table that the cases of a structure share has every pair closed.
+    # The common table of the cases of a structure has every pair closed.
     table = reduced.mode_table if model.pairs.resting_stiffness().all() else ()
     record = study_record(task.case, model, table, response)
     curve, measures = curve_and_measures(response, record)

@@ -114,10 +114,10 @@ def test_the_model_is_that_of_the_flat_deck(flat):
 def test_numbers_and_what_is_left_out_are_reported():
     messages = read_model(DECK, "mm").messages
     assert (
-        "nodes and elements have numbers of their own in each instance: instance 'Cube-1' as in the deck, instance "
+        "each instance has its own numbers of nodes and elements: instance 'Cube-1' as in the deck, instance "
         "'Cube-2' + 1000, the assembly itself + 2000." in messages
     )
-    assert any("node set 'RP-1' holds no node of a solid element" in words for words in messages)
+    assert any("node set 'RP-1' contains no node of a solid element" in words for words in messages)
 
 
 def test_numbers_that_do_not_collide_stay(tmp_path):
@@ -159,7 +159,7 @@ def test_numbers_that_do_not_collide_stay(tmp_path):
     assert model.node_labels[model.mesh.node_set("B.even")].tolist() == [12, 24]
     assert model.mesh.body_names == ("A", "B"), "a deck without sections has a body for each instance"
     np.testing.assert_allclose(model.mesh.points[4:] - model.mesh.points[:4], [[5.0, 0.0, 0.0]] * 4)
-    assert model.messages == ("the part 'c' (line 21) has no instance; it is left out.",)
+    assert model.messages == ("the part 'c' (line 21) has no instance; it is ignored.",)
 
 
 def test_rotation_comes_after_translation_about_an_axis_through_space(tmp_path):
@@ -248,7 +248,7 @@ Cube-1.Set-1,
 def test_springs_between_instances_are_left_out(tmp_path):
     spring = "*Element, type=SPRINGA, elset=Springs\n1, Cube-1.7, Assembly.Cube-2.1\n*End Assembly"
     model = read_model(changed(tmp_path, ("*End Assembly", spring)), "mm")
-    assert any("1 elements SPRINGA have no volume; left out" in words for words in model.messages)
+    assert any("1 elements SPRINGA have no volume; ignored" in words for words in model.messages)
     np.testing.assert_array_equal(model.mesh.points, read_model(DECK, "mm").mesh.points)
 
 

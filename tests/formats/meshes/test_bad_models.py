@@ -161,5 +161,5 @@ def test_nodes_that_are_not_merged_are_counted(tmp_path):
     """Both cubes as one body: the four nodes of each meet the four of the other, unjoined."""
     path = changed(tmp_path, "cubes.bdf", "CHEXA          2       2", "CHEXA          2       1")
     messages = read_model(path, "mm").messages
-    assert any("body 'lower' has 8 nodes that lie at the place of another" in words for words in messages)
+    assert any("body 'lower' has 8 nodes at the position of another" in words for words in messages)
     assert any("body 'lower' consists of 2 separate parts" in words for words in messages)

@@ -110,7 +110,7 @@ FAULTS = {
     "duplicated": r"element (lower\.)?3 has the same nodes as element (lower\.)?1",
     "inverted": r"element (lower\.)?2 \(hexahedron\) is inverted",
     "apart": "body 'lower' consists of 2 separate parts",
-    "unmerged": "body 'lower' has 8 nodes that lie at the place of another",
+    "unmerged": "body 'lower' has 8 nodes at the position of another",
 }
 
 

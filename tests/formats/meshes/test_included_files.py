@@ -63,7 +63,7 @@ def test_what_a_foreign_file_contains_is_not_shown_where_it_is_allowed(deck, end
         printed = " ".join(read_model(path, "mm", includes_outside=True).messages)
     except ImportFileError as error:
         printed = str(error)
-        assert "nothing of it is shown" in printed
+        assert "the message shows no text of it" in printed
     for word in ("root:", "ROOT:", "top"):
         assert word not in printed
 

@@ -55,12 +55,15 @@ def test_what_cannot_be_resolved_is_rejected(tmp_path, cards, case):
 
 def test_what_does_not_act_is_reported(tmp_path):
     model = cubes(tmp_path, "MPC,5,1,1,1.,2,1,-1.")
-    assert any("MPC" in message and "not read" in message for message in model.messages)
+    assert any("MPC" in message and "ignored" in message for message in model.messages)
     model = cubes(tmp_path, "LOAD,7,1.0,1.0,4", "LOAD = 7")
     assert any("LOAD 7 names the set 4, but there are no FORCE entries" in message for message in model.messages)
-    assert any("selects no SPC, so the entries of all 1 sets (1) are taken" in message for message in model.messages)
+    assert any(
+        "selects no SPC, so stickslip uses the entries of all 1 sets (1) together" in message
+        for message in model.messages
+    )
     model = cubes(tmp_path, "SPC1,2,1,15", "SUBCASE 1\nSPC = 1\nSUBCASE 2\nSPC = 2")
-    assert any("SPC = 1, 2 in several subcases; 1 is taken" in message for message in model.messages)
+    assert any("SPC = 1, 2 in several subcases; stickslip uses 1" in message for message in model.messages)
 
 
 def test_a_grid_in_a_turned_system(tmp_path):

@@ -144,7 +144,7 @@ def test_with_a_solved_preload(tmp_path: Path) -> None:
     checked = CliRunner().invoke(app, ["check", str(path)])
     assert checked.exit_code == 0, checked.output
     assert "Preload solved from 500 N at wedge" in checked.output
-    assert "of the pressure that the solution starts from" in " ".join(checked.output.split())
+    assert "of the initial pressure of that solution" in " ".join(checked.output.split())
     run(path, tmp_path / "out")
     study = load_results(tmp_path / "out" / "results.nc").study
     assert study is not None

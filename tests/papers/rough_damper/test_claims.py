@@ -82,7 +82,7 @@ def test_energy_at_a_fixed_frequency_depends_on_the_frequency() -> None:
     claim = next(each for each in CLAIMS if each.name == "hump, D, fixed")
     judged = claim.judged(curves)
     assert judged.verdict is Verdict.HOLDS_IF
-    assert "frequency held at the middle curve's peak" in judged.reason
+    assert "frequency fixed at the middle curve's peak" in judged.reason
 
 
 def test_energy_at_a_frequency_interpolates_takes_the_upper_branch_and_is_zero_outside() -> None:

@@ -16,7 +16,7 @@ def answer(holds: bool | None, **where: str) -> Answer:
 def test_holds_in_every_situation() -> None:
     judged = judge([answer(True, force="5 N"), answer(True, force="2 N"), answer(None, force="1 N")])
     assert judged.verdict is Verdict.HOLDS
-    assert judged.reason == "In 2 of 2 situations. 1 more say nothing."
+    assert judged.reason == "In 2 of 2 situations. 1 more give no answer."
     assert len(judged.answers) == 3
 
 

@@ -148,7 +148,7 @@ def matrix_market(path: Path) -> Matrices:
         header = f'"{lines[0][:80]}"' if lines[0].startswith("%%") else "the content"
         raise ImportFileError(
             f'"{path}", line 1: {header} must read "%%MatrixMarket matrix", then coordinate or array, then '
-            "real or integer, then general or symmetric. Complex, pattern and skew matrices are no model."
+            "real or integer, then general or symmetric. Complex, pattern and skew matrices are not allowed."
         )
     coordinate, symmetric = words[2] == "coordinate", words[4] == "symmetric"
     start = next((i for i, line in enumerate(lines) if line.strip() and not line.startswith("%")), len(lines))

@@ -186,7 +186,7 @@ def _matrix(source: str, role: str, contents: dict[Path, Matrices]) -> Any:
     if len(names) != 1:
         shown = ", ".join(f"{name} {matrix.shape}" for name, matrix in sorted(content.items())) or "none"
         raise ImportFileError(
-            f'"{path}" has no unique matrix of the {role}; it has: {shown}. Give the name of the matrix after #, '
+            f'"{path}" has no unique {role} matrix; it has: {shown}. Give the name of the matrix after #, '
             f'such as "{path.name}#{_NAMES[role][1].upper()}".'
         )
     return content[names[0]]

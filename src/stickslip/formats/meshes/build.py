@@ -183,7 +183,7 @@ def _materials(raw: RawModel, units: UnitSystem, names: tuple[str, ...], message
 
 
 def _clashes(mesh: Mesh, nodes: dict[str, IntArray], of_faces: dict[str, IntArray]) -> list[str]:
-    """Sentences on names of several kinds of sets with different nodes, where a study means one of them."""
+    """Messages on names of several kinds of sets with different nodes, of which a study uses one."""
     sentences = [
         f"the name '{name}' is that of a surface and of another node set; stickslip uses the nodes of the surface."
         for name in sorted(of_faces.keys() & nodes.keys())
@@ -200,7 +200,7 @@ def _clashes(mesh: Mesh, nodes: dict[str, IntArray], of_faces: dict[str, IntArra
 
 
 def _parts(mesh: Mesh) -> list[str]:
-    """Sentences on named bodies that consist of several parts, or have nodes at one place that are not joined."""
+    """Messages on named bodies with several parts, or with coincident nodes that are not connected."""
     sentences = []
     for number, name in enumerate(mesh.body_names):
         count = connected_parts([block.cells[block.body == number] for block in mesh.blocks]).max() + 1

@@ -121,7 +121,7 @@ def read_bulk(lines: list[str], places: LinePositions) -> Iterator[BulkCard]:
         name, fields = _split(line)
         if name in ("", "+", "*") or name[:1] in "+*":
             if card is None:
-                places.fail("a continuation line stands before the first entry.", number)
+                places.fail("a continuation line is before the first entry.", number)
             card.fields += fields
             continue
         if line.split()[0].upper() == "BEGIN":

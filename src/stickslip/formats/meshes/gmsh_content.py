@@ -70,7 +70,7 @@ def readable_content(source: Path) -> bytes:
         if most > 1 and version == b"4.0":
             fail(
                 source,
-                "it has entities in several physical groups, but version 4.0 allows one for each entity. "
+                "it has entities in several physical groups, but stickslip reads only one of them in version 4.0. "
                 "Write it again as version 4.1.",
             )
         content = content.replace(entities, grouped, 1)

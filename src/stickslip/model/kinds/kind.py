@@ -20,7 +20,7 @@ class Kind(Protocol[CaseT]):
         """Mesh or matrices, and the layout on them. Raises InputError."""
 
     def find_layout(self, case: CaseT, mesh: Mesh) -> Layout:
-        """The layout on a mesh that is there already. Raises InputError."""
+        """The layout on an existing mesh. Raises InputError."""
 
     def preload(self, case: CaseT, layout: Layout) -> FloatArray:
         """(n_pairs,) N at rest. Raises InputError."""

@@ -194,7 +194,7 @@ def _odd_values(case: MatrixCase, matrices: Superelement | MatrixModel, lookup: 
 
 
 def _face_materials(case: MatrixCase) -> tuple[tuple[Material, Material], ...]:
-    """The material of [material] on both sides; it serves the roughness alone, so faces with stiffness need none."""
+    """The material of [material] on both sides; only the roughness needs it, so faces with stiffness have none."""
     material = case_material(case) if case.rough_interfaces or case.material is not None else Material()
     return ((material, material),) * len(case.interfaces)
 

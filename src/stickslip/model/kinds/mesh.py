@@ -260,7 +260,7 @@ def _unused_forces(source: ImportedModel) -> Iterator[str]:
 
 
 def _face_materials(mesh: Mesh, materials: Sequence[Material], pairing: Pairing) -> tuple[Material, Material]:
-    """Materials of both sides; the ground is taken to be of the first side's."""
+    """Materials of both sides; the ground has that of the first side."""
     first = _body_of(mesh, pairing.first)
     second = first if pairing.second == GROUND else _body_of(mesh, pairing.second)
     return materials[first], materials[second]
@@ -312,7 +312,7 @@ def _require_free(
 
 
 def _require_support(mesh: Mesh, pairs: FacePairs, fixed: IntArray, source: ImportedModel) -> None:
-    """Raise InputError for a part that neither a constraint nor contact holds, and for a part with a hinge."""
+    """Raise InputError for a part that neither a constraint nor contact supports, and for a part with a hinge."""
     for part in part_motions(mesh, fixed):
         element = f"the part of the mesh with element {source.shown(source.element_labels[part.cells[0]])}"
         bodies = ", ".join(mesh.body_names[body] for body in np.unique(mesh.body[part.cells]))

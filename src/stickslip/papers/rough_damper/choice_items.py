@@ -50,7 +50,7 @@ class ChangedVerdict:
             for name, judged in self.verdicts.items()
             if judged is not None and base is not None and judged.verdict is not base.verdict
         ]
-        return ", ".join(choices) or "no changed choice"
+        return ", ".join(choices) or "no varied choice"
 
 
 @dataclass(frozen=True)
@@ -126,20 +126,20 @@ def choices_item(changed: Sequence[ChangedVerdict], scope: Scope) -> Item:
     body = tuple(
         (each.statement, *map(_word, each.verdicts.values()), each.changes_with, each.reason) for each in changed
     )
-    table = Table("choices_verdicts", "Verdicts with one choice changed at a time", columns(*heads), body)
+    table = Table("choices_verdicts", "Verdicts with one varied choice at a time", columns(*heads), body)
     runs = "; ".join(f"{force:g} N, F_N {load:g} N" for force, load, _ in scope.changed_runs())
     points = " and ".join(f"D {dimension:g}, G {scale:g} m" for dimension, scale in scope.compared)
     return Item(
         "choices",
-        "Our choices, and what they do to the verdicts",
-        "Friction coefficient, damping, hardness, centrifugal force and the place of the force are not given.",
+        "Choices of stickslip, and their effect on the verdicts",
+        "Friction coefficient, damping, hardness, centrifugal force and the position of the force are not given.",
         (
-            f"Every column is judged on the same curves, the base too: the short series of D and G under the first of "
-            f"the runs {runs}; under the others {points}, so that claims which compare forces or loads are asked too. "
-            "With another centrifugal force the loads of all runs change in proportion, so a load is always compared "
-            "with the same part of it. The base column has fewer curves than the verdicts above, and may differ. The "
+            f"Each column, also the base, uses the same curves: the short series of D and G under the first of "
+            f"the runs {runs}; under the others {points}, so the verdicts include claims that compare forces or loads. "
+            "With another centrifugal force the loads of all runs change in proportion, so each comparison uses the "
+            "same fraction of it. The base column has fewer curves than the verdicts above, and may differ. The "
             "law of stiffness has one other value, not a low and a high one.",
-            "Undecided: no situation says anything, for example because all of the compared values are alike. "
+            "Undecided: no situation gives an answer, for example because all compared values are equal. "
             "choices_reasons.csv has the reason of each verdict.",
         ),
         (choices, table),
@@ -159,7 +159,7 @@ def reasons_table(changed: Sequence[ChangedVerdict]) -> Table:
     ]
     return Table(
         "choices_reasons",
-        "Reason of each verdict with one choice changed at a time",
+        "Reason of each verdict with one varied choice at a time",
         columns("claim||Claim", "choice||Choice", "verdict||Verdict", "reason||Why"),
         tuple(rows),
     )

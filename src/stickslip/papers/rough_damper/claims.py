@@ -116,7 +116,7 @@ def energy_along(along: str, trend: Trend, fixed: bool) -> Callable[..., list[An
             for name, frequency_hz in fixed_frequencies(line).items():
                 values = [energy_at(one, frequency_hz) for one in line]
                 answer = _energy_answer(values, line, along, trend, f"{frequency_hz:.1f} Hz")
-                answers.append(replace(answer, where={"frequency held at": name, **answer.where}))
+                answers.append(replace(answer, where={"frequency fixed at": name, **answer.where}))
         return answers
 
     return ask
@@ -287,7 +287,7 @@ CLAIMS = (
         "Same direction moves the damper as a translation.",
         _dominated_by("same", 0),
     ),
-    Claim("rotation", "Fig 9, conclusion 1", "Opposite directions turn the damper.", _dominated_by("opposite", 1)),
+    Claim("rotation", "Fig 9, conclusion 1", "Opposite directions rotate the damper.", _dominated_by("opposite", 1)),
     Claim(
         "three states", "Figs 7, 8, conclusion 1", "A pair sticks, slips and separates within one period.", _all_states
     ),
@@ -376,7 +376,7 @@ CLAIMS = (
     Claim(
         "opposite, stuck",
         "Fig 15, E26",
-        "Opposite forces dissipate next to nothing, at most 2.5e-21 J, for every G.",
+        "Opposite forces dissipate almost no energy, at most 2.5e-21 J, for each G.",
         _opposite_is_nothing,
     ),
 )

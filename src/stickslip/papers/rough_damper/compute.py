@@ -57,7 +57,7 @@ def compute(plan: Sequence[Computation], out: Path, workers: int, progress: Prog
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise ResultsFileError(
-            f'the folder "{folder}" cannot be made ({error.strerror}). Give another --out.'
+            f'the folder "{folder}" cannot be created ({error.strerror}). Give another --out.'
         ) from error
     run = _Run(plan, folder, progress)
     run.find_finished()
@@ -138,7 +138,7 @@ class _Run:
         else:
             self.failures.append(Failure(self._setting[planned.key], outcome.message))
         done, total = len(self.solved) + len(self.failures), len(self._plan)
-        self._progress.update("Curves", done / total, f"{done} of {total}, {self.found} taken from an earlier run")
+        self._progress.update("Curves", done / total, f"{done} of {total}, {self.found} from an earlier run")
 
     def fail(self, planned: PlannedCase, error: BaseException) -> None:
         """A computation that ended with another exception; it is tried again by the next run."""

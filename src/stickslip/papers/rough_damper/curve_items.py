@@ -16,8 +16,8 @@ def curves_item(solutions: Solutions) -> Item:
     """Figures 12 and 14."""
     chosen = base(solutions)
     notes = [
-        "Under opposite forces the tip amplitude nearly vanishes at one stiffness, with every pair stuck: the place of "
-        f"the force then lies at a node of the second mode. {nearly_still(chosen)}"
+        "Under opposite forces the tip amplitude nearly vanishes at one stiffness, with all pairs stuck: the position "
+        f"of the force is then at a node of the second mode.  {nearly_still(chosen)}"
     ]
     return Item(
         "curves",
@@ -115,13 +115,13 @@ def energy_item(solutions: Solutions) -> Item:
     return Item(
         "energies",
         "Figures 13 and 15: dissipated energy",
-        "The energy of a period grows with D, for one force and for the same direction first up and then down; it "
+        "The energy of a period grows with D; for one force and for the same direction it first rises, then falls. It "
         "falls as G grows.",
         (
-            "Which frequency is meant is not said. f1, f2, f3 are the peaks of the softest, the middle and the "
+            "The paper does not specify the frequency. f1, f2, f3 are the peaks of the softest, the middle and the "
             "stiffest curve of a series. The peaks move by more than their width, so the chosen frequency decides "
-            "where the largest energy lies.",
-            "Energies below 0.1 % of the input are set to zero: the balance of energies tells no more.",
+            "which curve has the largest energy.",
+            "Energies below 0.1 % of the input are set to zero, because the balance of energies is not more accurate.",
         ),
         (table,),
         tuple(
@@ -186,11 +186,11 @@ def laws_item(solutions: Solutions) -> Item:
     return Item(
         "laws",
         "Equation 8 or Hertz, and the paper's own roughness",
-        "The normal stiffness is taken from equation 8 as printed, and D = 2.2, 2.3 and 2.49 at G = 1e-8.",
+        "The normal stiffness follows from equation 8 as printed, and D = 2.2, 2.3 and 2.49 at G = 1e-8.",
         notes,
         tables,
         figures,
-        (("Ours: equation 8 instead of Hertz changes the peak by more than 5 %.", judge(answers)),),
+        (("Of stickslip: equation 8 instead of Hertz changes the peak by more than 5 %.", judge(answers)),),
     )
 
 

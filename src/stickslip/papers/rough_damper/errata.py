@@ -25,11 +25,9 @@ class Erratum:
 
 
 ERRATA = (
+    Erratum("E1", "eq 1", "contact for n above +N0/kn", "above -N0/kn", "as printed, a range of motion has no force"),
     Erratum(
-        "E1", "eq 1", "contact for n above +N0/kn", "above -N0/kn", "as printed a whole range of motion has no force"
-    ),
-    Erratum(
-        "E2", "text of eq 1", "N0 changes with the motion", "N changes, N0 is constant", "wording; none once read as N"
+        "E2", "text of eq 1", "N0 changes with the motion", "N changes, N0 is constant", "wording; none if read as N"
     ),
     Erratum(
         "E3",
@@ -100,11 +98,11 @@ ERRATA = (
         "paper law: 0.417 (D 2.49) to 0.549 (D 2.2)",
     ),
     Erratum("E19", "eqs 8, 9", "modulus with another name", "reduced modulus of eq 4", "misprint; none"),
-    Erratum("E20", "eqs 8, 9", "no guard for plastic faces", "zero with a status, refused by the solver", ""),
+    Erratum("E20", "eqs 8, 9", "no guard for plastic faces", "zero with a status, rejected by the solver", ""),
     Erratum(
         "E21",
         "eq 10",
-        "share of a pair not defined",
+        "fraction of a pair not defined",
         "its area over that of the face",
         "an area would give the wrong unit",
     ),
@@ -113,7 +111,7 @@ ERRATA = (
         "E23",
         "nomenclature",
         "names of two forces exchanged",
-        "contact force and excitation kept apart",
+        "separate symbols for contact force and excitation",
         "misprint; none",
     ),
     Erratum(
@@ -128,7 +126,7 @@ ERRATA = (
     Erratum(
         "E27",
         "sec 5.3.1",
-        "energy falls since a rough face sticks",
+        "energy falls because a rough face sticks",
         "stiffer springs slip earlier; the motion falls",
         "",
     ),
@@ -144,7 +142,7 @@ ERRATA = (
         "Table 3",
         "beam dimensions only",
         "geometry inferred from Table 2",
-        "a bare beam has 270 Hz, Table 2 has 507 Hz: frequencies rest on the inference",
+        "a bare beam has 270 Hz, Table 2 has 507 Hz: frequencies depend on the inference",
     ),
 )
 
@@ -201,7 +199,7 @@ def _law(solutions: Solutions) -> str:
 
 def _plastic(stiffness: Table) -> str:
     plastic = [row for row in stiffness.rows if row[-1] == "fully plastic"]
-    return f"{len(plastic)} of {len(stiffness.rows)} faces in our table would have a negative stiffness"
+    return f"{len(plastic)} of {len(stiffness.rows)} faces in the table of stickslip would have a negative stiffness"
 
 
 def _unit(stiffness: Table) -> str:
@@ -235,4 +233,4 @@ def _motion(solutions: Solutions) -> str:
     soft, stiff = (f(chosen, key=lambda one: one.numbers["normal_stiffness"]) for f in (min, max))
     swing = [1e6 * float(np.ptp(one.signals[1, :2], axis=1).max()) for one in (soft, stiff)]
     shown = f"swing of the middle pair {swing[0]:.3g} um at the softest, {swing[1]:.3g} um at the stiffest face"
-    return f"{shown}; slip is not ended by roughness"
+    return f"{shown}; roughness does not end slip"

@@ -65,7 +65,7 @@ def reduction_item(case: TwoBladeCase, solutions: Solutions, full_size: int, pai
             "mode||Mode",
             "full|Hz|Full",
             "paper_full|Hz|Paper, full",
-            "from_paper|%|Ours from paper",
+            "from_paper|%|stickslip from paper",
             "reduced|Hz|Reduced",
             "difference|%|Reduced from full",
             "paper_difference|%|Paper",
@@ -75,21 +75,21 @@ def reduction_item(case: TwoBladeCase, solutions: Solutions, full_size: int, pai
         tuple(rows),
     )
     notes = (
-        "The geometry is inferred: seven dimensions were fitted to these ten frequencies, so that they agree proves "
+        "The geometry is inferred: seven dimensions were fitted to these ten frequencies, so their agreement proves "
         "nothing about the model. Of the paper's own differences three (modes 8 to 10) exceed its bound.",
     )
     return Item(
         "reduction",
         REDUCTION.place,
-        "The reduced model keeps the first ten frequencies within 1/10,000 and MAC near 1, with some 20 times fewer "
+        "The reduced model has the first ten frequencies within 1/10,000 and MAC near 1, with about 20 times fewer "
         "unknowns.",
         notes,
         (sizes, frequencies),
         (
             Picture(
                 "fig02_reduction",
-                "Frequency difference of the reduced from the full model in percent, and MAC, for modes 1 to 10: ours "
-                "beside the paper's.",
+                "Frequency difference of the reduced from the full model in percent, and MAC, for modes 1 to 10: "
+                "stickslip and the paper.",
                 frequencies.name,
             ),
         ),
@@ -107,10 +107,10 @@ def _judged_reduction(_case: TwoBladeCase, solutions: Solutions) -> Judgement:
 
 
 REDUCTION = ModelClaim(
-    "Each difference is below 1/10,000 on our model.",
+    "Each difference is below 1/10,000 in the model of stickslip.",
     "Tables 1 and 2, Figure 2: reduction of the model",
     frozenset({"geometry.excitation_height"}),
-    "follows from mesh, material and the nodes that are kept, with tied contact",
+    "follows from mesh, material and the retained nodes, with tied contact",
     _judged_reduction,
 )
 
@@ -147,8 +147,8 @@ def surface_item(base: TwoBladeCase) -> Item:
         ROUGHER.place,
         "A larger D and a smaller G make the face rougher.",
         (
-            "Both make every wave longer than G lower, so Sq and Sdq fall: the face is smoother and therefore stiffer. "
-            "D alone raises the share of short waves, not their height. Where the paper says rougher, read stiffer.",
+            "Both reduce the height of each wave longer than G, so Sq and Sdq fall: the face is smoother and stiffer. "
+            "D alone raises the fraction of short waves, not their height. In the paper, rougher means stiffer.",
         ),
         (table,),
         (
@@ -187,7 +187,7 @@ ROUGHER = ModelClaim(
 
 def _roughness_words(sq: float, sdq: float) -> str:
     if sdq > 1.0:
-        return "slopes above 1: no machined face"
+        return "slopes above 1: not a machined face"
     if sq > 50e-6:
         return "rougher than a casting or a rough cut"
     return "a machined face" if sq < 10e-6 else "a coarse machined face"
@@ -258,17 +258,17 @@ def stiffness_item(base: TwoBladeCase) -> Item:
         STIFFNESS.place,
         "The law gives K_n and K_t for D = 2.2, 2.3 and 2.49 at G = 1e-8 (unit not printed; metre assumed).",
         (
-            "Without elastic spots the law has no stiffness at all, and blind evaluation would give a negative one; "
-            "such cases are run in the unloading mode (plastic spots respond too) and at a smaller G.",
+            "Without elastic spots the law has no stiffness, and a formal evaluation would give a negative one; "
+            "these cases use the unloading mode (plastic spots respond too) and a smaller G.",
             f"Equation 8 differentiates along the family of asperities and exceeds Hertz at fixed curvature by "
-            f"{min(ratios):.2f} to {max(ratios):.2f} here; equation 9 uses Hertz, so the two disagree with each other.",
+            f"{min(ratios):.2f} to {max(ratios):.2f} here; equation 9 uses Hertz, so the two are inconsistent.",
         ),
         (table,),
         (
             Picture(
                 "contact_stiffness",
                 "Normal stiffness of a face against G (above) and centrifugal force (below) in the three modes, a line "
-                "for each D; no point where the law gives none.",
+                "for each D; no point if the law gives none.",
                 table.name,
             ),
         ),
@@ -291,7 +291,7 @@ STIFFNESS = ModelClaim(
     "The law gives these faces a stiffness.",
     "Contact stiffness, equations 5 to 10",
     frozenset({"roughness.hardness", "roughness.mode"}),
-    "is asked for F_N from 50 to 2000 N, and the law knows neither friction nor damping nor the place of the force",
+    "is checked for F_N from 50 to 2000 N, and the law contains no friction, damping or position of the force",
     _judged_stiffness,
 )
 MODEL_CLAIMS = (ROUGHER, REDUCTION, STIFFNESS)

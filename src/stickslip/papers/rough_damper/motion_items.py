@@ -58,7 +58,7 @@ def period_item(solutions: Solutions, scope: Scope) -> Item:
             )
     table = Table(
         "fig07_08_period",
-        "Shares of the period, and forces, of three pairs at mid-length of the left face, at the peak",
+        "Fractions of the period, and forces, of three pairs at mid-length of the left face, at the peak",
         columns(
             "excitation||Excitation",
             "dimension||D",
@@ -78,7 +78,7 @@ def period_item(solutions: Solutions, scope: Scope) -> Item:
         "period",
         "Figures 7 and 8: one pair over one period",
         "Within one period a pair sticks, slips and may separate; which of these depends on D, G and the excitation.",
-        (f"The paper does not number its pair. Drawn is the {SHOWN_PLACES[place]} one of the three in the table.",),
+        (f"The paper does not number its pair. The figure shows the {SHOWN_PLACES[place]} one of the table.",),
         (table,),
         tuple(
             Picture(
@@ -125,12 +125,12 @@ def damper_item(solutions: Solutions, scope: Scope) -> Item:
     return Item(
         "damper",
         "Figure 9: does the damper translate or rotate?",
-        "Same direction moves the damper as a translation, opposite directions turn it.",
+        "Same direction moves the damper as a translation, opposite directions rotate it.",
         (
-            "Least squares on the first harmonic: translation plus rotation about the centre of the nodes; the shares "
-            "are those of the sum of squared displacements. Swings are half of peak to peak.",
-            "Two mirrored blades pushed in opposite directions along x move as mirror images, and a rigid body that "
-            "mirrors itself can move up, down and tilt along its length, but not turn about its length. "
+            "Least squares on the first harmonic: translation plus rotation about the centre of the nodes; the "
+            "fractions are those of the sum of squared displacements. Swings are half of peak to peak.",
+            "Two mirrored blades under opposite forces along x move as mirror images, and a rigid body that "
+            "mirrors itself can move up, down and tilt along its length, but not rotate about its length. "
             + mirror_words(pair[1]),
         ),
         (table,),
@@ -203,7 +203,7 @@ def states_item(solutions: Solutions, scope: Scope) -> Item:
     return Item(
         "states",
         "Figures 10 and 11: states of the pairs",
-        "With D growing and G falling fewer pairs stay stuck; 5 N leaves fewer stuck than 2 N; opposite forces leave "
+        "With larger D and smaller G fewer pairs remain stuck; 5 N leaves fewer stuck than 2 N; opposite forces leave "
         "nearly all stuck.",
         (),
         (table,),

@@ -51,7 +51,7 @@ CHOICES = (
         "18.35 mm",
         ("11.01 mm", "25.69 mm"),
         "middle of the shank. One element row above the root, 3.67 mm, 5 N at both blades move the tip by 11 to "
-        "13 µm and no pair slips (tried at 5, 20 and 50 N centrifugal force); from the middle pairs slip and open.",
+        "13 µm and no pair slips (checked at 5, 20 and 50 N centrifugal force); with the middle, pairs slip and open.",
     ),
     Choice(
         "damping",
@@ -65,14 +65,14 @@ CHOICES = (
         "friction.coefficient",
         0.3,
         (0.15, 0.5),
-        "dry metal lies between 0.1 and 0.8; 0.3 is common.",
+        "dry metal has 0.1 to 0.8; 0.3 is common.",
     ),
     Choice(
         "hardness",
         "roughness.hardness",
         "3 GPa",
         ("2 GPa", "4 GPa"),
-        "middle of the range of steels and nickel alloys. The critical spot area goes with its power -2/(D-2).",
+        "middle of the range of steels and nickel alloys. The critical spot area is proportional to H^(-2/(D-2)).",
     ),
     Choice(
         "centrifugal force",
@@ -80,7 +80,7 @@ CHOICES = (
         "100 N",
         ("50 N", "200 N"),
         "with it 5 N and 2 N in the same direction make pairs slip and separate for most of the roughness, as in the "
-        "paper's maps; at 200 N and 2 N most pairs stay stuck.",
+        "paper's maps; at 200 N and 2 N most pairs remain stuck.",
     ),
     Choice(
         "stiffness law",
@@ -189,7 +189,7 @@ def computations(scope: Scope) -> tuple[Computation, ...]:
             case = base.replace({**changed, **_of(setting)})
             key, structure = case_hashes(case)
             if key in seen:
-                raise StudyFileError(f"the study computes {setting} twice; leave one of them out of the scope.")
+                raise StudyFileError(f"the study computes {setting} twice; remove one of them from the scope.")
             seen.add(key)
             result.append(Computation(setting, PlannedCase(_name(setting, key), key, structure, (), case)))
     return tuple(result)

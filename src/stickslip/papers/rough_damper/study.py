@@ -62,7 +62,7 @@ def paper_study(
     require_disk_space(folder, SPACE_BYTES, SPACE_BYTES)
     computed = compute(plan, folder, workers, listener)
     if not computed.solved:
-        raise ConvergenceError(f"none of {len(plan)} curves has a result. The first: {computed.failures[0].message}")
+        raise ConvergenceError(f"no curve of {len(plan)} has a result. The first: {computed.failures[0].message}")
     return _written(folder, wanted, computed, listener)
 
 

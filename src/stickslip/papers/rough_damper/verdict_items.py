@@ -14,16 +14,16 @@ from stickslip.papers.rough_damper.verdicts import Answer, Judgement
 
 # What explains a verdict and does not depend on the numbers of a run, for the claims that need it.
 REMARKS = {
-    "Opposite directions turn the damper.": "Mirrored blades that move as mirror images cannot turn a damper that "
-    "mirrors itself: it goes up and down. A turn needs a structure or a load without that symmetry.",
+    "Opposite directions rotate the damper.": "Mirrored blades that move as mirror images cannot rotate a damper that "
+    "mirrors itself: it moves up and down. A rotation requires a structure or a load without that symmetry.",
     "The peak falls as D grows.": "Larger D means stiffer, not rougher. Under opposite forces the second mode moves "
-    "little at the place of the force for stiff faces, so its peak says more about that place than about friction.",
+    "little at the position of the force for stiff faces, so its peak depends more on that position than on friction.",
     "The peak falls as G falls.": "Smaller G means stiffer, not rougher; for opposite forces see D.",
-    "The energy grows with D (at one frequency).": "Peaks move by more than their width, so the frequency that is held "
+    "The energy grows with D (at one frequency).": "Peaks move by more than their width, so the fixed frequency "
     "decides this.",
-    "The energy first rises, then falls with D (at one frequency).": "The same: the curve that resonates at the held "
+    "The energy first rises, then falls with D (at one frequency).": "The same: the curve that resonates at the fixed "
     "frequency has the most.",
-    "A larger D or a smaller G raises Sq or Sdq.": "Both lower every wave longer than G.",
+    "A larger D or a smaller G raises Sq or Sdq.": "Both reduce the height of each wave longer than G.",
 }
 
 Judged = tuple[str, str, Judgement]  # statement, place in the paper, verdict
@@ -52,11 +52,11 @@ def conclusions_item(claims: Sequence[Judged], changed: Sequence[ChangedVerdict]
     ]
     table = Table(
         "conclusions",
-        "Claims, our numbers, verdicts",
+        "Claims, numbers of stickslip, verdicts",
         columns(
             "claim||Claim",
             "place||In the paper",
-            "numbers||Our numbers",
+            "numbers||Numbers of stickslip",
             "verdict||Verdict",
             "why||Why",
             "changes_with||Another verdict with",
@@ -69,8 +69,8 @@ def conclusions_item(claims: Sequence[Judged], changed: Sequence[ChangedVerdict]
         "Same direction translates the damper and slips most; less load, larger D and smaller G give more slip, a "
         "lower peak and more energy.",
         (
-            "Each verdict follows from all base curves under the consistent law; answers.csv has what is behind it. "
-            "The last column names the changed choices under which the verdict is another one, see the next item.",
+            "Each verdict follows from all base curves under the consistent law; answers.csv has the answers behind "
+            "it. The last column names the varied choices with another verdict, see the next item.",
         ),
         (table,),
     )
@@ -96,11 +96,11 @@ def answers_table(solutions: Solutions) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for claim in CLAIMS:
         for answer in claim.judged(base(solutions)).answers:
-            verdict = {True: "yes", False: "no", None: "says nothing"}[answer.holds]
+            verdict = {True: "yes", False: "no", None: "no answer"}[answer.holds]
             rows.append((claim.name, _situation(answer), verdict, answer.numbers))
     return Table(
         "answers",
-        "Every situation in which a claim was asked",
+        "All situations in which a claim was checked",
         columns("claim||Claim", "situation||Situation", "holds||Holds", "numbers||Numbers"),
         tuple(rows),
     )

@@ -59,11 +59,9 @@ def judge(answers: Sequence[Answer]) -> Judgement:
     """
     decided = [answer for answer in answers if answer.holds is not None]
     silent = len(answers) - len(decided)
-    rest = f" {silent} more say nothing." if silent else ""
+    rest = f" {silent} more give no answer." if silent else ""
     if not decided:
-        return Judgement(
-            Verdict.UNDECIDED, f"None of {len(answers)} situations says anything about it.", tuple(answers)
-        )
+        return Judgement(Verdict.UNDECIDED, f"No situation of {len(answers)} gives an answer.", tuple(answers))
     good = sum(bool(answer.holds) for answer in decided)
     counts = f"{good} of {len(decided)} situations.{rest}"
     if good == len(decided):
