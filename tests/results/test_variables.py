@@ -83,7 +83,7 @@ def test_a_file_of_an_older_version_is_read() -> None:
     assert old.study.rough_patch is not None
     assert old.response.load_factor.tolist() == [1.0] * 4
     assert old.study.mode_table[0]["reference_hz"] == 506.83
-    assert old.study.mode_reference == "the frequencies that the default geometry was fitted to"
+    assert old.study.mode_reference == "the frequencies to which the default geometry was fitted"
     assert not any("table2_hz" in row for row in old.study.mode_table)
     synthetic = synthetic_response(columns=4, rows=3, n_points=20)
     np.testing.assert_allclose(old.response.frequency_hz, synthetic.frequency_hz[8:12], rtol=1e-12)
