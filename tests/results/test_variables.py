@@ -53,14 +53,20 @@ def response() -> ForcedResponse:
 
 
 def listing(path: Path) -> dict[str, Any]:
-    """Every variable with its dimensions, kind and labels, and the labels of each group."""
+    """Every variable with its dimensions, kind and labels, and the labels of each group.
+
+    Of a ``long_name`` only whether there is one: it explains a variable to a reader, and its words may improve.
+    """
     actual: dict[str, Any] = {}
     with h5netcdf.File(path, "r") as file:
         for name in ("", *file.groups):
             group = file[name] if name else file
             actual[name] = {label: str(value) for label, value in group.attrs.items()}
             for variable, values in group.variables.items():
-                actual[f"{name}/{variable}"] = (values.dimensions, str(values.dtype), dict(values.attrs))
+                labels = dict(values.attrs)
+                if "long_name" in labels:
+                    labels["long_name"] = bool(labels["long_name"])
+                actual[f"{name}/{variable}"] = (values.dimensions, str(values.dtype), labels)
     return actual
 
 
