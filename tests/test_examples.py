@@ -197,5 +197,5 @@ def test_guide_to_own_structures(tmp_path: Path) -> None:
         assert runner.invoke(app, [command, "--help"]).exit_code == 0
     result = runner.invoke(app, ["run", str(study), "--out", str(tmp_path / "results")])
     assert result.exit_code == 0, result.output
-    assert "The curve reaches the stop frequency." in result.output
+    assert "The curve reached the stop frequency." in result.output
     assert (tmp_path / "results" / "contact_pairs.vtu").is_file()

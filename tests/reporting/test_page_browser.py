@@ -223,14 +223,16 @@ def test_what_a_page_of_very_many_pairs_leaves_out_is_reported(
             "slider.dispatchEvent(new Event('input')); }",
             away,
         )
-        words = f"(maps are held for {len(data['mapPoints'])} of the points; this is the nearest)"
+        words = f"(this page contains maps of {len(data['mapPoints'])} points; this is the nearest)"
         page.wait_for_function("words => document.querySelector('.now').textContent.includes(words)", arg=words)
         reported = page.text_content("#loop-now")
         if has_loops:
-            assert f"(loops are held for {len(data['loops']['points'])} of the points; this is the nearest)" in reported
+            assert (
+                f"(this page contains loops of {len(data['loops']['points'])} points; this is the nearest)" in reported
+            )
             assert page.evaluate("document.getElementById('loop').data[0].x.length") > 60
         else:
-            assert "(loops of so many pairs would make this page too large; the results file holds them)" in reported
+            assert "(loops of so many pairs would make this page too large; the results file contains them)" in reported
             assert page.evaluate("document.getElementById('loop').data[0].x.length") == 0
         counts = page.eval_on_selector_all("#state-legend b", "all => all.map(each => Number(each.textContent))")
         assert sum(counts) == data["nPairs"]

@@ -254,7 +254,7 @@ def test_without_webgl_a_sentence_and_the_still_picture_appear(browser: Any, rep
             page.evaluate("document.getElementById('structure-plot').emit('plotly_webglcontextlost', {})")
         assert page.locator("#structure .still").is_visible()
         assert page.locator("#structure-no-webgl").is_visible()
-        assert "offers no WebGL" in page.inner_text("#structure-no-webgl")
+        assert "has no WebGL" in page.inner_text("#structure-no-webgl")
         for which in ("#structure-plot", "#structure-play", "#structure-phase"):
             assert not page.locator(which).is_visible(), which
         assert page.locator("#curve .scatterlayer .trace").count() > 0  # the other plots are there
@@ -273,4 +273,6 @@ def test_a_record_without_a_motion_shows_the_structure_and_no_controls(browser: 
     with opened_page(browser, path) as page:
         assert page.locator("#structure-plot canvas").count() > 0
         assert page.locator("#structure-play").count() == 0
-        assert page.get_by_text("The results file has no motion of the structure").is_visible()
+        assert page.get_by_text(
+            "The results file is from an older version and has no motion of the structure"
+        ).is_visible()

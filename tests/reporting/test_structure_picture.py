@@ -92,7 +92,7 @@ def test_the_legend_names_what_is_there_and_which_traces_that_is() -> None:
         constant=np.array([False, True]),
     )  # fmt: skip
     picture = picture_of(sketch)
-    words = ["box 1", "box 2", "contact, Left face", "held node", "harmonic force", "constant force", "response"]
+    words = ["box 1", "box 2", "contact, Left face", "constrained node", "harmonic force", "constant force", "response"]
     assert [entry.words for entry in picture.legend] == words
     shown = [trace for entry in picture.legend for trace in entry.traces]
     assert shown == list(range(len(picture.data["figure"]["data"])))

@@ -41,17 +41,25 @@ def test_the_picture_is_reported_in_words() -> None:
         "shaker, 5 N along (0.6, 0.8, 0)",
         "weight, 2 N along −z",
         "tip",
-        "Held",
+        "Constrained",
     ):
         assert words in spoken, words
     assert text.count('aria-describedby="structure-words"') == 2
-    for words in ("held node", "harmonic force", "constant force", "response", "contact, Left face", "box 1", "box 2"):
+    for words in (
+        "constrained node",
+        "harmonic force",
+        "constant force",
+        "response",
+        "contact, Left face",
+        "box 1",
+        "box 2",
+    ):
         assert f"{words}</label>" in text
 
 
 def test_no_mark_is_explained_that_is_not_there() -> None:
     text = section(sketch_of_boxes(CUBE))
-    for words in ("held node", "constant force", "contact", "transparent"):
+    for words in ("constrained node", "constant force", "contact", "transparent"):
         assert words not in text
     assert 'data-view="contact"' not in text
 
@@ -75,14 +83,14 @@ def test_a_mean_that_is_left_out_is_reported() -> None:
     points = sketch.motion.points.copy()
     points[8:, 1, 0] = 1.0
     text = section(dataclasses.replace(sketch, motion=dataclasses.replace(sketch.motion, points=points)))
-    assert "about their mean. The mean, up to 1 × 10⁶ µm, is left out" in text
+    assert "about their mean. The mean, up to 1 × 10⁶ µm, is omitted" in text
     assert "mean and all harmonics" not in text
 
 
 @pytest.mark.slow
 def test_without_a_motion_the_page_says_why_nothing_moves() -> None:
     text = section(stacked_boxes())
-    assert "The results file has no motion of the structure" in text
+    assert "The results file is from an older version and has no motion of the structure" in text
     assert "structure-play" not in text
 
 

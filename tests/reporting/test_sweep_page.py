@@ -49,7 +49,7 @@ def test_a_huge_sweep_is_thinned_and_reports_it(monkeypatch: pytest.MonkeyPatch)
     for trace, curve in zip(traces, view.curves, strict=True):
         assert (trace["x"][0], trace["x"][-1]) == (440.0, 480.0)
         assert max(trace["y"]) == pytest.approx(1e6 * curve.amplitude_m.max(), rel=1e-6)
-    assert re.search(r"of 8004 points are drawn", page_of(view))
+    assert re.search(r"of 8004 points are plotted", page_of(view))
 
 
 def test_many_values_have_a_colour_bar() -> None:
@@ -130,7 +130,7 @@ def test_failed_cases_and_warnings_are_listed_safely() -> None:
     assert "centrifugal force 200 N: No &lt;first&gt; point." in text
     assert "Two &lt;blades&gt;" in text
     assert text.count("<summary>1 warning</summary>") == 3
-    assert "The largest amplitude lies at an end of the range." in text
+    assert "The largest amplitude is at an end of the range." in text
     assert "http://" not in re.sub(r"<script>.*?</script>", "", text, flags=re.DOTALL).replace("http://www.w3.org", "")
     nothing = page_of(sweep_view((LOADS,), [None] * 4))
     assert "No case has a curve." in nothing

@@ -119,7 +119,7 @@ def test_one_line_shows_what_a_result_is(response: ForcedResponse) -> None:
     top = response.input_energy.argmax()
     assert repr(response) == (
         f"ForcedResponse(20 points from 411.11 to 429.96 Hz, 24 pairs; peak at {response.frequency_hz[top]:.2f} Hz, "
-        f"where {response.input_energy[top]:.3g} J per cycle go in and {response.moving_pairs[top]} pairs move; "
+        f"with an input of {response.input_energy[top]:.3g} J per cycle and {response.moving_pairs[top]} moving pairs; "
         "converged)"
     )
     assert "NOT converged" in repr(dataclasses.replace(response, converged=False))

@@ -53,14 +53,20 @@ def response() -> ForcedResponse:
 
 
 def listing(path: Path) -> dict[str, Any]:
-    """Every variable with its dimensions, kind and labels, and the labels of each group."""
+    """Every variable with its dimensions, kind and labels, and the labels of each group.
+
+    Of a ``long_name`` only whether there is one: it explains a variable to a reader, and its words may improve.
+    """
     actual: dict[str, Any] = {}
     with h5netcdf.File(path, "r") as file:
         for name in ("", *file.groups):
             group = file[name] if name else file
             actual[name] = {label: str(value) for label, value in group.attrs.items()}
             for variable, values in group.variables.items():
-                actual[f"{name}/{variable}"] = (values.dimensions, str(values.dtype), dict(values.attrs))
+                labels = dict(values.attrs)
+                if "long_name" in labels:
+                    labels["long_name"] = bool(labels["long_name"])
+                actual[f"{name}/{variable}"] = (values.dimensions, str(values.dtype), labels)
     return actual
 
 
@@ -83,7 +89,7 @@ def test_a_file_of_an_older_version_is_read() -> None:
     assert old.study.rough_patch is not None
     assert old.response.load_factor.tolist() == [1.0] * 4
     assert old.study.mode_table[0]["reference_hz"] == 506.83
-    assert old.study.mode_reference == "the frequencies that the default geometry was fitted to"
+    assert old.study.mode_reference == "the frequencies to which the default geometry was fitted"
     assert not any("table2_hz" in row for row in old.study.mode_table)
     synthetic = synthetic_response(columns=4, rows=3, n_points=20)
     np.testing.assert_allclose(old.response.frequency_hz, synthetic.frequency_hz[8:12], rtol=1e-12)

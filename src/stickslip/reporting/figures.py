@@ -158,8 +158,8 @@ def surface(x: ArrayLike, y: ArrayLike, heights: ArrayLike) -> Figure:
     grid = [finite_array(name, value) for name, value in (("x", x), ("y", y), ("heights", heights))]
     if grid[2].ndim != 2 or grid[0].shape != grid[2].shape or grid[1].shape != grid[2].shape:
         raise InputError(
-            f"x, y and heights must share one shape (n, m), but their shapes are {grid[0].shape}, {grid[1].shape} and "
-            f"{grid[2].shape}. Make x and y with numpy.meshgrid."
+            f"x, y and heights must have the same shape (n, m), but their shapes are {grid[0].shape}, {grid[1].shape} "
+            f"and {grid[2].shape}. Make x and y with numpy.meshgrid."
         )
     figure, axes = one_panel(7.0, 3.2)
     about_mean = MICRO * (grid[2] - grid[2].mean())

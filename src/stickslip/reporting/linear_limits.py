@@ -20,8 +20,8 @@ _REASONS = {
     ),
     "free": (
         "without contact",
-        "because damping.modal_damping_ratio holds for the stuck modes, so that the damping matrix follows the contact "
-        "stiffness and a part of it acts across the joint even where nothing touches",
+        "because damping.modal_damping_ratio applies to the stuck modes, so that the damping matrix follows the "
+        "contact stiffness and a part of it acts across the joint even without contact",
     ),
 }
 
@@ -42,7 +42,7 @@ def differing_limits(view: SweepView) -> tuple[str, ...]:
         if nonempty:
             sentences.append(
                 f"The linear limits are not the same for all values of {key.name}: the peak "
-                f"{'; the peak '.join(nonempty)}. Shifts and reductions of a case count from its own limits."
+                f"{'; the peak '.join(nonempty)}. Shifts and reductions of a case refer to its own limits."
             )
     return tuple(sentences)
 

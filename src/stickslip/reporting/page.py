@@ -65,12 +65,12 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
 def _notices(view: View) -> Iterator[Notice]:
     response = view.response
     if not response.converged:
-        words = "These are partial results: the figures show the points that were computed."
-        yield Notice("bad", "The solve did not converge", [response.message, words])
+        words = "These are partial results: the figures show the computed points."
+        yield Notice("bad", "The solver did not converge", [response.message, words])
     warnings = [*response.warnings, *view.study.warnings]
     if not view.summary.peak.bracketed:
         warnings.append(
-            "The largest amplitude lies at an end of the computed range, so the true peak may be higher: widen the "
+            "The largest amplitude is at an end of the computed range, so the true peak may be higher: widen the "
             "frequency range."
         )
     if warnings:
@@ -106,7 +106,7 @@ def _tiles(view: View) -> tuple[Tile, ...]:
             percent(measures.reduction_from_free),
             more=shift(measures.shift_from_free_hz, "free"),
         ),
-        Tile("Pairs that move at the peak", str(moving), f"of {sum(measures.state_counts)}", states),
+        Tile("Pairs that slip or separate at the peak", str(moving), f"of {sum(measures.state_counts)}", states),
         Tile(
             "Friction energy per cycle",
             number(factor * measures.friction_energy),

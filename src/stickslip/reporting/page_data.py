@@ -131,8 +131,8 @@ def _loops(view: View, map_points: NDArray[np.int64], room: int) -> dict[str, An
     response = view.response
     stride = max(1, round(response.samples / LOOP_SAMPLES))
     times = np.arange(0, response.samples, stride)
-    # The page draws stuck released pairs itself, on their springs; where tractions at rest are kept, and of pairs of
-    # other laws, it needs all forces.
+    # The page draws stuck released pairs itself, on their springs; with tractions at rest, and for pairs of other laws,
+    # it needs all forces.
     coulomb = _follows_coulomb(response.pairs)
     drawn = response.pairs.released & coulomb
     moving = (response.contact_state != ContactState.STUCK) | ~drawn

@@ -174,7 +174,7 @@ SECTIONS = (
     Section(
         "Dissipated energy of each pair",
         """\
-  <p class="note">At <b class="now"></b>. In all <b id="energy-now"></b> per cycle.</p>
+  <p class="note">At <b class="now"></b>. Total: <b id="energy-now"></b> per cycle.</p>
 """
         + _MAPS,
         _maps("energy", "Dissipated energy"),
@@ -200,7 +200,7 @@ SECTIONS = (
 {%- for name, opened, count in open_at_rest %}
 {{ name }}: {{ opened }} of {{ count }} pairs open{{ "" if loop.last else "; " }}
 {%- endfor -%}
-. Hollow pairs are {{ hollow }}; the linear stuck curve leaves open pairs open.</p><div class="maps">
+. Hollow pairs are {{ hollow }}; in the linear stuck curve, open pairs stay open.</p><div class="maps">
 {%- for name in face_names %}
 {{ parts.figure("rest-map-" ~ loop.index0, name, "Pressure at rest, " ~ name) }}
 {%- endfor -%}

@@ -173,7 +173,7 @@ def _traces(
         look = {"lightposition": light, "lighting": _BRIGHT}
         show("face", colour, f"contact, {name}", _surface(name, colour, sides, look))
     if sketch.held.any():
-        show("held", INK, "held node", _marks("held", np.flatnonzero(sketch.held), INK, "square", 1.8))
+        show("held", INK, "constrained node", _marks("held", np.flatnonzero(sketch.held), INK, "square", 1.8))
     for constant, words in ((False, "harmonic force"), (True, "constant force")):
         which = np.flatnonzero(sketch.constant == constant)
         if which.size:

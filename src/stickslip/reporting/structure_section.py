@@ -41,8 +41,8 @@ def _caption(sketch: Sketch, picture: StructurePicture) -> str:
         words.append("Bodies that would hide the contact are transparent.")
     if sketch.is_coarsened:
         words.append(
-            f"The mesh has {sketch.mesh_sides} outer sides, too many for a page: the picture shows "
-            f"{len(sketch.sides)} coarser ones. mode_shapes.vtu of the run shows the mesh itself in ParaView."
+            f"The mesh has {sketch.mesh_sides} outer sides, too many for a page: the picture shows {len(sketch.sides)} "
+            "coarser ones. mode_shapes.vtu of the run shows the complete mesh in ParaView."
         )
     return " ".join(words)
 
@@ -55,8 +55,8 @@ def _deflection(picture: StructurePicture) -> str:
     words = "mean and all harmonics"
     if shape.left_out:
         words = (
-            f"about their mean. The mean, up to {number(MICRO * shape.left_out)} µm, is left out: it is far larger "
-            "than the motion, as for a body that only friction holds, which has no unique mean position"
+            f"about their mean. The mean, up to {number(MICRO * shape.left_out)} µm, is omitted: it is far larger than "
+            "the motion, as for a body that only friction supports, which has no unique mean position"
         )
     return (
         f"Deflected shape at the peak, {shown_number(shape.frequency_hz, 'Hz')} Hz: displacements × "
@@ -88,7 +88,7 @@ def _words(study: StudyRecord, sketch: Sketch) -> str:
         f"Contact faces: {', '.join(faces)}." if faces else "",
         f"Loads: {'; '.join(loads)}." if loads else "",
         f"Responses: {'; '.join(sketch.response_names)}." if sketch.response_names else "",
-        "Held nodes are marked." if sketch.held.any() else "",
+        "Constrained nodes are marked." if sketch.held.any() else "",
     ]
     return " ".join(part for part in parts if part)
 

@@ -117,19 +117,19 @@ def _tiles(view: SweepView) -> Iterator[Tile]:
             yield Tile(words, number(MICRO * float(peak[place])), "µm", view.label(place))
     open_ends = int((view.usable() & ~inside).sum())
     if open_ends:
-        words = "cases whose largest amplitude lies at an end of the range"
+        words = "cases whose largest amplitude is at an end of the range"
         yield Tile("Peak at an end", str(open_ends), more=words)
 
 
 def _curves_note(view: SweepView, points: Thinned) -> str:
     """Description of the figure of all curves."""
     keys = view.table.keys
-    words = f"Colour tells {keys[0].name}" + (f", dash {keys[1].name}" if len(keys) > 1 else "")
+    words = f"Colour shows {keys[0].name}" + (f", dash shows {keys[1].name}" if len(keys) > 1 else "")
     if points.tolerance:
         drawn = sum(each.size for each in points.indices)
         total = sum(curve.frequency_hz.size for curve in view.curves if curve is not None)
         words += (
-            f". {drawn} of {total} points are drawn: those that the shapes need; none that is left out lies more than "
+            f". {drawn} of {total} points are plotted, as the shapes require; no omitted point is more than "
             f"{number(100 * points.tolerance, 2)} % of the figure from its line"
         )
     return f"{words}."
@@ -138,15 +138,13 @@ def _curves_note(view: SweepView, points: Thinned) -> str:
 def _optimum_words(view: SweepView) -> str:
     best = plots.optima(view)
     if not best:
-        return "No peak lies inside its computed range, so there is no optimum."
+        return "No peak is inside its computed range, so there is no optimum."
     place = view.place_of(LOAD_KEY) or 0
     peak, sentences = view.number("peak_amplitude_m"), []
     for optimum in best[: plots.LEGEND_ENTRIES]:
         load = view.table.keys[place].labels[view.positions[optimum.row, place]]
         group = f"{optimum.label}: " if optimum.label else ""
-        end = (
-            ", at an end of the loads whose peak is known, so the true optimum may lie beyond" if optimum.at_end else ""
-        )
+        end = ", at an end of the loads with a peak, so the true optimum may be beyond" if optimum.at_end else ""
         words = f"{group}lowest computed peak {number(MICRO * float(peak[optimum.row]))} µm at F_N = {load}{end}."
         sentences.append(words[0].upper() + words[1:])
     if len(best) > len(sentences):
@@ -159,7 +157,7 @@ def _omitted_maps(view: SweepView) -> str:
     total = math.prod(len(key.values) for key in view.table.keys[2:])
     if total <= plots.LARGEST_MAP_COUNT:
         return ""
-    return f" The first {plots.LARGEST_MAP_COUNT} of {total} combinations of the other keys are shown."
+    return f" The first {plots.LARGEST_MAP_COUNT} of {total} combinations of the other keys are on this page."
 
 
 @dataclass(frozen=True)
@@ -179,5 +177,5 @@ def _table_row(view: SweepView, place: int, row: SweepRow) -> _Row:
         cells.append("–" if math.isnan(value) else shown_number(factor * value, unit))
     remark = "" if row.converged else f"Failed: {row.message} "
     if row.converged and row.measures.get("peak_bracketed") == 0.0:
-        remark = "The largest amplitude lies at an end of the range. "
+        remark = "The largest amplitude is at an end of the range. "
     return _Row(cells, remark, row.warnings)

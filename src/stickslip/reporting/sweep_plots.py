@@ -88,7 +88,7 @@ def _curve_trace(view: SweepView, colour: str, dash: str, batch: Sequence[_Drawn
     key = view.table.keys[0]
     first, last = batch[0], batch[-1]
     if len(batch) == 1:
-        label = view.label(first.row) + ("" if view.table.rows[first.row].converged else " (not followed to its end)")
+        label = view.label(first.row) + ("" if view.table.rows[first.row].converged else " (incomplete)")
     else:
         ends = dict.fromkeys((key.labels[first.place], key.labels[last.place]))
         label = f"{short_name(key)} {' to '.join(ends)}"

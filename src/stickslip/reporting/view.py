@@ -83,7 +83,7 @@ class View:
 
     @property
     def rest_varies(self) -> bool:
-        """Whether the pressure at rest differs within a face, so that a map of it tells something."""
+        """Whether the pressure at rest differs within a face, so that a map of it is useful."""
         pressure = np.nan_to_num(self.rest_pressure_mpa)  # zero for pairs without any
         faces = (pressure[self.study.pair_face == face] for face in range(len(self.study.face_names)))
         return any(np.ptp(here) > 1e-6 * float(pressure.max()) for here in faces)

@@ -17,7 +17,7 @@ _MICRO = 1e6  # m to µm
 
 @dataclass(frozen=True)
 class AmplitudeCurve:
-    """What the figure shows: frequencies in Hz, 0-to-peak amplitudes in m, and the names of the linear stuck curve,
+    """Data of the figure: frequencies in Hz, 0-to-peak amplitudes in m, and the names of the linear stuck curve,
     of the output and of the curve itself."""
 
     frequency_hz: FloatArray

@@ -65,8 +65,8 @@ def read_groups(path: str | PathLike[str], read: Callable[[StoredGroup], Result]
         ) from error
     if signature != _HDF5_SIGNATURE:
         raise ResultsFileError(
-            f'"{source}" is not a NetCDF-4 file (its first bytes are {signature!r}). Give the results.nc that '
-            '"stickslip run" wrote.'
+            f'"{source}" is not a NetCDF-4 file (its first bytes are {signature!r}). Give the results.nc of "stickslip '
+            'run".'
         )
     try:
         open_hdf5(source, largest=None).close()
@@ -74,14 +74,14 @@ def read_groups(path: str | PathLike[str], read: Callable[[StoredGroup], Result]
     except ResultsFileError:
         raise
     except ImportFileError as error:
-        raise ResultsFileError(f"the results file is not read: {error}") from error
+        raise ResultsFileError(f"the results file cannot be read: {error}") from error
     except Exception as error:  # HDF5 raises many kinds of errors for damaged bytes
         reason = "its structure of groups and variables cannot be read"
         if isinstance(error, UnreadableError | InputError):
             reason = str(error).removesuffix(".")
         raise ResultsFileError(
-            f'the results file "{source}" is damaged or incomplete: {reason}. Copy it again from where it was made, or '
-            "solve again."
+            f'the results file "{source}" is damaged or incomplete: {reason}. Copy it again from the original '
+            "location, or solve again."
         ) from error
 
 
@@ -94,12 +94,12 @@ def _read(source: Path, content: bytes, read: Callable[[StoredGroup], Result]) -
         if _FORMAT not in file.attrs:
             raise ResultsFileError(
                 f'"{source}" is a NetCDF-4 file, but not one of stickslip: it has no attribute stickslip_format. Give '
-                'the results.nc that "stickslip run" wrote.'
+                'the results.nc of "stickslip run".'
             )
         version = root.whole_number(_FORMAT, 0, 10**6)
         if version != FORMAT_VERSION:
             raise ResultsFileError(
                 f'the results file "{source}" has format {version}, but this version of stickslip reads format '
-                f"{FORMAT_VERSION}. Open it with the stickslip that wrote it, or solve again."
+                f"{FORMAT_VERSION}. Open it with the version of stickslip that wrote it, or solve again."
             )
         return read(root)

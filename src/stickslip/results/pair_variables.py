@@ -48,11 +48,11 @@ class _CoulombVariables(Labelled):
     preload: FloatArray = field(metadata=stored(Numbers(_PAIR, "N", "normal force at rest")))
     residual_traction: FloatArray | None = field(
         default=None,
-        metadata=stored(Numbers(("pair", "tangent"), "N", "traction at rest that friction keeps", optional=True)),
+        metadata=stored(Numbers(("pair", "tangent"), "N", "retained traction at rest", optional=True)),
     )
     gap: FloatArray | None = field(
         default=None,
-        metadata=stored(Numbers(_PAIR, "m", "gap at rest; preload is minus what closes it", optional=True)),
+        metadata=stored(Numbers(_PAIR, "m", "gap at rest; preload is minus the force that closes it", optional=True)),
     )
     update: str | None = field(default=None, metadata=stored(Text("return of the friction law", optional=True)))
 
@@ -72,7 +72,7 @@ class _CoulombVariables(Labelled):
     def pairs(self) -> ContactPairs:
         update = CoulombLaw.update if self.update is None else self.update
         if update not in get_args(Update):
-            raise UnreadableError('the text "update" does not hold what a run writes there')
+            raise UnreadableError('the text "update" does not contain what a run writes there')
         pairs = ContactPairs(
             self.operator,
             self.normal_stiffness,
@@ -100,7 +100,7 @@ class _LawVariables(Labelled):
 
     members: NDArray[np.int64] = field(metadata=stored(WholeNumbers(_PAIR, "1", "pairs that follow the law")))
     plain: dict[str, _Plain] = field(
-        metadata=stored(Json(dict[str, _Plain], "constants that are no arrays, JSON object"))
+        metadata=stored(Json(dict[str, _Plain], "constants that are not arrays, JSON object"))
     )
     arrays: dict[str, str] = field(
         metadata=stored(Json(dict[str, Literal["b", "i", "u", "f"]], "constants that are arrays, and their kind"))
@@ -128,8 +128,8 @@ def pairs_from(group: StoredGroup, harmonics: int) -> ContactPairs:
     unknown = sorted(set(mixed.laws) - set(contact_law_names()))
     if unknown:
         raise ResultsFileError(
-            f'the results file has pairs of the contact law "{unknown[0]}", which is not known here. Install the '
-            "package that it is from, or call stickslip.register_contact_law before the file is read."
+            f'the results file has pairs of the contact law "{unknown[0]}", which is not registered. Install the '
+            "package of this law, or call stickslip.register_contact_law before you read the file."
         )
     parts = [group.subgroup(_law_group("", number)) for number in range(len(mixed.laws))]
     laws, members = zip(*(_law_from(name, part) for name, part in zip(mixed.laws, parts, strict=True)), strict=True)
@@ -169,7 +169,7 @@ def _storable_constants(law: ContactLaw) -> dict[str, Any]:
         elif is_array or not isinstance(value, _Plain):
             raise InputError(
                 f'the contact law "{law.name}" has the constant "{name}", which is of the kind {type(value).__name__}: '
-                "a results file holds numbers, texts and arrays of real numbers."
+                "a results file contains numbers, texts and arrays of real numbers."
             )
     return constants
 

@@ -33,7 +33,7 @@ Value = str | float | int
 ModeRow = Mapping[str, Value]
 MODE_COLUMNS = ("mode", "description", "full_hz", "reduced_hz", "difference_percent", "mac", "reference_hz")
 # Earlier versions had one reference, with a column of its own: the frequencies that their geometry was fitted to.
-EARLIER_REFERENCE = ("table2_hz", "the frequencies that the default geometry was fitted to")
+EARLIER_REFERENCE = ("table2_hz", "the frequencies to which the default geometry was fitted")
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,10 +63,10 @@ class StudyRecord(Labelled):
         rows with some of the keys mode, description, full_hz, reduced_hz, difference_percent, mac, reference_hz; no
         difference and mac where a body moves freely, no reference_hz for a mode that has none.
     mode_contact:
-        how the pairs were held for the mode table: "tied", "stuck" on their springs, or "stuck (pairs closed at rest)",
-        where those that are open at rest have no spring.
+        contact of the mode table: "tied", "stuck" on their springs, or "stuck (pairs closed at rest)", where pairs that
+        are open at rest have no spring.
     mode_reference:
-        where the ``reference_hz`` of the mode table come from: a measurement, another program, a publication.
+        source of the ``reference_hz`` of the mode table: a measurement, another program, a publication.
     derived:
         (name, value, unit, explanation) of derived quantities: face stiffness, Sq, preload, ...
     warnings:
@@ -91,7 +91,7 @@ class StudyRecord(Labelled):
             NamedRows(
                 ("output", "unknown"),
                 "1",
-                "rows that read a displacement",
+                "rows that give a displacement",
                 "output_names",
                 "names of the output rows, JSON list",
                 name="output_rows",
@@ -99,24 +99,22 @@ class StudyRecord(Labelled):
         )
     )
     signal_groups: dict[str, tuple[str, ...]] = field(
-        metadata=stored(Json(dict[str, list[str]], "outputs drawn together, JSON object"))
+        metadata=stored(Json(dict[str, list[str]], "outputs plotted together, JSON object"))
     )
     face_names: tuple[str, ...] = field(metadata=stored(Json(list[str], "names of the contact faces, JSON list")))
     pair_face: NDArray[np.int64] = field(metadata=stored(WholeNumbers(("pair",), "1", "face of each pair")))
     pair_position: FloatArray = field(
         metadata=stored(
-            Numbers(("pair", "direction"), "m", "place of the pair in its face: along the length, across the width")
+            Numbers(("pair", "direction"), "m", "position of the pair in its face: along the length, across the width")
         )
     )
     pair_area: FloatArray = field(metadata=stored(Numbers(("pair",), "m2", "nominal area of the pair")))
     mode_table: tuple[dict[str, str | float | int], ...] = field(
         default=(), metadata=stored(Json(list[dict[str, Value]], "mode table, JSON list of rows"))
     )
-    mode_contact: str = field(
-        default="tied", metadata=stored(Text("how the pairs were held for the mode table", optional=True))
-    )
+    mode_contact: str = field(default="tied", metadata=stored(Text("contact of the mode table", optional=True)))
     mode_reference: str = field(
-        default="", metadata=stored(Text("where the reference frequencies of the mode table come from", optional=True))
+        default="", metadata=stored(Text("source of the reference frequencies of the mode table", optional=True))
     )
     derived: tuple[tuple[str, str | float | int, str, str], ...] = field(
         default=(),
@@ -224,12 +222,12 @@ def _with_reference(table: Sequence[ModeRow], source: str) -> tuple[tuple[ModeRo
     wrong = [value for value in references if isinstance(value, str) or not value > 0]
     if wrong:
         raise InputError(
-            f"mode_table has the reference_hz {wrong[0]!r}; leave it out where a mode has none above 0.",
+            f"mode_table has the reference_hz {wrong[0]!r}; omit it if a mode has none above 0.",
             arguments=["mode_table"],
         )
     if references and not source:
         raise InputError(
-            "mode_table has reference_hz, but mode_reference does not say where they come from.",
+            "mode_table has reference_hz, but no mode_reference, which gives their source.",
             arguments=["mode_reference"],
         )
     return rows, source

@@ -105,7 +105,7 @@ class ForcedResponse(Labelled):
     DATASET_TITLE: ClassVar[str] = "Forced response of a structure with rough, dry-friction joints"
     # Properties that :meth:`to_xarray` adds to the stored data.
     DERIVED: ClassVar[Mapping[str, Numbers]] = {
-        "friction_energy": Numbers(_PAIRS, "J", "energy that friction takes per cycle"),
+        "friction_energy": Numbers(_PAIRS, "J", "energy that friction dissipates per cycle"),
         "moving_pairs": WholeNumbers(_CURVE, "1", "pairs that slip or separate"),
     }
 
@@ -129,7 +129,7 @@ class ForcedResponse(Labelled):
         )
     )
     dissipated_energy: FloatArray = field(
-        metadata=stored(Numbers(_PAIRS, "J", "energy taken by the contact force per cycle: friction and normal_work"))
+        metadata=stored(Numbers(_PAIRS, "J", "work on the contact force per cycle: friction and normal_work"))
     )
     normal_work: FloatArray = field(
         metadata=stored(Numbers(_PAIRS, "J", "work of the normal force per cycle, an error of sampling"))
@@ -141,10 +141,10 @@ class ForcedResponse(Labelled):
     iterations: NDArray[np.int64] = field(metadata=stored(WholeNumbers(_CURVE, "1", "Newton iterations")))
     input_energy: FloatArray = field(metadata=stored(Numbers(_CURVE, "J", "work of the excitation per cycle")))
     viscous_energy: FloatArray = field(
-        metadata=stored(Numbers(_CURVE, "J", "energy lost to viscous damping per cycle"))
+        metadata=stored(Numbers(_CURVE, "J", "energy that viscous damping dissipates per cycle"))
     )
     converged: bool = field(metadata=stored(Attribute(0, 1, bool)))
-    message: str = field(metadata=stored(Text("how the solve ended")))
+    message: str = field(metadata=stored(Text("message of the solver at its end")))
     warnings: tuple[str, ...] = field(metadata=stored(Json(list[str], "warnings of the solver, JSON list")))
     harmonics: int = field(metadata=stored(HarmonicNumbers()))
     samples: int = field(metadata=stored(Attribute(1, MOST_SAMPLES)))
@@ -172,7 +172,8 @@ class ForcedResponse(Labelled):
         if not np.isin(self.contact_state, list(ContactState)).all():
             states = [f"{state:d} ({state.label})" for state in ContactState]
             raise InputError(
-                f"contact_state must hold {', '.join(states[:-1])} or {states[-1]} only.", arguments=["contact_state"]
+                f"contact_state must contain only {', '.join(states[:-1])} or {states[-1]}.",
+                arguments=["contact_state"],
             )
         sizes = {
             "point": points[0],
@@ -195,8 +196,8 @@ class ForcedResponse(Labelled):
         top = int(self.input_energy.argmax())
         return (
             f"ForcedResponse({points_between(self.frequency_hz)}, {self.pairs.n_pairs} pairs; peak at "
-            f"{self.frequency_hz[top]:.2f} Hz, where {self.input_energy[top]:.3g} J per cycle go in and "
-            f"{self.moving_pairs[top]} pairs move; {'converged' if self.converged else 'NOT converged'})"
+            f"{self.frequency_hz[top]:.2f} Hz, with an input of {self.input_energy[top]:.3g} J per cycle and "
+            f"{self.moving_pairs[top]} moving pairs; {'converged' if self.converged else 'NOT converged'})"
         )
 
     def to_xarray(self) -> xarray.Dataset:
@@ -246,9 +247,9 @@ class ForcedResponse(Labelled):
 
     @property
     def stuck_name(self) -> str:
-        """Name of the linear stuck curve, which leaves pairs open that are open at rest.
+        """Name of the linear stuck curve, in which pairs that are open at rest stay open.
 
-        Of laws beside Coulomb friction it holds the springs that small motions feel.
+        For laws beside Coulomb friction it has the springs for small motions.
         """
         if not self.pairs.is_coulomb:
             return "linear, springs at rest"
@@ -284,8 +285,8 @@ class ForcedResponse(Labelled):
         """(n_points,) ``sqrt(c_k^2 + s_k^2)`` of ``output @ u``, and ``|c_0|`` for harmonic 0. Raises InputError."""
         if not 0 <= harmonic <= self.harmonics:
             raise InputError(
-                f"harmonic is {harmonic}, but this response holds harmonics 0 to {self.harmonics}. "
-                "Solve with more harmonics to see higher ones.",
+                f"harmonic is {harmonic}, but this response contains harmonics 0 to {self.harmonics}. Solve with more "
+                "harmonics to see higher ones.",
                 arguments=["harmonic"],
             )
         coefficients = self.coefficients(output)

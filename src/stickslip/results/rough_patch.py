@@ -50,12 +50,12 @@ class RoughPatch(Labelled):
         height = finite_array("height", self.height)
         if height.ndim != 2 or min(height.shape) < 2:
             raise InputError(
-                f"height must have shape (n_across, n_along), both 2 or more; found {height.shape}.",
+                f"height must have shape (n_across, n_along), both 2 or more, but its shape is {height.shape}.",
                 arguments=["height"],
             )
         if not (self.length > 0.0 and self.width > 0.0):
             raise InputError(
-                f"length and width must be above 0 m; found {self.length:g} and {self.width:g} m.",
+                f"length and width must be above 0 m, but are {self.length:g} and {self.width:g} m.",
                 arguments=["length", "width"],
             )
         object.__setattr__(self, "height", height)

@@ -61,8 +61,8 @@ class Motion(Labelled):
             array = finite_array(f"motion of the {name}", getattr(self, name))
             if array.ndim != 3 or array.shape[1] != 3 or array.shape[2] != columns or columns % 2 == 0:
                 raise InputError(
-                    f"the motion of the {name} must have the shape (count, 3, 2H+1) with the same harmonics H for all; "
-                    f"found {array.shape}."
+                    f"the motion of the {name} must have the shape (count, 3, 2H+1) with the same harmonics H for all, "
+                    f"but its shape is {array.shape}."
                 )
             object.__setattr__(self, name, array.astype(np.float32))
         object.__setattr__(self, "frequency_hz", real_number("frequency of the motion", self.frequency_hz))
@@ -114,9 +114,9 @@ class Sketch(Labelled):
     points: FloatArray = field(
         metadata=stored(Numbers(("point", "axis"), "m", "corners of the outer sides of the mesh"))
     )
-    held: NDArray[np.bool_] = field(metadata=stored(Flags(("point",), "1", "1 where the point is held")))
+    held: NDArray[np.bool_] = field(metadata=stored(Flags(("point",), "1", "1 if the point is constrained")))
     sides: NDArray[np.int64] = field(
-        metadata=stored(WholeNumbers(("side", "corner"), "1", "corners, seen from outside", np.int32))
+        metadata=stored(WholeNumbers(("side", "corner"), "1", "corners in the order seen from outside", np.int32))
     )
     body: NDArray[np.int64] = field(metadata=stored(WholeNumbers(("side",), "1", "body of each side", np.int32)))
     face: NDArray[np.int64] = field(
@@ -124,13 +124,15 @@ class Sketch(Labelled):
     )
     body_names: tuple[str, ...] = field(metadata=stored(Json(list[str], "names of the bodies, JSON list")))
     load_names: tuple[str, ...] = field(metadata=stored(Json(list[str], "names of the loads, JSON list")))
-    load_places: FloatArray = field(metadata=stored(Numbers(("load", "axis"), "m", "where the loads act")))
+    load_places: FloatArray = field(metadata=stored(Numbers(("load", "axis"), "m", "positions of the loads")))
     loads: FloatArray = field(
         metadata=stored(Numbers(("load", "axis"), "N", "vectors of the loads, harmonic ones 0-to-peak"))
     )
-    constant: NDArray[np.bool_] = field(metadata=stored(Flags(("load",), "1", "1 where the load is constant")))
+    constant: NDArray[np.bool_] = field(metadata=stored(Flags(("load",), "1", "1 if the load is constant")))
     response_names: tuple[str, ...] = field(metadata=stored(Json(list[str], "names of the responses, JSON list")))
-    response_places: FloatArray = field(metadata=stored(Numbers(("response", "axis"), "m", "where responses are read")))
+    response_places: FloatArray = field(
+        metadata=stored(Numbers(("response", "axis"), "m", "positions of the responses"))
+    )
     mesh_sides: int = field(metadata=stored(Count("number of outer sides of the mesh")))
     motion: Motion | None = field(
         default=None, metadata=stored(Embedded(Motion, name="motion_frequency", optional=True))
@@ -141,7 +143,7 @@ class Sketch(Labelled):
         sides = np.asarray(self.sides, dtype=np.int64)
         if points.ndim != 2 or sides.ndim != 2 or points.shape[1:] != (3,) or sides.shape[1:] != (4,) or not len(sides):
             raise InputError(
-                "a sketch needs points (n, 3) and at least one of its sides (m, 4), but the shapes are "
+                "a sketch requires points (n, 3) and at least one of its sides (m, 4), but the shapes are "
                 f"{points.shape} and {sides.shape}."
             )
         m, k, r = len(sides), len(self.load_names), len(self.response_names)
@@ -156,11 +158,12 @@ class Sketch(Labelled):
         for name, numbers, count in (("sides", sides, len(points)), ("body", body, len(self.body_names))):
             if numbers.min() < 0 or numbers.max() >= count:
                 raise InputError(
-                    f"{name} of the sketch must hold numbers from 0 to {count - 1}; found others.", arguments=[name]
+                    f"{name} of the sketch must contain numbers from 0 to {count - 1}, but has others.",
+                    arguments=[name],
                 )
         if not np.any(self.loads, axis=1).all():
             raise InputError(
-                "loads of the sketch has a load of 0 N, which has no direction; leave it out.", arguments=["loads"]
+                "loads of the sketch contains a load of 0 N, which has no direction; remove it.", arguments=["loads"]
             )
         if self.mesh_sides < m:
             raise InputError(
@@ -195,7 +198,7 @@ class Sketch(Labelled):
     def _require_shape(self, name: str, shape: tuple[int, ...]) -> None:
         actual = np.shape(getattr(self, name))
         if actual != shape:
-            raise argument_error(name, f"{name} of the sketch must have shape {shape}; found {actual}.")
+            raise argument_error(name, f"{name} of the sketch must have shape {shape}, but its shape is {actual}.")
 
     def __repr__(self) -> str:
         return f"Sketch({len(self.sides)} of {self.mesh_sides} outer sides of {', '.join(self.body_names)})"

@@ -44,7 +44,9 @@ class StoredGroup:
         """A variable as an array of floats of any shape."""
         array = self._array(name, "fiu").astype(float)
         if not np.isfinite(array).all() or np.abs(array).max(initial=0.0) > LARGEST_NUMBER:
-            raise UnreadableError(f'the variable "{name}" holds values that are not finite or above {LARGEST_NUMBER:g}')
+            raise UnreadableError(
+                f'the variable "{name}" contains values that are not finite or above {LARGEST_NUMBER:g}'
+            )
         return np.asarray(array)
 
     def integers(self, name: str) -> NDArray[np.int64]:
@@ -66,7 +68,7 @@ class StoredGroup:
         try:
             return TypeAdapter(kind).validate_json(self.text(name), strict=True)
         except ValidationError as error:
-            raise UnreadableError(f'the text "{name}" does not hold what a run writes there') from error
+            raise UnreadableError(f'the text "{name}" does not contain what a run writes there') from error
 
     def whole_number(self, name: str, least: int, most: int) -> int:
         """An attribute that is one whole number from ``least`` to ``most``."""
@@ -80,9 +82,9 @@ class StoredGroup:
     def _array(self, name: str, kinds: str) -> NDArray[Any]:
         dataset = self._dataset(name)
         if dataset.shape is None or dataset.dtype.kind not in kinds:
-            raise UnreadableError(f'the variable "{name}" does not hold numbers of the kind that a run writes')
+            raise UnreadableError(f'the variable "{name}" does not contain numbers of the kind that a run writes')
         if dataset.size * dataset.dtype.itemsize > self.most_bytes:
-            raise UnreadableError(f'the variable "{name}" claims to be larger than the file can hold')
+            raise UnreadableError(f'the variable "{name}" has a declared size above that of the file')
         return np.asarray(dataset[()])
 
     def _dataset(self, name: str) -> h5py.Dataset:
@@ -90,7 +92,7 @@ class StoredGroup:
         if not isinstance(item, h5py.Dataset):
             raise UnreadableError(f'"{name}" is not a variable')
         if item.external or item.is_virtual:
-            raise UnreadableError(f'the variable "{name}" takes its content from another file, which is not followed')
+            raise UnreadableError(f'the variable "{name}" refers to another file, which is not read')
         return item
 
     def _item(self, name: str) -> Any:
@@ -98,5 +100,5 @@ class StoredGroup:
         if link is None:
             raise UnreadableError(f'"{name}" is missing')
         if not isinstance(link, h5py.HardLink):
-            raise UnreadableError(f'"{name}" is a link to another place, which is not followed')
+            raise UnreadableError(f'"{name}" is a link to another location, which is not followed')
         return self.group[name]

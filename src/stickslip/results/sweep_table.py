@@ -141,8 +141,8 @@ class SweepTable:
         about = {key.name: (key.unit or "1", f"{key.name} of the study file") for key in self.keys}
         about |= {name: (unit, meaning) for name, (unit, meaning, _) in SUMMARY_COLUMNS.items()}
         about |= {
-            "converged": ("1", "1 if the curve was followed to its end"),
-            "message": ("", "how the case ended"),
+            "converged": ("1", "1 if the curve is complete"),
+            "message": ("", "message of the case at its end"),
             "warnings": ("", "warnings of the study and of the solver"),
             "file": ("", "results file, relative to the folder of the sweep"),
             "case": ("", "name of the case"),

@@ -162,7 +162,7 @@ class Coefficients(Entry):
         name = self.label(field)
         mean, cosine, sine = (group.numbers(f"{name}_{part}") for part in ("mean", "cosine", "sine"))
         if cosine.shape != sine.shape or cosine.shape[:-1] != mean.shape or cosine.shape[-1] > harmonics:
-            raise UnreadableError(f'the parts of "{name}" do not have shapes that fit each other')
+            raise UnreadableError(f'the parts of "{name}" do not have compatible shapes')
         array = np.zeros((*mean.shape, 2 * harmonics + 1))
         stop = 2 * cosine.shape[-1] + 1
         array[..., 0], array[..., 1:stop:2], array[..., 2:stop:2] = mean, cosine, sine

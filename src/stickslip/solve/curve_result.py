@@ -96,7 +96,7 @@ def response_of(
         input_energy=measures.input_energy,
         viscous_energy=measures.viscous_energy,
         converged=converged,
-        message=f"{how} {'The curve reaches the stop frequency.' if converged else message}",
+        message=f"{how} {'The curve reached the stop frequency.' if converged else message}",
         warnings=warnings + neighbour_warnings(*places_hz),
         harmonics=harmonics,
         samples=balance.samples,

@@ -130,7 +130,7 @@ def _read(path: Path) -> Arrays | None:
 def _write(path: Path, arrays: Arrays) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(path, "kept structure", StickslipError) as part, part.open("w+b") as stream:
+        with whole_file(path, "stored structure", StickslipError) as part, part.open("w+b") as stream:
             np.savez(stream, allow_pickle=False, **arrays)
             seal(stream, path.stem)
         _free_space(path.parent)

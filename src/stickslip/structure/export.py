@@ -80,8 +80,8 @@ def write_deflected_period(path: str | Path, mesh: Mesh, coefficients: FloatArra
         )
     if n_frames < n_coefficients:
         raise InputError(
-            f"n_frames is {n_frames}; {(n_coefficients - 1) // 2} harmonics need {n_coefficients} frames or more, and "
-            "36 make a smooth animation.",
+            f"n_frames is {n_frames}; {(n_coefficients - 1) // 2} harmonics require {n_coefficients} frames or more, "
+            "and 36 make a smooth animation.",
             arguments=["n_frames"],
         )
     synthesis = synthesis_matrix((n_coefficients - 1) // 2, n_frames)

@@ -53,9 +53,9 @@ def tie_matrix(followers: IntArray, leaders: IntArray, weights: FloatArray, size
     used = weights != 0.0
     if len(np.unique(followers)) != len(followers) or np.intersect1d(leaders[used], followers).size:
         raise InputError(
-            "a node is the follower in more than one contact pair (the second node where all pairs join node to node, "
-            "else the first one), or the leader in one pair and the follower in another; such pairs cannot be tied. "
-            "Give springs instead."
+            "a node is the follower in more than one contact pair (the second node if all pairs connect node to node, "
+            "otherwise the first one), or the leader in one pair and the follower in another; such pairs cannot be "
+            "tied. Give springs instead."
         )
     leads = np.ones(size, dtype=bool)
     leads[followers] = False

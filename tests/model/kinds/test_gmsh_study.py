@@ -107,7 +107,7 @@ def quick(folder: Path, changes: dict[str, str]) -> Path:
 def run(path: Path, out: Path) -> str:
     result = CliRunner().invoke(app, ["run", str(path), "--out", str(out)])
     assert result.exit_code == 0, result.output
-    assert "The curve reaches the stop frequency." in result.output
+    assert "The curve reached the stop frequency." in result.output
     assert np.abs(energy_imbalance(load_results(out / "results.nc").response)).max() < 1e-6
     return result.output
 

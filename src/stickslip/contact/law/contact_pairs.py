@@ -122,7 +122,7 @@ class ContactPairs:
         if [group.size for group in groups] != counts or not np.array_equal(together, np.arange(n_pairs)):
             raise InputError(
                 f"the laws are for {' + '.join(map(str, counts)) or 'no'} pairs, but the operator has {n_pairs}: each "
-                "pair needs exactly one law."
+                "pair requires exactly one law."
             )
         if len(laws) == 1 and not np.array_equal(groups[0], together):
             raise InputError("a single law has its pairs in order; sort members, or omit it.")

@@ -84,7 +84,7 @@ class JenkinsElement(HystereticLaw):
         largest = np.where(self.tangential_stiffness > 0.0, self.friction_limit, 0.0)
         if kept.shape != largest.shape or (np.abs(kept) > largest).any():
             raise InputError(
-                f"residual_traction of the law {self.name} must have shape {largest.shape} and lie within the friction "
+                f"residual_traction of the law {self.name} must have shape {largest.shape} and be within the friction "
                 f"limit of each element (0 where its stiffness is 0), but its shape is {kept.shape} and its largest "
                 f"value {np.abs(kept).max(initial=0.0):g} N. Use the traction of static_preload.",
                 ("residual_traction",),

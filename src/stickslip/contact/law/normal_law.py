@@ -107,7 +107,7 @@ class PressureGapLaw:
             raise InputError(f"the pressures must satisfy 0 < lowest < highest, but are {lowest:g} and {highest:g} Pa.")
         pressure = np.geomspace(lowest, highest, TABLE_POINTS)
         kappa = finite_array("stiffness", stiffness(pressure))
-        require_positive("stiffness", kappa, "A pressure-gap law requires a stiffness per area at every pressure.")
+        require_positive("stiffness", kappa, "A pressure-gap law requires a stiffness per area at each pressure.")
         slope = 0.5 * (1.0 / kappa[1:] + 1.0 / kappa[:-1])
         first = lowest / kappa[0]
         closure = np.concatenate([[0.0, first], first + np.cumsum(slope * np.diff(pressure))])

@@ -276,7 +276,7 @@ def why_no_stiffness(roughness: Roughness, mode: StiffnessMode, load: float) -> 
             'use mode "unloading", where plastic spots respond to oscillation too (it requires shortest_length)'
         )
     return (
-        f"with D = {roughness.fractal_dimension:g} and G = {scale:g} m every contact spot is plastic under a face load "
+        f"with D = {roughness.fractal_dimension:g} and G = {scale:g} m each contact spot is plastic under a face load "
         f"of {load:.4g} N; elastic spots require more than {enough} N. Remedies: {', or '.join(ways)}. At these limits "
         "the stiffness is still almost zero. If G is from a publication, check its unit: m and mm differ by a factor "
         "of 1000."

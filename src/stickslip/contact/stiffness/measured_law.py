@@ -47,7 +47,7 @@ class MeasuredStiffness:
                     (name,),
                 )
             with concerning(name):
-                require_positive(name, values, "Measured contact has a stiffness at every pressure.")
+                require_positive(name, values, "Measured contact has a stiffness at each pressure.")
             object.__setattr__(self, name, values)
         lengths = {getattr(self, name).size for name in ("pressure", "normal_stiffness", "tangential_stiffness")}
         if len(lengths) > 1:

@@ -146,7 +146,7 @@ def _part(lines: FloatArray, place: LineSet) -> _Part:
     total, rest = float(np.mean(centred**2)), float(np.mean(flat**2))
     if not rest > 1e-24 * max(total, float(np.mean(lines**2))):
         raise InputError(
-            "the heights lie on straight lines, so they contain no roughness. Check the column, the unit, and whether "
+            "the heights are on straight lines, so they contain no roughness. Check the column, the unit, and whether "
             "the instrument's resolution is finer than the roughness."
         )
     return _Part(flat, place, 1.0 - rest / total)

@@ -163,7 +163,7 @@
     for (const now of document.querySelectorAll(".now")) {
       now.textContent = hertz(data.frequency[point]) + ", " + digits(data.amplitude[point]) + " µm" +
         (point === data.point ? " (the peak)" : "") + (point === chosen.point ? "" :
-          " (maps are held for " + data.mapPoints.length + " of the points; this is the nearest)");
+          " (this page contains maps of " + data.mapPoints.length + " points; this is the nearest)");
     }
     element("energy-now").textContent = digits(data.energyTotal[point]) + " " + data.energyUnit;
     let largest = 0;
@@ -199,8 +199,8 @@
     const entry = data.mapPoints.indexOf(point) * data.nPairs + chosen.pair;
     element("pair-now").textContent = data.pairLabel[chosen.pair];
     let words = "";
-    if (held < 0) words = " (loops of so many pairs would make this page too large; the results file holds them)";
-    else if (point !== chosen.point) words = " (loops are held for " + loops.points.length + " of the points; this is the nearest)";
+    if (held < 0) words = " (loops of so many pairs would make this page too large; the results file contains them)";
+    else if (point !== chosen.point) words = " (this page contains loops of " + loops.points.length + " points; this is the nearest)";
     element("loop-now").textContent = data.lawStates[data.lawOfPair[chosen.pair]][states[entry]] + " at " + hertz(data.frequency[point]) + ", " +
       digits(energy[entry]) + " " + data.energyUnit + " per cycle" + words;
     if (held < 0) return;

@@ -80,7 +80,7 @@ def normal_work_warnings(
     worst = int(share.argmax())
     if share[worst] <= LARGEST_NORMAL_WORK:
         return ()
-    verb = "give" if normal_work[worst] < 0.0 else "take"
+    verb = "supply" if normal_work[worst] < 0.0 else "dissipate"
     return (
         f"Too few samples: the normal forces of the pairs {verb} {100 * share[worst]:.1f} % of the energy of the "
         f"excitation at {omega[worst] / (2 * np.pi):.2f} Hz (required: below {100 * LARGEST_NORMAL_WORK:.0f} %), "
