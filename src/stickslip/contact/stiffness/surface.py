@@ -2,8 +2,8 @@
 
 z(x, y) = A sum_{m=1..M} sum_{n=0..n_max} gamma^((D-3)n) { cos phi_mn - cos[k_n e_m.(x, y) + phi_mn] }
 with the directions e_m = (cos(pi m/M), sin(pi m/M)), k_n = 2 pi gamma^n / L and A = L (G/L)^(D-2) sqrt(ln gamma / M).
-Source: Ausloos and Berry (1985), in the form of Yan and Komvopoulos (1998); D is the dimension of the surface. The sources
-print sqrt(x^2+y^2) cos(atan(y/x) - pi m/M) in place of the dot product, which is wrong for x < 0. See
+Source: Ausloos and Berry (1985), in the form of Yan and Komvopoulos (1998); D is the dimension of the surface. The
+sources print sqrt(x^2+y^2) cos(atan(y/x) - pi m/M) in place of the dot product, which is wrong for x < 0. See
 docs/theory_roughness.md.
 """
 
