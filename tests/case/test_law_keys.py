@@ -71,7 +71,7 @@ def test_values_are_in_si_and_come_back_from_mapping_text_and_pickle() -> None:
         ({"interfaces.joint.constants.ratio": None}, "constants.ratio", "is missing"),
         ({"interfaces.joint.constants.slip_force": "3 mm"}, "constants.slip_force", "a unit of length"),
         ({"interfaces.joint.constants.slip_force": [1, 2, 3]}, "constants.slip_force", "a list of 2"),
-        ({"interfaces.joint.constants.exponent": 0.5}, "constants.exponent", "above -1 and at most 0"),
+        ({"interfaces.joint.constants.exponent": 0.5}, "constants.exponent", "from -0.99 to 0"),
         ({"interfaces.joint.constants.slip_force": "-1 N"}, "constants.slip_force", "must be above 0"),
         ({"interfaces.joint.constants": "iwan"}, "constants", "a section of its own"),
         ({"interfaces.joint.friction": 0.2}, "friction", 'has no effect on the law "iwan"'),

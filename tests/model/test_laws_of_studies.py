@@ -130,3 +130,28 @@ def test_laws_of_a_study_under_a_solved_preload_are_those_of_python(traction: st
     assert rows["Pairs in the state 'hits the stop' at rest, elasticstop"] == 1
     assert rows["Normal force at rest, elasticstop"] == pytest.approx(float(state.normal_force[1]))
     assert rows["Pairs open at rest, coulomb"] == 0
+
+
+def test_a_stiffness_that_an_interface_leaves_out_is_that_of_all_faces(tmp_path: Path) -> None:
+    """An Iwan joint requires the tangential one alone; the normal one was 0 then, whatever [contact_stiffness] said."""
+    write_masses(tmp_path)
+    common = '[contact_stiffness]\nnormal_stiffness = "1e6 N/m"\ntangential_stiffness = "9e5 N/m"\n'
+    pairs = ss.build_model(ss.load_case(write_study(tmp_path, interface_text("joint", "iwan"), common))).pairs
+    assert pairs.resting_stiffness().tolist() == [1e4, 1e4, 1e6]
+
+
+@pytest.mark.parametrize("name", ["jenkins", "iwan"])
+def test_a_released_joint_has_no_states_at_rest_and_keeps_its_normal_force(name: str, tmp_path: Path) -> None:
+    """All pairs of laws with friction were called slipping, also where nothing can slip."""
+    write_masses(tmp_path)
+    common = '[contact_stiffness]\nnormal_stiffness = "1e6 N/m"\ntangential_stiffness = "9e5 N/m"\n'
+    press = '[static_loads.press]\nnode = 1\ndirection = [0, 0, 1]\nforce = "9 N"\n[preload]\nmethod = "solved"\n'
+    model = ss.build_model(ss.load_case(write_study(tmp_path, interface_text("joint", name), common, press)))
+    rows = {row[0]: row[1] for row in resting_state(model)}
+    assert not [row for row in rows if row.startswith("Pairs")]
+    assert model.preload is not None
+    assert f"{name} free to slide" in model.preload.state.message
+    assert float(rows["Normal force at rest, joint"]) > 3.0
+    (law,) = model.pairs.laws
+    assert law.normal_load == pytest.approx([rows["Normal force at rest, joint"]])
+    assert law.cycle(np.zeros((8, 1, 3))).force[:, 0, 2] == pytest.approx(float(law.normal_load[0]))

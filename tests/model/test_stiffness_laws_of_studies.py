@@ -77,7 +77,7 @@ def test_a_pressure_outside_of_the_table_is_a_warning() -> None:
     joint = load_joint(case, set_up(case).layout)
     (sentence,) = joint.stiffness_warnings
     assert sentence.startswith("sole: Pressures from")
-    assert "outside the measured range, 1 to 3 Pa" in sentence
+    assert "are above the measured range, 1 to 3 Pa" in sentence
     assert any(sentence == words for title, rows in check(case) if title == "Warnings" for _, words in rows)
 
 
@@ -108,7 +108,10 @@ def test_a_solved_preload_follows_the_table(allocation: str, normal_law: str, tm
         np.testing.assert_allclose(joint.normal_stiffness, normal, rtol=1e-3)
     else:  # the slope of the pressure over the closure is the law at the pressure of each pair
         np.testing.assert_allclose(joint.normal_stiffness, normal, rtol=0.02)
-    assert joint.stiffness_warnings == ()
+    # The curve of pressure over closure begins at 1 % of the mean pressure of 80 kPa, below the table.
+    below = ["800 Pa are below the measured range, 1e+03 to 1e+06 Pa"] if normal_law == "pressure-gap" else []
+    assert len(joint.stiffness_warnings) == len(below)
+    assert all(part in words for part, words in zip(below, joint.stiffness_warnings, strict=True))
 
 
 @pytest.mark.slow
@@ -124,7 +127,7 @@ def test_a_solved_pressure_outside_of_the_table_is_a_warning(
     assert pressure.mean() < 8.2e4 < pressure.max()
     sentences = model.joint.stiffness_warnings
     assert bool(sentences) is warns
-    assert all("outside the measured range, 1e+03 to 8.2e+04 Pa" in each for each in sentences)
+    assert all("the measured range, 1e+03 to 8.2e+04 Pa" in each for each in sentences)
 
 
 @pytest.mark.parametrize(

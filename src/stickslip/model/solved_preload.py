@@ -176,7 +176,12 @@ def _pressure_warnings(
     if case.preload.normal_law == "spring":
         return pressure_warnings(joint.layout, _with_floor(case, joint, settings, state.normal_force), settings)
     least = _lowest_load(case, joint, state.normal_force)
-    return pressure_warnings(joint.layout, np.maximum(state.normal_force, least), settings, of_each_pair=True)
+    # The curve of pressure over closure begins at the lowest pressure.
+    both = (
+        *pressure_warnings(joint.layout, np.maximum(state.normal_force, least), settings, of_each_pair=True),
+        *pressure_warnings(joint.layout, least, settings, of_each_pair=True),
+    )
+    return tuple(dict.fromkeys(both))
 
 
 def _pressure_gap_law(case: Case, joint: Joint, settings: Sequence[FaceSettings], state: StaticState) -> NormalLaw:

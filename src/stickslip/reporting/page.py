@@ -53,7 +53,7 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
     }
     return whole_page(
         "page.html",
-        "Forced response with rough frictional contact",
+        "Forced response of a structure with joints",
         values,
         response.provenance,
         scripts=("unpack.js", "page.js", *(script for section in sections for script in section.scripts)),

@@ -68,7 +68,7 @@ def sweep_page(view: SweepView, title: str, inputs: str, provenance: Mapping[str
     figures = _figures(view, points) | {f"map-{count}": figure for count, (_, figure) in enumerate(maps)}
     return whole_page(
         "sweep.html",
-        "Sweep of forced responses with rough frictional contact",
+        "Sweep of forced responses of structures with joints",
         values,
         provenance,
         head_title=f"{title}: sweep",

@@ -132,7 +132,10 @@ def resting_state(model: ReducedModel) -> tuple[Derived, ...]:
 
 def _resting_face(name: str, law: ContactLaw, state: StaticState, here: BoolArray) -> list[Derived]:
     """States and forces at rest of a face with another law than Coulomb's."""
-    counts = [(words, int((state.state[here] == code).sum())) for code, words in law.states.items()]
+    # Without friction the codes of a law with friction do not describe the pairs: all are free to slide.
+    has_states = state.memory is not None or not law.frictional().any()
+    codes = law.states.items() if has_states else ()
+    counts = [(words, int((state.state[here] == code).sum())) for code, words in codes]
     force = (float(state.normal_force[here].sum()), float(np.linalg.norm(state.traction[here].sum(axis=0))))
     of_all = f"of {int(here.sum())}; law {law.name}"
     return [

@@ -171,3 +171,14 @@ def test_coulomb_about_a_state_has_its_load_gap_and_traction() -> None:
     assert about.gap == pytest.approx([0.0, 1.5e-6])
     assert about.resting_traction == pytest.approx(np.array([[2.0, 0.0], [0.0, 0.0]]))
     assert law.about(rest, None).released
+
+
+def test_a_stop_that_a_load_holds_closed_is_a_spring() -> None:
+    """It was counted as hitting the stop, though its stiffness never changed."""
+    stop = ss.ElasticStop(np.array([2e6]), gap=np.array([1e-6]), spring=np.array([1e6]))
+    about = stop.about(np.array([[0.0, 0.0, 5e-6]]), None)
+    motion = np.zeros((1, 3, 3))
+    motion[0, 2, 1] = 1e-7
+    assert about.period(motion, 64).state.tolist() == [ss.ContactState.STUCK]
+    motion[0, 2, 1] = 6e-6
+    assert about.period(motion, 64).state.tolist() == [ss.ContactState.SEPARATING]

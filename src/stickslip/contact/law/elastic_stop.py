@@ -44,7 +44,7 @@ class ElasticStop(ElasticLaw):
 
     name: ClassVar[str] = "elastic-stop"
     states: ClassVar[Mapping[ContactState, str]] = {
-        ContactState.STUCK: "free of the stop",
+        ContactState.STUCK: "no impact",
         ContactState.SEPARATING: "hits the stop",
     }
 
@@ -87,6 +87,6 @@ class ElasticStop(ElasticLaw):
         return force, slope
 
     def states_of(self, slope: FloatArray) -> CodeArray:
-        """(p,) separating where the stop is hit within the period."""
-        hits = (slope[:, 2] > self.spring[:, None]).any(axis=1)
+        """(p,) separating where the stiffness changes within the period; a stop that stays closed is a spring."""
+        hits = (slope[:, 2] != self.resting_springs()[:, 2, None]).any(axis=1)
         return np.where(hits, ContactState.SEPARATING, ContactState.STUCK).astype(np.int8)

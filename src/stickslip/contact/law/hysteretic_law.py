@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, cast
 
 import numpy as np
 
 from stickslip.contact.law.law import BoolArray, CodeArray, ContactCycle, ContactState, IndexArray, LawPeriod, LawStep
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import analysis_matrix, synthesis_matrix
-from stickslip.core.validation import FloatArray
+from stickslip.core.validation import FloatArray, per_pair
 
 
 @lru_cache(maxsize=32)
@@ -138,7 +138,7 @@ class HystereticLaw(ABC):
         tangential, _, slips, energy = self.periods(paths)
         force = np.empty_like(displacement)
         force[:, :, :2] = np.moveaxis(tangential, 2, 0)
-        force[:, :, 2] = self.normal_stiffness * displacement[:, :, 2]
+        force[:, :, 2] = self.normal_load + self.normal_stiffness * displacement[:, :, 2]
         springs = np.where(self.tangential_stiffness > 0.0, self.tangential_stiffness, 1.0)
         slider = displacement[:, :, :2] - force[:, :, :2] / springs
         return ContactCycle(force, slider, _states(slips), energy, np.zeros(self.n_pairs))
@@ -153,8 +153,36 @@ class HystereticLaw(ABC):
         return LawStep(force, derivative, _states(tangential.slips), tangential.memory)
 
     def about(self, displacement: FloatArray, memory: Any) -> Self:
-        """See :class:`stickslip.contact.law.law.ContactLaw`; released it is the same law wherever it rests."""
-        return self if memory is None else self.keeping(memory)
+        """See :class:`stickslip.contact.law.law.ContactLaw`; released it has the same tangential force everywhere."""
+        law = self if memory is None else self.keeping(memory)
+        return law.with_normal_load(self.normal_load + self.normal_stiffness * displacement[:, 2])
+
+    def with_normal_load(self, force: FloatArray) -> Self:
+        """The law with a normal force (p,) N at rest, which nothing but :meth:`cycle` shows; here it is not shown."""
+        return self
+
+
+@dataclass(frozen=True)
+class RestingNormalForce:
+    """Part of a hysteretic law that shows the force of its normal spring in a loaded state at rest.
+
+    rest_normal_force:
+        (p,) N along n at rest, above 0 for pressure; 0 unless given. Given by name only.
+    """
+
+    rest_normal_force: FloatArray = field(default=cast("FloatArray", 0.0), kw_only=True)
+
+    def _take_normal_force(self, n_pairs: int) -> None:
+        object.__setattr__(self, "rest_normal_force", per_pair("rest_normal_force", self.rest_normal_force, n_pairs))
+
+    @property
+    def normal_load(self) -> FloatArray:
+        """(p,) N along n at rest."""
+        return self.rest_normal_force
+
+    def with_normal_load(self, force: FloatArray) -> Self:
+        """The law with a normal force (p,) N at rest."""
+        return replace(self, rest_normal_force=force)
 
 
 def _states(slips: BoolArray) -> CodeArray:

@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.contact.constants import constant
 from stickslip.contact.law.component_law import pairs_in, per_component, require_at_least_zero
-from stickslip.contact.law.hysteretic_law import HystereticLaw, TangentialStep
+from stickslip.contact.law.hysteretic_law import HystereticLaw, RestingNormalForce, TangentialStep
 from stickslip.contact.law.law import BoolArray, ContactState, IndexArray
 from stickslip.core.compiled import njit
 from stickslip.core.errors import InputError
@@ -29,7 +29,7 @@ class SliderMemory:
 
 
 @dataclass(frozen=True)
-class JenkinsElement(HystereticLaw):
+class JenkinsElement(RestingNormalForce, HystereticLaw):
     """``T = k (s - w)``, ``|T| <= friction_limit``, the slider w moves where T is at the limit; along t1 and along t2.
 
     One-dimensional dry friction with a constant normal load (G. M. Jenkins, J. Appl. Phys. 33 (1962) 2055 for the
@@ -69,6 +69,7 @@ class JenkinsElement(HystereticLaw):
 
     def __post_init__(self) -> None:
         count = pairs_in(self.name, self.tangential_stiffness, self.friction_limit, self.normal_stiffness)
+        self._take_normal_force(count)
         for name in ("tangential_stiffness", "friction_limit"):
             object.__setattr__(self, name, per_component(name, getattr(self, name), count, 2))
         object.__setattr__(self, "normal_stiffness", per_pair("normal_stiffness", self.normal_stiffness, count))

@@ -10,6 +10,9 @@ from stickslip.contact.constants import constant
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.validation import FloatArray, finite_array, require_positive
 
+# A load over an area that should be an end of the table differs from it by round-off only.
+ROUND_OFF = 1e-9
+
 
 @dataclass(frozen=True)
 class MeasuredStiffness:
@@ -72,15 +75,18 @@ class MeasuredStiffness:
         return self._at(pressure, self.tangential_stiffness)
 
     def valid(self, pressure: FloatArray) -> tuple[str, ...]:
-        """A sentence where a pressure is outside of the table."""
+        """A sentence for pressures below the table, and one for pressures above it."""
         low, high = self.pressure[0], self.pressure[-1]
-        outside = (pressure < low) | (pressure > high)
-        if not outside.any():
-            return ()
-        values = np.asarray(pressure)[outside]
-        return (
-            f"Pressures from {values.min():.3g} to {values.max():.3g} Pa are outside the measured range, {low:.3g} to "
-            f"{high:.3g} Pa; the stiffness there continues the power law of the last two points.",
+        values = np.asarray(pressure, dtype=float)
+        sides = (
+            ("below", values[values < low * (1.0 - ROUND_OFF)]),
+            ("above", values[values > high * (1.0 + ROUND_OFF)]),
+        )
+        return tuple(
+            f"Pressures from {outside.min():.3g} to {outside.max():.3g} Pa are {side} the measured range, {low:.3g} to "
+            f"{high:.3g} Pa; the stiffness there continues the power law of the two nearest points."
+            for side, outside in sides
+            if outside.size
         )
 
     def describe(self) -> str:

@@ -83,8 +83,10 @@ class OwnKind(Generic[OwnCaseT]):
                 named = NamedLaw(name, each.other_law, each.declaration, each.constants)
             stiffness, law = common.stiffness, common.pressure_law
             if each.has_own_stiffness:
-                own = (each.normal_stiffness, each.tangential_stiffness)
-                stiffness = None if each.stiffness_law is not None else own
+                # A law may require one of the two alone; [contact_stiffness] gives the other one if it has it.
+                given = (each.normal_stiffness, each.tangential_stiffness)
+                own = tuple(a if a is not None else b for a, b in zip(given, common.stiffness or given, strict=True))
+                stiffness = None if each.stiffness_law is not None else (own[0], own[1])
                 law = pressure_law(each, section)
             friction = common.friction if each.friction is None else each.friction
             settings.append(FaceSettings(friction, stiffness, f"{section}.normal_load", law, named))

@@ -205,6 +205,8 @@ class LoadRamp:
             if isinstance(law, CoulombLaw):
                 limit = f", {count[ContactState.STICK_SLIP]} on the friction limit" if joint.friction else ""
                 parts.append(f"{count[ContactState.SEPARATING]} pairs open{limit}")
+            elif not joint.friction and law.frictional().any():
+                parts.append(f"{law.name} free to slide")  # codes of states with friction say nothing here
             else:
                 words = [f"{count[state]} {name}" for state, name in law.states.items() if count[state]]
                 parts.append(f"{law.name} {', '.join(words)}")
