@@ -73,6 +73,7 @@ def test_values_are_in_si_and_come_back_from_mapping_text_and_pickle() -> None:
         ({"interfaces.joint.constants.slip_force": [1, 2, 3]}, "constants.slip_force", "a list of 2"),
         ({"interfaces.joint.constants.exponent": 0.5}, "constants.exponent", "from -0.99 to 0"),
         ({"interfaces.joint.constants.slip_force": "-1 N"}, "constants.slip_force", "must be above 0"),
+        ({"interfaces.joint.constants.slip_force": "1e13 N"}, "constants.slip_force", "at most 1e12 N"),
         ({"interfaces.joint.constants": "iwan"}, "constants", "a section of its own"),
         ({"interfaces.joint.friction": 0.2}, "friction", 'has no effect on the law "iwan"'),
         ({"interfaces.joint.gap": "1 mm"}, "gap", 'has no effect on the law "iwan"'),

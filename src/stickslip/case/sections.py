@@ -26,7 +26,15 @@ from pydantic import (
 )
 
 from stickslip.core.errors import InputError
-from stickslip.core.units import LARGEST_INTEGER, NEGLIGIBLE, Count, Quantity, Respelled
+from stickslip.core.units import (
+    LARGEST_FORCE,
+    LARGEST_INTEGER,
+    LARGEST_STIFFNESS,
+    NEGLIGIBLE,
+    Count,
+    Quantity,
+    Respelled,
+)
 
 _CONTROLS = ("Cc", "Cs", "Zl", "Zp")  # controls, halves of characters, separators of lines and paragraphs
 # Limits are wide on purpose: from micromachined parts (micrometres, micrograms) to the largest turbines. Values outside
@@ -36,15 +44,13 @@ Length = Annotated[float, Quantity("length", shown="mm", at_least=1e-9, at_most=
 # Distances and places in a mesh or in matrices: as large as a ship, with room for those who write "far away".
 Distance = Annotated[float, Quantity("length", shown="mm", at_least=1e-12, at_most=1e6)]
 Coordinate = Annotated[float, Quantity("length", shown="mm", at_least=-1e6, at_most=1e6)]
-# From the adhesion of a single microcontact (1 nN) to the thrust of all rockets together (1e8 N), with room.
-_FORCE_LIMIT = 1e12
-Force = Annotated[float, Quantity("force", at_least=1e-15, at_most=_FORCE_LIMIT, usual=(1e-6, 1e8), example='"500 N"')]
-ForceOrNone = Annotated[float, Quantity("force", at_least=0.0, at_most=_FORCE_LIMIT)]
-PairForce = Annotated[float, Quantity("force", at_least=-_FORCE_LIMIT, at_most=_FORCE_LIMIT)]
+Force = Annotated[float, Quantity("force", at_least=1e-15, at_most=LARGEST_FORCE, usual=(1e-6, 1e8), example='"500 N"')]
+ForceOrNone = Annotated[float, Quantity("force", at_least=0.0, at_most=LARGEST_FORCE)]
+PairForce = Annotated[float, Quantity("force", at_least=-LARGEST_FORCE, at_most=LARGEST_FORCE)]
 # Atomic force microscopes have springs of 1e-2 N/m; 1 m2 of ground steel faces under load reaches 1e14 N/m.
 Stiffness = Annotated[
     float,
-    Quantity("stiffness", at_least=1e-6, at_most=1e18, usual=(1e-1, 1e14), example='"1.3e8 N/m"'),
+    Quantity("stiffness", at_least=1e-6, at_most=LARGEST_STIFFNESS, usual=(1e-1, 1e14), example='"1.3e8 N/m"'),
 ]
 # Buildings sway at 0.1 Hz, micromechanical resonators reach 1e9 Hz.
 Frequency = Annotated[float, Quantity("frequency", at_least=1e-6, at_most=1e12, usual=(1e-2, 1e9))]

@@ -44,6 +44,11 @@ LARGEST_INTEGER = 2**63 - 1  # of 64-bit integers in arrays and files
 # No measured value is closer to zero without being zero, and squares of smaller numbers underflow. The smallest value
 # of a study is G of a nearly smooth face, about 1e-100 m as D approaches 2.
 NEGLIGIBLE = 1e-150
+# From the adhesion of a single microcontact (1 nN) to the thrust of all rockets together (1e8 N), with room.
+LARGEST_FORCE = 1e12
+# 1 m2 of ground steel faces under load has 1e14 N/m; more than 1e18 N/m only a wrong unit explains.
+LARGEST_STIFFNESS = 1e18
+_LARGEST = {"force": LARGEST_FORCE, "stiffness": LARGEST_STIFFNESS}
 
 
 @dataclass(frozen=True)
@@ -80,9 +85,13 @@ class Quantity:
 
     @classmethod
     def of_unit(cls, unit: str) -> Quantity:
-        """Any value in an SI unit: of the kind that has this unit, or else of one that is named after it."""
+        """A value in an SI unit: of the kind that has this unit, with its largest size, or else of one that is named
+        after it."""
         kind = next((name for name, (si, _) in KINDS.items() if si == unit), None)
-        return cls(f"value in {unit}", example=f'"1 {unit}"', unit=unit) if kind is None else cls(kind)
+        if kind is None:
+            return cls(f"value in {unit}", example=f'"1 {unit}"', unit=unit)
+        largest = _LARGEST.get(kind)
+        return cls(kind, at_least=None if largest is None else -largest, at_most=largest)
 
     @property
     def si_unit(self) -> str:
