@@ -177,7 +177,7 @@ def test_guide_to_matrices(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caps
     exec(compile(script, "matrices.md", "exec"), {"__name__": "__main__"})
     printed = capsys.readouterr().out
     assert "108 unknowns reduced to 37 with 9 boundary nodes" in printed
-    assert printed.count("only the lower triangle is stored") == 2
+    assert printed.count("the file contains only the lower triangle") == 2
 
 
 def test_make_targets_of_the_readme_exist() -> None:

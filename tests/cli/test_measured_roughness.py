@@ -69,7 +69,7 @@ def test_a_profile_without_d_ends_with_a_sentence(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--unit", "um"), "states the position in mm, but um"),
+        (("--unit", "um"), "states the position in mm, but the option specifies um"),
         (("--scales", "4", "0.2 mm"), 'the scale "4" has no unit'),
         (("--scales", "4 um", "0.2 N"), 'the scale "0.2 N"'),
         (("--scales", "4 um", "9 mm"), "half the length"),

@@ -125,7 +125,7 @@ def test_from_file_to_report(tmp_path: Path) -> None:
     assert study.mode_table[0]["full_hz"] == pytest.approx(456.4, rel=BOUND)
     assert study.mode_table[1]["full_hz"] == pytest.approx(487.1, rel=BOUND)
     page = (out / "report.html").read_text(encoding="utf-8")
-    for words in ("Contact states, left", "Places of &#39;damper_left&#39; without a partner, left"):
+    for words in ("Contact states, left", "Positions on &#39;damper_left&#39; without a partner, left"):
         assert words in page, words
 
 
