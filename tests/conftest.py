@@ -5,10 +5,15 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from helpers import Blade
+from stickslip.contact.law import registry as contact_laws
+from stickslip.contact.stiffness import registry as stiffness_laws
+from stickslip.core.registry import Registry
+from stickslip.formats.meshes import read as model_formats
 
 pytest_plugins = ("pytester", "sentences", "structure_fixtures")
 
@@ -41,6 +46,17 @@ def cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STICKSLIP_CACHE", str(folder))
         yield folder
+
+
+@pytest.fixture(autouse=True)
+def registered_names() -> Iterator[None]:
+    """What a test registers is gone after it: messages that list names do not depend on the order of the tests."""
+    registries: list[Registry[Any]] = [contact_laws._LAWS, stiffness_laws._LAWS, model_formats._FORMATS]
+    before = [dict(each._makers) for each in registries]
+    yield
+    for registry, makers in zip(registries, before, strict=True):
+        registry._makers.clear()
+        registry._makers.update(makers)
 
 
 @pytest.fixture(scope="session")
