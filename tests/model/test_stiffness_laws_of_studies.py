@@ -73,11 +73,11 @@ def test_one_table_for_all_faces() -> None:
 
 
 def test_a_pressure_outside_of_the_table_is_a_warning() -> None:
-    case = measured_case(TABLE | {"pressure": ["1 Pa", "2 Pa", "3 Pa"]})
+    case = measured_case(TABLE | {"pressure": ["0.01 MPa", "0.1 MPa", "0.2 MPa"]})
     joint = load_joint(case, set_up(case).layout)
     (sentence,) = joint.stiffness_warnings
     assert sentence.startswith("sole: Pressures from")
-    assert "are above the measured range, 1 to 3 Pa" in sentence
+    assert "are above the measured range, 1e+04 to 2e+05 Pa" in sentence
     assert any(sentence == words for title, rows in check(case) if title == "Warnings" for _, words in rows)
 
 
@@ -91,6 +91,23 @@ def solved_model(folder: Path, allocation: str, normal_law: str, table: str = "p
     for node, force in ((1, 6), (2, 2)):
         loads += f"[static_loads.press{node}]\nnode = {node}\ndirection = [0, 0, 1]\nforce = {force}.0\n"
     return ss.build_model(ss.load_case(write_study(folder, joint, loads)))
+
+
+def test_a_list_of_passwords_is_not_shown(tmp_path: Path) -> None:
+    """The name of the file may be that of another file; the first entry of its first line was in the message."""
+    file = tmp_path / "passwd"
+    file.write_text("root:x:0:0:root\nme:x:1:2:secret\n", encoding="utf-8")
+    case = measured_case({"file": str(file)})
+    with rejects(ImportFileError, "interfaces.sole.stiffness_constants.file") as error:
+        load_joint(case, set_up(case).layout)
+    assert "root:" not in str(error.value)
+    assert "secret" not in str(error.value)
+
+
+def test_a_stiffness_that_no_joint_has_is_rejected_by_its_law() -> None:
+    case = measured_case(TABLE | {"normal_stiffness": [1e38, 2e38, 3e38]})
+    with rejects(InputError, "interfaces.sole", "interfaces.sole.normal_load"):
+        load_joint(case, set_up(case).layout)
 
 
 @pytest.mark.slow

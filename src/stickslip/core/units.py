@@ -49,6 +49,8 @@ LARGEST_FORCE = 1e12
 # 1 m2 of ground steel faces under load has 1e14 N/m; more than 1e18 N/m only a wrong unit explains.
 LARGEST_STIFFNESS = 1e18
 _LARGEST = {"force": LARGEST_FORCE, "stiffness": LARGEST_STIFFNESS}
+# A cubic spring that doubles a stiffness of 1e18 N/m within 1e-9 m has 1e36 N/m3; no constant of a law is larger.
+LARGEST_CONSTANT = 1e40
 
 
 @dataclass(frozen=True)
@@ -88,10 +90,10 @@ class Quantity:
         """A value in an SI unit: of the kind that has this unit, with its largest size, or else of one that is named
         after it."""
         kind = next((name for name, (si, _) in KINDS.items() if si == unit), None)
+        largest = _LARGEST.get(kind or "", LARGEST_CONSTANT)
         if kind is None:
-            return cls(f"value in {unit}", example=f'"1 {unit}"', unit=unit)
-        largest = _LARGEST.get(kind)
-        return cls(kind, at_least=None if largest is None else -largest, at_most=largest)
+            return cls(f"value in {unit}", at_least=-largest, at_most=largest, example=f'"1 {unit}"', unit=unit)
+        return cls(kind, at_least=-largest, at_most=largest)
 
     @property
     def si_unit(self) -> str:

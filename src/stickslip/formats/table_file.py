@@ -58,12 +58,13 @@ def _units(
 ) -> list[tuple[str, str]]:
     """Name and unit of each column of a file, from its first line."""
     found: list[tuple[str, str]] = []
-    for word in words:
+    for number, word in enumerate(words, start=1):
         match = _HEADING.fullmatch(word)
         name, unit = ("", "") if match is None else (match[1], match[2] or "")
         if name not in columns or name in dict(found):
-            twice = "is there twice" if name in dict(found) else "is not a column of this table"
-            raise ImportFileError(f'{where}"{word[:_LONGEST_SHOWN]}" {twice}. {wanted}', (entry,))
+            # Without the words of the file: it may be another file than this study is allowed to show.
+            wrong = f"{name} is there twice" if name in dict(found) else f"entry {number} names no column of this table"
+            raise ImportFileError(f"{where}{wrong}. {wanted}", (entry,))
         if columns[name].si_unit and not unit:
             raise ImportFileError(
                 f"{where}{name} has no unit. Write it in brackets, such as {name} [{columns[name].si_unit}].", (entry,)

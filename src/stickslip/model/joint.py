@@ -29,6 +29,7 @@ from stickslip.contact.stiffness.stiffness_law import Allocation, StiffnessLaw, 
 from stickslip.contact.stiffness.surface import SurfaceStatistics, surface_statistics
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.plausible import OddValue
+from stickslip.core.units import LARGEST_STIFFNESS
 from stickslip.core.validation import FloatArray
 from stickslip.model.face_laws import NamedLaw, PressureLaw, pressure_law
 from stickslip.model.layout import Layout
@@ -273,7 +274,18 @@ def pair_springs(
             normal[members], tangential[members] = springs_of_pairs(
                 law, pairs.area[members], preload[members], face_allocation(case, own)
             )
+            _require_possible(layout.face_names[face], float(normal[members].sum()), float(tangential[members].sum()))
     return normal, tangential
+
+
+def _require_possible(name: str, *stiffness: float) -> None:
+    """Raise InputError for a face that is stiffer than any joint; with a wrong unit a table gives such values."""
+    for value in stiffness:
+        if value > LARGEST_STIFFNESS:
+            raise InputError(
+                f"{name}: the stiffness law gives the face {value:.3g} N/m, but at most {LARGEST_STIFFNESS:g} N/m is "
+                "possible. Check the units of the law and of the normal load."
+            )
 
 
 def face_allocation(case: Case, settings: FaceSettings) -> Allocation:
