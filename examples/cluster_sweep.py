@@ -23,6 +23,8 @@ def slurm_cluster() -> SLURMCluster:
         walltime="04:00:00",
         job_extra_directives=["--job-name=stickslip"],
         job_script_prologue=["export OMP_NUM_THREADS=1"],
+        # Any free port: on a login node that many share, the fixed one of the dashboard belongs to somebody else.
+        scheduler_options={"dashboard_address": ":0"},
     )
 
 
