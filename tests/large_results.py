@@ -38,7 +38,15 @@ def large_result(n_pairs: int, n_points: int) -> tuple[ForcedResponse, StudyReco
     )
     along_curve: dict[str, Any] = {
         name: again(getattr(response, name))
-        for name in ("displacement", "load_factor", "residual", "iterations", "input_energy", "viscous_energy")
+        for name in (
+            "displacement",
+            "load_factor",
+            "residual",
+            "iterations",
+            "input_energy",
+            "viscous_energy",
+            "kinetic_energy",
+        )
     }
     for name in ("contact_state", "dissipated_energy", "normal_work", "closure"):
         along_curve[name] = np.tile(again(getattr(response, name)), (1, copies))

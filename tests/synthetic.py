@@ -122,7 +122,10 @@ def synthetic_response(
         return coefficients, contact, linear, residual
 
     x = _linear(mass, damping, stuck, force, fine[:1], harmonics)[0]
-    rows_out = {name: [] for name in ("x", "state", "energy", "closure", "residual", "iterations", "input", "viscous")}
+    rows_out = {
+        name: []
+        for name in ("x", "state", "energy", "closure", "residual", "iterations", "input", "viscous", "kinetic")
+    }
     for frequency in fine:
         omega = 2 * np.pi * frequency
         for iteration in range(30):  # noqa: B007
@@ -141,9 +144,10 @@ def synthetic_response(
         cosine, sine = x[:, 1::2], x[:, 2::2]
         viscous = np.pi * omega * (order**2 * ((damping @ cosine) * cosine + (damping @ sine) * sine)).sum()
         work = _work(force, x, order).sum()
+        kinetic = 0.5 * omega**2 * sum(x[:, part] @ mass @ x[:, part] for part in (1, 2))
         for name, value in zip(
             rows_out,
-            (x, contact.state, energy, contact.closure, error, iteration, work, viscous),
+            (x, contact.state, energy, contact.closure, error, iteration, work, viscous, kinetic),
             strict=True,
         ):
             rows_out[name].append(value)
@@ -164,6 +168,7 @@ def synthetic_response(
         iterations=np.array(rows_out["iterations"]),
         input_energy=np.array(rows_out["input"]),
         viscous_energy=np.array(rows_out["viscous"]),
+        kinetic_energy=np.array(rows_out["kinetic"]),
         converged=True,
         message=f"{n_points} points from {fine[0]:.1f} to {fine[-1]:.1f} Hz.",
         warnings=(),

@@ -21,6 +21,7 @@ from stickslip.core.errors import InputError
 from stickslip.reporting import page as page_module
 from stickslip.reporting import page_data as page_data_module
 from stickslip.reporting import plots
+from stickslip.reporting.curve_plot import amplitude_frequency
 from stickslip.reporting.page import page, write_page
 from stickslip.reporting.page_data import page_data
 from stickslip.reporting.section import Section
@@ -84,7 +85,7 @@ def test_peak_at_the_end_of_the_range_is_a_warning(case):
     response, study = case
     half = 12
     parts = ("frequency_hz", "displacement", "contact_state", "dissipated_energy", "normal_work", "closure", "residual")
-    parts += ("iterations", "input_energy", "viscous_energy", "load_factor")
+    parts += ("iterations", "input_energy", "viscous_energy", "load_factor", "kinetic_energy")
     cut = dataclasses.replace(response, **{name: getattr(response, name)[:half] for name in parts})
     assert "widen the frequency range" in without_plotly(page(cut, study))
 
@@ -103,7 +104,7 @@ def test_text_of_the_user_cannot_break_the_page(case):
 def test_figures_are_valid_plotly(case):
     view = View.of(*case)
     drawn = [
-        plots.amplitude_frequency(view),
+        amplitude_frequency(view),
         plots.hysteresis_loop(view),
         plots.pair_signals(),
         plots.energy_curve(view),
@@ -231,7 +232,7 @@ def test_digits_of_tables(case):
     assert re.findall(r"<td>(.*?)</td>", table) == ["452.34", "1.586", "0.8123"]
     modes = text[text.index("<h2>Natural frequencies") : text.index("<h2>Measures")]
     assert all(re.fullmatch(r"\d+\.\d\d", value) for value in re.findall(r"<td>(\d{3,}\.\d+)</td>", modes))
-    measured = re.search(r">Peak frequency</th><td>(.*?) Hz<", text).group(1)
+    measured = re.search(r">Highest peak on the curve: frequency</th><td>(.*?) Hz<", text).group(1)
     assert measured == f"{View.of(response, study).summary.peak.frequency_hz:.2f}"
     assert f"at {measured} Hz" in text
 

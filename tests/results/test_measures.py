@@ -1,4 +1,4 @@
-"""Peaks, half-power damping, states and energy balance against closed forms."""
+"""Peaks, half-power width, states and energy balance against closed forms."""
 
 import dataclasses
 
@@ -8,7 +8,7 @@ import pytest
 from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.results.measures import energy_imbalance, hertz, state_counts, summary, summary_table
-from stickslip.results.peaks import Peak, half_power_damping, peaks
+from stickslip.results.peaks import Peak, half_power_width, peaks
 from synthetic import synthetic_response, synthetic_study
 
 
@@ -26,14 +26,14 @@ def test_peak_of_an_oscillator_from_a_few_points_in_its_width(shift):
     assert peak.bracketed
     assert peak.amplitude == pytest.approx(1 / (2 * ratio * np.sqrt(1 - ratio**2)), rel=1e-4)
     assert peak.frequency_hz == pytest.approx(natural * np.sqrt(1 - 2 * ratio**2), rel=1e-5)
-    assert half_power_damping(frequency, receptance(frequency, natural, ratio), peak) == pytest.approx(ratio, rel=0.03)
+    assert half_power_width(frequency, receptance(frequency, natural, ratio), peak) == pytest.approx(ratio, rel=0.03)
 
 
-def test_half_power_damping_converges_to_the_ratio():
+def test_half_power_width_of_an_oscillator_converges_to_its_damping_ratio():
     ratio, natural = 0.002, 480.0
     frequency = np.linspace(470.0, 490.0, 4001)
     amplitude = receptance(frequency, natural, ratio)
-    assert half_power_damping(frequency, amplitude, peaks(frequency, amplitude)[0]) == pytest.approx(ratio, rel=1e-4)
+    assert half_power_width(frequency, amplitude, peaks(frequency, amplitude)[0]) == pytest.approx(ratio, rel=1e-4)
 
 
 def test_peak_of_a_curve_that_folds_stays_on_its_own_branch():
@@ -55,7 +55,7 @@ def test_peaks_come_highest_first_and_the_end_of_a_curve_is_not_bracketed():
     assert actual[0].amplitude >= 4.0
     rising = peaks(frequency, frequency)
     assert rising == [Peak(6, 6.0, 6.0, bracketed=False)]
-    assert half_power_damping(frequency, frequency, rising[0]) is None
+    assert half_power_width(frequency, frequency, rising[0]) is None
     with rejects(InputError, "frequency_hz", "amplitude"):
         peaks([1.0, 2.0], [1.0])
     with rejects(InputError, "amplitude"):
@@ -65,7 +65,7 @@ def test_peaks_come_highest_first_and_the_end_of_a_curve_is_not_bracketed():
 def test_half_power_needs_both_flanks():
     frequency = np.linspace(479.0, 490.0, 400)
     amplitude = receptance(frequency, 480.0, 0.004)
-    assert half_power_damping(frequency, amplitude, peaks(frequency, amplitude)[0]) is None
+    assert half_power_width(frequency, amplitude, peaks(frequency, amplitude)[0]) is None
 
 
 def test_state_counts_add_up():
@@ -92,9 +92,19 @@ def test_summary_of_a_damped_case():
     assert result.shift_from_stuck_hz == pytest.approx(result.peak.frequency_hz - result.stuck_peak.frequency_hz)
     assert sum(result.state_counts) == 110
     assert result.friction_share == pytest.approx(result.friction_energy / result.input_energy, rel=1e-6)
-    assert 0.001 < result.damping_ratio < 0.02
+    assert result.half_power_width is not None
+    assert 0.001 < result.half_power_width < 0.02
+    loss = result.friction_energy + result.viscous_energy
+    kinetic = response.kinetic_energy[result.peak.point]
+    assert result.equivalent_damping == pytest.approx(loss / (4 * np.pi * kinetic))
+    # the viscous part alone is that of the damping matrix of the model, with 0.1 % in each stuck mode
+    assert result.viscous_energy / (4 * np.pi * kinetic) == pytest.approx(0.001, rel=0.1)
+    earlier = dataclasses.replace(response, kinetic_energy=np.zeros(1))
+    assert summary(earlier, study.outputs[study.response_output]).equivalent_damping is None
+    alike = (result.upward_peak, result.downward_peak, result.jumps, result.sweeps_differ)
+    assert alike == (result.peak, result.peak, (), False)
     names = [name for name, _, _ in summary_table(result)]
-    assert len(set(names)) == len(names) == 18
+    assert len(set(names)) == len(names) == 23
     assert abs(result.first_harmonic) + abs(result.mean) > 0.9 * result.peak.amplitude
 
 

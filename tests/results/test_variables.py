@@ -42,7 +42,7 @@ VARIABLES = {
     "response_places sides",
 }
 # Variables that older files of the format do not have.
-YOUNGER = {"/load_factor", "study/mode_reference", "sketch/motion_frequency"} | {
+YOUNGER = {"/load_factor", "/kinetic_energy", "study/mode_reference", "sketch/motion_frequency"} | {
     f"sketch/motion_of_{of}_{part}" for of in ("points", "loads", "responses") for part in ("mean", "cosine", "sine")
 }
 
@@ -88,6 +88,7 @@ def test_a_file_of_an_older_version_is_read() -> None:
     assert old.study.sketch.motion is None
     assert old.study.rough_patch is not None
     assert old.response.load_factor.tolist() == [1.0] * 4
+    assert old.response.kinetic_energy.tolist() == [0.0] * 4
     assert old.study.mode_table[0]["reference_hz"] == 506.83
     assert old.study.mode_reference == "the frequencies to which the default geometry was fitted"
     assert not any("table2_hz" in row for row in old.study.mode_table)

@@ -44,6 +44,11 @@ def test_the_force_for_an_amplitude_of_a_linear_structure() -> None:
     assert response.residual.max() < 1e-9
     # The energies add up at every load.
     assert response.viscous_energy == pytest.approx(response.input_energy, rel=1e-6)
+    # The control passes folds, so no sweep jumps.
+    up, down = response.slow_sweeps([1.0, 0.0, 0.0])
+    assert response.jumps([1.0, 0.0, 0.0]) == ()
+    assert up.peak == down.peak
+    assert len(up.points()) == len(down.points()) == response.n_points
 
 
 def test_the_phase_resonance_of_a_linear_structure_is_its_natural_frequency() -> None:

@@ -23,7 +23,7 @@ CURVE = SweepCurve(np.linspace(440.0, 480.0, 9), np.linspace(1e-6, 9.1e-6, 9) **
 SOLVED = CaseOutcome(
     converged=True,
     message="The whole curve was followed.",
-    measures={"peak_amplitude_m": 9.123456789e-06, "damping_ratio": float("nan")},
+    measures={"peak_amplitude_m": 9.123456789e-06, "equivalent_damping_ratio": float("nan")},
     curve=CURVE,
     warnings=("steep",),
     file=b"\x89HDF\r\n\x1a\n" + bytes(range(256)) * 4,
@@ -53,7 +53,7 @@ def test_what_was_stored_is_found(folder: SweepFolder, cases: tuple[PlannedCase,
     assert notice == ""
     assert (actual.converged, actual.message, actual.warnings) == (True, SOLVED.message, SOLVED.warnings)
     assert actual.measures["peak_amplitude_m"] == SOLVED.measures["peak_amplitude_m"]
-    assert np.isnan(actual.measures["damping_ratio"])
+    assert np.isnan(actual.measures["equivalent_damping_ratio"])
     assert np.array_equal(actual.curve.frequency_hz, CURVE.frequency_hz)
     assert np.array_equal(actual.curve.amplitude_m, CURVE.amplitude_m)
     rejected, notice = folder.finished(cases[1])

@@ -15,6 +15,7 @@ INK = "#1b2a41"
 GREY = "#6b7787"
 # The palette of Okabe and Ito, which readers with colour blindness can distinguish.
 BLUE, GREEN, VERMILLION, ORANGE, PURPLE = "#0072B2", "#009E73", "#D55E00", "#E69F00", "#CC79A7"
+UPWARD, DOWNWARD = GREEN, PURPLE  # slow sweeps of the frequency
 
 
 def blank_figure(width: float, height: float) -> Figure:

@@ -11,11 +11,14 @@ from stickslip.core.files import whole_file
 from stickslip.reporting.look import plain_figures
 from stickslip.reporting.page_data import page_data
 from stickslip.reporting.page_sections import CURVE, SECTIONS
-from stickslip.reporting.style import number, shown_number
+from stickslip.reporting.style import MICRO, number, shown_number
 from stickslip.reporting.templates import Notice, Tile, when, whole_page
 from stickslip.reporting.view import View
+from stickslip.results.measures import Summary
+from stickslip.results.peaks import Peak
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
+from stickslip.results.sweeps_of_curve import reaches
 
 
 def write_page(path: str | PathLike[str], response: ForcedResponse, study: StudyRecord) -> None:
@@ -77,6 +80,28 @@ def _notices(view: View) -> Iterator[Notice]:
         yield Notice("warn", "Warnings" if len(warnings) > 1 else "Warning", warnings)
 
 
+def _peak_tiles(measures: Summary) -> Iterator[Tile]:
+    """The highest peak on the curve and, where they differ, the peaks of both slow sweeps."""
+
+    def tile(heading: str, peak: Peak, more: str = "") -> Tile:
+        at = f"at {shown_number(peak.frequency_hz, 'Hz')} Hz"
+        return Tile(heading, number(MICRO * peak.amplitude), "µm", f"{at}{more}")
+
+    if not measures.sweeps_differ:
+        yield tile("Peak amplitude, 0‑to‑peak", measures.peak, ", of a slow sweep up and down alike")
+        return
+    reached = [
+        words
+        for words, peak in (("down", measures.downward_peak), ("up", measures.upward_peak))
+        if reaches(measures.peak, peak)
+    ]
+    only = f", only a slow sweep {reached[0]} reaches it" if reached else ", no slow sweep reaches it"
+    yield tile("Highest peak on the curve, 0‑to‑peak", measures.peak, only)
+    for direction, peak in (("up", measures.upward_peak), ("down", measures.downward_peak)):
+        heading = f"Peak of a slow sweep {direction}, 0‑to‑peak"
+        yield Tile(heading, "–", more="no stable point") if peak is None else tile(heading, peak)
+
+
 def _tiles(view: View) -> tuple[Tile, ...]:
     measures = view.summary
     factor, unit = view.energy_factor, view.energy_unit
@@ -90,12 +115,7 @@ def _tiles(view: View) -> tuple[Tile, ...]:
     states = " · ".join(f"{measures.state_counts[state]} {name}" for state, name in measures.state_names.items())
     moving = sum(measures.state_counts[1:])
     return (
-        Tile(
-            "Peak amplitude, 0‑to‑peak",
-            number(1e6 * measures.peak.amplitude),
-            "µm",
-            f"at {shown_number(measures.peak.frequency_hz, 'Hz')} Hz",
-        ),
+        *_peak_tiles(measures),
         Tile(
             "Reduction against linear stuck",
             percent(measures.reduction_from_stuck),
@@ -113,5 +133,9 @@ def _tiles(view: View) -> tuple[Tile, ...]:
             unit,
             f"{percent(measures.friction_share)} of the loss at the peak",
         ),
-        Tile("Equivalent damping ratio", percent(measures.damping_ratio), more="half-power width of the curve"),
+        Tile(
+            "Equivalent damping ratio",
+            percent(measures.equivalent_damping),
+            more=f"from energies; half-power width {percent(measures.half_power_width)}",
+        ),
     )

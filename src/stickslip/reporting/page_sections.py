@@ -12,10 +12,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from stickslip.reporting import plots
+from stickslip.reporting.curve_plot import amplitude_frequency
 from stickslip.reporting.look import Figure
 from stickslip.reporting.section import Section
 from stickslip.reporting.structure_section import STRUCTURE
 from stickslip.reporting.style import MICRO, number, shown_number
+from stickslip.reporting.sweep_words import sweep_words
 from stickslip.reporting.view import View
 from stickslip.results.measures import summary_table
 from stickslip.results.record import StudyRecord, compared_model, reference_deviation
@@ -150,11 +152,11 @@ CURVE = Section(
     "Amplitude against frequency",
     """\
   <p class="note">{{ output }}, 0-to-peak. Choose a point on the curve, or move the slider below: the figures after it
-  show that point.</p>
+  show that point.{% if sweeps %} {{ sweeps }}{% endif %}</p>
   {{ parts.panel("curve", "Amplitude against frequency") }}
 """,
-    lambda view: {"output": view.study.response_output},
-    lambda view: {"curve": plots.amplitude_frequency(view)},
+    lambda view: {"output": view.study.response_output, "sweeps": sweep_words(view)},
+    lambda view: {"curve": amplitude_frequency(view)},
     beside='\n    <button type="button" id="scale" class="screen-only">Logarithmic axis</button>',
 )
 
@@ -249,10 +251,12 @@ SECTIONS = (
         "Measures at the peak",
         """\
   {{ parts.named_values("Measures at the peak", measures) }}
-  <p class="note">The equivalent damping ratio is the half-power width of the curve, (f2 − f1) / (2 f), of friction and
-  viscous damping together; the curve of a joint that slips is not a resonance curve, so read it as a measure of width.
-  Shifts and reductions compare this peak with the highest peak of each linear curve; “–” means that the linear curve
-  has no peak inside its range, or that this curve does not fall to half power.</p>
+  <p class="note">All measures without other words are those at the highest peak on the curve. The equivalent damping
+  ratio is the energy that friction and viscous damping dissipate per cycle over 4π times the largest kinetic energy of
+  the first harmonic. The half-power width, (f2 − f1) / (2 f), is a measure of width only: the curve of a joint that
+  slips is not a resonance curve. Shifts and reductions compare the highest peak with that of each linear curve; “–”
+  means that the linear curve has no peak inside its range, that this curve does not fall to half power, or that the
+  file is of a version without kinetic energies.</p>
 """,
         lambda view: {"measures": _measures(view)},
     ),

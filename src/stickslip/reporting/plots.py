@@ -33,68 +33,6 @@ _TEXT = PlotMarkup("%{text}<extra></extra>")
 _RING = 9.0  # px that the ring about the chosen pair is wider than its mark
 
 
-def amplitude_frequency(view: View) -> Figure:
-    """Amplitude against frequency, linear stuck and free beside it, the peak marked; the last trace is the cursor."""
-    response, linear, peak = view.response, view.response.linear, view.summary.peak
-    low, high = view.window_hz
-    shown = (linear.frequency_hz >= low) & (linear.frequency_hz <= high)
-    hover = PlotMarkup("%{x:.2f} Hz<br>%{y:.4g} µm")
-    frequency = linear.frequency_hz[shown]
-    curve = line_trace(
-        response.curve_name, response.frequency_hz, view.amplitude_um, INK, width=2.5, hovertemplate=hover
-    )
-    curve |= {"mode": "lines+markers", "marker": {"size": 5, "color": INK}}
-    top = 1e6 * peak.amplitude
-    name = "peak" if peak.bracketed else "highest"
-    words = PlotMarkup("{} {:.4g} µm<br>at {:.2f} Hz").format(name, top, peak.frequency_hz)
-    mark = {
-        "type": "scatter",
-        "mode": "markers",
-        "name": "peak",
-        "x": [peak.frequency_hz],
-        "y": [top],
-        "marker": {"symbol": "diamond", "size": 12, "color": VERMILLION, "line": {"color": "white", "width": 1}},
-        "hovertemplate": words + PlotMarkup("<extra></extra>"),
-        "showlegend": False,
-    }
-    cursor = {
-        "type": "scatter",
-        "mode": "markers",
-        "name": "shown below",
-        "x": [float(response.frequency_hz[view.point])],
-        "y": [float(view.amplitude_um[view.point])],
-        "marker": {"symbol": "circle-open", "size": 17, "color": VERMILLION, "line": {"width": 3}},
-        "hoverinfo": "skip",
-    }
-    label = {
-        "x": peak.frequency_hz,
-        "y": top,
-        "text": words,
-        "showarrow": True,
-        "arrowhead": 0,
-        "arrowcolor": GREY,
-        "ax": -70,  # to the left: friction lowers the frequency, so the stuck peak is on the right
-        "ay": -30,
-        "align": "right",
-    }
-    return figure_of(
-        [
-            line_trace(view.stuck_words, frequency, view.stuck_um[shown], BLUE, "dash", hovertemplate=hover),
-            line_trace(
-                "linear, no contact", frequency, view.free_um[shown], ORANGE, "dot", width=2.5, hovertemplate=hover
-            ),
-            curve,
-            mark,
-            cursor,
-        ],
-        440,
-        xaxis=axis_look(FREQUENCY, range=[low, high]),
-        yaxis=axis_look("Amplitude, 0-to-peak, µm", rangemode="tozero"),
-        annotations=[label],
-        hovermode="closest",
-    )
-
-
 def face_map(view: View, face: int, quantity: str) -> Figure:
     """One face at the peak: contact states ("state") or energy of each pair ("energy"); the last trace is the ring."""
     study, response = view.study, view.response

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from stickslip.results.measures import Summary, summary
 from stickslip.results.peaks import window_around
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
+from stickslip.results.sweeps_of_curve import SlowSweep
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,11 @@ class View:
     def window_hz(self) -> tuple[float, float]:
         """Frequency range to show: the computed curve and the linear peaks inside their range, with a margin."""
         return window_around(self.response.frequency_hz, [self.summary.stuck_peak, self.summary.free_peak])
+
+    @cached_property
+    def slow_sweeps(self) -> tuple[SlowSweep, SlowSweep]:
+        """The slow sweep up and the slow sweep down of the output of the curve."""
+        return self.response.slow_sweeps(self.study.outputs[self.study.response_output])
 
     @property
     def stuck_words(self) -> str:

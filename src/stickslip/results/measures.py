@@ -13,30 +13,38 @@ from numpy.typing import ArrayLike, NDArray
 
 from stickslip.contact.law.law import ContactState
 from stickslip.core.validation import FloatArray
-from stickslip.results.peaks import Peak, half_power_damping, peaks
+from stickslip.results.peaks import Peak, half_power_width, peaks
 from stickslip.results.response import ForcedResponse
+from stickslip.results.sweeps_of_curve import Jump, notable_jumps, reaches
 
 
 @dataclass(frozen=True)
 class Summary:
-    """The main measures, at the highest peak of one output.
+    """The main measures of one output, at the highest peak on the curve.
 
-    Shifts are in Hz, negative if the peak is below the linear one. Reductions are ``1 - amplitude / linear peak``. They
-    are None where one of the two peaks is not inside the computed range. ``damping_ratio`` is None where the curve does
-    not fall to half power on both sides. ``state_counts`` are pairs by the code of ContactState, ``state_names`` the
-    names of the states in the laws of the pairs. ``first_harmonic`` and ``mean`` are those of the output at the point
-    nearest to the peak, m. Energies in J per cycle, ``normal_work`` an error of sampling; ``energy_imbalance`` relative
-    to the input and the largest on the whole curve.
+    ``peak`` is the highest one on the curve, ``upward_peak`` and ``downward_peak`` are those that a slow sweep up and a
+    slow sweep down reach (None without a stable point); they are equal where the curve does not fold. ``jumps`` are
+    those of both sweeps. Shifts are in Hz, negative if the peak is below the linear one. Reductions are ``1 - amplitude
+    / linear peak``. They are None where one of the two peaks is not inside the computed range. ``equivalent_damping``
+    follows from the energies at the peak (:func:`equivalent_damping`); None for a file of an earlier version.
+    ``half_power_width`` is None where the curve does not fall to half power on both sides. ``state_counts`` are pairs
+    by the code of ContactState, ``state_names`` the names of the states in the laws of the pairs. ``first_harmonic``
+    and ``mean`` are those of the output at the point nearest to the peak, m. Energies in J per cycle, ``normal_work``
+    an error of sampling; ``energy_imbalance`` relative to the input and the largest on the whole curve.
     """
 
     peak: Peak
+    upward_peak: Peak | None
+    downward_peak: Peak | None
+    jumps: tuple[Jump, ...]
     stuck_peak: Peak
     free_peak: Peak
     shift_from_stuck_hz: float | None
     shift_from_free_hz: float | None
     reduction_from_stuck: float | None
     reduction_from_free: float | None
-    damping_ratio: float | None
+    equivalent_damping: float | None
+    half_power_width: float | None
     friction_share: float
     state_counts: tuple[int, int, int]
     state_names: dict[ContactState, str]
@@ -49,6 +57,16 @@ class Summary:
     energy_imbalance: float
     peak_energy: float
     peak_energy_frequency_hz: float
+
+    @property
+    def sweeps_differ(self) -> bool:
+        """Whether a slow sweep up or a slow sweep down does not reach the highest peak."""
+        return not all(reaches(self.peak, side) for side in (self.upward_peak, self.downward_peak))
+
+    @property
+    def notable_jumps(self) -> tuple[Jump, ...]:
+        """Jumps by more than 1 % of the highest peak; smaller ones are corners of the curve."""
+        return notable_jumps(self.peak, self.jumps)
 
 
 def state_counts(contact_state: NDArray[np.int8]) -> NDArray[np.int64]:
@@ -68,10 +86,25 @@ def energy_imbalance(response: ForcedResponse) -> FloatArray:
     return imbalance
 
 
+def equivalent_damping(response: ForcedResponse) -> FloatArray:
+    """(n_points,) equivalent viscous damping ratio ``W / (4 pi E)`` from energies; 0 where no kinetic energy is stored.
+
+    ``W`` is the energy that contact and viscous damping dissipate per cycle, ``E`` the kinetic energy of the first
+    harmonic (``response.kinetic_energy``). At a resonance E is also the largest potential energy; with it this is the
+    usual definition, ``loss / (4 pi maximum strain energy)`` (A. K. Chopra, Dynamics of Structures, "equivalent viscous
+    damping"). For viscous damping at a resonance it is the damping ratio of the mode.
+    """
+    loss = response.dissipated_energy.sum(axis=1) + response.viscous_energy
+    stored = 4.0 * np.pi * response.kinetic_energy
+    ratio: FloatArray = np.divide(loss, stored, out=np.zeros_like(loss), where=stored > 0.0)
+    return ratio
+
+
 def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
     """The measures at the highest peak of ``output`` (n,). Raises InputError for a wrong output."""
     amplitude = response.amplitude(output)
     peak = peaks(response.frequency_hz, amplitude)[0]
+    up, down = response.slow_sweeps(output)
     stuck, free = (
         peaks(response.linear.frequency_hz, response.linear_amplitude(output, limit))[0] for limit in ("stuck", "free")
     )
@@ -82,13 +115,17 @@ def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
     counts = state_counts(response.contact_state[point][None])[0]
     return Summary(
         peak=peak,
+        upward_peak=up.peak,
+        downward_peak=down.peak,
+        jumps=(*up.jumps, *down.jumps),
         stuck_peak=stuck,
         free_peak=free,
         shift_from_stuck_hz=peak.frequency_hz - stuck.frequency_hz if peak.bracketed and stuck.bracketed else None,
         shift_from_free_hz=peak.frequency_hz - free.frequency_hz if peak.bracketed and free.bracketed else None,
         reduction_from_stuck=1.0 - peak.amplitude / stuck.amplitude if peak.bracketed and stuck.bracketed else None,
         reduction_from_free=1.0 - peak.amplitude / free.amplitude if peak.bracketed and free.bracketed else None,
-        damping_ratio=half_power_damping(response.frequency_hz, amplitude, peak),
+        equivalent_damping=float(equivalent_damping(response)[point]) or None,
+        half_power_width=half_power_width(response.frequency_hz, amplitude, peak),
         friction_share=friction / (friction + viscous) if friction + viscous > 0.0 else 0.0,
         state_counts=(int(counts[0]), int(counts[1]), int(counts[2])),
         state_names=response.pairs.state_names,
@@ -120,17 +157,26 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
     def shift(value: float | None) -> str:
         return "-" if value is None else hertz(value)
 
-    what = "Peak" if result.peak.bracketed else "Highest computed (at an end of the curve)"
+    def reached(what: str, peak: Peak | None) -> list[tuple[str, str, str]]:
+        words = what if peak is None or peak.bracketed else f"{what} (at an end)"
+        return [
+            (f"{words}: amplitude, 0-to-peak, mean included", number(_reached(peak, "amplitude"), 1e6), "µm"),
+            (f"{words}: frequency", shift(_reached(peak, "frequency_hz")), "Hz"),
+        ]
+
     return [
-        (f"{what} amplitude, 0-to-peak, mean included", number(result.peak.amplitude, 1e6), "µm"),
-        ("First harmonic there", number(result.first_harmonic, 1e6), "µm"),
+        *reached("Highest peak on the curve", result.peak),
+        *reached("Peak of a slow sweep up", result.upward_peak),
+        *reached("Peak of a slow sweep down", result.downward_peak),
+        *(_jump_row(jump) for jump in result.notable_jumps),
+        ("First harmonic at the highest peak", number(result.first_harmonic, 1e6), "µm"),
         ("Mean there", number(result.mean, 1e6), "µm"),
-        (f"{what} frequency", hertz(result.peak.frequency_hz), "Hz"),
         ("Shift from the linear stuck peak", shift(result.shift_from_stuck_hz), "Hz"),
         ("Shift from the linear free peak", shift(result.shift_from_free_hz), "Hz"),
         ("Reduction against the linear stuck peak", number(result.reduction_from_stuck, 100.0, 3), "%"),
         ("Reduction against the linear free peak", number(result.reduction_from_free, 100.0, 3), "%"),
-        ("Half-power bandwidth ratio (equivalent damping)", number(result.damping_ratio, 100.0, 3), "%"),
+        ("Equivalent damping ratio, from energies", number(result.equivalent_damping, 100.0, 3), "%"),
+        ("Half-power width of the curve, (f2 - f1) / (2 f)", number(result.half_power_width, 100.0, 3), "%"),
         ("Fraction of friction in the energy loss", number(result.friction_share, 100.0, 3), "%"),
         *((f"Pairs {name}", str(result.state_counts[state]), "-") for state, name in result.state_names.items()),
         ("Energy dissipated by friction", number(result.friction_energy, 1e6), "µJ per cycle"),
@@ -141,16 +187,30 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
     ]
 
 
+def _jump_row(jump: Jump) -> tuple[str, str, str]:
+    name = f"Jump of a slow sweep {jump.direction} at {hertz(jump.frequency_hz)} Hz"
+    return name, f"{1e6 * jump.amplitude_from:.4g} to {1e6 * jump.amplitude_to:.4g}", "µm"
+
+
 def _inside(measures: Summary, limit: str, what: str) -> float | None:
     """Amplitude or frequency of a linear peak, None if it is outside the computed range."""
     peak = getattr(measures, f"{limit}_peak")
     return getattr(peak, what) if peak.bracketed else None
 
 
+def _reached(peak: Peak | None, what: str) -> float | None:
+    """Amplitude or frequency of the peak of a sweep, None if it has none."""
+    return None if peak is None else getattr(peak, what)
+
+
 # Columns of the table of a sweep: (unit, meaning, function of a summary); None gives an empty cell.
 SUMMARY_COLUMNS: dict[str, tuple[str, str, Callable[[Summary], float | bool | None]]] = {
-    "peak_amplitude_m": ("m", "highest peak, 0-to-peak, mean included", lambda s: s.peak.amplitude),
+    "peak_amplitude_m": ("m", "highest peak on the curve, 0-to-peak, mean included", lambda s: s.peak.amplitude),
     "peak_frequency_hz": ("Hz", "frequency of the highest peak", lambda s: s.peak.frequency_hz),
+    "upward_peak_amplitude_m": ("m", "peak of a slow sweep up", lambda s: _reached(s.upward_peak, "amplitude")),
+    "upward_peak_frequency_hz": ("Hz", "its frequency", lambda s: _reached(s.upward_peak, "frequency_hz")),
+    "downward_peak_amplitude_m": ("m", "peak of a slow sweep down", lambda s: _reached(s.downward_peak, "amplitude")),
+    "downward_peak_frequency_hz": ("Hz", "its frequency", lambda s: _reached(s.downward_peak, "frequency_hz")),
     "peak_bracketed": ("1", "1 if the peak is inside the computed range, 0 at an end", lambda s: s.peak.bracketed),
     "shift_from_stuck_hz": ("Hz", "peak frequency less that of the linear stuck peak", lambda s: s.shift_from_stuck_hz),
     "shift_from_free_hz": ("Hz", "peak frequency less that of the linear free peak", lambda s: s.shift_from_free_hz),
@@ -164,7 +224,8 @@ SUMMARY_COLUMNS: dict[str, tuple[str, str, Callable[[Summary], float | bool | No
     "stuck_peak_frequency_hz": ("Hz", "its frequency", lambda s: _inside(s, "stuck", "frequency_hz")),
     "free_peak_amplitude_m": ("m", "highest linear peak, no contact", lambda s: _inside(s, "free", "amplitude")),
     "free_peak_frequency_hz": ("Hz", "its frequency", lambda s: _inside(s, "free", "frequency_hz")),
-    "damping_ratio": ("1", "half-power bandwidth ratio (equivalent damping)", lambda s: s.damping_ratio),
+    "equivalent_damping_ratio": ("1", "from the energies at the peak", lambda s: s.equivalent_damping),
+    "half_power_width_ratio": ("1", "half-power width of the curve, (f2 - f1) / (2 f)", lambda s: s.half_power_width),
     "pairs_stuck": ("1", "pairs stuck at the peak", lambda s: s.state_counts[ContactState.STUCK]),
     "pairs_stick_slip": ("1", "pairs in stick-slip at the peak", lambda s: s.state_counts[ContactState.STICK_SLIP]),
     "pairs_separating": ("1", "pairs separating at the peak", lambda s: s.state_counts[ContactState.SEPARATING]),

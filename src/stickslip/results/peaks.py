@@ -1,4 +1,4 @@
-"""Peaks of an amplitude curve and the width of the highest one.
+"""Peaks of an amplitude curve and their widths.
 
 All functions follow the curve in its own order (the index), because a curve that folds has several amplitudes at one
 frequency and must not be sorted by it.
@@ -46,6 +46,17 @@ def peaks(frequency_hz: ArrayLike, amplitude: ArrayLike) -> list[Peak]:
     InputError
         for arrays of different or zero length, or a negative amplitude.
     """
+    frequency, height = checked_curve(frequency_hz, amplitude)
+    inside = np.flatnonzero((height[1:-1] >= height[:-2]) & (height[1:-1] > height[2:])) + 1
+    interpolated = [_interpolated_peak(frequency, height, int(i)) for i in inside]
+    top = int(height.argmax())
+    if top in (0, height.size - 1):
+        interpolated.append(Peak(top, float(frequency[top]), float(height[top]), bracketed=False))
+    return sorted(interpolated, key=lambda peak: -peak.amplitude)
+
+
+def checked_curve(frequency_hz: ArrayLike, amplitude: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Frequencies and amplitudes along a curve, (n_points,) each; raises InputError for what cannot be a curve."""
     frequency, height = finite_array("frequency_hz", frequency_hz), finite_array("amplitude", amplitude)
     if frequency.ndim != 1 or frequency.shape != height.shape or not frequency.size:
         raise InputError(
@@ -58,12 +69,7 @@ def peaks(frequency_hz: ArrayLike, amplitude: ArrayLike) -> list[Peak]:
             "amplitude must not be negative: a 0-to-peak amplitude is the largest absolute value.",
             arguments=["amplitude"],
         )
-    inside = np.flatnonzero((height[1:-1] >= height[:-2]) & (height[1:-1] > height[2:])) + 1
-    interpolated = [_interpolated_peak(frequency, height, int(i)) for i in inside]
-    top = int(height.argmax())
-    if top in (0, height.size - 1):
-        interpolated.append(Peak(top, float(frequency[top]), float(height[top]), bracketed=False))
-    return sorted(interpolated, key=lambda peak: -peak.amplitude)
+    return frequency, height
 
 
 def _interpolated_peak(frequency: FloatArray, height: FloatArray, i: int) -> Peak:
@@ -88,13 +94,14 @@ def _interpolated_peak(frequency: FloatArray, height: FloatArray, i: int) -> Pea
     return Peak(nearest, peak_frequency, amplitude, bracketed=True)
 
 
-def half_power_damping(frequency_hz: ArrayLike, amplitude: ArrayLike, peak: Peak) -> float | None:
-    """Equivalent viscous damping ratio ``(f_2 - f_1) / (2 f_peak)`` from the half-power band of the curve.
+def half_power_width(frequency_hz: ArrayLike, amplitude: ArrayLike, peak: Peak) -> float | None:
+    """Width of a peak over twice its frequency, ``(f_2 - f_1) / (2 f_peak)``, from the half-power band of the curve.
 
     ``f_1`` and ``f_2`` are the first points on either side of the peak, walking along the curve, where the amplitude is
-    ``peak.amplitude / sqrt(2)`` (linear between points). This is the ratio of a linear single resonance of the same
-    width; it contains friction and viscous losses. With friction the curve is not a resonance curve, so take it as a
-    measure of width. None if the curve ends before it has fallen that far, or the peak is not bracketed.
+    ``peak.amplitude / sqrt(2)`` (linear between points). For a linear single resonance this is the damping ratio. With
+    friction the curve is not a resonance curve, and this is a width only; the damping follows from the energies
+    (:func:`stickslip.results.measures.equivalent_damping`). None if the curve ends before it has fallen that far, or
+    the peak is not bracketed.
     """
     frequency, height = finite_array("frequency_hz", frequency_hz), finite_array("amplitude", amplitude)
     if not peak.bracketed or peak.amplitude <= 0.0:

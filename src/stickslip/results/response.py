@@ -24,6 +24,7 @@ from stickslip.results.groups import read_groups, write_groups
 from stickslip.results.linear_curves import LinearCurves, points_between
 from stickslip.results.pair_variables import pairs_from, pairs_groups
 from stickslip.results.stored import StoredGroup
+from stickslip.results.sweeps_of_curve import Flags, Jump, SlowSweep, one_run, stable_between_folds, sweeps
 from stickslip.results.variables import (
     Attribute,
     Coefficients,
@@ -95,6 +96,10 @@ class ForcedResponse(Labelled):
         the options of the run, and the versions of software and machine.
     load_factor:
         (n_points,) the excitation at a point over ``force``; 1 except in a response at prescribed amplitude or phase.
+    kinetic_energy:
+        (n_points,) J, largest kinetic energy that the first harmonic would have with all unknowns in phase:
+        ``w^2 / 2 (c_1 . M c_1 + s_1 . M s_1)``, twice its mean over the period. It does not depend on the phases
+        between the unknowns. 0 in files of earlier versions, which do not contain it.
 
     Raises
     ------
@@ -159,6 +164,12 @@ class ForcedResponse(Labelled):
         default_factory=lambda: np.ones(1),
         metadata=stored(Numbers(_CURVE, "1", "excitation at the point over force", optional=True)),
     )
+    kinetic_energy: FloatArray = field(
+        default_factory=lambda: np.zeros(1),
+        metadata=stored(
+            Numbers(_CURVE, "J", "twice the mean kinetic energy of the first harmonic over the period", optional=True)
+        ),
+    )
 
     def __post_init__(self) -> None:
         points = np.shape(self.frequency_hz)
@@ -167,8 +178,9 @@ class ForcedResponse(Labelled):
                 f"frequency_hz must be a list of at least one point, but its shape is {points}.",
                 arguments=["frequency_hz"],
             )
-        if np.shape(self.load_factor) == (1,):
-            object.__setattr__(self, "load_factor", np.repeat(self.load_factor, points[0]))
+        for name in ("load_factor", "kinetic_energy"):
+            if np.shape(getattr(self, name)) == (1,):
+                object.__setattr__(self, name, np.repeat(getattr(self, name), points[0]))
         if not np.isin(self.contact_state, list(ContactState)).all():
             states = [f"{state:d} ({state.label})" for state in ContactState]
             raise InputError(
@@ -261,7 +273,9 @@ class ForcedResponse(Labelled):
         return "with friction" if self.pairs.is_coulomb else "with contact"
 
     def plot(self, output: ArrayLike, name: str = "") -> Figure:
-        """Amplitude of an output against frequency, linear stuck and free beside it, the peak marked.
+        """Amplitude of an output against frequency, linear stuck and free beside it: stable solid, unstable dashed.
+
+        The highest peak has a mark; where slow sweeps differ from it, their peaks and jumps have marks too.
 
         Parameters
         ----------
@@ -278,8 +292,34 @@ class ForcedResponse(Labelled):
         stuck, free = (self.linear_amplitude(output, limit) for limit in ("stuck", "free"))
         amplitude, linear_hz = self.amplitude(output), self.linear.frequency_hz
         return AmplitudeCurve(
-            self.frequency_hz, amplitude, linear_hz, stuck, free, self.stuck_name, name, self.curve_name
-        ).figure()
+            self.frequency_hz, amplitude, linear_hz, stuck, free, self.stuck_name, name, self.curve_name,
+            self.stable_points, self.slow_sweeps(output),
+        ).figure()  # fmt: skip
+
+    def slow_sweeps(self, output: ArrayLike) -> tuple[SlowSweep, SlowSweep]:
+        """What a slow sweep up and a slow sweep down see of the curve, with the peaks of an output (n,).
+
+        At constant excitation (:func:`stickslip.results.sweeps_of_curve.sweeps`). In a response at prescribed amplitude
+        or phase the control passes folds, so that both sweeps follow the whole curve. Raises InputError.
+        """
+        amplitude = self.amplitude(output)
+        if np.ptp(self.load_factor) > 0.0:
+            return one_run(self.frequency_hz, amplitude)
+        return sweeps(self.frequency_hz, amplitude, self.stable_points)
+
+    def jumps(self, output: ArrayLike) -> tuple[Jump, ...]:
+        """Where a slow sweep up and then a slow sweep down jump: frequency, and amplitudes of an output (n,) before and
+        after.
+
+        The unit of ``output`` sets that of the amplitudes. Raises InputError for a row of another length.
+        """
+        up, down = self.slow_sweeps(output)
+        return (*up.jumps, *down.jumps)
+
+    @property
+    def stable_points(self) -> Flags:
+        """(n_points,) whether the motion is stable; the folds of the curve decide."""
+        return stable_between_folds(self.frequency_hz)
 
     def harmonic_amplitude(self, output: ArrayLike, harmonic: int) -> FloatArray:
         """(n_points,) ``sqrt(c_k^2 + s_k^2)`` of ``output @ u``, and ``|c_0|`` for harmonic 0. Raises InputError."""

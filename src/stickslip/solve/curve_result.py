@@ -106,6 +106,7 @@ def response_of(
         settings=_settings(window, balances, balance, newton, check),
         provenance={},
         load_factor=np.array([trial.load for trial in trials]),
+        kinetic_energy=measures.kinetic_energy,
     )
 
 

@@ -20,7 +20,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.model.model import ReducedModel
 from stickslip.papers.rough_damper.plan import Setting
 from stickslip.results.measures import state_counts
-from stickslip.results.peaks import half_power_damping, peaks
+from stickslip.results.peaks import half_power_width, peaks
 from stickslip.results.response import ForcedResponse
 from stickslip.structure.superelement import Superelement
 
@@ -157,7 +157,7 @@ def record(
     stuck = peaks(response.linear.frequency_hz, response.linear_amplitude(tip, "stuck"))[0]
     face_pairs, point = model.joint.face_pairs, peak.point
     energy, counts = response.friction_energy.sum(axis=1), state_counts(response.contact_state)
-    width = half_power_damping(response.frequency_hz, amplitude, peak)
+    width = half_power_width(response.frequency_hz, amplitude, peak)
     stuck_hz = response.linear.stuck_frequency_hz
     numbers = {
         "peak_m": peak.amplitude,

@@ -285,11 +285,17 @@
     }
     facePairs.forEach((pairs, face) => { listenToMap("state-map-" + face, face); listenToMap("energy-map-" + face, face); });
     let logarithmic = false;
+    const linearNotes = figures.curve.layout.annotations.map((note) => ({ y: note.y, ay: note.ay, ayref: note.ayref }));
     element("scale").addEventListener("click", function () {
       logarithmic = !logarithmic;
       const top = data.amplitude[data.point];
       const update = { "yaxis.type": logarithmic ? "log" : "linear", "yaxis.autorange": true, "yaxis.dtick": logarithmic ? 1 : null };
-      update["annotations[0].y"] = logarithmic ? Math.log10(figures.curve.data[3].y[0] || top) : figures.curve.data[3].y[0];
+      /* annotations lie on a logarithmic axis by their logarithms; ay is a place on the axis for arrows only */
+      linearNotes.forEach(function (note, i) {
+        for (const key of note.ayref === "y" ? ["y", "ay"] : ["y"]) {
+          update["annotations[" + i + "]." + key] = logarithmic ? Math.log10(note[key] || top) : note[key];
+        }
+      });
       Plotly.relayout("curve", update);
       element("scale").textContent = logarithmic ? "Linear axis" : "Logarithmic axis";
     });

@@ -68,7 +68,8 @@ def _folds(trials: list[Trial]) -> tuple[str, ...]:
         return ()
     return (
         f"The curve folds ({_places(turns)} Hz): between folds several periodic motions exist at one frequency. "
-        "Stability is not computed; a slow sweep follows the curve to a fold and jumps there.",
+        "A slow sweep follows the curve to a fold and jumps there, so a sweep up and a sweep down may have different "
+        "peaks.",
     )
 
 

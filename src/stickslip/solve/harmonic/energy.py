@@ -29,6 +29,7 @@ class CurveMeasures:
     normal_work: FloatArray  # (n_points, n_pairs) J, the part of the normal forces, an error of sampling
     input_energy: FloatArray  # (n_points,)
     viscous_energy: FloatArray  # (n_points,)
+    kinetic_energy: FloatArray  # (n_points,) J, twice the mean of the first harmonic over the period
     residual: FloatArray  # (n_points,)
 
     def first(self, count: int) -> CurveMeasures:
@@ -49,6 +50,7 @@ def measure_curve(
         np.concatenate([part.normal_work for part in parts]),
         np.concatenate([part.input_energy for part in parts]),
         np.concatenate([part.viscous_energy for part in parts]),
+        np.concatenate([part.kinetic_energy for part in parts]),
         np.concatenate([part.residual for part in parts]),
     )
 
@@ -69,9 +71,17 @@ def _measure(
     residual = _equation_residuals(trials, displacement, contact, applied, balance, superelement, stuck)
     # The input is the work of the force; its sign convention makes it positive where energy goes in.
     work_of_force = _work(order, displacement, applied).sum(axis=1)
+    kinetic = _kinetic_energy(displacement, omega, superelement)
     return CurveMeasures(
-        displacement, by_direction.sum(axis=2), by_direction[:, :, 2], work_of_force, viscous, residual
+        displacement, by_direction.sum(axis=2), by_direction[:, :, 2], work_of_force, viscous, kinetic, residual
     )
+
+
+def _kinetic_energy(displacement: FloatArray, omega: FloatArray, superelement: Superelement) -> FloatArray:
+    """(n_points,) ``w^2 / 2 (c_1 . M c_1 + s_1 . M s_1)`` of displacements (n_points, 2H+1, n)."""
+    first = displacement[:, 1:3]
+    energy: FloatArray = 0.5 * omega**2 * ((first @ superelement.mass) * first).sum(axis=(1, 2))
+    return energy
 
 
 def _work(order: Orders, motion: FloatArray, force: FloatArray) -> FloatArray:

@@ -1,0 +1,148 @@
+"""The interactive figure of the amplitude curve: stable and unstable parts, jumps of slow sweeps, and three peaks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from stickslip.core.plain_figure import BLUE, DOWNWARD, GREY, INK, ORANGE, UPWARD, VERMILLION
+from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_list
+from stickslip.reporting.style import MICRO
+from stickslip.reporting.view import View
+from stickslip.results.peaks import Peak
+from stickslip.results.sweeps_of_curve import Flags, drawn_steps, unstable_steps
+
+_HOVER = PlotMarkup("%{x:.2f} Hz<br>%{y:.4g} µm")
+
+
+def amplitude_frequency(view: View) -> Figure:
+    """Amplitude against frequency, linear stuck and free beside it, with peaks and jumps; the last trace is the cursor.
+
+    page.js counts on three places: trace 2 has every point of the curve, the peak is trace 3, and the first annotation
+    names it.
+    """
+    response, linear = view.response, view.response.linear
+    low, high = view.window_hz
+    shown = (linear.frequency_hz >= low) & (linear.frequency_hz <= high)
+    frequency = linear.frequency_hz[shown]
+    cursor = {
+        "type": "scatter",
+        "mode": "markers",
+        "name": "shown below",
+        "x": [float(response.frequency_hz[view.point])],
+        "y": [float(view.amplitude_um[view.point])],
+        "marker": {"symbol": "circle-open", "size": 17, "color": VERMILLION, "line": {"width": 3}},
+        "hoverinfo": "skip",
+    }
+    return figure_of(
+        [
+            line_trace(view.stuck_words, frequency, view.stuck_um[shown], BLUE, "dash", hovertemplate=_HOVER),
+            line_trace(
+                "linear, no contact", frequency, view.free_um[shown], ORANGE, "dot", width=2.5, hovertemplate=_HOVER
+            ),
+            *_curve(view),
+            *_peaks_of_sweeps(view),
+            cursor,
+        ],
+        440,
+        xaxis=axis_look(FREQUENCY, range=[low, high]),
+        yaxis=axis_look("Amplitude, 0-to-peak, µm", rangemode="tozero"),
+        annotations=[_peak_label(view), *_jumps(view)],
+        hovermode="closest",
+    )
+
+
+def _curve(view: View) -> Iterator[dict[str, Any]]:
+    """All points of the curve, its highest peak, and where parts are unstable the stable and the unstable lines."""
+    frequency, amplitude, name = view.response.frequency_hz, view.amplitude_um, view.response.curve_name
+    unstable = unstable_steps(view.response.stable_points)
+    folded = bool(unstable.any())
+    points = line_trace(name, frequency, amplitude, INK, width=2.5, hovertemplate=_HOVER)
+    mode = {"mode": "markers", "showlegend": False} if folded else {"mode": "lines+markers"}
+    # points of unstable parts would hide their dashes; they remain in the figure for the choice of a point
+    seen = np.where(view.response.stable_points, 1.0, 0.0).tolist() if folded else 1.0
+    yield points | mode | {"marker": {"size": 5, "color": INK, "opacity": seen}}
+    yield _peak_mark(_highest_words(view), view.summary.peak, "diamond", VERMILLION, listed=False)
+    if folded:
+        yield _drawn(f"{name}, stable", view, ~unstable, "solid", 2.5)
+        yield _drawn(f"{name}, unstable", view, unstable, "dash", 1.8)
+
+
+def _drawn(name: str, view: View, drawn: Flags, dash: str, width: float) -> dict[str, Any]:
+    """The steps of the curve that are ``drawn``, with gaps between them."""
+    line: dict[str, Any] = line_trace(name, [], [], INK, dash, width, hoverinfo="skip")
+    for axis, values in (("x", view.response.frequency_hz), ("y", view.amplitude_um)):
+        numbers = plain_list(drawn_steps(values, drawn))
+        line[axis] = [None if math.isnan(number) else number for number in numbers]
+    return line
+
+
+def _highest_words(view: View) -> str:
+    if not view.summary.peak.bracketed:
+        return "highest"
+    return "highest peak on the curve" if view.summary.sweeps_differ else "peak"
+
+
+def _peak_label(view: View) -> dict[str, Any]:
+    peak = view.summary.peak
+    top = MICRO * peak.amplitude
+    return {
+        "x": peak.frequency_hz,
+        "y": top,
+        "text": PlotMarkup("{} {:.4g} µm<br>at {:.2f} Hz").format(_highest_words(view), top, peak.frequency_hz),
+        "showarrow": True,
+        "arrowhead": 0,
+        "arrowcolor": GREY,
+        "ax": -70,  # to the left: friction lowers the frequency, so the stuck peak is on the right
+        "ay": -30,
+        "align": "right",
+    }
+
+
+def _peak_mark(name: str, peak: Peak, symbol: str, colour: str, listed: bool) -> dict[str, Any]:
+    top = MICRO * peak.amplitude
+    words = PlotMarkup("{} {:.4g} µm<br>at {:.2f} Hz").format(name, top, peak.frequency_hz)
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "name": name,
+        "x": [peak.frequency_hz],
+        "y": [top],
+        "marker": {"symbol": symbol, "size": 12, "color": colour, "line": {"color": "white", "width": 1}},
+        "hovertemplate": words + PlotMarkup("<extra></extra>"),
+        "showlegend": listed,
+    }
+
+
+def _peaks_of_sweeps(view: View) -> Iterator[dict[str, Any]]:
+    """Marks of the peaks of both slow sweeps where one of them is not the highest peak."""
+    if not view.summary.sweeps_differ:
+        return
+    for peak, direction, symbol, colour in (
+        (view.summary.upward_peak, "up", "triangle-up", UPWARD),
+        (view.summary.downward_peak, "down", "triangle-down", DOWNWARD),
+    ):
+        if peak is not None:
+            yield _peak_mark(f"peak of a slow sweep {direction}", peak, symbol, colour, listed=True)
+
+
+def _jumps(view: View) -> Iterator[dict[str, Any]]:
+    """Vertical arrows from the amplitude before to that after each jump."""
+    for jump in view.summary.notable_jumps:
+        yield {
+            "x": jump.frequency_hz,
+            "y": MICRO * jump.amplitude_to,
+            "ax": jump.frequency_hz,
+            "ay": MICRO * jump.amplitude_from,
+            "axref": "x",
+            "ayref": "y",
+            "text": "",
+            "showarrow": True,
+            "arrowhead": 2,
+            "arrowsize": 1.2,
+            "arrowwidth": 2.5,
+            "arrowcolor": UPWARD if jump.direction == "up" else DOWNWARD,
+        }
