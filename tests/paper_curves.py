@@ -9,6 +9,7 @@ import numpy as np
 
 from stickslip.papers.rough_damper.plan import Setting
 from stickslip.papers.rough_damper.records import Solved
+from stickslip.results.peaks import peaks as peaks_of
 
 PAIRS = 4
 SAMPLES = 8
@@ -20,7 +21,8 @@ NUMBERS = {
     "stuck_peak_hz": 452.0,
     "first_stuck_hz": 452.0,
     "second_stuck_hz": 480.0,
-    "width": 0.002,
+    "half_power_width": 0.002,
+    "equivalent_damping": 0.0015,
     "friction_energy_j": 1e-6,
     "viscous_energy_j": 1e-6,
     "input_energy_j": 2e-6,
@@ -64,6 +66,7 @@ def curve(
         phase_state=np.zeros((3, SAMPLES), dtype=int) if phases is None else np.asarray(phases),
         sides=np.zeros((2, 3, SAMPLES)),
         shares=np.array(shares),
+        peak_list=np.array([(p.frequency_hz, p.amplitude) for p in peaks_of(frequency, amplitude) if p.bracketed]),
         mode_table=np.array([[mode, 500.0, 500.01, 0.002, 0.99] for mode in range(1, 11)]),
         warnings=(),
     )

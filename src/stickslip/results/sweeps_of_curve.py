@@ -6,7 +6,7 @@ stable one at the same frequency. A *place* on a curve counts its points: 12.5 i
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -60,9 +60,10 @@ class SlowSweep:
     leaves_at_hz:
         frequency at which the sweep leaves the computed curve by a fold, because the curve does not come back to this
         frequency; None if the sweep runs to an end of the computed frequencies.
-    peak:
-        the largest amplitude of the runs; not bracketed at an end of the computed curve, at a gap and where the sweep
-        leaves the curve, because the sweep may go higher there. None if no point of the curve is stable.
+    peaks:
+        local maxima along the path, highest first, also those before and after a jump; not bracketed at an end of the
+        computed curve, at a gap and where the sweep leaves the curve, because the sweep may go higher there. Empty if
+        no point of the curve is stable.
     """
 
     direction: Direction
@@ -70,7 +71,12 @@ class SlowSweep:
     jumps: tuple[Jump, ...]
     gaps_hz: tuple[tuple[float, float], ...]
     leaves_at_hz: float | None
-    peak: Peak | None
+    peaks: tuple[Peak, ...]
+
+    @property
+    def peak(self) -> Peak | None:
+        """The highest of the peaks, None without any."""
+        return self.peaks[0] if self.peaks else None
 
     def points(self) -> NDArray[np.int64]:
         """(m,) computed points on the path, in the order of the sweep."""
@@ -155,7 +161,7 @@ def sweeps(
 def one_run(frequency_hz: FloatArray, amplitude: FloatArray) -> tuple[SlowSweep, SlowSweep]:
     """Both sweeps of a curve that a control follows through its folds: one run and no jump."""
     last = float(frequency_hz.size - 1)
-    top = peaks(frequency_hz, amplitude)[0]
+    top = tuple(peaks(frequency_hz, amplitude))
     return (
         SlowSweep("up", ((0.0, last),), (), (), None, top),
         SlowSweep("down", ((last, 0.0),), (), (), None, top),
@@ -173,20 +179,33 @@ def _sweep(direction: Direction, frequency: FloatArray, height: FloatArray, stab
     )
     gaps = tuple((sign * first, sign * last) for first, last in path.gaps)
     leaves = None if path.leaves_at is None else sign * path.leaves_at
+    found = _peaks_of_path(frequency, height, path, {jump.place_from: jump.frequency_hz for jump in jumps})
+    return SlowSweep(direction, tuple(path.runs), jumps, gaps, leaves, found)
+
+
+def _peaks_of_path(
+    frequency: FloatArray, height: FloatArray, path: _Path, fold_hz: Mapping[float, float]
+) -> tuple[Peak, ...]:
+    """Local maxima along a path, highest first: those of the curve on it, and ends of runs above both neighbours."""
     open_ends = {0.0, height.size - 1.0, *path.open_ends}  # beyond them the sweep may go higher
-    fold_hz = {jump.place_from: jump.frequency_hz for jump in jumps}
-    ends = [place for run in path.runs for place in run]
-    candidates = [
-        Peak(round(end), fold_hz.get(end, _at(frequency, end)), _at(height, end), bracketed=end not in open_ends)
-        for end in ends
-    ]
-    candidates += [
+    ends = []
+    for number, (first, last) in enumerate(path.runs):
+        before = path.runs[number - 1][1] if number else first
+        after = path.runs[number + 1][0] if number + 1 < len(path.runs) else last
+        inward = float(np.sign(last - first))
+        for end, inner, outer in ((first, first + inward, before), (last, last - inward, after)):
+            top, beside = _at(height, end), {_at(height, inner), *([] if end in open_ends else [_at(height, outer)])}
+            if top >= max(beside):
+                hertz = fold_hz.get(end, _at(frequency, end))
+                ends.append(Peak(round(end), hertz, top, bracketed=end not in open_ends))
+    inside = [
         peak
         for peak in peaks(frequency, height)
         if peak.bracketed and any(min(run) - 1.0 < peak.point < max(run) + 1.0 for run in path.runs)
     ]
-    top = max(candidates, key=lambda peak: (peak.amplitude, peak.bracketed), default=None)
-    return SlowSweep(direction, tuple(path.runs), jumps, gaps, leaves, top)
+    # the tip of a fold and the end of the run at it are one peak
+    ends = [end for end in ends if all(abs(end.point - peak.point) > 1 for peak in inside)]
+    return tuple(sorted([*inside, *ends], key=lambda peak: -peak.amplitude))
 
 
 def _at(values: FloatArray, place: float) -> float:

@@ -13,7 +13,7 @@ from stickslip.papers.rough_damper.choice_items import (
     choices_item,
     reasons_table,
 )
-from stickslip.papers.rough_damper.claims import CLAIMS
+from stickslip.papers.rough_damper.claim_list import CLAIMS
 from stickslip.papers.rough_damper.model_items import MODEL_CLAIMS
 from stickslip.papers.rough_damper.plan import Scope, computations
 from stickslip.papers.rough_damper.records import Solved

@@ -17,7 +17,7 @@ from stickslip.papers.rough_damper.compute import Failure
 from stickslip.papers.rough_damper.items import Item, Picture, peak_table
 from stickslip.papers.rough_damper.page import write_page
 from stickslip.papers.rough_damper.plan import Setting
-from stickslip.papers.rough_damper.verdict_items import conclusions_item
+from stickslip.papers.rough_damper.verdict_items import REMARKS, JudgedClaim, conclusions_item
 from stickslip.papers.rough_damper.verdicts import Answer, Verdict, judge
 
 pytestmark = pytest.mark.slow
@@ -80,7 +80,9 @@ def test_a_row_of_the_conclusions_is_seen_whole_on_a_common_screen(browser: Any,
     other = judge(answers[:1])
     choices = ("excitation height 11.01 mm", "friction coefficient 0.15", "centrifugal force 200 N", "preload solved")
     changed = ChangedVerdict(statement, {"base": judged} | dict.fromkeys(choices, other), "")
-    item = conclusions_item([(statement, "Tables 1 and 2, Figure 2: reduction of the model", judged)], [changed])
+    place = "Tables 1 and 2, Figure 2: reduction of the model"
+    sweeps = {"up": other, "down": judged}
+    item = conclusions_item([JudgedClaim(statement, place, judged, sweeps, REMARKS[statement])], [changed])
     path = tmp_path / "paper.html"
     write_page(path, [item], {}, {judged.verdict: 1}, [], "[study]", {"date": "2024-01-01"})
     with opened_page(browser, path, drawn=False) as page:

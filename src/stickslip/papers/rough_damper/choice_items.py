@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from stickslip.case.case import TwoBladeCase
-from stickslip.papers.rough_damper.claims import CLAIMS, Solutions
+from stickslip.papers.rough_damper.claim_list import CLAIMS
+from stickslip.papers.rough_damper.claims import Solutions
 from stickslip.papers.rough_damper.items import Item
 from stickslip.papers.rough_damper.model_items import MODEL_CLAIMS
 from stickslip.papers.rough_damper.plan import (

@@ -1,4 +1,4 @@
-"""The paper's claims about the vibration, each asked of a set of solved curves; the numbers give the answer."""
+"""How a claim is asked of a set of solved curves: measures, series, and questions; the numbers give the answer."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from stickslip.papers.rough_damper.plan import EXCITATIONS
 from stickslip.papers.rough_damper.records import Solved
-from stickslip.papers.rough_damper.verdicts import Answer, Judgement, falls, judge, rises, rises_then_falls
+from stickslip.papers.rough_damper.verdicts import Answer, Judgement, judge
 
 Solutions = Sequence[Solved]
 # Friction energy below this fraction of the input energy counts as zero: the energy balance is not more accurate.
@@ -20,16 +20,25 @@ MICRO = 1e6
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim in our words, where the paper makes it, and what decides it."""
+    """A claim in our words, where the paper makes it, and what decides it.
+
+    ``beside`` are questions whose verdicts stand beside that of the claim, because it mixes several effects.
+    """
 
     name: str
     place: str
     statement: str
     ask: Callable[[Solutions], list[Answer]]
+    beside: tuple[tuple[str, Callable[[Solutions], list[Answer]]], ...] = ()
 
     def judged(self, solutions: Solutions) -> Judgement:
         """The verdict on it by these curves."""
         return judge(self.ask(solutions))
+
+    def beside_words(self, solutions: Solutions) -> str:
+        """The verdicts of the questions beside it, in words."""
+        judged = [(words, judge(ask(solutions))) for words, ask in self.beside]
+        return " ".join(f"{words}: {each.verdict.value} ({each.reason.rstrip('.')})." for words, each in judged)
 
 
 def friction_energy(one: Solved) -> float:
@@ -85,19 +94,31 @@ Trend = Callable[[Sequence[float]], bool | None]
 Measure = Callable[[Solved], float]
 
 
-def along_series(along: str, measure: Measure, trend: Trend, factor: float, unit: str) -> Callable[..., list[Answer]]:
-    """Asks whether a measure follows a trend along every series of D or G."""
+def along_series(
+    along: str, measure: Measure, trend: Trend, factor: float, unit: str, beside: tuple[str, Measure] | None = None
+) -> Callable[..., list[Answer]]:
+    """Asks whether a measure follows a trend along every series of D or G.
+
+    ``beside`` is the name of another measure in the same unit, and the measure, whose values the numbers show too.
+    """
 
     def ask(solutions: Solutions) -> list[Answer]:
         answers = []
         for line in series(solutions, along):
             values = [measure(one) for one in line]
             first, last = (f"{getattr(one.setting, _FIELD[along]):g}" for one in (line[0], line[-1]))
-            shown = ", ".join(f"{factor * value:.3g}" for value in values)
-            answers.append(Answer(where(line[0], along), trend(values), f"{along} {first} to {last}: {shown} {unit}"))
+            shown = f"{_listed(values, factor)} {unit}"
+            if beside is not None:
+                name, other = beside
+                shown += f"; {name} {_listed([other(one) for one in line], factor)} {unit}"
+            answers.append(Answer(where(line[0], along), trend(values), f"{along} {first} to {last}: {shown}"))
         return answers
 
     return ask
+
+
+def _listed(values: Sequence[float], factor: float) -> str:
+    return ", ".join(f"{factor * value:.3g}" for value in values)
 
 
 _FIELD = {"D": "dimension", "G": "scale"}
@@ -182,7 +203,8 @@ def between(
     return ask
 
 
-def _two_peaks(solutions: Solutions) -> list[Answer]:
+def two_peaks(solutions: Solutions) -> list[Answer]:
+    """Asks whether one force gives two peaks or more, the first the highest."""
     answers = []
     for group in by_excitation(solutions):
         peak_list = group["single"].peaks()
@@ -192,7 +214,8 @@ def _two_peaks(solutions: Solutions) -> list[Answer]:
     return answers
 
 
-def _peaks_of_both_directions(solutions: Solutions) -> list[Answer]:
+def peaks_of_both_directions(solutions: Solutions) -> list[Answer]:
+    """Asks whether the peaks of one force lie within 2 % of those of same and of opposite forces."""
     answers = []
     for group in by_excitation(solutions):
         peak_list = group["single"].peaks()
@@ -208,21 +231,25 @@ def _peaks_of_both_directions(solutions: Solutions) -> list[Answer]:
     return answers
 
 
-def _fractions(one: Solved) -> str:
+def fractions(one: Solved) -> str:
+    """Translation, rotation and deformation of the damper, in words."""
     translation, rotation, deformation = 100.0 * np.asarray(one.shares)
     name = one.setting.excitation
     return f"{name}: translation {translation:.1f} %, rotation {rotation:.1f} %, deformation {deformation:.2g} %"
 
 
-def _dominated_by(excitation: str, part: int) -> Callable[..., list[Answer]]:
+def dominated_by(excitation: str, part: int) -> Callable[..., list[Answer]]:
+    """Asks whether one part of the motion of the damper is more than a half of it under an excitation."""
+
     def ask(solutions: Solutions) -> list[Answer]:
         chosen = [one for one in solutions if one.setting.excitation == excitation]
-        return [Answer(where(one, "excitation"), bool(one.shares[part] > 0.5), _fractions(one)) for one in chosen]
+        return [Answer(where(one, "excitation"), bool(one.shares[part] > 0.5), fractions(one)) for one in chosen]
 
     return ask
 
 
-def _all_states(solutions: Solutions) -> list[Answer]:
+def all_states(solutions: Solutions) -> list[Answer]:
+    """Asks whether one pair is in all three states within a period."""
     answers = []
     for one in solutions:
         phases = np.asarray(one.phase_state)
@@ -234,7 +261,8 @@ def _all_states(solutions: Solutions) -> list[Answer]:
     return answers
 
 
-def _moves_left(solutions: Solutions) -> list[Answer]:
+def moves_left(solutions: Solutions) -> list[Answer]:
+    """Asks whether the peak lies below the linear stuck peak where pairs move."""
     answers = []
     for one in solutions:
         if moving(one) == 0.0:
@@ -250,7 +278,7 @@ def reduction(one: Solved) -> float:
     return 1.0 - one.numbers["peak_m"] / one.numbers["stuck_peak_m"]
 
 
-def _compare(measure: Measure, margin: float) -> Callable[[Solved, Solved], bool | None]:
+def compare(measure: Measure, margin: float) -> Callable[[Solved, Solved], bool | None]:
     """The value at the smaller load is the larger one; None where the two are alike."""
 
     def holds(low: Solved, high: Solved) -> bool | None:
@@ -260,12 +288,14 @@ def _compare(measure: Measure, margin: float) -> Callable[[Solved, Solved], bool
     return holds
 
 
-def _fewer_stuck_at_high_force(low: Solved, high: Solved) -> bool | None:
+def fewer_stuck_at_high_force(low: Solved, high: Solved) -> bool | None:
+    """Fewer pairs are stuck at the larger value; None where the numbers are equal."""
     difference = low.numbers["stuck"] - high.numbers["stuck"]
     return None if difference == 0.0 else difference > 0.0
 
 
-def _opposite_is_nothing(solutions: Solutions) -> list[Answer]:
+def opposite_is_nothing(solutions: Solutions) -> list[Answer]:
+    """Asks whether opposite forces dissipate at most 2.5e-21 J."""
     chosen = [one for line in series(solutions, "G") for one in line if one.setting.excitation == "opposite"]
     answers = []
     for one in chosen:
@@ -275,108 +305,7 @@ def _opposite_is_nothing(solutions: Solutions) -> list[Answer]:
     return answers
 
 
-def _state_words(one: Solved) -> str:
+def state_words(one: Solved) -> str:
+    """The pairs in each state, in words."""
     n = one.numbers
     return f"{n['stuck']:g} stuck, {n['stick_slip']:g} stick-slip, {n['separating']:g} separating"
-
-
-CLAIMS = (
-    Claim(
-        "translation",
-        "Fig 9, conclusion 1",
-        "Same direction moves the damper as a translation.",
-        _dominated_by("same", 0),
-    ),
-    Claim("rotation", "Fig 9, conclusion 1", "Opposite directions rotate the damper.", _dominated_by("opposite", 1)),
-    Claim(
-        "three states", "Figs 7, 8, conclusion 1", "A pair sticks, slips and separates within one period.", _all_states
-    ),
-    Claim(
-        "load, slip",
-        "conclusion 2",
-        "A smaller centrifugal force lets more pairs slip or open.",
-        between("load", _compare(moving, 0.5), _state_words),
-    ),
-    Claim(
-        "load, suppression",
-        "conclusion 2",
-        "A larger centrifugal force weakens the reduction of the peak by friction.",
-        between("load", _compare(reduction, 0.01), lambda one: f"{100 * reduction(one):.1f} % off the stuck peak"),
-    ),
-    Claim(
-        "force, slip",
-        "Figs 10, 11",
-        "5 N leaves fewer pairs stuck than 2 N.",
-        between("force", _fewer_stuck_at_high_force, _state_words),
-    ),
-    Claim(
-        "same, slip",
-        "conclusion 3",
-        "Same direction lets most pairs slip or open.",
-        same_is_largest(moving, 1.0, "pairs"),
-    ),
-    Claim(
-        "same, energy",
-        "conclusion 3",
-        "Same direction dissipates most.",
-        same_is_largest(friction_energy, MICRO, "µJ"),
-    ),
-    Claim("two peaks", "Fig 12", "One force gives two peaks, the first the higher one.", _two_peaks),
-    Claim("peak pairs", "Fig 12", "Its peaks are those of same and of opposite forces.", _peaks_of_both_directions),
-    Claim("left shift", "Figs 12, 14", "Where pairs slip or open, the peak lies below the stuck one.", _moves_left),
-    Claim(
-        "peak, D",
-        "Fig 12, conclusion 4",
-        "The peak falls as D grows.",
-        along_series("D", lambda one: one.numbers["peak_m"], falls, MICRO, "µm"),
-    ),
-    Claim(
-        "peak, G",
-        "Fig 14, conclusion 4",
-        "The peak falls as G falls.",
-        along_series("G", lambda one: one.numbers["peak_m"], falls, MICRO, "µm"),
-    ),
-    Claim(
-        "slip, D",
-        "Fig 10, conclusion 4",
-        "More pairs slip or open as D grows.",
-        along_series("D", moving, rises, 1.0, "pairs"),
-    ),
-    Claim(
-        "slip, G",
-        "Fig 11, conclusion 4",
-        "More pairs slip or open as G falls.",
-        along_series("G", moving, rises, 1.0, "pairs"),
-    ),
-    Claim(
-        "energy, D", "Fig 13, conclusion 4", "The energy grows with D (at the peak).", energy_along("D", rises, False)
-    ),
-    Claim(
-        "energy, G",
-        "Fig 15, conclusion 4",
-        "The energy grows as G falls (at the peak).",
-        energy_along("G", rises, False),
-    ),
-    Claim(
-        "hump, D",
-        "Fig 13",
-        "The energy first rises, then falls with D (at the peak).",
-        energy_along("D", rises_then_falls, False),
-    ),
-    Claim("energy, D, fixed", "Fig 13", "The energy grows with D (at one frequency).", energy_along("D", rises, True)),
-    Claim(
-        "hump, D, fixed",
-        "Fig 13",
-        "The energy first rises, then falls with D (at one frequency).",
-        energy_along("D", rises_then_falls, True),
-    ),
-    Claim(
-        "energy, G, fixed", "Fig 15", "The energy grows as G falls (at one frequency).", energy_along("G", rises, True)
-    ),
-    Claim(
-        "opposite, stuck",
-        "Fig 15, E26",
-        "Opposite forces dissipate almost no energy, at most 2.5e-21 J, for each G.",
-        _opposite_is_nothing,
-    ),
-)

@@ -5,11 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
 from stickslip.papers.rough_damper.claims import MICRO, Solutions, energy_at, fixed_frequencies, friction_energy, series
 from stickslip.papers.rough_damper.items import Item, Picture, base, judged, peak_table
 from stickslip.papers.rough_damper.records import Solved
 from stickslip.papers.rough_damper.tables import Cell, Table, columns
 from stickslip.papers.rough_damper.verdicts import Answer, judge
+from stickslip.results.sweeps_of_curve import SAME_PEAK
 
 
 def curves_item(solutions: Solutions) -> Item:
@@ -17,7 +20,8 @@ def curves_item(solutions: Solutions) -> Item:
     chosen = base(solutions)
     notes = [
         "Under opposite forces the tip amplitude nearly vanishes at one stiffness, with all pairs stuck: the position "
-        f"of the force is then at a node of the second mode.  {nearly_still(chosen)}"
+        f"of the force is then at a node of the second mode.  {nearly_still(chosen)}",
+        folded_words(chosen),
     ]
     return Item(
         "curves",
@@ -29,13 +33,27 @@ def curves_item(solutions: Solutions) -> Item:
             Picture(
                 f"fig{number}_curves_{along}",
                 f"Amplitude of the tip against frequency, a line for each {along}: a column for each excitation, a row "
-                "for each force and centrifugal force.",
+                "for each force and centrifugal force. Triangles: peak of a slow sweep up, if it is a lower one.",
                 "fig12_14_peaks",
             )
             for number, along in ((12, "D"), (14, "G"))
         ),
-        judged(chosen, "two peaks", "peak, D", "peak, G", "left shift"),
+        judged(
+            chosen,
+            *("two peaks", "reverse, small", "reverse, steady", "peak, D", "peak, G", "unchanged law", "left shift"),
+        ),
     )
+
+
+def folded_words(chosen: Solutions) -> str:
+    """How many curves fold so that a slow sweep up has a lower peak, and by how much, in words."""
+    both = [(one, one.seen_by("up")) for one in chosen]
+    lower = [1.0 - up.numbers["peak_m"] / one.numbers["peak_m"] for one, up in both if up is not None]
+    missed = sorted(100.0 * part for part in lower if part > SAME_PEAK)
+    words = f"On {len(missed)} of {len(chosen)} curves a slow sweep up does not reach the highest peak"
+    if not missed:
+        return f"{words}."
+    return f"{words}; its peak is lower by {np.median(missed):.2g} % in the median and {missed[-1]:.2g} % at most."
 
 
 def warnings_table(solutions: Solutions) -> Table:

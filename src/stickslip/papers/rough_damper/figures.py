@@ -16,6 +16,7 @@ from stickslip.papers.rough_damper.plan import EXCITATIONS
 from stickslip.papers.rough_damper.records import SHOWN_PLACES, Solved
 from stickslip.reporting.figures import save
 from stickslip.reporting.style import STATES
+from stickslip.results.sweeps_of_curve import SAME_PEAK
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -103,6 +104,9 @@ def curves(solutions: Sequence[Solved], along: str) -> Figure:
                 label=label(one, along),
                 linewidth=1.3,
             )
+            up = one.seen_by("up")
+            if up is not None and up.numbers["peak_m"] < (1.0 - SAME_PEAK) * one.numbers["peak_m"]:
+                panel.plot(up.numbers["peak_hz"], MICRO * up.numbers["peak_m"], "^", color=COLOURS[place % 7])
         panel.set_title(f"{s.excitation}, {_run_words(line, along)}", fontsize=9)
         panel.set(ylim=(0.0, None))
     for panel in axes[-1]:

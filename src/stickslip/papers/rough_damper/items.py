@@ -6,11 +6,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from stickslip.case.case import TwoBladeCase
-from stickslip.papers.rough_damper.claims import CLAIMS, MICRO, Solutions, friction_energy
+from stickslip.papers.rough_damper.claim_list import CLAIMS
+from stickslip.papers.rough_damper.claims import MICRO, Solutions, friction_energy
 from stickslip.papers.rough_damper.plan import BASE_CHOICE
 from stickslip.papers.rough_damper.records import Solved
-from stickslip.papers.rough_damper.tables import Table, columns
+from stickslip.papers.rough_damper.tables import Cell, Table, columns
 from stickslip.papers.rough_damper.verdicts import Judgement
+
+# Readings of a curve beside the highest peak on it.
+SWEEPS = {"up": "slow sweep up", "down": "slow sweep down"}
 
 
 @dataclass(frozen=True)
@@ -57,9 +61,23 @@ class ModelClaim:
 
 
 def judged(solutions: Solutions, *names: str) -> tuple[tuple[str, Judgement], ...]:
-    """The statements of these claims with the verdicts of these curves."""
+    """The statements of these claims with the verdicts of these curves, and where a slow sweep has another one, it."""
     by_name = {claim.name: claim for claim in CLAIMS}
-    return tuple((by_name[name].statement, by_name[name].judged(solutions)) for name in names)
+    rows = []
+    for claim in (by_name[name] for name in names):
+        verdict = claim.judged(solutions)
+        rows.append((claim.statement, verdict))
+        for reading, words in SWEEPS.items():
+            other = claim.judged(seen(solutions, reading))
+            if other.verdict is not verdict.verdict:
+                rows.append((f"{claim.statement} Of a {words}:", other))
+    return tuple(rows)
+
+
+def seen(solutions: Solutions, reading: str) -> list[Solved]:
+    """The curves as a reading sees them, without those that it does not see at all."""
+    found = (one.seen_by(reading) for one in solutions)
+    return [one for one in found if one is not None]
 
 
 def base(solutions: Solutions, law: str = "consistent") -> list[Solved]:
@@ -69,7 +87,7 @@ def base(solutions: Solutions, law: str = "consistent") -> list[Solved]:
 
 def peak_table(name: str, caption: str, solutions: Solutions) -> Table:
     """Peak, frequency, states and energies of curves."""
-    rows = []
+    rows: list[tuple[Cell, ...]] = []
     for one in solutions:
         s, n = one.setting, one.numbers
         rows.append(
@@ -84,6 +102,9 @@ def peak_table(name: str, caption: str, solutions: Solutions) -> Table:
                 n["normal_stiffness"],
                 MICRO * n["peak_m"],
                 n["peak_hz"],
+                *(value for reading in SWEEPS for value in _peak_of(one.seen_by(reading))),
+                MICRO * n["stuck_peak_m"],
+                100.0 * n["equivalent_damping"],
                 n["first_stuck_hz"],
                 n["second_stuck_hz"],
                 int(n["stuck"]),
@@ -105,8 +126,14 @@ def peak_table(name: str, caption: str, solutions: Solutions) -> Table:
             "scale|m|G",
             "law||Law",
             "normal_stiffness|N/m|K_n of a face",
-            "peak|um|Peak",
+            "peak|um|Highest peak",
             "peak_frequency|Hz|at",
+            "upward_peak|um|Peak, slow sweep up",
+            "upward_frequency|Hz|at",
+            "downward_peak|um|Peak, slow sweep down",
+            "downward_frequency|Hz|at",
+            "stuck_peak|um|Peak, linear stuck",
+            "equivalent_damping|%|Equivalent damping",
             "first_stuck|Hz|Stuck mode 1",
             "second_stuck|Hz|Stuck mode 2",
             "stuck||Stuck",
@@ -117,3 +144,8 @@ def peak_table(name: str, caption: str, solutions: Solutions) -> Table:
         ),
         tuple(rows),
     )
+
+
+def _peak_of(one: Solved | None) -> tuple[float, float]:
+    """µm and Hz of the peak, not a number for a sweep without a stable point."""
+    return (float("nan"), float("nan")) if one is None else (MICRO * one.numbers["peak_m"], one.numbers["peak_hz"])

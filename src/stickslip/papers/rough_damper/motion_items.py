@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stickslip.papers.rough_damper.claims import MICRO, Solutions, series
+from stickslip.papers.rough_damper.further_claims import rotation_words
 from stickslip.papers.rough_damper.items import Item, Picture, base, judged
 from stickslip.papers.rough_damper.plan import Scope
 from stickslip.papers.rough_damper.records import SHOWN_PLACES, Solved
@@ -132,6 +133,8 @@ def damper_item(solutions: Solutions, scope: Scope) -> Item:
             "Two mirrored blades under opposite forces along x move as mirror images, and a rigid body that "
             "mirrors itself can move up, down and tilt along its length, but not rotate about its length. "
             + mirror_words(pair[1]),
+            "A verdict needs more than a half of the motion, so a translation may contain much rotation. "
+            f"{rotation_words(chosen)}",
         ),
         (table,),
         (
@@ -142,7 +145,7 @@ def damper_item(solutions: Solutions, scope: Scope) -> Item:
                 table.name,
             ),
         ),
-        judged(chosen, "translation", "rotation"),
+        judged(chosen, "translation", "rotation", "rotation, larger"),
     )
 
 
@@ -208,5 +211,5 @@ def states_item(solutions: Solutions, scope: Scope) -> Item:
         (),
         (table,),
         figures,
-        judged(chosen, "slip, D", "slip, G", "force, slip"),
+        judged(chosen, "slip, D", "slip, G", "force, slip", "force, separation"),
     )

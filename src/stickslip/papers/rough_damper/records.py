@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,20 +19,26 @@ from stickslip.core.seal import require_seal, seal
 from stickslip.core.validation import FloatArray
 from stickslip.model.model import ReducedModel
 from stickslip.papers.rough_damper.plan import Setting
-from stickslip.results.measures import state_counts
-from stickslip.results.peaks import half_power_width, peaks
+from stickslip.results.measures import equivalent_damping, state_counts
+from stickslip.results.peaks import Peak, half_power_width, peaks
 from stickslip.results.response import ForcedResponse
 from stickslip.structure.superelement import Superelement
 
+# Readings of a curve: all of it, a slow sweep up, a slow sweep down.
+READINGS = ("curve", "up", "down")
+# chosen: fraction of the largest motion, and of the friction limit, below which a difference is round-off.
+LEAST_SLIP = 1e-6
 SHOWN_PLACES = ("lower edge", "middle", "upper edge")
 
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """One curve and its state at the highest peak of the tip's amplitude.
+    """One curve and its state at the highest peak of the tip's amplitude, or what a slow sweep sees of it.
 
     numbers:
         name -> value, SI: peak_m, peak_hz, stuck_peak_m, stuck_hz, energies per cycle in J and so on.
+    peak_list:
+        (m, 2) Hz and m of the peaks inside the curve, or on the path of the sweep, highest first.
     frequency_hz, amplitude_m, energy_j, counts:
         (n,), (n,), (n,), (n, 3): along the curve; friction energy per cycle, pairs stuck, stick-slip, separating.
     pair_state, pair_energy_j, pair_position:
@@ -52,6 +58,9 @@ class Solved:
         (10, 5) mode, Hz of the full and of the reduced model, difference in %, MAC.
     warnings:
         sentences of the solver and of the contact law.
+    swept:
+        "up" and "down" -> what a slow sweep sees where that differs from the curve: the same numbers at the peak that
+        it reaches, and the points on its path; None if no point of the curve is stable.
     """
 
     setting: Setting
@@ -69,22 +78,34 @@ class Solved:
     sides: FloatArray
     shares: FloatArray
     mode_table: FloatArray
+    peak_list: FloatArray
     warnings: tuple[str, ...]
+    swept: Mapping[str, Solved | None] = field(default_factory=dict)
 
     def peaks(self) -> list[tuple[float, float]]:
         """(Hz, m) of every peak inside the curve that reaches 2 % of the highest, by frequency."""
-        bracketed = [p for p in peaks(self.frequency_hz, self.amplitude_m) if p.bracketed]
-        return sorted((p.frequency_hz, p.amplitude) for p in bracketed if p.amplitude > 0.02 * bracketed[0].amplitude)
+        least = 0.02 * float(self.peak_list[:, 1].max(initial=0.0))
+        return sorted((float(hertz), float(top)) for hertz, top in self.peak_list if top > least)
+
+    def seen_by(self, reading: str) -> Solved | None:
+        """All of it for "curve", or what a slow sweep "up" or "down" sees; None if the sweep has no stable point."""
+        return self.swept.get(reading, self)
 
     def to_bytes(self, key: str) -> bytes:
         """The content of its file, sealed; ``key`` is the hash of the inputs."""
-        words = {
+        words: dict[str, Any] = {
             "setting": asdict(self.setting),
-            "numbers": dict(self.numbers),
+            "numbers": {"": dict(self.numbers)},
             "warnings": list(self.warnings),
+            "unstable": [name for name, one in self.swept.items() if one is None],
         }
+        arrays = {name: getattr(self, name) for name in _arrays()}
+        for reading, one in self.swept.items():
+            if one is not None:
+                words["numbers"][reading] = dict(one.numbers)
+                arrays |= {f"{reading}.{name}": getattr(one, name) for name in _arrays()}
         stream = io.BytesIO()
-        np.savez_compressed(stream, words=json.dumps(words), **{name: getattr(self, name) for name in _arrays()})
+        np.savez_compressed(stream, words=json.dumps(words), **arrays)
         seal(stream, _subject(key))
         return stream.getvalue()
 
@@ -95,8 +116,17 @@ class Solved:
         require_seal(stream, _subject(key))
         with np.load(stream, allow_pickle=False) as data:
             words = json.loads(str(data["words"]))
-            arrays = {name: data[name] for name in _arrays()}
-        return cls(Setting(**words["setting"]), words["numbers"], warnings=tuple(words["warnings"]), **arrays)
+            parts = {
+                reading: (numbers, {name: data[f"{reading}.{name}" if reading else name] for name in _arrays()})
+                for reading, numbers in words["numbers"].items()
+            }
+        setting, warnings = Setting(**words["setting"]), tuple(words["warnings"])
+        whole, *readings = (
+            (reading, cls(setting, numbers, warnings=warnings, **arrays))
+            for reading, (numbers, arrays) in parts.items()
+        )
+        swept = {**dict(readings), **dict.fromkeys(words["unstable"])}
+        return replace(whole[1], swept=swept)
 
 
 def _subject(key: str) -> str:
@@ -112,7 +142,7 @@ def _code() -> str:
 
 
 def _arrays() -> tuple[str, ...]:
-    return tuple(item.name for item in fields(Solved) if item.name not in ("setting", "numbers", "warnings"))
+    return tuple(item.name for item in fields(Solved) if item.name not in ("setting", "numbers", "warnings", "swept"))
 
 
 def rigid_fractions(points: FloatArray, motion: NDArray[Any]) -> FloatArray:
@@ -150,10 +180,34 @@ def record(
     mode_table: Sequence[Any],
     warnings: Sequence[str],
 ) -> Solved:
-    """What is kept of a solved case."""
+    """What is kept of a solved case: the curve at its highest peak, and what slow sweeps see where that differs."""
     tip = next(iter(model.outputs.values()))
-    amplitude = response.amplitude(tip)
-    peak = peaks(response.frequency_hz, amplitude)[0]
+
+    def reading(found: Sequence[Peak], points: NDArray[np.int64]) -> Solved:
+        return _reading(setting, model, response, mode_table, warnings, found, points)
+
+    everything = np.arange(response.n_points)
+    whole = reading(peaks(response.frequency_hz, response.amplitude(tip)), everything)
+    swept: dict[str, Solved | None] = {}
+    for sweep in response.slow_sweeps(tip):
+        points = sweep.points()
+        if points.size < response.n_points:
+            swept[sweep.direction] = reading(sweep.peaks, points) if sweep.peaks else None
+    return replace(whole, swept=swept)
+
+
+def _reading(
+    setting: Setting,
+    model: ReducedModel,
+    response: ForcedResponse,
+    mode_table: Sequence[Any],
+    warnings: Sequence[str],
+    found: Sequence[Peak],
+    points: NDArray[np.int64],
+) -> Solved:
+    """The points of a curve and its state at the first of the peaks ``found``."""
+    tip = next(iter(model.outputs.values()))
+    amplitude, peak = response.amplitude(tip), found[0]
     stuck = peaks(response.linear.frequency_hz, response.linear_amplitude(tip, "stuck"))[0]
     face_pairs, point = model.joint.face_pairs, peak.point
     energy, counts = response.friction_energy.sum(axis=1), state_counts(response.contact_state)
@@ -167,7 +221,8 @@ def record(
         "stuck_peak_hz": stuck.frequency_hz,
         "first_stuck_hz": float(stuck_hz[0]),
         "second_stuck_hz": float(stuck_hz[1]),
-        "width": float("nan") if width is None else width,
+        "half_power_width": float("nan") if width is None else width,
+        "equivalent_damping": float(equivalent_damping(response)[point]),
         "friction_energy_j": float(energy[point]),
         "viscous_energy_j": float(response.viscous_energy[point]),
         "input_energy_j": float(response.input_energy[point]),
@@ -183,13 +238,14 @@ def record(
         [response.signal(model.outputs[f"damper {side} {axis}"], point, response.samples) for axis in "xyz"]
         for side in ("left", "right")
     ]
+    inside = [(each.frequency_hz, each.amplitude) for each in found if each.bracketed]
     return Solved(
         setting=setting,
         numbers=numbers,
-        frequency_hz=response.frequency_hz,
-        amplitude_m=amplitude,
-        energy_j=energy,
-        counts=counts,
+        frequency_hz=response.frequency_hz[points],
+        amplitude_m=amplitude[points],
+        energy_j=energy[points],
+        counts=counts[points],
         pair_state=response.contact_state[point],
         pair_energy_j=response.friction_energy[point],
         pair_position=face_pairs.face_position[:, ::-1],
@@ -199,6 +255,7 @@ def record(
         sides=np.array(sides),
         shares=rigid_fractions(face_pairs.points, _damper_motion(model.superelement, face_pairs, response, point)),
         mode_table=np.array([[r.mode, r.full_hz, r.reduced_hz, r.difference_percent, r.mac] for r in mode_table]),
+        peak_list=np.array(inside).reshape(-1, 2),
         warnings=tuple(warnings),
     )
 
@@ -227,7 +284,16 @@ def _pair_signals(response: ForcedResponse, point: int, pairs: list[int]) -> tup
     motion = response.pair_displacement(point, response.samples)[:, pairs]
     force, slider = cycle.force[:, pairs], cycle.slider[:, pairs]
     signals = np.concatenate([motion, force], axis=2).transpose(1, 2, 0)
-    moved = np.abs(slider - np.roll(slider, 1, axis=0)).max(axis=2)
-    moving = moved > 1e-6 * np.abs(motion[..., :2]).max()
-    state = np.where(force[..., 2] <= 0.0, 2, np.where(moving, 1, 0))
-    return signals, state.T
+    return signals, phase_states(motion, force, slider, response.pairs.friction_coefficient[pairs]).T
+
+
+def phase_states(motion: FloatArray, force: FloatArray, slider: FloatArray, friction: FloatArray) -> NDArray[np.int64]:
+    """(samples, n) 0 stuck, 1 slipping, 2 open, from motion and force (samples, n, 3) and slider (samples, n, 2).
+
+    A pair slips where its slider moves and ``|T| = mu N``. The slider of an open pair follows the motion, so at
+    touchdown it has moved since the last sample although the pair sticks; the friction force tells the two apart.
+    """
+    moved = np.abs(slider - np.roll(slider, 1, axis=0)).max(axis=2) > LEAST_SLIP * np.abs(motion[..., :2]).max()
+    at_limit = np.linalg.norm(force[..., :2], axis=2) >= (1.0 - LEAST_SLIP) * friction * force[..., 2]
+    state: NDArray[np.int64] = np.where(force[..., 2] <= 0.0, 2, np.where(moved & at_limit, 1, 0))
+    return state

@@ -69,7 +69,7 @@ def paper_study(
 def _written(folder: Path, scope: Scope, computed: Computed, listener: Progress) -> PaperOutcome:
     listener.update("Files", 0.0, "verdicts")
     shown, claims, changed = _items(scope, computed.solved)
-    counts = Counter(judged.verdict for _, _, judged in claims)
+    counts = Counter(each.judged.verdict for each in claims)
     verdicts = {verdict: counts[verdict] for verdict in Verdict}
     listener.update("Files", 0.1, FIGURE_FOLDER)
     wanted = [picture.name for item in shown for picture in item.figures]
@@ -94,7 +94,7 @@ def _written(folder: Path, scope: Scope, computed: Computed, listener: Progress)
 
 def _items(
     scope: Scope, solved: Sequence[Solved]
-) -> tuple[tuple[Item, ...], list[verdict_items.Judged], list[choice_items.ChangedVerdict]]:
+) -> tuple[tuple[Item, ...], list[verdict_items.JudgedClaim], list[choice_items.ChangedVerdict]]:
     """The items of the page in its order, the claims that they judge, and these under every changed choice."""
     case = base_case(scope)
     setup = TwoBladeKind().set_up(case)

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from stickslip.case.case import TwoBladeCase
 from stickslip.papers.rough_damper.choice_items import ChangedVerdict
-from stickslip.papers.rough_damper.claims import CLAIMS, Solutions
-from stickslip.papers.rough_damper.items import Item, base
+from stickslip.papers.rough_damper.claim_list import CLAIMS
+from stickslip.papers.rough_damper.claims import Claim, Solutions
+from stickslip.papers.rough_damper.further_claims import rotation_words
+from stickslip.papers.rough_damper.items import SWEEPS, Item, base, seen
 from stickslip.papers.rough_damper.model_items import MODEL_CLAIMS
 from stickslip.papers.rough_damper.tables import Cell, Table, columns
 from stickslip.papers.rough_damper.verdicts import Answer, Judgement
 
+# What the study does not compute.
+LEFT_OUT = (
+    "Left out: Table 3, which lists dimensions and material of the blade (inputs, see E29), and the schematics: Figure "
+    "1 (the structure), Figure 3 (the friction element), Figure 5 (the three excitations) and Figure 6 (positions of "
+    "the nodes)."
+)
 # What explains a verdict and does not depend on the numbers of a run, for the claims that need it.
 REMARKS = {
     "Opposite directions rotate the damper.": "Mirrored blades that move as mirror images cannot rotate a damper that "
@@ -26,30 +35,64 @@ REMARKS = {
     "A larger D or a smaller G raises Sq or Sdq.": "Both reduce the height of each wave longer than G.",
 }
 
-Judged = tuple[str, str, Judgement]  # statement, place in the paper, verdict
+
+@dataclass(frozen=True)
+class JudgedClaim:
+    """A claim, its place in the paper, its verdict by the highest peak of each curve, by the peaks of slow sweeps
+    ("up" and "down"; the same where no vibration is asked), and a remark."""
+
+    statement: str
+    place: str
+    judged: Judgement
+    by_sweep: Mapping[str, Judgement]
+    remark: str
 
 
-def judged_claims(case: TwoBladeCase, solutions: Solutions) -> list[Judged]:
+def judged_claims(case: TwoBladeCase, solutions: Solutions) -> list[JudgedClaim]:
     """Every claim: those about the vibration, and those that the model decides alone."""
     chosen = base(solutions)
-    results = [(claim.statement, claim.place, claim.judged(chosen)) for claim in CLAIMS]
-    return results + [(claim.statement, claim.place, claim.judged(case, chosen)) for claim in MODEL_CLAIMS]
+    results = [
+        JudgedClaim(
+            claim.statement,
+            claim.place,
+            claim.judged(chosen),
+            {reading: claim.judged(seen(chosen, reading)) for reading in SWEEPS},
+            _remark(claim, chosen),
+        )
+        for claim in CLAIMS
+    ]
+    for model_claim in MODEL_CLAIMS:
+        verdict = model_claim.judged(case, chosen)
+        remark = REMARKS.get(model_claim.statement, "")
+        results.append(
+            JudgedClaim(model_claim.statement, model_claim.place, verdict, dict.fromkeys(SWEEPS, verdict), remark)
+        )
+    return results
 
 
-def conclusions_item(claims: Sequence[Judged], changed: Sequence[ChangedVerdict]) -> Item:
+def _remark(claim: Claim, chosen: Solutions) -> str:
+    motion = rotation_words(chosen) if claim.name in ("translation", "rotation", "rotation, larger") else ""
+    return " ".join(filter(None, [claim.beside_words(chosen), motion, REMARKS.get(claim.statement, "")]))
+
+
+def conclusions_item(claims: Sequence[JudgedClaim], changed: Sequence[ChangedVerdict]) -> Item:
     """Conclusions 1 to 4: a row for each claim."""
     sensitive = {each.statement: each.changes_with for each in changed}
     rows: list[tuple[Cell, ...]] = [
         (
-            statement,
-            place,
-            _examples(judged),
-            judged.verdict.value,
-            f"{judged.reason} {REMARKS.get(statement, '')}".strip(),
-            sensitive[statement],
+            each.statement,
+            each.place,
+            _examples(each.judged),
+            each.judged.verdict.value,
+            *(each.by_sweep[reading].verdict.value for reading in SWEEPS),
+            f"{each.judged.reason} {each.remark}".strip(),
+            sensitive[each.statement],
         )
-        for statement, place, judged in claims
+        for each in claims
     ]
+    differing = sum(
+        any(other.verdict is not each.judged.verdict for other in each.by_sweep.values()) for each in claims
+    )
     table = Table(
         "conclusions",
         "Claims, numbers of stickslip, verdicts",
@@ -58,6 +101,8 @@ def conclusions_item(claims: Sequence[Judged], changed: Sequence[ChangedVerdict]
             "place||In the paper",
             "numbers||Numbers of stickslip",
             "verdict||Verdict",
+            "sweep_up||By a slow sweep up",
+            "sweep_down||By a slow sweep down",
             "why||Why",
             "changes_with||Another verdict with",
         ),
@@ -71,6 +116,10 @@ def conclusions_item(claims: Sequence[Judged], changed: Sequence[ChangedVerdict]
         (
             "Each verdict follows from all base curves under the consistent law; answers.csv has the answers behind "
             "it. The last column names the varied choices with another verdict, see the next item.",
+            "The paper does not say how its curves are read where they fold. The verdict is that at the highest peak "
+            "on each curve; beside it are the verdicts at the peaks that a slow sweep up and a slow sweep down reach. "
+            f"{differing} of {len(claims)} claims have another verdict by one of the sweeps.",
+            LEFT_OUT,
         ),
         (table,),
     )
@@ -94,13 +143,15 @@ def _situation(answer: Answer) -> str:
 def answers_table(solutions: Solutions) -> Table:
     """Every answer behind every verdict."""
     rows: list[tuple[Cell, ...]] = []
+    readings = {"curve": "highest on the curve", **SWEEPS}
     for claim in CLAIMS:
-        for answer in claim.judged(base(solutions)).answers:
-            verdict = {True: "yes", False: "no", None: "no answer"}[answer.holds]
-            rows.append((claim.name, _situation(answer), verdict, answer.numbers))
+        for reading, words in readings.items():
+            for answer in claim.judged(seen(base(solutions), reading)).answers:
+                verdict = {True: "yes", False: "no", None: "no answer"}[answer.holds]
+                rows.append((claim.name, words, _situation(answer), verdict, answer.numbers))
     return Table(
         "answers",
         "All situations in which a claim was checked",
-        columns("claim||Claim", "situation||Situation", "holds||Holds", "numbers||Numbers"),
+        columns("claim||Claim", "peak||Peak", "situation||Situation", "holds||Holds", "numbers||Numbers"),
         tuple(rows),
     )
