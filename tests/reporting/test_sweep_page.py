@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from stickslip.core.errors import InputError
 from stickslip.reporting import sweep_plots as plots
 from stickslip.reporting.sweep_page import sweep_page, write_sweep_page
 from stickslip.reporting.sweep_view import SweepView, is_logarithmic
+from stickslip.results.sweep_table import SweepCurve
 from sweep_tables import FORCE, MODE, load_key, sweep_view
 
 LOADS = load_key((100.0, 200.0, 400.0, 800.0))
@@ -101,6 +103,28 @@ def test_damper_performance_marks_optimum_and_limits() -> None:
     assert "at F_N = 100 N, at an end of the loads" in falling
     assert "no optimum" in page_of(sweep_view((LOADS,), BOWL, at_end=(0, 1, 2, 3)))
     assert "Damper performance" not in page_of(sweep_view((MODE,), [1e-4, 2e-4]))
+
+
+def test_peaks_of_slow_sweeps_are_told_apart_where_they_are_lower() -> None:
+    view = sweep_view((LOADS,), BOWL)
+    reached = {"upward_peak_amplitude_m": [2e-4, 1e-4, None, 4e-4], "downward_peak_amplitude_m": BOWL}
+    rows = tuple(
+        replace(row, measures={**row.measures, **{name: v[i] for name, v in reached.items() if v[i] is not None}})
+        for i, row in enumerate(view.table.rows)
+    )
+    folded = SweepCurve(np.array([440.0, 460.0, 455.0, 450.0, 480.0]), np.array([1e-5, 1e-4, 2e-4, 3e-4, 1e-5]))
+    view = SweepView(replace(view.table, rows=rows), (folded, *view.curves[1:]), view.force_n)
+    figures, text = figures_of(view), page_of(view)
+    for figure in ("key-0", "performance-load"):
+        marks = [trace for trace in figures[figure]["data"] if trace["name"].startswith("peak of a slow sweep")]
+        assert [(mark["name"], mark["x"], mark["y"]) for mark in marks] == [
+            ("peak of a slow sweep up, where lower", [100.0], [200.0])
+        ]
+        assert marks[0]["marker"]["symbol"] == "triangle-up"
+    assert "1 of the curves folds: the part between the folds is unstable." in text
+    headings = ("Highest peak, µm", "Peak, slow sweep up, µm", "Peak, slow sweep down, µm")
+    assert all(heading in text for heading in headings)
+    assert "is unstable" not in page_of(sweep_view((LOADS,), BOWL))
 
 
 def test_performance_of_several_forces_is_per_force() -> None:

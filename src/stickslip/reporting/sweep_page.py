@@ -18,11 +18,14 @@ from stickslip.reporting.sweep_view import LOAD_KEY, SweepView, short_name
 from stickslip.reporting.templates import Notice, Tile, when, whole_page
 from stickslip.reporting.thinning import Thinned
 from stickslip.results.sweep_table import SweepRow
+from stickslip.results.sweeps_of_curve import stable_between_folds
 
 # column of the table -> heading, factor, unit
 _COLUMNS = {
-    "peak_amplitude_m": ("Peak, µm", MICRO, "µm"),
+    "peak_amplitude_m": ("Highest peak, µm", MICRO, "µm"),
     "peak_frequency_hz": ("Peak frequency, Hz", 1.0, "Hz"),
+    "upward_peak_amplitude_m": ("Peak, slow sweep up, µm", MICRO, "µm"),
+    "downward_peak_amplitude_m": ("Peak, slow sweep down, µm", MICRO, "µm"),
     "shift_from_stuck_hz": ("Shift from stuck, Hz", 1.0, "Hz"),
     "shift_from_free_hz": ("Shift from free, Hz", 1.0, "Hz"),
     "pairs_stuck": ("Stuck", 1.0, ""),
@@ -131,6 +134,13 @@ def _curves_note(view: SweepView, points: Thinned) -> str:
         words += (
             f". {drawn} of {total} points are plotted, as the shapes require; no omitted point is more than "
             f"{number(100 * points.tolerance, 2)} % of the figure from its line"
+        )
+    folded = sum(curve is not None and not stable_between_folds(curve.frequency_hz).all() for curve in view.curves)
+    if folded:
+        words += (
+            f". {folded} of the curves {'folds' if folded == 1 else 'fold'}: the part between the folds is unstable. "
+            "Peaks below are the highest on each curve; triangles are those of a slow sweep up (▲) or down (▼) where "
+            "they are lower"
         )
     return f"{words}."
 

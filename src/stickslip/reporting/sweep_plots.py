@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from stickslip.core.plain_figure import BLUE, ORANGE, VERMILLION
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_list
+from stickslip.reporting.slow_sweep_marks import slow_sweep_marks
 from stickslip.reporting.style import MICRO
 from stickslip.reporting.sweep_view import (
     COLOURS,
@@ -152,6 +153,7 @@ def against_key(view: SweepView, place: int) -> Figure:
             hover = PlotMarkup("{}<br>%{{x}}<br>{}<extra></extra>").format(group.label or short_name(key), shown)
             look = {"xaxis": "x", "yaxis": axis, "hovertemplate": hover}
             traces += _group_lines(number, group.label, x, factor * view.number(column)[rows], inside[rows], look)
+        traces += slow_sweep_marks(view, rows, x, np.full(len(view.table.rows), MICRO), "µm")
     _list_once(traces, len(groups) > 1)
     kind = {"type": "category"} if key.is_choice else _number_axis(np.array(key.shown))
     return figure_of(
@@ -254,6 +256,7 @@ def performance(view: SweepView, by_ratio: bool) -> Figure:
         peak = scale * view.number("peak_amplitude_m")
         look = {"hovertemplate": _PEAK.format(group.label or "peak", unit)}
         traces += _group_lines(number, group.label, plain_list(x[rows]), peak[rows], inside[rows], look)
+        traces += slow_sweep_marks(view, rows, plain_list(x[rows]), scale, unit)
         traces += _limits(view, rows, x, scale, unit)
         traces += [_optimum_mark(x[row], peak[row], unit) for row in rows if row in best]
     _list_once(traces)
