@@ -8,7 +8,8 @@ import pytest
 from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import synthesis_matrix
-from stickslip.results.response import ForcedResponse, periodic_amplitude
+from stickslip.results.periodic_amplitude import periodic_amplitude
+from stickslip.results.response import ForcedResponse
 from synthetic import N_UNKNOWNS, synthetic_response, synthetic_study
 
 

@@ -73,7 +73,7 @@ def test_the_curve_is_physical(solved: tuple[Path, study.StudyOutcome, Heard]) -
     assert np.abs(energy_imbalance(response)).max() < 1e-6
     assert response.residual.max() < 1e-7
     assert (response.contact_state > 0).any(), "nothing moves: raise the force of this test"
-    assert "Peak amplitude, 0-to-peak" in outcome.message
+    assert "Highest peak on the curve: amplitude, 0-to-peak" in outcome.message
 
 
 def test_results_load_back_equal_and_report_is_remade(solved: tuple[Path, study.StudyOutcome, Heard]) -> None:

@@ -138,7 +138,7 @@ def _colour_bar(key: SweptKey) -> dict[str, Any]:
 
 
 def against_key(view: SweepView, place: int) -> Figure:
-    """Peak amplitude (above) and its frequency (below) against one key; a line for each combination of the others."""
+    """Highest peak (above) and its frequency (below) against one key; a line for each combination of the others."""
     key = view.table.keys[place]
     inside, usable = view.inside(), view.usable()
     traces: list[dict[str, Any]] = []
@@ -160,7 +160,7 @@ def against_key(view: SweepView, place: int) -> Figure:
         traces,
         460,
         xaxis=axis_look(axis_title(key), anchor="y2", **kind),
-        yaxis=axis_look("Peak, µm", domain=[0.54, 1], rangemode="tozero"),
+        yaxis=axis_look("Highest peak, µm", domain=[0.54, 1], rangemode="tozero"),
         yaxis2=axis_look("Peak frequency, Hz", domain=[0, 0.46]),
         hovermode="closest",
     )
@@ -265,7 +265,7 @@ def performance(view: SweepView, by_ratio: bool) -> Figure:
         traces,
         400,
         xaxis=axis_look(words, **({} if by_ratio else _number_axis(x))),
-        yaxis=axis_look(f"Peak amplitude{'' if one_force else ' per force'}, {unit}", rangemode="tozero"),
+        yaxis=axis_look(f"Highest peak{'' if one_force else ' per force'}, {unit}", rangemode="tozero"),
         hovermode="closest",
     )
 
@@ -310,7 +310,7 @@ def maps(view: SweepView) -> list[tuple[str, Figure]]:
     figures = []
     for group in list(view.groups((0, 1)))[:LARGEST_MAP_COUNT]:
         for column, factor, words, digits in (
-            ("peak_amplitude_m", MICRO, "Peak amplitude, µm", ".4g"),
+            ("peak_amplitude_m", MICRO, "Highest peak, µm", ".4g"),
             ("peak_frequency_hz", 1.0, "Peak frequency, Hz", ".2f"),
         ):
             heading = f"{words}{'; ' + group.label if group.label else ''}"

@@ -23,6 +23,7 @@ from stickslip.results.curve_figure import AmplitudeCurve
 from stickslip.results.groups import read_groups, write_groups
 from stickslip.results.linear_curves import LinearCurves, points_between
 from stickslip.results.pair_variables import pairs_from, pairs_groups
+from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.results.stored import StoredGroup
 from stickslip.results.sweeps_of_curve import Flags, Jump, SlowSweep, one_run, stable_between_folds, sweeps
 from stickslip.results.variables import (
@@ -385,37 +386,3 @@ class ForcedResponse(Labelled):
                 f"point is {point}, but this response has {self.n_points} points, numbered from 0.", arguments=["point"]
             )
         return point
-
-
-def periodic_amplitude(coefficients: FloatArray) -> FloatArray:
-    """(m,) largest absolute value over the period of each row of Fourier coefficients (m, 2 * harmonics + 1).
-
-    Each local maximum on a grid of 32 samples per highest harmonic is refined by a parabola; Newton steps on ``x'(tau)
-    = 0`` then refine the best of them, so the result is exact to round-off where that maximum is smooth.
-    """
-    harmonics = (coefficients.shape[1] - 1) // 2
-    if harmonics == 0:
-        return np.abs(coefficients[:, 0])
-    samples = 32 * harmonics
-    values = np.abs(coefficients @ synthesis_matrix(harmonics, samples).T)
-    before, after = np.roll(values, 1, axis=1), np.roll(values, -1, axis=1)
-    bend = 2.0 * values - before - after
-    peaks = (values >= before) & (values >= after) & (bend > 0)
-    offset = np.divide(0.5 * (after - before), bend, out=np.zeros_like(values), where=peaks)
-    height = np.where(peaks, values + 0.25 * (after - before) * offset, values)
-    best = height.argmax(axis=1)
-    rows = np.arange(len(values))
-    step = 2.0 * np.pi / samples
-    angle = (best + offset[rows, best]) * step
-    order = np.arange(1, harmonics + 1)
-    cosine, sine = coefficients[:, 1::2], coefficients[:, 2::2]
-    for _ in range(4):
-        c, s = np.cos(np.outer(angle, order)), np.sin(np.outer(angle, order))
-        slope = ((sine * c - cosine * s) * order).sum(axis=1)
-        curvature = -((cosine * c + sine * s) * order**2).sum(axis=1)
-        move = np.divide(-slope, curvature, out=np.zeros_like(slope), where=curvature != 0)
-        angle = angle + np.clip(move, -step, step)
-    c, s = np.cos(np.outer(angle, order)), np.sin(np.outer(angle, order))
-    polished = np.abs(coefficients[:, 0] + (cosine * c + sine * s).sum(axis=1))
-    amplitude: FloatArray = np.maximum(polished, values[rows, best])
-    return amplitude
