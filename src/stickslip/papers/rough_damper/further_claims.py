@@ -116,9 +116,7 @@ def rotation_words(solutions: Solutions) -> str:
         if not parts:
             return ""
         spans.append((min(parts), max(parts)))
-    (low, high), (least, most) = spans
-    words = (
-        f"Rotation is {low:.2g} to {high:.2g} % of the motion in the same direction, and {least:.2g} to {most:.2g} % "
-        "under opposite forces"
-    )
+    (low, _), (_, most) = spans
+    same, other = (f"{round(start, 1):g} to {round(stop, 1):g} %" for start, stop in spans)
+    words = f"Rotation is {same} of the motion in the same direction, and {other} under opposite forces"
     return f"{words}: the inverse of the picture in the paper." if low > most else f"{words}."
