@@ -23,10 +23,12 @@ from stickslip.results.curve_figure import AmplitudeCurve
 from stickslip.results.groups import read_groups, write_groups
 from stickslip.results.linear_curves import LinearCurves, points_between
 from stickslip.results.pair_variables import pairs_from, pairs_groups
+from stickslip.results.stability import Bifurcation, BifurcationRows, ComplexNumbers
 from stickslip.results.stored import StoredGroup
 from stickslip.results.variables import (
     Attribute,
     Coefficients,
+    Flags,
     HarmonicNumbers,
     InGroup,
     Json,
@@ -49,6 +51,8 @@ _CURVE, _PAIRS = ("point",), ("point", "pair")
 _Setting = str | float | int | None
 # More samples of a period than any run has: a larger number in a file is damage.
 MOST_SAMPLES = 10**6
+# The message of results of versions that did not compute it.
+NO_STABILITY = "These results do not contain the stability of the points."
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +99,16 @@ class ForcedResponse(Labelled):
         the options of the run, and the versions of software and machine.
     load_factor:
         (n_points,) the excitation at a point over ``force``; 1 except in a response at prescribed amplitude or phase.
+    stable:
+        (n_points,) whether small disturbances of the motion decay under the constant force; None if the stability was
+        not computed, and ``stability_message`` then gives the reason.
+    multipliers:
+        (n_points, k) complex, the largest factors by which a small disturbance grows in a period (Floquet multipliers),
+        the largest first; 0 where there are fewer. The motion is unstable where one is outside of the unit circle.
+    bifurcations:
+        where a multiplier crosses the unit circle, in the order of the curve.
+    stability_message:
+        a sentence on the stability of the points.
 
     Raises
     ------
@@ -158,6 +172,21 @@ class ForcedResponse(Labelled):
     load_factor: FloatArray = field(
         default_factory=lambda: np.ones(1),
         metadata=stored(Numbers(_CURVE, "1", "excitation at the point over force", optional=True)),
+    )
+    stable: NDArray[np.bool_] | None = field(
+        default=None, metadata=stored(Flags(_CURVE, "1", "1 if small disturbances decay", optional=True))
+    )
+    multipliers: NDArray[np.complex128] | None = field(
+        default=None,
+        metadata=stored(
+            ComplexNumbers(
+                ("point", "multiplier"), "1", "factors of small disturbances in a period, the largest", optional=True
+            )
+        ),
+    )
+    bifurcations: tuple[Bifurcation, ...] = field(default=(), metadata=stored(BifurcationRows(optional=True)))
+    stability_message: str = field(
+        default=NO_STABILITY, metadata=stored(Text("stability of the points of the curve", optional=True))
     )
 
     def __post_init__(self) -> None:

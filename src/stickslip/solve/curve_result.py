@@ -20,6 +20,7 @@ from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import Accepted, Corner, Retreat
 from stickslip.solve.setting_up import Balances, StageReport
+from stickslip.solve.stability.curve import CurveStability, curve_stability, no_stability
 
 # Reported fraction of the work at the end of the window: energies, checks and linear limits follow.
 LARGEST_FRACTION = 0.99
@@ -76,6 +77,8 @@ def response_of(
         converged, trials, measures = False, trials[:end], measures.first(end)
     fine = balances.with_harmonics(harmonics + max(harmonics, LEAST_CUT_OFF), 2 * balances.samples)
     check = check_resolution(fine, trials)
+    report.stage("stability of the points")
+    stability, stability_message = _stability(trials, balance, balances)
     report.stage("linear limits")
     closed = LinearLimit(stuck.circular_frequency, stuck.modes, stuck.modal_damping)
     free = LinearLimit.of_matrices(superelement.mass, superelement.stiffness, stuck.damping)
@@ -106,7 +109,25 @@ def response_of(
         settings=_settings(window, balances, balance, newton, check),
         provenance={},
         load_factor=np.array([trial.load for trial in trials]),
+        stable=None if stability is None else stability.stable,
+        multipliers=None if stability is None else stability.multipliers,
+        bifurcations=() if stability is None else stability.bifurcations,
+        stability_message=stability_message,
     )
+
+
+def _stability(trials: list[Trial], balance: Balance, balances: Balances) -> tuple[CurveStability | None, str]:
+    """The stability of the points under the force that each has, None where a law does not allow it, and a sentence."""
+    reason = no_stability(balance)
+    if reason:
+        return None, reason
+    constant_load = all(trial.load == trials[0].load for trial in trials)
+    stability = curve_stability(trials, balance, balances.stuck, constant_load)
+    unstable = int((~stability.stable).sum())
+    sentence = f"{unstable} of {len(trials)} points are unstable." if unstable else "All points are stable."
+    if stability.undecided:
+        sentence += f" {stability.undecided} are too close to a change of stability for a sure verdict."
+    return stability, sentence
 
 
 def _unbalanced(trials: list[Trial], end: int, residual: float, damped: bool) -> str:
