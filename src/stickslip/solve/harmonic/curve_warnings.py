@@ -68,7 +68,7 @@ def _folds(trials: list[Trial]) -> tuple[str, ...]:
         return ()
     return (
         f"The curve folds ({_places(turns)} Hz): between folds several periodic motions exist at one frequency. "
-        "Stability is not computed; a slow sweep follows the curve to a fold and jumps there.",
+        "A slow sweep follows the curve to a fold and jumps there.",
     )
 
 

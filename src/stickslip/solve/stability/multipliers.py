@@ -28,6 +28,9 @@ DENSE_SIZE = 64
 # below SMALLEST_SIZE matter for no verdict. The error of a multiplier is about the square of that of its equation
 # where the eigenvectors are not far from orthogonal.
 RITZ_TOLERANCE, MOST_BLOCKS, SMALLEST_SIZE = 1e-4, 6, 0.5
+# A direction without friction is free if its stiffness is below this fraction of its inertia at the excitation; its
+# multiplier is 1 within this error, which is that of the iteration.
+FREE_STIFFNESS, DRIFT_ERROR = 1e-7, 1e-4
 # Directions of a block with less than this fraction of its largest length are round-off.
 SMALLEST_DIRECTION = 1e-10
 
@@ -54,8 +57,10 @@ def multipliers(model: StabilityModel, pairs: ContactPairs, trial: Trial, sample
         return period.march(scale[:, None] * scaled) / scale[:, None]
 
     if period.size <= DENSE_SIZE:
-        return _sorted(np.linalg.eigvals(march(np.eye(period.size))))
-    return _sorted(_largest(march, period.size, 2 * model.frequency.size))
+        values = np.linalg.eigvals(march(np.eye(period.size)))
+    else:
+        values = _largest(march, period.size, 2 * model.frequency.size)
+    return _sorted(_without_drifts(values, _drifts(model, steps, moving, trial.omega)))
 
 
 def _sorted(values: NDArray[Any]) -> ComplexArray:
@@ -71,6 +76,24 @@ def _stuck(model: StabilityModel, omega: float) -> ComplexArray:
     matrix[count:, :count] = -np.diag(model.frequency[:count] ** 2)
     matrix[count:, count:] = -model.damping[:count, :count]
     return np.asarray(np.exp(2.0 * np.pi / omega * np.linalg.eigvals(matrix)))
+
+
+def _drifts(model: StabilityModel, steps: LinearSteps, moving: NDArray[np.int64], omega: float) -> int:
+    """Number of directions in which a body moves along with its sliders and no force changes, each with a multiplier 1.
+
+    Friction alone supports a body there, and each of its pairs slips: where it slides to is not determined.
+    """
+    slides = np.zeros((model.springs.shape[0], 3))
+    slides[moving, :2] = model.springs[moving, :2] * steps.keep.any(axis=(0, 3))
+    contact = model.near_contact
+    left = np.diag(model.frequency**2) - contact.T @ (slides.reshape(-1, 1) * contact)
+    return int((np.linalg.eigvalsh(left) < FREE_STIFFNESS * omega**2).sum())
+
+
+def _without_drifts(values: NDArray[Any], drifts: int) -> NDArray[Any]:
+    """The multipliers without those of the drifts of bodies."""
+    nearest = np.argsort(np.abs(values - 1.0))[:drifts]
+    return np.delete(values, nearest[np.abs(values[nearest] - 1.0) < DRIFT_ERROR])
 
 
 def _states_of(
