@@ -22,9 +22,9 @@ import stickslip as ss
 
 FloatArray = np.ndarray
 DISTURBANCE = 0.01
-# Distances over the size of the motion. The balance itself differs from time integration by up to a few tenths of a
-# percent (harmonics, samples, steps), which is the distance that remains.
-NEAR, FAR = 0.006, 0.02
+# Distances over the size of the motion. What remains is the difference of the balance from time integration, some
+# tenths of a percent, and the shift of tractions that stuck pairs keep from the disturbance: up to the disturbance.
+NEAR, FAR = 0.01, 0.05
 SPREAD = 3  # points of a curve beside those at its bifurcations
 
 

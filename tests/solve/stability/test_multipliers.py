@@ -14,6 +14,7 @@ from stickslip.results.response import NO_STABILITY
 from stickslip.solve.harmonic.compliance import stuck_structure
 from stickslip.solve.stability.march import Period
 from stickslip.solve.stability.model import stability_model
+from tests.helpers import Blade
 
 MASS = np.diag([1.0, 0.6, 1.4])
 STIFFNESS = np.array([[3.0, -1.0, 0.0], [-1.0, 2.5, -1.0], [0.0, -1.0, 2.0]])
@@ -163,8 +164,8 @@ def test_impacts_double_the_period_around_twice_the_bilinear_frequency() -> None
     for omega, doubled in ((0.96 * first, False), (1.04 * first, True), (0.96 * last, True), (1.04 * last, False)):
         assert (steady_periods(omega) > 0.05) == doubled, omega
     assert response.multipliers is not None
-    inside = response.multipliers[~response.stable, 0]  # type: ignore[operator]
-    assert (inside.real < -1.0).all()
+    assert response.stable is not None
+    assert (response.multipliers[~response.stable][:, 0].real < -1.0).all()
 
 
 def test_a_body_on_friction_alone_has_no_multiplier_of_its_drift() -> None:
@@ -180,7 +181,7 @@ def test_a_body_on_friction_alone_has_no_multiplier_of_its_drift() -> None:
 
 
 def test_a_law_without_steps_gives_a_reason_and_no_verdict() -> None:
-    law = ss.IwanJoint(np.array([[100.0, 100.0]]), np.array([[1.0, 1.0]]), -0.5, 0.1)
+    law = ss.IwanJoint(np.array([[100.0, 100.0]]), np.array([[1.0, 1.0]]), np.array([-0.5]), np.array([0.1]))
     pairs = ss.ContactPairs.with_laws(np.array([[1.0], [0.0], [0.0]]), [law])
     structure = ss.Superelement(np.eye(1), 10.0 * np.eye(1), np.eye(1))
     response = ss.forced_response(structure, pairs, np.array([0.1]), frequency_hz=(0.5, 1.0), harmonics=1, samples=32)
@@ -204,3 +205,20 @@ def test_stability_is_stored_and_older_files_are_read_without_it(duffing: ss.For
     assert older.multipliers is None
     assert older.bifurcations == ()
     assert older.stability_message == NO_STABILITY
+
+
+@pytest.mark.slow
+def test_the_blade_is_unstable_exactly_between_its_folds(blade: Blade) -> None:
+    """Also where a pair that has just begun to slip moves the multiplier below 1."""
+    response = blade.response(frequency_hz=blade.window_hz, harmonics=5, samples=256)
+    assert [each.kind for each in response.bifurcations] == ["fold", "fold"]
+    assert [each.frequency_hz for each in response.bifurcations] == pytest.approx([686.14, 683.73], abs=0.03)
+    upper, lower = (each.position for each in response.bifurcations)
+    place = np.arange(response.n_points)
+    between = (place > upper + 0.5) & (place < lower - 0.5)
+    assert response.stable is not None
+    assert response.multipliers is not None
+    assert not response.stable[between].any()
+    assert response.stable[(place < upper - 0.5) | (place > lower + 0.5)].all()
+    assert (np.abs(response.multipliers[between, 0]) < 1.0).any()
+    assert 1.015 < np.abs(response.multipliers[between, 0]).max() < 1.03
