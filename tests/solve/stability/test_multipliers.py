@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from helpers import Blade
 from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.results.response import NO_STABILITY
 from stickslip.solve.harmonic.compliance import stuck_structure
 from stickslip.solve.stability.march import Period
 from stickslip.solve.stability.model import stability_model
-from tests.helpers import Blade
 
 MASS = np.diag([1.0, 0.6, 1.4])
 STIFFNESS = np.array([[3.0, -1.0, 0.0], [-1.0, 2.5, -1.0], [0.0, -1.0, 2.0]])
@@ -209,7 +209,7 @@ def test_stability_is_stored_and_older_files_are_read_without_it(duffing: ss.For
 
 @pytest.mark.slow
 def test_the_blade_is_unstable_exactly_between_its_folds(blade: Blade) -> None:
-    """Also where a pair that has just begun to slip moves the multiplier below 1."""
+    """Pairs that have shaken down and touch their limit follow the disturbance; without them a point seems stable."""
     response = blade.response(frequency_hz=blade.window_hz, harmonics=5, samples=256)
     assert [each.kind for each in response.bifurcations] == ["fold", "fold"]
     assert [each.frequency_hz for each in response.bifurcations] == pytest.approx([686.14, 683.73], abs=0.03)
@@ -220,5 +220,4 @@ def test_the_blade_is_unstable_exactly_between_its_folds(blade: Blade) -> None:
     assert response.multipliers is not None
     assert not response.stable[between].any()
     assert response.stable[(place < upper - 0.5) | (place > lower + 0.5)].all()
-    assert (np.abs(response.multipliers[between, 0]) < 1.0).any()
-    assert 1.015 < np.abs(response.multipliers[between, 0]).max() < 1.03
+    assert 1.003 < np.abs(response.multipliers[between, 0]).max() < 1.061

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from stickslip.contact.law.coulomb_kernel import OPEN, SLIP, advance, slip_jacobian, stick_jacobian
+from stickslip.contact.law.coulomb_kernel import OPEN, SLIP, STICK, advance, slip_jacobian, stick_jacobian
 from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
+
+# A pair that has shaken down touches its limit, within this fraction of it, and does not slip. It counts as slipping
+# there: a disturbance that goes farther moves its slider, as in the derivative of the periodic state.
+TOUCH = 1e-9
 
 
 def coulomb_linear_steps(
@@ -81,6 +87,8 @@ def _fill(
             t1, t2 = traction[i, pair, 0], traction[i, pair, 1]
             ratio1, ratio2 = ratios[pair, 0], ratios[pair, 1]
             new1, new2, code = advance(t1, t2, d1, d2, start, end, ratio1, ratio2, tractrix)
+            if code == STICK and math.hypot(new1, new2) >= end * (1.0 - TOUCH):
+                code = SLIP
             if code == OPEN:
                 jacobian[:] = 0.0
             elif code == SLIP:

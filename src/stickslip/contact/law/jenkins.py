@@ -10,6 +10,7 @@ import numpy as np
 
 from stickslip.contact.constants import constant
 from stickslip.contact.law.component_law import pairs_in, per_component, require_at_least_zero
+from stickslip.contact.law.coulomb_linear import TOUCH
 from stickslip.contact.law.hysteretic_law import HystereticLaw, RestingNormalForce, TangentialStep
 from stickslip.contact.law.law import BoolArray, ContactState, IndexArray
 from stickslip.contact.law.linear_steps import LinearSteps
@@ -146,7 +147,8 @@ class JenkinsElement(RestingNormalForce, HystereticLaw):
         tangential = displacement[:, :, :2]
         before = np.roll(self.cycle(displacement).force[:, :, :2], 1, axis=0)
         trial = before + self.tangential_stiffness * (tangential - np.roll(tangential, 1, axis=0))
-        sticks = (np.abs(trial) <= self.friction_limit * (1.0 + ROUND_OFF)).astype(float)
+        # An element that has shaken down and touches its limit counts as slipping, as in coulomb_linear.py.
+        sticks = (np.abs(trial) < self.friction_limit * (1.0 - TOUCH)).astype(float)
         keep, by_end = np.zeros((samples, n_pairs, 2, 2)), np.zeros((samples, n_pairs, 2, 3))
         keep[:, :, (0, 1), (0, 1)] = sticks
         by_end[:, :, (0, 1), (0, 1)] = sticks * self.tangential_stiffness

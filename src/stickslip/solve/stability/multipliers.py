@@ -28,9 +28,9 @@ DENSE_SIZE = 64
 # below SMALLEST_SIZE matter for no verdict. The error of a multiplier is about the square of that of its equation
 # where the eigenvectors are not far from orthogonal.
 RITZ_TOLERANCE, MOST_BLOCKS, SMALLEST_SIZE = 1e-4, 6, 0.5
-# A direction without friction is free if its stiffness is below this fraction of its inertia at the excitation; its
-# multiplier is 1 within this error, which is that of the iteration.
-FREE_STIFFNESS, DRIFT_ERROR = 1e-7, 1e-4
+# A direction without friction is free if its stiffness is below this fraction of its inertia at the excitation. Neutral
+# multipliers are 1 within this error, which is that of the iteration.
+FREE_STIFFNESS, NEUTRAL_ERROR = 1e-7, 1e-4
 # Directions of a block with less than this fraction of its largest length are round-off.
 SMALLEST_DIRECTION = 1e-10
 
@@ -38,7 +38,8 @@ SMALLEST_DIRECTION = 1e-10
 def multipliers(model: StabilityModel, pairs: ContactPairs, trial: Trial, samples: int) -> ComplexArray:
     """The multipliers of a solution, the largest first; all that matter, and often more.
 
-    A pair that sticks through the period is its springs: its slider is no state and has no multiplier 1.
+    A pair that sticks through the period is its springs: its slider is no state and has no multiplier 1. One that has
+    shaken down and touches its limit follows disturbances that go farther; tractions that it keeps are left out.
     """
     coefficients = trial.relative.T.reshape(pairs.n_pairs, 3, -1)
     harmonics = coefficients.shape[2] // 2
@@ -47,7 +48,7 @@ def multipliers(model: StabilityModel, pairs: ContactPairs, trial: Trial, sample
     if moving.size:
         motion = np.moveaxis(coefficients @ synthesis_matrix(harmonics, samples).T, 2, 0)
         every = linear_steps(pairs, motion)
-        steps, moving = _states_of(every, model.springs, trial.contact.state == ContactState.STUCK)
+        steps, moving = _states_of(every, model.springs)
     if steps is None or not moving.size:
         return _sorted(_stuck(model, trial.omega))
     period = Period(model, steps, moving, trial.omega)
@@ -60,7 +61,10 @@ def multipliers(model: StabilityModel, pairs: ContactPairs, trial: Trial, sample
         values = np.linalg.eigvals(march(np.eye(period.size)))
     else:
         values = _largest(march, period.size, 2 * model.frequency.size)
-    return _sorted(_without_drifts(values, _drifts(model, steps, moving, trial.omega)))
+    # Both tractions of a pair that has shaken down can be neutral, where it only touches its limit.
+    remembers = steps.keep.any(axis=(0, 2, 3))
+    shaken_down = int((remembers & (trial.contact.state[moving] == ContactState.STUCK)).sum())
+    return _sorted(_without_neutral(values, 2 * shaken_down + _drifts(model, steps, moving, trial.omega)))
 
 
 def _sorted(values: NDArray[Any]) -> ComplexArray:
@@ -90,25 +94,22 @@ def _drifts(model: StabilityModel, steps: LinearSteps, moving: NDArray[np.int64]
     return int((np.linalg.eigvalsh(left) < FREE_STIFFNESS * omega**2).sum())
 
 
-def _without_drifts(values: NDArray[Any], drifts: int) -> NDArray[Any]:
-    """The multipliers without those of the drifts of bodies."""
-    nearest = np.argsort(np.abs(values - 1.0))[:drifts]
-    return np.delete(values, nearest[np.abs(values[nearest] - 1.0) < DRIFT_ERROR])
+def _without_neutral(values: NDArray[Any], most: int) -> NDArray[Any]:
+    """The multipliers without up to ``most`` that are 1, because tractions or positions are not determined."""
+    nearest = np.argsort(np.abs(values - 1.0))[:most]
+    return np.delete(values, nearest[np.abs(values[nearest] - 1.0) < NEUTRAL_ERROR])
 
 
-def _states_of(
-    steps: LinearSteps, springs: FloatArray, stuck: NDArray[np.bool_]
-) -> tuple[LinearSteps, NDArray[np.int64]]:
+def _states_of(steps: LinearSteps, springs: FloatArray) -> tuple[LinearSteps, NDArray[np.int64]]:
     """The steps of the pairs that deviate from their resting ``springs``, and which they are.
 
     A direction that sticks through the period loses its memory: its force is that of its spring, without a state.
     """
     keep, by_end, by_start = steps.keep.copy(), steps.by_end.copy(), steps.by_start.copy()
-    remembers = steps.keep.any(axis=(0, 2, 3))
     for axis in range(2):
         unit = np.zeros(2)
         unit[axis] = 1.0
-        sticks = (keep[:, :, axis] == unit).all(axis=(0, 2)) | (remembers & stuck)
+        sticks = (keep[:, :, axis] == unit).all(axis=(0, 2))
         keep[:, sticks, axis], by_start[:, sticks, axis] = 0.0, 0.0
         by_end[:, sticks, axis] = _unit_rows(springs[sticks, axis], axis)
     at_rest = np.zeros_like(by_end)
