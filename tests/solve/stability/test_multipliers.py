@@ -13,6 +13,7 @@ from helpers import Blade
 from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.results.response import NO_STABILITY
 from stickslip.solve.harmonic.compliance import stuck_structure
+from stickslip.solve.stability import multipliers
 from stickslip.solve.stability.march import Period
 from stickslip.solve.stability.model import stability_model
 
@@ -190,6 +191,7 @@ def test_a_law_without_steps_gives_a_reason_and_no_verdict() -> None:
     assert "the law iwan does not give" in response.stability_message
 
 
+@pytest.mark.slow
 def test_stability_is_stored_and_older_files_are_read_without_it(duffing: ss.ForcedResponse, tmp_path: Path) -> None:
     duffing.save(tmp_path / "new.nc")
     again = ss.ForcedResponse.load(tmp_path / "new.nc")
@@ -221,3 +223,15 @@ def test_the_blade_is_unstable_exactly_between_its_folds(blade: Blade) -> None:
     assert not response.stable[between].any()
     assert response.stable[(place < upper - 0.5) | (place > lower + 0.5)].all()
     assert 1.003 < np.abs(response.multipliers[between, 0]).max() < 1.061
+
+
+@pytest.mark.slow
+def test_the_iteration_gives_the_largest_of_all_eigenvalues(blade: Blade, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Small directions of a block must not enter the basis twice: spurious multipliers of 2 came from that."""
+    options = {"frequency_hz": (682.0, 690.0), "harmonics": 3, "samples": 128}
+    every = blade.response(**options).multipliers
+    monkeypatch.setattr(multipliers, "DENSE_SIZE", 0)
+    largest = blade.response(**options).multipliers
+    assert every is not None
+    assert largest is not None
+    np.testing.assert_allclose(np.abs(largest[:, 0]), np.abs(every[:, 0]), atol=3e-3)

@@ -29,10 +29,10 @@ DENSE_SIZE = 64
 # where the eigenvectors are not far from orthogonal.
 RITZ_TOLERANCE, MOST_BLOCKS, SMALLEST_SIZE = 1e-4, 6, 0.5
 # A direction without friction is free if its stiffness is below this fraction of its inertia at the excitation. Neutral
-# multipliers are 1 within this error, which is that of the iteration.
-FREE_STIFFNESS, NEUTRAL_ERROR = 1e-7, 1e-4
-# Directions of a block with less than this fraction of its largest length are round-off.
-SMALLEST_DIRECTION = 1e-10
+# multipliers are 1 within these errors of all eigenvalues (which may be multiple) and of the iteration.
+FREE_STIFFNESS, NEUTRAL_ERROR, NEUTRAL_ITERATED = 1e-7, 1e-5, 2e-3
+# Directions of a block with less than this fraction of its length are round-off, which would enter the basis twice.
+SMALLEST_DIRECTION = 1e-8
 
 
 def multipliers(model: StabilityModel, pairs: ContactPairs, trial: Trial, samples: int) -> ComplexArray:
@@ -58,13 +58,14 @@ def multipliers(model: StabilityModel, pairs: ContactPairs, trial: Trial, sample
         return period.march(scale[:, None] * scaled) / scale[:, None]
 
     if period.size <= DENSE_SIZE:
-        values = np.linalg.eigvals(march(np.eye(period.size)))
+        values, accuracy = np.linalg.eigvals(march(np.eye(period.size))), NEUTRAL_ERROR
     else:
-        values = _largest(march, period.size, 2 * model.frequency.size)
+        values, accuracy = _largest(march, period.size, 2 * model.frequency.size), NEUTRAL_ITERATED
     # Both tractions of a pair that has shaken down can be neutral, where it only touches its limit.
     remembers = steps.keep.any(axis=(0, 2, 3))
     shaken_down = int((remembers & (trial.contact.state[moving] == ContactState.STUCK)).sum())
-    return _sorted(_without_neutral(values, 2 * shaken_down + _drifts(model, steps, moving, trial.omega)))
+    neutral = 2 * shaken_down + _drifts(model, steps, moving, trial.omega)
+    return _sorted(_without_neutral(values, neutral, accuracy))
 
 
 def _sorted(values: NDArray[Any]) -> ComplexArray:
@@ -94,10 +95,10 @@ def _drifts(model: StabilityModel, steps: LinearSteps, moving: NDArray[np.int64]
     return int((np.linalg.eigvalsh(left) < FREE_STIFFNESS * omega**2).sum())
 
 
-def _without_neutral(values: NDArray[Any], most: int) -> NDArray[Any]:
+def _without_neutral(values: NDArray[Any], most: int, accuracy: float) -> NDArray[Any]:
     """The multipliers without up to ``most`` that are 1, because tractions or positions are not determined."""
     nearest = np.argsort(np.abs(values - 1.0))[:most]
-    return np.delete(values, nearest[np.abs(values[nearest] - 1.0) < NEUTRAL_ERROR])
+    return np.delete(values, nearest[np.abs(values[nearest] - 1.0) < accuracy])
 
 
 def _states_of(steps: LinearSteps, springs: FloatArray) -> tuple[LinearSteps, NDArray[np.int64]]:
@@ -135,7 +136,7 @@ def _largest(march: Marching, size: int, count: int) -> ComplexArray:
     """
     start = np.zeros((size, count))
     start[:count] = np.eye(count)
-    block = _orthonormal(march(start))
+    block = _orthonormal(march(start), 0.0)
     basis = image = np.zeros((size, 0))
     values = np.zeros(0, dtype=complex)
     for _ in range(MOST_BLOCKS):
@@ -144,16 +145,16 @@ def _largest(march: Marching, size: int, count: int) -> ComplexArray:
         errors = np.linalg.norm(image @ vectors - basis @ (vectors * values), axis=0)
         if (errors[np.abs(values) > SMALLEST_SIZE] <= RITZ_TOLERANCE).all():
             break
-        rest = image[:, -block.shape[1] :]
-        for _ in range(2):  # twice is enough
-            rest = rest - basis @ (basis.T @ rest)
-        block = _orthonormal(rest)
+        latest = image[:, -block.shape[1] :]
+        block = _orthonormal(latest - basis @ (basis.T @ latest), float(np.linalg.norm(latest)))
+        # Normalising small directions brings back parts of the basis.
+        block, _ = np.linalg.qr(block - basis @ (basis.T @ block))
         if not block.size:
             break
     return values
 
 
-def _orthonormal(block: FloatArray) -> FloatArray:
-    """An orthonormal basis of the columns, without those that are round-off."""
+def _orthonormal(block: FloatArray, size: float) -> FloatArray:
+    """An orthonormal basis of the columns, without those that are round-off of a block of this norm."""
     directions, sizes, _ = np.linalg.svd(block, full_matrices=False)
-    return np.asarray(directions[:, sizes > SMALLEST_DIRECTION * max(sizes[0], 1e-300)])
+    return np.asarray(directions[:, sizes > SMALLEST_DIRECTION * max(size, float(sizes[0]))])
