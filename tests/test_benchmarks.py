@@ -62,3 +62,16 @@ def test_bricks_cut_into_tetrahedra_fill_the_same_space(tmp_path: Path, monkeypa
         assert sides.shape == (2 * 2 * 4, 6)
     assert setup.layout.face_pairs.is_matching
     assert setup.layout.face_pairs.n_pairs == 2 * 5 * 9
+
+
+def test_verdicts_on_stability_agree_with_time_integration(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A few points of benchmarks/stability_check.py on both sides of folds."""
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    import stability_check
+
+    for name, verdicts in (("separating pair, more force", {True, False}), ("blade", {True, False})):
+        problem = stability_check.PROBLEMS[name](name)
+        points = stability_check.chosen_points(stability_check.solve(problem))[1:5]
+        checked = stability_check.check(problem, points)
+        assert {each.stable for each in checked} == verdicts
+        assert [each for each in checked if each.contradicts] == []

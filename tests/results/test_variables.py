@@ -42,7 +42,9 @@ VARIABLES = {
     "response_places sides",
 }
 # Variables that older files of the format do not have.
-YOUNGER = {"/load_factor", "/kinetic_energy", "study/mode_reference", "sketch/motion_frequency"} | {
+STABILITY = {f"/{name}" for name in ("stable", "multipliers_real", "multipliers_imaginary", "bifurcations")}
+YOUNGER = {"/load_factor", "/kinetic_energy", "/stability_message", "study/mode_reference", "sketch/motion_frequency"}
+YOUNGER |= STABILITY | {
     f"sketch/motion_of_{of}_{part}" for of in ("points", "loads", "responses") for part in ("mean", "cosine", "sine")
 }
 
@@ -73,6 +75,8 @@ def listing(path: Path) -> dict[str, Any]:
 @pytest.mark.slow
 def test_a_file_has_the_variables_of_its_format(response: ForcedResponse, tmp_path: Path) -> None:
     study = dataclasses.replace(synthetic_study(4, 3), sketch=shaken(stacked_boxes()))
+    points = response.n_points
+    response = dataclasses.replace(response, stable=np.ones(points, dtype=bool), multipliers=np.ones((points, 4)))
     save_results(tmp_path / "new.nc", response, study)
     now, before = listing(tmp_path / "new.nc"), listing(OLD_FILE)
     expected = {f"{group}/{name}" for group, names in VARIABLES.items() for name in names.split()}

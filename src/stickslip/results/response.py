@@ -24,11 +24,13 @@ from stickslip.results.groups import read_groups, write_groups
 from stickslip.results.linear_curves import LinearCurves, points_between
 from stickslip.results.pair_variables import pairs_from, pairs_groups
 from stickslip.results.periodic_amplitude import periodic_amplitude
+from stickslip.results.stability import Bifurcation, BifurcationRows, ComplexNumbers
 from stickslip.results.stored import StoredGroup
-from stickslip.results.sweeps_of_curve import Flags, Jump, SlowSweep, one_run, stable_between_folds, sweeps
+from stickslip.results.sweeps_of_curve import Jump, SlowSweep, one_run, stable_between_folds, sweeps
 from stickslip.results.variables import (
     Attribute,
     Coefficients,
+    Flags,
     HarmonicNumbers,
     InGroup,
     Json,
@@ -51,6 +53,8 @@ _CURVE, _PAIRS = ("point",), ("point", "pair")
 _Setting = str | float | int | None
 # More samples of a period than any run has: a larger number in a file is damage.
 MOST_SAMPLES = 10**6
+# The message of results of versions that did not compute it.
+NO_STABILITY = "These results do not contain the stability of the points."
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +105,16 @@ class ForcedResponse(Labelled):
         (n_points,) J, largest kinetic energy that the first harmonic would have with all unknowns in phase:
         ``w^2 / 2 (c_1 . M c_1 + s_1 . M s_1)``, twice its mean over the period. It does not depend on the phases
         between the unknowns. 0 in files of earlier versions, which do not contain it.
+    stable:
+        (n_points,) whether small disturbances of the motion decay under the constant force; None if the stability was
+        not computed, and ``stability_message`` then gives the reason.
+    multipliers:
+        (n_points, k) complex, the largest factors by which a small disturbance grows in a period (Floquet multipliers),
+        the largest first; 0 where there are fewer. The motion is unstable where one is outside of the unit circle.
+    bifurcations:
+        where a multiplier crosses the unit circle, in the order of the curve.
+    stability_message:
+        a sentence on the stability of the points.
 
     Raises
     ------
@@ -170,6 +184,21 @@ class ForcedResponse(Labelled):
         metadata=stored(
             Numbers(_CURVE, "J", "twice the mean kinetic energy of the first harmonic over the period", optional=True)
         ),
+    )
+    stable: NDArray[np.bool_] | None = field(
+        default=None, metadata=stored(Flags(_CURVE, "1", "1 if small disturbances decay", optional=True))
+    )
+    multipliers: NDArray[np.complex128] | None = field(
+        default=None,
+        metadata=stored(
+            ComplexNumbers(
+                ("point", "multiplier"), "1", "factors of small disturbances in a period, the largest", optional=True
+            )
+        ),
+    )
+    bifurcations: tuple[Bifurcation, ...] = field(default=(), metadata=stored(BifurcationRows(optional=True)))
+    stability_message: str = field(
+        default=NO_STABILITY, metadata=stored(Text("stability of the points of the curve", optional=True))
     )
 
     def __post_init__(self) -> None:
@@ -318,9 +347,9 @@ class ForcedResponse(Labelled):
         return (*up.jumps, *down.jumps)
 
     @property
-    def stable_points(self) -> Flags:
-        """(n_points,) whether the motion is stable; the folds of the curve decide."""
-        return stable_between_folds(self.frequency_hz)
+    def stable_points(self) -> NDArray[np.bool_]:
+        """(n_points,) :attr:`stable`; where it was not computed the folds of the curve decide."""
+        return stable_between_folds(self.frequency_hz) if self.stable is None else self.stable
 
     def harmonic_amplitude(self, output: ArrayLike, harmonic: int) -> FloatArray:
         """(n_points,) ``sqrt(c_k^2 + s_k^2)`` of ``output @ u``, and ``|c_0|`` for harmonic 0. Raises InputError."""

@@ -117,6 +117,9 @@ class Flags(WholeNumbers):
     def read(self, group: StoredGroup, field: str, harmonics: int) -> Any:
         return group.integers(self.label(field)) != 0
 
+    def checked(self, field: str, value: Any, sizes: Mapping[str, int]) -> Any:
+        return super().checked(field, value, sizes) != 0
+
 
 @dataclass(frozen=True)
 class Count(Entry):

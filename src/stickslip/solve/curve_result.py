@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
-from stickslip.results.response import ForcedResponse
+from stickslip.results.response import NO_STABILITY, ForcedResponse
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.checks import ResolutionCheck, check_resolution
 from stickslip.solve.harmonic.curve_warnings import curve_warnings, neighbour_warnings
@@ -20,6 +20,7 @@ from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import Accepted, Corner, Retreat
 from stickslip.solve.setting_up import Balances, StageReport
+from stickslip.solve.stability.curve import CurveStability, curve_stability, no_stability
 
 # Reported fraction of the work at the end of the window: energies, checks and linear limits follow.
 LARGEST_FRACTION = 0.99
@@ -56,8 +57,12 @@ def response_of(
     newton: NewtonSettings,
     how: str,
     report: StageReport,
+    *,
+    stability: bool = False,
 ) -> ForcedResponse:
     """The response along a branch through ``window`` (Hz); ``how`` describes its first point.
+
+    With ``stability`` the multipliers of its points too.
 
     It ends before the first point that does not satisfy the equation of motion. Raises ConvergenceError if that is the
     first point of all.
@@ -76,6 +81,10 @@ def response_of(
         converged, trials, measures = False, trials[:end], measures.first(end)
     fine = balances.with_harmonics(harmonics + max(harmonics, LEAST_CUT_OFF), 2 * balances.samples)
     check = check_resolution(fine, trials)
+    verdict, stability_message = None, NO_STABILITY
+    if stability:
+        report.stage("stability of the points")
+        verdict, stability_message = _stability(trials, balance, balances)
     report.stage("linear limits")
     closed = LinearLimit(stuck.circular_frequency, stuck.modes, stuck.modal_damping)
     free = LinearLimit.of_matrices(superelement.mass, superelement.stiffness, stuck.damping)
@@ -107,7 +116,25 @@ def response_of(
         provenance={},
         load_factor=np.array([trial.load for trial in trials]),
         kinetic_energy=measures.kinetic_energy,
+        stable=None if verdict is None else verdict.stable,
+        multipliers=None if verdict is None else verdict.multipliers,
+        bifurcations=() if verdict is None else verdict.bifurcations,
+        stability_message=stability_message,
     )
+
+
+def _stability(trials: list[Trial], balance: Balance, balances: Balances) -> tuple[CurveStability | None, str]:
+    """The stability of the points under the force that each has, None where a law does not allow it, and a sentence."""
+    reason = no_stability(balance)
+    if reason:
+        return None, reason
+    constant_load = all(trial.load == trials[0].load for trial in trials)
+    stability = curve_stability(trials, balance, balances.stuck, constant_load)
+    unstable = int((~stability.stable).sum())
+    sentence = f"{unstable} of {len(trials)} points are unstable." if unstable else "All points are stable."
+    if stability.undecided:
+        sentence += f" {stability.undecided} are too close to a change of stability for a sure verdict."
+    return stability, sentence
 
 
 def _unbalanced(trials: list[Trial], end: int, residual: float, damped: bool) -> str:

@@ -40,6 +40,7 @@ def forced_response(
     update: Update = "tractrix",
     newton: NewtonSettings | None = None,
     continuation: ContinuationSettings | None = None,
+    stability: bool = False,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
 ) -> ForcedResponse:
@@ -70,6 +71,9 @@ def forced_response(
         "tractrix" (second order) or "radial" return of the friction law.
     newton, continuation:
         tolerances and step control.
+    stability:
+        compute the Floquet multipliers of every point too, about as long as the curve takes; without them the folds of
+        the curve tell stable from unstable parts.
     threads:
         threads of the linear algebra, used where the joint is large enough; None takes the environment variable
         STICKSLIP_THREADS, or else the usable cores, at most 4.
@@ -110,7 +114,7 @@ def forced_response(
         start, how = first_point(solver, curve, start_omega, balances.with_harmonics, walk)
         branch = Branch(solver, start, stop_omega, settings, follower(window, report))
         branch.follow()
-        response = response_of(branch, balances, curve.balance, window, newton, how, report)
+        response = response_of(branch, balances, curve.balance, window, newton, how, report, stability=stability)
     return replace(response, provenance={"solve_seconds": f"{time.perf_counter() - began:.2f}"})
 
 

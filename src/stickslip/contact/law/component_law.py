@@ -11,10 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.contact.law.law import BoolArray, CodeArray, ContactCycle, ContactState, IndexArray, LawPeriod, LawStep
+from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import analysis_matrix, synthesis_matrix
 from stickslip.core.validation import FloatArray, finite_array
 
+# Even number of parts of a step in which the mean slope takes one value each; chosen: a stop then acts to a tenth of a
+# step as long as it does.
+PARTS_OF_STEP = 10
 # t1, t2 and n, along which constants of a law have values.
 COMPONENTS = 3
 
@@ -165,6 +169,27 @@ class ElasticLaw(ABC):
         return ContactCycle(
             np.moveaxis(force, 2, 0), displacement[:, :, :2].copy(), self.states_of(slope), nothing, nothing.copy()
         )
+
+    def linear_steps(self, displacement: FloatArray) -> LinearSteps:
+        """See :class:`stickslip.contact.law.linear_steps.SteppedLaw`: the mean slope over the two half steps.
+
+        Positions between samples are on straight lines, so that a stop that closes between samples acts in part.
+        """
+        samples, n_pairs = displacement.shape[:2]
+        fraction = (np.arange(PARTS_OF_STEP) + 0.5) / PARTS_OF_STEP
+        change = np.roll(displacement, -1, axis=0) - displacement
+        between = displacement[:, None] + fraction[:, None, None] * change[:, None]
+        path = self._rest[:, :, None] + np.moveaxis(between.reshape(-1, n_pairs, COMPONENTS), 0, 2)
+        slope = self.force_and_slope(path)[1].reshape(n_pairs, COMPONENTS, samples, 2, -1).mean(axis=4)
+        mean = np.moveaxis(0.5 * (slope[..., 0] + np.roll(slope[..., 1], 1, axis=2)), 2, 0)
+        steps = LinearSteps(
+            np.zeros((samples, n_pairs, 2, 2)),
+            np.zeros((samples, n_pairs, 2, COMPONENTS)),
+            np.zeros((samples, n_pairs, 2, COMPONENTS)),
+            mean[:, :, 2],
+        )
+        steps.by_end[:, :, (0, 1), (0, 1)] = mean[:, :, :2]
+        return steps
 
     def memory_at_rest(self) -> Any:
         """None: there is no memory."""

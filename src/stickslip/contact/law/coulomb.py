@@ -16,8 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.contact.law.coulomb_harmonics import Update, contact_cycle, harmonic_force, harmonic_tangent
+from stickslip.contact.law.coulomb_linear import coulomb_linear_steps
 from stickslip.contact.law.coulomb_step import CoulombMemory, PressedPairs
 from stickslip.contact.law.law import BoolArray, ContactCycle, ContactState, IndexArray, LawPeriod, LawStep
+from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.contact.law.normal_law import SpringLaw
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive
@@ -214,6 +216,14 @@ class CoulombLaw:
     def cycle(self, displacement: FloatArray) -> ContactCycle:
         """See :class:`stickslip.contact.law.law.ContactLaw`."""
         return contact_cycle(displacement, self, self.update)
+
+    def linear_steps(self, displacement: FloatArray) -> LinearSteps:
+        """See :class:`stickslip.contact.law.linear_steps.SteppedLaw`."""
+        traction = self.cycle(displacement).force[:, :, :2]
+        return coulomb_linear_steps(
+            displacement, traction, self.tangential_springs, self.friction_coefficient, self.normal_stiffness,
+            self.offset_force, self.update == "tractrix",
+        )  # fmt: skip
 
     def _pressed(self) -> PressedPairs:
         """The pairs whose whole forces a step gives."""

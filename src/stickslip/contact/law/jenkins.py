@@ -10,8 +10,10 @@ import numpy as np
 
 from stickslip.contact.constants import constant
 from stickslip.contact.law.component_law import pairs_in, per_component, require_at_least_zero
+from stickslip.contact.law.coulomb_linear import TOUCH
 from stickslip.contact.law.hysteretic_law import HystereticLaw, RestingNormalForce, TangentialStep
 from stickslip.contact.law.law import BoolArray, ContactState, IndexArray
+from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.core.compiled import njit
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, per_pair, require_positive
@@ -138,6 +140,19 @@ class JenkinsElement(RestingNormalForce, HystereticLaw):
         slope = np.where(sticks, self.tangential_stiffness, 0.0)
         at_limit = np.abs(trial) >= self.friction_limit * (1.0 - ROUND_OFF)
         return TangentialStep(traction, slope, at_limit, SliderMemory(displacement, traction))
+
+    def linear_steps(self, displacement: FloatArray) -> LinearSteps:
+        """See :class:`stickslip.contact.law.linear_steps.SteppedLaw`."""
+        samples, n_pairs = displacement.shape[:2]
+        tangential = displacement[:, :, :2]
+        before = np.roll(self.cycle(displacement).force[:, :, :2], 1, axis=0)
+        trial = before + self.tangential_stiffness * (tangential - np.roll(tangential, 1, axis=0))
+        # An element that has shaken down and touches its limit counts as slipping, as in coulomb_linear.py.
+        sticks = (np.abs(trial) < self.friction_limit * (1.0 - TOUCH)).astype(float)
+        keep, by_end = np.zeros((samples, n_pairs, 2, 2)), np.zeros((samples, n_pairs, 2, 3))
+        keep[:, :, (0, 1), (0, 1)] = sticks
+        by_end[:, :, (0, 1), (0, 1)] = sticks * self.tangential_stiffness
+        return LinearSteps(keep, by_end, -by_end, np.broadcast_to(self.normal_stiffness, (samples, n_pairs)))
 
     def keeping(self, memory: SliderMemory) -> JenkinsElement:
         """See :class:`HystereticLaw`."""

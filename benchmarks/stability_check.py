@@ -1,0 +1,255 @@
+"""Verdicts on stability against time integration: does a disturbance of 1 % die out? One table, problem by problem.
+
+    python benchmarks/stability_check.py            # all problems, about half an hour
+    python benchmarks/stability_check.py duffing    # those whose name begins so
+
+Points are the neighbours of each bifurcation and some spread over the curve. Each motion starts 1 % too large; "dies
+out" if its distance from the point falls below NEAR after the given number of periods, "leaves" if it is above FAR,
+"unclear" between. A contradiction is a stable point that leaves, or an unstable one where the disturbance dies out.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from blade_problem import load_blade_problem
+
+import stickslip as ss
+
+FloatArray = np.ndarray
+DISTURBANCE = 0.01
+# Distances over the size of the motion. What remains is the difference of the balance from time integration, some
+# tenths of a percent, and the shift of tractions that stuck pairs keep from the disturbance: up to the disturbance.
+NEAR, FAR = 0.01, 0.05
+SPREAD = 3  # points of a curve beside those at its bifurcations
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A structure with a joint, its force, and how to integrate it."""
+
+    name: str
+    superelement: ss.Superelement
+    pairs: ss.ContactPairs
+    force_cos: FloatArray
+    window_hz: tuple[float, float]
+    harmonics: int = 7
+    samples: int = 256
+    force_sin: FloatArray | None = None
+    steps: int = 240
+    periods: int = 80
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A point: what the multipliers say, and what happened in time."""
+
+    problem: str
+    frequency_hz: float
+    multiplier: complex
+    stable: bool
+    distance: float
+
+    @property
+    def outcome(self) -> str:
+        """What became of the disturbance."""
+        return "dies out" if self.distance < NEAR else "leaves" if self.distance > FAR else "unclear"
+
+    @property
+    def contradicts(self) -> bool:
+        """Whether time integration shows the opposite of the verdict."""
+        return self.outcome == ("leaves" if self.stable else "dies out")
+
+
+def oscillator(mass: float, damping: float, stiffness: float) -> ss.Superelement:
+    """One degree of freedom."""
+    return ss.Superelement(np.array([[mass]]), np.array([[stiffness]]), np.array([[damping]]))
+
+
+def along(axis: int, size: int = 1, unknown: int = 0) -> FloatArray:
+    """The operator (3, size) of one pair between an unknown and the ground, along t1 (0), t2 (1) or n (2)."""
+    operator = np.zeros((3, size))
+    operator[axis, unknown] = 1.0
+    return operator
+
+
+def _hertz(low: float, high: float) -> tuple[float, float]:
+    """Hz of circular frequencies."""
+    return low / (2.0 * np.pi), high / (2.0 * np.pi)
+
+
+def duffing(cubic: float, force: float, window: tuple[float, float], name: str) -> Problem:
+    """``x'' + 0.05 x' + x + cubic x^3 = force cos(w t)`` (Nayfeh and Mook 1979, sec. 4.1)."""
+    law = ss.CubicSpring(np.array([[1.0, 0.0, 0.0]]), np.array([[cubic, 0.0, 0.0]]))
+    pairs = ss.ContactPairs.with_laws(along(0), [law])
+    return Problem(name, oscillator(1.0, 0.05, 0.0), pairs, np.array([force]), _hertz(*window), samples=128)
+
+
+def stop(
+    stiffness: float, gap: float, force: float, window: tuple[float, float], name: str, two_sided: bool = False
+) -> Problem:
+    """An oscillator of frequency 1 with an elastic stop (Shaw and Holmes 1983); impacts double the period near twice
+    its frequency."""
+    law = ss.ElasticStop(np.array([stiffness]), np.array([gap]), two_sided=two_sided)
+    pairs = ss.ContactPairs.with_laws(along(2), [law])
+    return Problem(name, oscillator(1.0, 0.1, 1.0), pairs, np.array([force]), _hertz(*window), harmonics=15)
+
+
+def jenkins_with_cubic(force: float, name: str) -> Problem:
+    """A hardening oscillator with a friction element of constant limit beside it."""
+    laws = [
+        ss.CubicSpring(np.array([[1.0, 0.0, 0.0]]), np.array([[0.3, 0.0, 0.0]])),
+        ss.JenkinsElement(np.array([[0.6, 0.0]]), np.array([[0.1, 0.1]])),
+    ]
+    pairs = ss.ContactPairs.with_laws(np.vstack([along(0), along(0)]), laws)
+    return Problem(name, oscillator(1.0, 0.02, 0.0), pairs, np.array([force]), _hertz(0.7, 2.2))
+
+
+def coulomb_with_gap(gap: float, force: float, name: str) -> Problem:
+    """A mass that swings along n and t1 against a pair that is open at rest: it hardens where it closes."""
+    structure = ss.Superelement(np.eye(2), np.array([[1.0, 0.1], [0.1, 1.3]]), 0.06 * np.eye(2))
+    operator = np.array([[0.0, 1.0], [0.0, 0.0], [1.0, 0.0]])
+    pairs = ss.ContactPairs(operator, 2.0, 1.5, 0.3, normal_load=0.0, gap=gap)
+    return Problem(name, structure, pairs, np.array([force, 0.0]), _hertz(0.6, 1.9), steps=500, periods=400)
+
+
+def separating(load: float, force: float, name: str) -> Problem:
+    """A mass pressed on a pair that lifts off, with friction across: it softens, and its peak folds to the left."""
+    structure = ss.Superelement(np.eye(2), np.array([[0.5, 0.0], [0.0, 0.7]]), 0.04 * np.eye(2))
+    operator = np.array([[0.0, 1.0], [0.0, 0.0], [1.0, 0.2]])
+    pairs = ss.ContactPairs(operator, 2.0, 1.0, 0.4, normal_load=load)
+    return Problem(name, structure, pairs, np.array([force, 0.3 * force]), _hertz(0.9, 2.0), steps=500, periods=400)
+
+
+def slipping(load: float, name: str) -> Problem:
+    """Two masses, one of them on a pair that always stays closed: friction damps and nothing folds."""
+    stiffness = np.array([[2.0, -1.0, 0.0], [-1.0, 1.5, 0.0], [0.0, 0.0, 4.0]])
+    structure = ss.Superelement(np.diag([1.0, 0.7, 1.0]), stiffness, 0.01 * np.eye(3))
+    operator = np.zeros((3, 3))
+    operator[0, 1], operator[2, 2] = 1.0, 1.0
+    pairs = ss.ContactPairs(operator, 3.0, 2.0, 0.5, normal_load=load)
+    force = np.array([0.3, 0.0, 0.2])
+    return Problem(name, structure, pairs, force, _hertz(0.6, 2.2), steps=500, periods=400)
+
+
+def blade(preload: float, force: float, name: str) -> Problem:
+    """The bench blade with ten contacts, its preload and force multiplied."""
+    data = load_blade_problem(10)
+    pairs = ss.ContactPairs(
+        data.contact_operator(),
+        data.normal_stiffness,
+        data.tangential_stiffness,
+        data.friction_coefficient,
+        preload * data.preload,
+    )
+    structure = ss.Superelement(data.mass, data.stiffness, data.damping)
+    return Problem(
+        name, structure, pairs, force * data.force_cos, data.window_hz, 5, 256, force * data.force_sin, 400, 600
+    )
+
+
+PROBLEMS: dict[str, Callable[[str], Problem]] = {
+    "duffing, hardening": lambda name: duffing(0.4, 0.25, (0.5, 3.0), name),
+    "duffing, softening": lambda name: duffing(-0.05, 0.12, (0.4, 1.4), name),
+    "duffing, force of 0.5": lambda name: duffing(0.4, 0.5, (0.8, 3.5), name),
+    "stop, soft": lambda name: stop(2.0, 1.0, 0.3, (0.6, 2.0), name),
+    "stop, stiff": lambda name: stop(20.0, 1.0, 0.5, (1.0, 3.2), name),
+    "stop, near twice its frequency": lambda name: stop(4.0, 0.05, 1.0, (1.8, 4.0), name),
+    "stop, two-sided": lambda name: stop(3.0, 1.0, 0.3, (0.6, 2.0), name, two_sided=True),
+    "friction element beside a cubic spring": lambda name: jenkins_with_cubic(0.25, name),
+    "friction element, more force": lambda name: jenkins_with_cubic(0.4, name),
+    "coulomb pair with a gap": lambda name: coulomb_with_gap(1.0, 0.2, name),
+    "coulomb pair with a gap, more force": lambda name: coulomb_with_gap(1.0, 0.35, name),
+    "separating pair": lambda name: separating(1.0, 0.15, name),
+    "separating pair, more force": lambda name: separating(1.0, 0.25, name),
+    "slipping pair": lambda name: slipping(1.0, name),
+    "blade": lambda name: blade(1.0, 1.0, name),
+    "blade, half the preload": lambda name: blade(0.5, 1.0, name),
+}
+
+
+def chosen_points(response: ss.ForcedResponse) -> list[int]:
+    """Both neighbours of each bifurcation, two points farther away, and some spread over the curve."""
+    last = response.n_points - 1
+    points = set(np.linspace(0.15 * last, 0.85 * last, SPREAD).round().astype(int).tolist())
+    for each in response.bifurcations:
+        before = int(each.position)
+        points |= {max(0, before - 2), min(last, before + 3)}
+    return sorted(points)
+
+
+def distance_after(problem: Problem, response: ss.ForcedResponse, point: int) -> float:
+    """Distance from a point after some periods, over the size of its motion; the start is 1 % too large."""
+    start = ss.start_from_response(response, point)
+    mean = response.displacement[point][:, 0]
+    start["initial_displacement"] = mean + (1.0 + DISTURBANCE) * (start["initial_displacement"] - mean)
+    start["initial_velocity"] = (1.0 + DISTURBANCE) * start["initial_velocity"]
+    sine = np.zeros_like(problem.force_cos) if problem.force_sin is None else problem.force_sin
+    motion = ss.integrate_to_steady_state(
+        problem.superelement, problem.pairs, problem.force_cos, sine, float(response.frequency_hz[point]),
+        steps_per_period=problem.steps, max_periods=problem.periods, tolerance=1e-9, **start,
+    )  # fmt: skip
+    unknowns = np.eye(response.n_unknowns)
+    expected = np.array([response.signal(row, point, problem.steps) for row in unknowns]).T
+    swing = expected - expected.mean(axis=0)
+    difference = motion.displacement - expected
+    # Where a body comes to rest is not determined if friction alone supports it; the swing is.
+    difference = difference - difference.mean(axis=0)
+    return float(np.linalg.norm(difference) / np.linalg.norm(swing))
+
+
+def solve(problem: Problem) -> ss.ForcedResponse:
+    """The curve of a problem."""
+    return ss.forced_response(
+        problem.superelement, problem.pairs, problem.force_cos, problem.force_sin, frequency_hz=problem.window_hz,
+        harmonics=problem.harmonics, samples=problem.samples, stability=True,
+    )  # fmt: skip
+
+
+def check(problem: Problem, points: Sequence[int] | None = None) -> list[Checked]:
+    """The chosen points of a problem, or those given."""
+    response = solve(problem)
+    assert response.stable is not None, response.stability_message
+    assert response.multipliers is not None
+    return [
+        Checked(
+            problem.name,
+            float(response.frequency_hz[point]),
+            complex(response.multipliers[point, 0]),
+            bool(response.stable[point]),
+            distance_after(problem, response, point),
+        )
+        for point in (chosen_points(response) if points is None else points)
+    ]
+
+
+def main() -> None:
+    """Print the table and the number of contradictions."""
+    wanted = sys.argv[1] if len(sys.argv) > 1 else ""
+    every: list[Checked] = []
+    print("| problem | Hz | largest multiplier | verdict | distance after, % | disturbance |")
+    print("|---|---|---|---|---|---|")
+    for name, make in PROBLEMS.items():
+        if not name.startswith(wanted):
+            continue
+        began = time.perf_counter()
+        for each in check(make(name)):
+            every.append(each)
+            verdict = "stable" if each.stable else "unstable"
+            mark = " (CONTRADICTION)" if each.contradicts else ""
+            print(
+                f"| {name} | {each.frequency_hz:.5g} | {each.multiplier:.4f} | {verdict} | {100 * each.distance:.2g} | "
+                f"{each.outcome}{mark} |",
+                flush=True,
+            )
+        print(f"{name}: {time.perf_counter() - began:.0f} s", file=sys.stderr)
+    unclear = sum(each.outcome == "unclear" for each in every)
+    print(f"\n{len(every)} points, {sum(each.contradicts for each in every)} contradictions, {unclear} unclear.")
+
+
+if __name__ == "__main__":
+    main()

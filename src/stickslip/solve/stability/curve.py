@@ -1,0 +1,225 @@
+"""Stability along a curve: multipliers of every point, verdicts, and where they change.
+
+The multipliers have an error by sampling, which matters only near 1. There a point is computed again with more samples;
+where a real multiplier is too close to 1, the verdict is that of the same side of the fold, because a curve turns in
+frequency exactly where a multiplier is 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.core.validation import FloatArray
+from stickslip.results.stability import Bifurcation, BifurcationKind
+from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.compliance import StuckStructure
+from stickslip.solve.stability.contact_steps import laws_without_steps
+from stickslip.solve.stability.model import StabilityModel, stability_model
+from stickslip.solve.stability.multipliers import ComplexArray, multipliers
+
+BoolArray = NDArray[np.bool_]
+
+# Samples of the period, and for each harmonic, at first. On the benchmark blades they give multipliers to 1e-3 with 10
+# pairs and to 1e-2 with 110 that separate, which halve or better with twice the samples (docs/theory.md).
+FIRST_SAMPLES, SAMPLES_PER_HARMONIC = 128, 16
+FIRST_ERROR, FINEST = 0.005, 4
+# A verdict stands if the largest multipliers are this number of their errors away from the unit circle.
+CONFIDENCE = 2.0
+# A real multiplier this close to 1 does not decide by itself. A pair that has just begun to slip moves it by as much,
+# but only for disturbances smaller than the slip: on the benchmark blade with half its preload from 1.044 to 0.995 and
+# back within two points between the folds, where time integration leaves the motion after a disturbance of 1 %.
+NEAR_FOLD = 0.01
+# Round-off of the march, where no contact changes.
+ROUND_OFF = 1e-7
+# Number of multipliers of each point in a result, and the relative imaginary part below which one is real.
+STORED, REAL = 4, 1e-7
+
+
+@dataclass(frozen=True)
+class CurveStability:
+    """The stability of n points.
+
+    Attributes
+    ----------
+    stable:
+        (n,).
+    multipliers:
+        (n, STORED), the largest first; 0 where there are fewer.
+    bifurcations:
+        in the order of the curve.
+    undecided:
+        number of points with a multiplier closer to the unit circle than its error. For a real one the verdict is that
+        of its side of the fold, for others that of the computed size.
+    """
+
+    stable: BoolArray
+    multipliers: ComplexArray
+    bifurcations: tuple[Bifurcation, ...]
+    undecided: int
+
+
+class _Counts(NamedTuple):
+    """Multipliers outside of the unit circle: real ones above 1, below -1, and complex ones."""
+
+    positive: int
+    negative: int
+    complex: int
+
+
+@dataclass(frozen=True)
+class _Verdict:
+    """The multipliers of a point and their error."""
+
+    values: ComplexArray
+    error: float
+
+    @property
+    def margin(self) -> float:
+        """Distance of the nearest size of a multiplier from 1."""
+        return float(np.abs(np.abs(self.values) - 1.0).min(initial=1.0))
+
+    def counts(self) -> _Counts:
+        """How many multipliers are outside of the unit circle."""
+        outside = self.values[np.abs(self.values) > 1.0 + ROUND_OFF]
+        real = np.abs(outside.imag) <= REAL * np.abs(outside)
+        return _Counts(
+            int((real & (outside.real > 0.0)).sum()), int((real & (outside.real < 0.0)).sum()), int((~real).sum())
+        )
+
+    @property
+    def near_fold(self) -> bool:
+        """Whether a real multiplier is too close to 1 for a verdict by itself."""
+        real = self.values[np.abs(self.values.imag) <= REAL].real
+        return bool((np.abs(real - 1.0) <= max(self.error, NEAR_FOLD)).any())
+
+
+def no_stability(balance: Balance) -> str:
+    """Why the stability of a joint is not computed, as a sentence; empty if it is."""
+    names = laws_without_steps(balance.pairs)
+    if not names:
+        return ""
+    return (
+        f"Stability was not computed: the law {' and '.join(names)} does not give the derivatives of its steps "
+        "(linear_steps, docs/extending.md)."
+    )
+
+
+def curve_stability(trials: Sequence[Trial], balance: Balance, stuck: StuckStructure, turns: bool) -> CurveStability:
+    """The stability of points in the order of a curve.
+
+    ``turns`` says that the force is constant along the curve, so that it turns in frequency where a multiplier is 1.
+    The laws must give their steps (:func:`no_stability`).
+    """
+    pairs = balance.pairs
+    moves = np.any([trial.contact.moves for trial in trials], axis=0)
+    hidden = np.max([pairs.hidden_springs(trial.contact) for trial in trials], axis=0)
+    model = stability_model(stuck, balance.harmonics, moves, hidden)
+    verdicts = [_verdict(model, balance, trial) for trial in trials]
+    counts = [verdict.counts() for verdict in verdicts]
+    omega = np.array([trial.omega for trial in trials])
+    folds = _folds(omega) if turns else []
+    doubtful = [verdict.near_fold for verdict in verdicts]
+    for point in np.flatnonzero(doubtful) if turns else []:
+        counts[point] = counts[point]._replace(positive=_side(int(point), counts, doubtful, folds))
+    table = np.zeros((len(trials), STORED), dtype=complex)
+    for row, verdict in zip(table, verdicts, strict=True):
+        row[: verdict.values.size] = verdict.values[:STORED]
+    return CurveStability(
+        np.array([not any(each) for each in counts]),
+        table,
+        tuple(_changes(verdicts, counts, omega / (2.0 * np.pi), folds)),
+        sum(verdict.margin <= verdict.error for verdict in verdicts),
+    )
+
+
+def _verdict(model: StabilityModel, balance: Balance, trial: Trial) -> _Verdict:
+    """The multipliers of a point with as many samples as its verdict requires."""
+    if not trial.contact.moves.any():
+        return _Verdict(multipliers(model, balance.pairs, trial, FIRST_SAMPLES), ROUND_OFF)
+    first = max(FIRST_SAMPLES, SAMPLES_PER_HARMONIC * balance.harmonics)
+    samples, verdict = first, None
+    while True:
+        values = multipliers(model, balance.pairs, trial, samples)
+        error = FIRST_ERROR if verdict is None else _difference(verdict.values, values)
+        alone = verdict is None
+        verdict = _Verdict(values, max(error, ROUND_OFF))
+        counts = verdict.counts()
+        # A pair or a negative multiplier outside of the circle could be a fast coordinate that few samples excite.
+        confirmed = not alone or not (counts.negative or counts.complex)
+        if samples >= FINEST * first or (verdict.margin > CONFIDENCE * error and confirmed):
+            return verdict
+        samples *= 2
+
+
+def _difference(coarse: ComplexArray, fine: ComplexArray) -> float:
+    """Change of the multiplier nearest to the unit circle."""
+    nearest = fine[np.abs(np.abs(fine) - 1.0).argmin()]
+    return float(np.abs(coarse - nearest).min())
+
+
+def _folds(omega: FloatArray) -> list[int]:
+    """The points at which the frequency turns."""
+    change = np.diff(omega)
+    return [int(point) + 1 for point in np.flatnonzero(change[1:] * change[:-1] < 0.0)]
+
+
+def _side(point: int, counts: list[_Counts], doubtful: Sequence[bool], folds: Sequence[int]) -> int:
+    """Real multipliers above 1 at a point whose own are too close to 1: those of the nearest sure point of its side.
+
+    The count changes at folds and only there. At the point where the frequency turns, and on a side without a sure
+    point, it is that of the computed multipliers.
+    """
+    if point in folds:
+        return counts[point].positive
+    first = max((fold for fold in folds if fold < point), default=-1)
+    last = min((fold for fold in folds if fold > point), default=len(counts))
+    sure = [each for each in range(first + 1, last) if not doubtful[each]]
+    return counts[min(sure, key=lambda each: abs(each - point)) if sure else point].positive
+
+
+def _changes(
+    verdicts: Sequence[_Verdict], counts: Sequence[_Counts], hertz: FloatArray, folds: Sequence[int]
+) -> list[Bifurcation]:
+    """The bifurcations between points whose counts differ."""
+    found = []
+    for point in range(len(counts) - 1):
+        for place, kind in enumerate(("fold", "period doubling", "torus")):
+            if counts[point][place] != counts[point + 1][place]:
+                found.append(_bifurcation(kind, point, verdicts, hertz, folds))  # type: ignore[arg-type]
+    return found
+
+
+def _bifurcation(
+    kind: BifurcationKind, point: int, verdicts: Sequence[_Verdict], hertz: FloatArray, folds: Sequence[int]
+) -> Bifurcation:
+    """The bifurcation between a point and the next one."""
+    if kind == "fold":
+        turning = [fold for fold in folds if point - 1 <= fold <= point + 2]
+        if turning:
+            fold = min(turning, key=lambda each: abs(each - point - 0.5))
+            position, value = _vertex(hertz[fold - 1 : fold + 2])
+            return Bifurcation("fold", value, fold + position)
+        kind = "branch point"
+    sizes = [float(_crossing_size(verdict.values, kind)) - 1.0 for verdict in verdicts[point : point + 2]]
+    span = sizes[1] - sizes[0]
+    fraction = float(np.clip(-sizes[0] / span, 0.0, 1.0)) if span else 0.5
+    return Bifurcation(kind, float(hertz[point] + fraction * (hertz[point + 1] - hertz[point])), point + fraction)
+
+
+def _vertex(values: FloatArray) -> tuple[float, float]:
+    """Position, from the middle, and value of the extremum of the parabola through three values."""
+    before, here, after = map(float, values)
+    bend, slope = before - 2.0 * here + after, after - before
+    return -0.5 * slope / bend, here - slope**2 / (8.0 * bend)
+
+
+def _crossing_size(values: ComplexArray, kind: BifurcationKind) -> float:
+    """The largest size of the multipliers that cross in a bifurcation of a kind."""
+    real = np.abs(values.imag) <= REAL * np.abs(values)
+    chosen = {"period doubling": real & (values.real < 0.0), "torus": ~real}.get(kind, real & (values.real > 0.0))
+    return float(np.abs(values[chosen]).max(initial=0.0))

@@ -1,0 +1,132 @@
+"""The structure in the modes that matter for stability: near coordinates with inertia, far ones as static flexibility.
+
+A disturbance of a periodic motion that may grow moves the structure in the modes that the motion excites; all others
+follow it as springs. The near coordinates are those of the stuck structure up to a multiple of the excitation, and what
+the modes of the structure without (and with all) springs of the moving pairs have beyond them: where a joint slides the
+structure moves in those. The remaining flexibility at the moving pairs is exact but for its stiffest patterns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+
+from stickslip.contact.law.law import BoolArray
+from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.compliance import StuckStructure
+
+# Modes up to this multiple of the excitation have inertia, and in any case those up to twice the highest harmonic. At
+# the excitation a mode above moves by 1 % less than with its inertia.
+NEAR_RANGE, NEAR_HARMONICS = 10.0, 2.0
+# The part of a mode without springs that the stuck near modes do not contain has inertia if its mass-weighted length is
+# above this: below, it would change the frequency of the mode by less than half its square, 5e-5.
+SMALLEST_PART = 0.01
+# A pattern of contact displacements whose flexibility is less than this fraction of that of its contact springs is
+# rigid: less than 2 % of the slip of that pattern. MOST_FLEXIBLE patterns are exact whatever their size, so that small
+# joints lose nothing.
+SMALLEST_FLEXIBILITY, MOST_FLEXIBLE = 0.02, 12
+
+
+@dataclass(frozen=True)
+class StabilityModel:
+    """Near coordinates q and far patterns s of a joint with m = 3 n_pairs rows.
+
+        q'' + damping q' + diag(frequency^2) q = -near_contact^T d,   s = -far_contact^T d
+        x = near_contact q + far_contact s
+
+    with the deviation d (m,) of the contact force from ``springs x``. The mass matrix and the stiffness of the far
+    patterns are the identity.
+
+    Attributes
+    ----------
+    frequency:
+        (p,) rad/s, the first ``modes`` of them those of the stuck structure.
+    damping:
+        (p, p) 1/s.
+    near_contact, far_contact:
+        (m, p) and (m, r).
+    springs:
+        (n_pairs, 3) N/m, the resting springs, which are in ``frequency``.
+    modes:
+        number of stuck modes among the near coordinates.
+    """
+
+    frequency: FloatArray
+    damping: FloatArray
+    near_contact: FloatArray
+    far_contact: FloatArray
+    springs: FloatArray
+    modes: int
+
+
+def stability_model(
+    stuck: StuckStructure, harmonics: int, moves: BoolArray, hidden_springs: FloatArray
+) -> StabilityModel:
+    """The model of a curve whose pairs move in the rows ``moves`` (n_pairs, 3).
+
+    ``hidden_springs`` (n_pairs, 3) N/m are those that act at some point in addition to the resting springs.
+    """
+    springs = stuck.pairs.resting_stiffness().reshape(-1, 3)
+    limit = max(NEAR_RANGE, NEAR_HARMONICS * harmonics) * stuck.highest_omega
+    frequency, contact = stuck.circular_frequency, stuck.contact_modes
+    modes = int(np.searchsorted(frequency, limit, side="right"))
+    rows = np.flatnonzero(moves.ravel())
+    added = _sliding_part(
+        frequency, modes, limit, contact[rows], [-springs.ravel()[rows], hidden_springs.ravel()[rows]]
+    )
+    stiffness, turn = scipy.linalg.eigh(added.T @ (frequency[modes:, None] ** 2 * added))
+    added = added @ turn
+    basis = np.zeros((frequency.size, modes + added.shape[1]))
+    basis[range(modes), range(modes)] = 1.0
+    basis[modes:, modes:] = added
+    if stuck.modal_damping.ndim == 1:
+        damping = basis.T @ (stuck.modal_damping[:, None] * basis)
+    else:
+        damping = basis.T @ stuck.modal_damping @ basis
+    scale = (springs + hidden_springs).ravel()[rows]
+    far = np.zeros((contact.shape[0], 0))
+    patterns = _flexibility(frequency[modes:], added, contact[rows, modes:], np.where(scale > 0.0, scale, 1.0))
+    far = np.zeros((contact.shape[0], patterns.shape[1]))
+    far[rows] = patterns
+    return StabilityModel(
+        np.concatenate([frequency[:modes], np.sqrt(stiffness)]), damping, np.ascontiguousarray(contact @ basis), far,
+        springs, modes,
+    )  # fmt: skip
+
+
+def _sliding_part(
+    frequency: FloatArray, modes: int, limit: float, contact: FloatArray, changes: Sequence[FloatArray]
+) -> FloatArray:
+    """(n - modes, w) orthonormal parts, in the far stuck modes, of the modes up to ``limit`` with other springs.
+
+    ``contact`` (k, n) are the relative displacements of the stuck modes on k rows, ``changes`` (k,) N/m each.
+    """
+    parts = [np.zeros((frequency.size - modes, 0))]
+    for change in changes:
+        if not change.any():
+            continue
+        stiffness = contact.T @ (change[:, None] * contact)
+        stiffness[np.diag_indices_from(stiffness)] += frequency**2
+        # Rigid motions may have slightly negative squares by round-off.
+        _, shapes = scipy.linalg.eigh(stiffness, subset_by_value=(-np.inf, limit**2))
+        parts.append(shapes[modes:])
+    directions, sizes, _ = np.linalg.svd(np.hstack(parts), full_matrices=False)
+    return np.asarray(directions[:, sizes > SMALLEST_PART])
+
+
+def _flexibility(frequency: FloatArray, added: FloatArray, contact: FloatArray, springs: FloatArray) -> FloatArray:
+    """(k, r) patterns whose outer product is the static compliance of the far modes less that of ``added``.
+
+    ``frequency`` (f,) and ``contact`` (k, f) are those of the far modes; ``springs`` (k,) N/m are the scale.
+    """
+    rooted = (contact / frequency).T
+    basis, _ = np.linalg.qr(frequency[:, None] * added)
+    rooted -= basis @ (basis.T @ rooted)
+    rooted *= np.sqrt(springs)
+    sizes, shapes = scipy.linalg.eigh(rooted.T @ rooted)
+    first = min(int(np.searchsorted(sizes, SMALLEST_FLEXIBILITY)), max(sizes.size - MOST_FLEXIBLE, 0))
+    chosen = np.maximum(sizes[first:], 0.0)
+    return np.asarray(np.sqrt(chosen) * shapes[:, first:] / np.sqrt(springs)[:, None])

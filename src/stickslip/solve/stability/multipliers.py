@@ -1,0 +1,160 @@
+"""The Floquet multipliers of one periodic motion: eigenvalues of the march over one period."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.law import ContactState
+from stickslip.contact.law.linear_steps import LinearSteps
+from stickslip.core.fourier import synthesis_matrix
+from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.balance import Trial
+from stickslip.solve.stability.contact_steps import linear_steps
+from stickslip.solve.stability.march import Period
+from stickslip.solve.stability.model import StabilityModel
+
+ComplexArray = NDArray[np.complex128]
+Marching = Callable[[FloatArray], FloatArray]
+
+# Up to this number of states all eigenvalues are computed; chosen: the march of as many columns costs as much as the
+# first two blocks of the iteration.
+DENSE_SIZE = 64
+# The iteration ends when the largest multipliers satisfy their equation to this accuracy, or after MOST_BLOCKS; those
+# below SMALLEST_SIZE matter for no verdict. The error of a multiplier is about the square of that of its equation
+# where the eigenvectors are not far from orthogonal.
+RITZ_TOLERANCE, MOST_BLOCKS, SMALLEST_SIZE = 1e-4, 6, 0.5
+# A direction without friction is free if its stiffness is below this fraction of its inertia at the excitation. Neutral
+# multipliers are 1 within these errors of all eigenvalues (which may be multiple) and of the iteration.
+FREE_STIFFNESS, NEUTRAL_ERROR, NEUTRAL_ITERATED = 1e-7, 1e-5, 2e-3
+# Directions of a block with less than this fraction of its length are round-off, which would enter the basis twice.
+SMALLEST_DIRECTION = 1e-8
+
+
+def multipliers(model: StabilityModel, pairs: ContactPairs, trial: Trial, samples: int) -> ComplexArray:
+    """The multipliers of a solution, the largest first; all that matter, and often more.
+
+    A pair that sticks through the period is its springs: its slider is no state and has no multiplier 1. One that has
+    shaken down and touches its limit follows disturbances that go farther; tractions that it keeps are left out.
+    """
+    coefficients = trial.relative.T.reshape(pairs.n_pairs, 3, -1)
+    harmonics = coefficients.shape[2] // 2
+    moving = np.flatnonzero(trial.contact.moves.any(axis=1))
+    steps = None
+    if moving.size:
+        motion = np.moveaxis(coefficients @ synthesis_matrix(harmonics, samples).T, 2, 0)
+        every = linear_steps(pairs, motion)
+        steps, moving = _states_of(every, model.springs)
+    if steps is None or not moving.size:
+        return _sorted(_stuck(model, trial.omega))
+    period = Period(model, steps, moving, trial.omega)
+    scale = period.scale(model, trial.omega)
+
+    def march(scaled: FloatArray) -> FloatArray:
+        return period.march(scale[:, None] * scaled) / scale[:, None]
+
+    if period.size <= DENSE_SIZE:
+        values, accuracy = np.linalg.eigvals(march(np.eye(period.size))), NEUTRAL_ERROR
+    else:
+        values, accuracy = _largest(march, period.size, 2 * model.frequency.size), NEUTRAL_ITERATED
+    # Both tractions of a pair that has shaken down can be neutral, where it only touches its limit.
+    remembers = steps.keep.any(axis=(0, 2, 3))
+    shaken_down = int((remembers & (trial.contact.state[moving] == ContactState.STUCK)).sum())
+    neutral = 2 * shaken_down + _drifts(model, steps, moving, trial.omega)
+    return _sorted(_without_neutral(values, neutral, accuracy))
+
+
+def _sorted(values: NDArray[Any]) -> ComplexArray:
+    """The largest first."""
+    return np.asarray(values[np.argsort(-np.abs(values), kind="stable")], dtype=complex)
+
+
+def _stuck(model: StabilityModel, omega: float) -> ComplexArray:
+    """The multipliers of the modes of the stuck structure, ``exp(lambda T)``."""
+    count = model.modes
+    matrix = np.zeros((2 * count, 2 * count))
+    matrix[:count, count:] = np.eye(count)
+    matrix[count:, :count] = -np.diag(model.frequency[:count] ** 2)
+    matrix[count:, count:] = -model.damping[:count, :count]
+    return np.asarray(np.exp(2.0 * np.pi / omega * np.linalg.eigvals(matrix)))
+
+
+def _drifts(model: StabilityModel, steps: LinearSteps, moving: NDArray[np.int64], omega: float) -> int:
+    """Number of directions in which a body moves along with its sliders and no force changes, each with a multiplier 1.
+
+    Friction alone supports a body there, and each of its pairs slips: where it slides to is not determined.
+    """
+    slides = np.zeros((model.springs.shape[0], 3))
+    slides[moving, :2] = model.springs[moving, :2] * steps.keep.any(axis=(0, 3))
+    contact = model.near_contact
+    left = np.diag(model.frequency**2) - contact.T @ (slides.reshape(-1, 1) * contact)
+    return int((np.linalg.eigvalsh(left) < FREE_STIFFNESS * omega**2).sum())
+
+
+def _without_neutral(values: NDArray[Any], most: int, accuracy: float) -> NDArray[Any]:
+    """The multipliers without up to ``most`` that are 1, because tractions or positions are not determined."""
+    nearest = np.argsort(np.abs(values - 1.0))[:most]
+    return np.delete(values, nearest[np.abs(values[nearest] - 1.0) < accuracy])
+
+
+def _states_of(steps: LinearSteps, springs: FloatArray) -> tuple[LinearSteps, NDArray[np.int64]]:
+    """The steps of the pairs that deviate from their resting ``springs``, and which they are.
+
+    A direction that sticks through the period loses its memory: its force is that of its spring, without a state.
+    """
+    keep, by_end, by_start = steps.keep.copy(), steps.by_end.copy(), steps.by_start.copy()
+    for axis in range(2):
+        unit = np.zeros(2)
+        unit[axis] = 1.0
+        sticks = (keep[:, :, axis] == unit).all(axis=(0, 2))
+        keep[:, sticks, axis], by_start[:, sticks, axis] = 0.0, 0.0
+        by_end[:, sticks, axis] = _unit_rows(springs[sticks, axis], axis)
+    at_rest = np.zeros_like(by_end)
+    at_rest[:, :, (0, 1), (0, 1)] = springs[:, :2]
+    same = (by_end == at_rest).all(axis=(0, 2, 3)) & ~keep.any(axis=(0, 2, 3)) & ~by_start.any(axis=(0, 2, 3))
+    moving = np.flatnonzero(~same | (steps.normal != springs[:, 2]).any(axis=0))
+    parts = LinearSteps(keep[:, moving], by_end[:, moving], by_start[:, moving], steps.normal[:, moving])
+    return parts, moving
+
+
+def _unit_rows(values: FloatArray, axis: int) -> FloatArray:
+    """(k, 3) rows with the values (k,) at a position."""
+    rows = np.zeros((values.size, 3))
+    rows[:, axis] = values
+    return rows
+
+
+def _largest(march: Marching, size: int, count: int) -> ComplexArray:
+    """The largest eigenvalues by a block Krylov iteration (Y. Saad, Numerical Methods for Large Eigenvalue Problems,
+    2011, sec. 6.2), started from disturbances of the ``count`` states of the structure.
+
+    Sliders forget within a period, so one march leads from there nearly into the space of the largest multipliers.
+    """
+    start = np.zeros((size, count))
+    start[:count] = np.eye(count)
+    block = _orthonormal(march(start), 0.0)
+    basis = image = np.zeros((size, 0))
+    values = np.zeros(0, dtype=complex)
+    for _ in range(MOST_BLOCKS):
+        basis, image = np.hstack([basis, block]), np.hstack([image, march(block)])
+        values, vectors = np.linalg.eig(basis.T @ image)
+        errors = np.linalg.norm(image @ vectors - basis @ (vectors * values), axis=0)
+        if (errors[np.abs(values) > SMALLEST_SIZE] <= RITZ_TOLERANCE).all():
+            break
+        latest = image[:, -block.shape[1] :]
+        block = _orthonormal(latest - basis @ (basis.T @ latest), float(np.linalg.norm(latest)))
+        # Normalising small directions brings back parts of the basis.
+        block, _ = np.linalg.qr(block - basis @ (basis.T @ block))
+        if not block.size:
+            break
+    return values
+
+
+def _orthonormal(block: FloatArray, size: float) -> FloatArray:
+    """An orthonormal basis of the columns, without those that are round-off of a block of this norm."""
+    directions, sizes, _ = np.linalg.svd(block, full_matrices=False)
+    return np.asarray(directions[:, sizes > SMALLEST_DIRECTION * max(size, float(sizes[0]))])
