@@ -118,8 +118,9 @@ def work(connection: Connection) -> None:
     make("sdof", 3).solve()  # compiles, so that no row contains it
     connection.send("ready")
     while True:
-        task = connection.recv()
-        if task is None:
+        try:
+            task = connection.recv()
+        except EOFError:
             return
         connection.send(peaks_row(task) if task.curve else curve_row(task))
 
@@ -148,7 +149,7 @@ class Worker:
     def close(self) -> None:
         """End the process."""
         if self._process is not None:
-            self._connection.send(None)
+            self._connection.close()
             self._process.join()
 
     def _start(self) -> None:

@@ -1,0 +1,54 @@
+"""A quick tenth of the torture set (benchmarks/torture.py): which curves are complete today, and which end.
+
+The table is what the solver does, with 3 harmonics and 128 samples: "ends" is a defect that the message admits. A
+better solver changes a line to "complete".
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import pytest
+
+import stickslip as ss
+from helpers import benchmark_module
+
+make = benchmark_module("torture_problems").make
+
+Outcome = Literal["complete", "ends"]
+
+QUICK: dict[tuple[str, int], Outcome] = {}
+SLOW: dict[tuple[str, int], Outcome] = {}
+
+
+def test_the_table_has_all_classes() -> None:
+    assert {kind for kind, _ in (*QUICK, *SLOW)} == set(benchmark_module("torture_problems").KINDS)
+
+
+def assert_outcome(kind: str, seed: int, outcome: Outcome) -> None:
+    """The curve covers its range, or a message gives the reason and the frequency of its end."""
+    problem = make(kind, seed)
+    try:
+        response = problem.solve()
+    except ss.ConvergenceError as error:
+        assert outcome == "ends", f"no first point: {error}"
+        assert f"{problem.window_hz[0]:.3f} Hz" in str(error)
+        return
+    assert response.converged == (outcome == "complete"), response.message
+    assert response.frequency_hz[0] == pytest.approx(problem.window_hz[0], rel=1e-9)
+    if outcome == "complete":
+        assert response.frequency_hz[-1] == pytest.approx(problem.window_hz[1], rel=1e-2)
+        return
+    _, _, reason = response.message.partition(". ")  # the first sentence is about the first point
+    assert " Hz" in reason
+
+
+@pytest.mark.parametrize(("kind", "seed", "outcome"), [(*problem, outcome) for problem, outcome in QUICK.items()])
+def test_a_curve_is_complete_or_says_why_it_ends(kind: str, seed: int, outcome: Outcome) -> None:
+    assert_outcome(kind, seed, outcome)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "seed", "outcome"), [(*problem, outcome) for problem, outcome in SLOW.items()])
+def test_a_longer_curve_is_complete_or_says_why_it_ends(kind: str, seed: int, outcome: Outcome) -> None:
+    assert_outcome(kind, seed, outcome)
