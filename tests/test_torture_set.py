@@ -203,3 +203,17 @@ def test_the_time_limit_ends_a_problem_and_says_where(tmp_path: Path) -> None:
     run = subprocess.run([*command, "--time-limit", "0.05"], capture_output=True, text=True, check=True)
     assert "| narrow | 1 | 0 | 0 | 0 | 1 | 0 |" in run.stdout
     assert "narrow 2: timed out, 0 points. the time limit was reached at" in run.stdout
+
+
+@pytest.mark.slow
+def test_another_process_follows_one_that_dies() -> None:
+    script = """
+import torture
+worker, settings = torture.Worker(), torture.Settings(3, "released")
+print(worker.answer(torture.Task("no class", 0, settings, 60.0)))
+print(worker.answer(torture.Task("sdof", 4, settings, 60.0))["verdict"])
+worker.close()
+"""
+    run = subprocess.run([sys.executable, "-c", script], cwd=BENCHMARKS, capture_output=True, text=True, check=True)
+    assert run.stdout.split() == ["crashed", "complete"]
+    assert "ValueError" in run.stderr
