@@ -5,7 +5,8 @@
 Without options it solves all problems of all classes (torture_problems.py) with 3 harmonics and 128 samples, one after
 the other, in a process of its own with a time limit. ``--peaks`` then looks for missed peaks in the completed curves
 (torture_peaks.py). FOLDER receives one file for each problem, so an interrupted run resumes; use a new folder for each
-version of the code and each choice of ``--harmonics`` and ``--residual-traction``. All seconds are processor time.
+version of the code and each choice of ``--harmonics`` and ``--residual-traction``, and delete the file of a problem to
+solve it again. All seconds are processor time.
 """
 
 from __future__ import annotations
@@ -283,14 +284,26 @@ def failures(rows: Sequence[Row]) -> list[str]:
     return lines
 
 
-def chosen(classes: str, seeds: str | None) -> list[tuple[str, int]]:
-    """Problems of the command line: the first seed of each class, then the second, and so on."""
-    kinds = classes.split(",")
-    unknown = sorted(set(kinds) - set(KINDS))
+def class_names(text: str) -> list[str]:
+    """Classes of the command line. Raises ArgumentTypeError for a name that no class has."""
+    names = text.split(",")
+    unknown = sorted(set(names) - set(KINDS))
     if unknown:
-        sys.exit(f"--classes has {', '.join(unknown)}; allowed: {', '.join(KINDS)}.")
-    wanted = None if seeds is None else range(*map(int, seeds.split(":")))
-    problems = [(seed, kind) for kind in kinds for seed in (SEEDS[kind] if wanted is None else wanted)]
+        raise argparse.ArgumentTypeError(f"no class is named {', '.join(unknown)}; allowed: {', '.join(KINDS)}.")
+    return names
+
+
+def seed_range(text: str) -> range:
+    """Seeds of the command line. Raises ArgumentTypeError unless they are FIRST:END."""
+    first, _, end = text.partition(":")
+    if not (first.isdigit() and end.isdigit() and int(first) < int(end)):
+        raise argparse.ArgumentTypeError(f"{text} must be FIRST:END with FIRST below END, for example 0:8.")
+    return range(int(first), int(end))
+
+
+def chosen(kinds: Sequence[str], seeds: range | None) -> list[tuple[str, int]]:
+    """The problems of some classes: the first seed of each class, then the second, and so on."""
+    problems = [(seed, kind) for kind in kinds for seed in (seeds or SEEDS[kind])]
     return [(kind, seed) for seed, kind in sorted(problems, key=lambda each: each[0])]
 
 
@@ -299,8 +312,9 @@ def main() -> None:
     assert __doc__
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--classes", default=",".join(KINDS), help="names with commas; default: all")
-    parser.add_argument("--seeds", help="FIRST:END, for example 0:8; default: 0:14, and 0:60 of the class narrow")
+    parser.add_argument("--classes", type=class_names, default=KINDS, help="names with commas; default: all")
+    words = "FIRST:END, for example 0:8; default: 0:14, and 0:60 of the class narrow"
+    parser.add_argument("--seeds", type=seed_range, help=words)
     parser.add_argument("--harmonics", type=int, default=3)
     parser.add_argument("--residual-traction", choices=get_args(ResidualTraction), default="released")
     parser.add_argument("--peaks", action="store_true", help="look for missed peaks in the completed curves")

@@ -205,6 +205,17 @@ def test_the_time_limit_ends_a_problem_and_says_where(tmp_path: Path) -> None:
     assert "narrow 2: timed out, 0 points. the time limit was reached at" in run.stdout
 
 
+@pytest.mark.parametrize("options", [["--classes", "damper,ligth"], ["--seeds", "8"], ["--seeds", "8:8"]])
+def test_wrong_options_are_rejected_before_any_work(
+    options: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["torture.py", str(tmp_path / "rows"), *options])
+    with pytest.raises(SystemExit) as ending:
+        benchmark_module("torture").main()
+    assert ending.value.code == 2
+    assert not (tmp_path / "rows").exists()
+
+
 @pytest.mark.slow
 def test_another_process_follows_one_that_dies() -> None:
     script = """
