@@ -42,7 +42,7 @@ SLOW: dict[tuple[str, int], Outcome] = {
     ("light", 2): "complete",
     ("multi", 0): "complete",
     ("multi", 3): "complete",
-    ("wide", 0): "complete",
+    ("wide", 6): "complete",
     ("high", 1): "ends",
     ("narrow", 0): "complete",
     ("narrow", 4): "complete",
