@@ -5,7 +5,7 @@ BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 INSTALLED := $(VENV)/.installed
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
-.PHONY: help demo check test docs lint bench clean
+.PHONY: help demo check test docs lint bench torture clean
 
 help:
 	@echo "make demo   the two-blade case: solve it and write demo/report.html"
@@ -14,6 +14,7 @@ help:
 	@echo "make docs   the documentation as a web site, build/site/index.html (some minutes; solves the examples)"
 	@echo "make lint   linters and type check only"
 	@echo "make bench  curves beside a dense Newton and pyHarm (installs the extra [bench]; some minutes)"
+	@echo "make torture  random problems that try the solver, one table (hours; resumes from build/torture)"
 	@echo "make clean  remove the environment and what was built"
 
 $(INSTALLED): pyproject.toml constraints.txt
@@ -53,6 +54,9 @@ docs: $(INSTALLED)
 bench: $(INSTALLED)
 	$(PIP) install --constraint constraints.txt --build-constraint constraints.txt --editable .[bench]
 	$(BIN)/python -W ignore benchmarks/bench.py
+
+torture: $(INSTALLED)
+	$(BIN)/python benchmarks/torture.py build/torture --peaks
 
 clean:
 	rm -rf $(VENV) build demo .coverage* .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import shutil
 from collections.abc import Iterator
@@ -28,6 +29,7 @@ BROWSER_ARGUMENTS = [
     "--disable-sync",
 ]
 EXAMPLE_DATA = Path(__file__).parents[1] / "examples" / "data"
+BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 
 
 class Blade:
@@ -54,6 +56,13 @@ class Blade:
     def pairs_with(self, preload: np.ndarray) -> ContactPairs:
         """The contacts with another preload."""
         return ContactPairs(self.operator, *self._constants, preload)  # type: ignore[call-arg]
+
+
+def benchmark_module(name: str) -> Any:
+    """A module of benchmarks/, which is no package."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(BENCHMARKS))
+        return importlib.import_module(name)
 
 
 def absent_tool(name: str, advice: str) -> None:

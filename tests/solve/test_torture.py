@@ -1,0 +1,83 @@
+"""A quick tenth of the torture set (benchmarks/torture.py): which curves are complete today, and which end.
+
+The table is what the solver does, with 3 harmonics and 128 samples: "ends" is a defect that the message admits. A
+better solver changes a line to "complete".
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import pytest
+
+import stickslip as ss
+from helpers import benchmark_module
+
+make = benchmark_module("torture_problems").make
+
+Outcome = Literal["complete", "ends"]
+
+QUICK: dict[tuple[str, int], Outcome] = {
+    ("sdof", 4): "complete",
+    ("chain", 0): "complete",
+    ("plate", 0): "complete",
+    ("stiff", 3): "complete",
+    ("aniso", 1): "complete",
+    ("aniso", 3): "complete",
+    ("gaps", 2): "complete",
+    ("close", 2): "complete",
+    ("high", 3): "complete",
+    ("low", 0): "complete",
+}
+SLOW: dict[tuple[str, int], Outcome] = {
+    ("sdof", 3): "complete",
+    ("beam", 0): "complete",
+    ("twins", 1): "complete",
+    ("twins", 2): "complete",
+    ("damper", 0): "ends",
+    ("damper", 1): "ends",
+    ("damper", 2): "ends",
+    ("damper", 3): "complete",
+    ("light", 0): "complete",
+    ("light", 2): "complete",
+    ("multi", 0): "complete",
+    ("multi", 3): "complete",
+    ("wide", 6): "complete",
+    ("high", 1): "ends",
+    ("narrow", 0): "complete",
+    ("narrow", 4): "complete",
+}
+
+
+def test_the_table_has_all_classes() -> None:
+    assert {kind for kind, _ in (*QUICK, *SLOW)} == set(benchmark_module("torture_problems").KINDS)
+
+
+def assert_outcome(kind: str, seed: int, outcome: Outcome) -> None:
+    """The curve covers its range, or a message gives the reason and the frequency of its end."""
+    problem = make(kind, seed)
+    start_hz, stop_hz = problem.window_hz
+    reason = ""
+    try:
+        response = problem.solve()
+    except ss.ConvergenceError as error:
+        actual, reason = "ends", str(error)
+    else:
+        assert response.frequency_hz[0] == pytest.approx(start_hz, rel=1e-9)
+        actual = "complete" if response.converged else "ends"
+        _, _, reason = response.message.partition(". ")  # the first sentence is about the first point
+        if response.converged:
+            assert (response.frequency_hz[-1] - stop_hz) * (stop_hz - start_hz) > -1e-9 * start_hz**2
+    assert actual == outcome, reason
+    assert outcome == "complete" or " Hz" in reason
+
+
+@pytest.mark.parametrize(("kind", "seed", "outcome"), [(*problem, outcome) for problem, outcome in QUICK.items()])
+def test_a_curve_is_complete_or_says_why_it_ends(kind: str, seed: int, outcome: Outcome) -> None:
+    assert_outcome(kind, seed, outcome)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "seed", "outcome"), [(*problem, outcome) for problem, outcome in SLOW.items()])
+def test_a_longer_curve_is_complete_or_says_why_it_ends(kind: str, seed: int, outcome: Outcome) -> None:
+    assert_outcome(kind, seed, outcome)
