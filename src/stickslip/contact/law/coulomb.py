@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.contact.law.coulomb_harmonics import Update, contact_cycle, harmonic_force, harmonic_tangent
+from stickslip.contact.law.coulomb_kernel import OPEN
 from stickslip.contact.law.coulomb_linear import coulomb_linear_steps
 from stickslip.contact.law.coulomb_step import CoulombMemory, PressedPairs
 from stickslip.contact.law.law import BoolArray, ContactCycle, ContactState, IndexArray, LawPeriod, LawStep
@@ -177,6 +178,11 @@ class CoulombLaw:
         """(p,) True where a normal load presses the pair together."""
         return np.asarray(self.normal_load > 0.0)
 
+    @cached_property
+    def open_at_rest(self) -> BoolArray:
+        """(p,) True where no normal load presses the pair together."""
+        return ~self.closed_at_rest
+
     def stuck_springs(self) -> FloatArray:
         """(p, 3) N/m: k_t1, k_t2, k_n of a closed and stuck pair."""
         return np.column_stack([self.tangential_springs, self.normal_stiffness])
@@ -200,8 +206,9 @@ class CoulombLaw:
     def period(self, coefficients: FloatArray, samples: int) -> LawPeriod:
         """See :class:`stickslip.contact.law.law.ContactLaw`."""
         contact = harmonic_force(coefficients, self, samples, self.update)
-        moves = np.repeat(contact.deviates[:, None], 3, axis=1)
-        moves[:, 2] &= (contact.state == ContactState.SEPARATING) | ~self.closed_at_rest
+        moves = np.empty((self.n_pairs, 3), dtype=np.bool_)
+        moves[:] = contact.deviates[:, None]
+        moves[:, 2] &= (contact.state == OPEN) | self.open_at_rest
         return LawPeriod(contact.force, moves, contact.state, contact.closure, contact.period_start)
 
     def tangent(self, coefficients: FloatArray, samples: int, select: IndexArray, period: LawPeriod) -> FloatArray:
@@ -210,7 +217,7 @@ class CoulombLaw:
 
     def hidden_springs(self, period: LawPeriod) -> FloatArray:
         """(p, 3) N/m of pairs with a gap that close."""
-        closing = period.moves.any(axis=1) & ~self.closed_at_rest
+        closing = period.moves[:, 0] & self.open_at_rest
         return self.stuck_springs() * closing[:, None] if closing.any() else np.zeros((self.n_pairs, 3))
 
     def cycle(self, displacement: FloatArray) -> ContactCycle:

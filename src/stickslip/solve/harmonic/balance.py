@@ -130,7 +130,7 @@ class Balance:
         contact = self.pairs.period(coefficients, self.samples)
         deviation = contact.force.reshape(self.rows, -1).T - self._springs * relative
         # Where a force is that of the springs the deviation is zero by definition, without round-off.
-        deviation[:, ~contact.moves.ravel()] = 0.0
+        np.copyto(deviation, 0.0, where=~contact.moves.ravel())
         external = self._external(omega, load)
         amplitude = self.compliance.amplitude(omega, external, deviation)
         answer = self.compliance.relative(amplitude, deviation)

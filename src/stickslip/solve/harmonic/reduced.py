@@ -8,10 +8,10 @@ give the digits that one Newton step can use; otherwise the matrix is formed and
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -113,24 +113,23 @@ class BorderedSystem:
         self.system = system
         self._slopes, self._rows = slopes, rows
         columns = [system.deviation_change(slope) for slope in slopes]
-        lines, corner = [], np.array([row.parameters for row in rows]).reshape(len(rows), len(slopes))
-        for i, row in enumerate(rows):
-            line = np.zeros(system.size)
+        scales = [_inverse(math.sqrt(float(np.vdot(column, column)))) for column in columns]
+        lines, corner, lengths = [], [], []
+        for row in rows:
+            line, part = np.zeros(system.size), row.parameters.tolist()
             if row.relative is not None:
                 line -= system.compliance.apply_transposed(row.relative).ravel()
-                corner[i] -= [float((row.relative * slope).sum()) for slope in slopes]
+                part = [at - float(np.vdot(row.relative, slope)) for at, slope in zip(part, slopes, strict=True)]
             if row.deviation is not None:
                 line += row.deviation[:, system.active.outputs].ravel()
-            lines.append(line)
-        self._column_scale = np.array([_inverse(float(np.linalg.norm(column))) for column in columns])
-        lengths = [
-            reduce(np.hypot, self._column_scale * part, np.linalg.norm(line))
-            for line, part in zip(lines, corner, strict=True)
-        ]
-        self._row_scale = np.array([_inverse(float(length)) for length in lengths])
-        self._columns = [scale * column for scale, column in zip(self._column_scale, columns, strict=True)]
-        self._lines = self._row_scale[:, None] * np.array(lines).reshape(len(rows), -1)
-        self._corner = np.outer(self._row_scale, self._column_scale) * corner
+            part = [scale * at for scale, at in zip(scales, part, strict=True)]
+            lengths.append(_inverse(math.hypot(math.sqrt(float(np.vdot(line, line))), *part)))
+            lines.append(lengths[-1] * line)
+            corner.append([lengths[-1] * at for at in part])
+        self._column_scale, self._row_scale = scales, lengths
+        self._columns = [scale * column for scale, column in zip(scales, columns, strict=True)]
+        self._lines = np.array(lines).reshape(len(rows), system.size)
+        self._corner = np.array(corner).reshape(len(rows), len(slopes))
         self._factor: Any = None
 
     def solve(self, residual: FloatArray, values: FloatArray, tolerance: float) -> Step:
@@ -139,8 +138,11 @@ class BorderedSystem:
         ``Step.detail`` is the change (2H+1, m) of the deviation. Not finite where the system is singular.
         """
         system = self.system
-        along = [0.0 if row.relative is None else float((row.relative * residual).sum()) for row in self._rows]
-        right = np.append(-system.deviation_change(residual), self._row_scale * (values + np.array(along)))
+        right = np.empty(system.size + len(self._rows))
+        np.negative(system.deviation_change(residual), out=right[: system.size])
+        for i, (row, scale, value) in enumerate(zip(self._rows, self._row_scale, values, strict=True)):
+            along = 0.0 if row.relative is None else float(np.vdot(row.relative, residual))
+            right[system.size + i] = scale * (float(value) + along)
         answer = None
         if system.size > DIRECT_SIZE and self._factor is None:
             answer = self._iterated(right, tolerance)
@@ -150,10 +152,10 @@ class BorderedSystem:
             nowhere = np.full_like(residual, np.nan)
             return Step(nowhere, np.full(len(self._rows), np.nan), nowhere)
         inner = answer[: system.size]
-        parameters = self._column_scale * answer[system.size :]
+        parameters = np.asarray(self._column_scale) * answer[system.size :]
         relative = -residual
         for slope, change in zip(self._slopes, parameters, strict=True):
-            relative = relative - slope * float(change)
+            relative -= slope * float(change)
         return Step(relative - system.comply(inner), parameters, system.scatter(inner))
 
     def _apply(self, unknowns: FloatArray) -> FloatArray:

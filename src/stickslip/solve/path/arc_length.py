@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from stickslip.core.validation import FloatArray
 from stickslip.solve.path.problem import Point
 
@@ -49,7 +51,7 @@ class Metric:
 
     def product(self, first: Tangent, second: Tangent) -> float:
         """Scaled inner product."""
-        motion = float((first.measured * second.measured).sum())
+        motion = float(np.vdot(first.measured, second.measured))
         return motion / self.motion_scale**2 + first.parameter * second.parameter / self.parameter_scale**2
 
     def unit(self, tangent: Tangent) -> Tangent:

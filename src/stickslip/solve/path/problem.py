@@ -63,7 +63,7 @@ class Plane:
 
     def defect(self, point: Point) -> float:
         """Left-hand side of the equation of the plane."""
-        along = float((self.weights * (point.unknowns - self.unknowns_target)).sum())
+        along = float(np.vdot(self.weights, point.unknowns - self.unknowns_target))
         return along + self.parameter_weight * (float(point.parameters[0]) - self.parameter_target)
 
 
