@@ -56,6 +56,12 @@ class Blade:
         return ContactPairs(self.operator, *self._constants, preload)  # type: ignore[call-arg]
 
 
+def unmeasured() -> dict[str, str]:
+    """Environment for a process that a test kills. Without the variables it does not record coverage: a kill while it
+    writes its record would leave a damaged file, on which the report of the coverage fails."""
+    return {name: value for name, value in os.environ.items() if not name.startswith("COVERAGE_PROCESS_")}
+
+
 def absent_tool(name: str, advice: str) -> None:
     """Skip the test because ``name`` is not installed; in CI (STICKSLIP_REQUIRE_TOOLS) fail instead."""
     sentence = f"{name} is not installed: {advice}"

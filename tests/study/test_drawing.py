@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from helpers import unmeasured
 from sentences import rejects
 from stickslip.case.case import Case
 from stickslip.core.errors import InputError
@@ -154,7 +155,7 @@ def test_after_the_parent_was_killed_no_process_and_no_half_file_stays(tmp_path:
         [sys.executable, "-c", PARENT, str(tmp_path), when],
         stdout=-1,
         text=True,
-        env={**os.environ, "PYTHONPATH": paths},
+        env={**unmeasured(), "PYTHONPATH": paths},
     )
     assert parent.stdout is not None
     with parent.stdout:
