@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from helpers import Blade
+from helpers import Blade, unmeasured
 from stickslip.contact.law import registry as contact_laws
 from stickslip.contact.stiffness import registry as stiffness_laws
 from stickslip.core.registry import Registry
@@ -46,6 +47,13 @@ def cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STICKSLIP_CACHE", str(folder))
         yield folder
+
+
+@pytest.fixture
+def untraced_commands(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Processes that the test starts run without the tracer: others of its file start the same ones with it."""
+    for name in sorted(os.environ.keys() - unmeasured().keys()):
+        monkeypatch.delenv(name)
 
 
 @pytest.fixture(autouse=True)

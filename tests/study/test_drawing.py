@@ -108,6 +108,7 @@ def test_a_study_without_a_response_ends_the_process(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("untraced_commands")
 @pytest.mark.parametrize("backend", ["nonsense", "module://matplotlib_inline.backend_inline"])
 def test_figures_need_no_backend(tmp_path: Path, backend: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Jupyter sets a backend for all commands that are started in it; drawing needs none."""
@@ -118,6 +119,7 @@ def test_figures_need_no_backend(tmp_path: Path, backend: str, monkeypatch: pyte
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("untraced_commands")
 def test_files_of_the_current_folder_are_not_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     strangers(tmp_path)
     monkeypatch.chdir(tmp_path)

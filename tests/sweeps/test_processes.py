@@ -50,7 +50,7 @@ def light_tasks(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("light_tasks")
+@pytest.mark.usefixtures("light_tasks", "untraced_commands")
 def test_a_worker_that_dies_fails_its_own_case_only(tmp_path: Path) -> None:
     finished: dict[str, str] = {}
     broken: dict[str, BaseException] = {}
@@ -246,6 +246,7 @@ def test_a_process_that_cannot_be_started_is_a_worker_that_died(monkeypatch: pyt
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("untraced_commands")
 def test_what_a_worker_imports_lies_in_the_code_that_its_digest_covers(tmp_path: Path) -> None:
     quick_file(tmp_path)
     script = f"""
