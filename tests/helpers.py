@@ -57,8 +57,8 @@ class Blade:
 
 
 def unmeasured() -> dict[str, str]:
-    """Environment for a process that a test kills. Without the variables it does not record coverage: a kill while it
-    writes its record would leave a damaged file, on which the report of the coverage fails."""
+    """Environment for a process that a test kills, or whose files it limits. Without the variables it records no
+    coverage: half a record would be a damaged file, about which the report of the coverage warns."""
     return {name: value for name, value in os.environ.items() if not name.startswith("COVERAGE_PROCESS_")}
 
 
