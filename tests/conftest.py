@@ -20,8 +20,8 @@ pytest_plugins = ("pytester", "sentences", "structure_fixtures")
 
 
 TESTS = Path(__file__).parent
-# The tracer of the coverage makes tests 1.7 times slower. Slow tests of these files, or with these names, run lines that
-# other tests cover (coverage with --cov-context=test showed it); commands that they start are traced nevertheless.
+# The tracer of the coverage makes tests 1.7 times slower. Slow tests of these files, or with these names, run lines
+# that others cover, as coverage with contexts of tests shows; commands that they start are traced nevertheless.
 UNTRACED = (
     "contact/", "solve/", "structure/", "model/kinds/test_gmsh_study.py", "model/test_solved_preload.py",
     "reporting/test_", "test_benchmarks.py", "test_examples.py", "test_guide.py", "test_site.py",
