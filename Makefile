@@ -37,8 +37,9 @@ lint: $(INSTALLED)
 	$(BIN)/mypy
 
 # One process of tests for each core, at most four; more threads in each would only wait for each other. Tests of a file
-# share what they prepared, so a file stays in one process.
-PYTEST = OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
+# share what they prepared, so a file stays in one process. The processes that tests start find the package compiled, also
+# where the environment forbids to store that.
+PYTEST = OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
 
 check: lint
 	$(PYTEST) -m "not slow"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from helpers import Blade
+from helpers import Blade, unmeasured
 from stickslip.contact.law import registry as contact_laws
 from stickslip.contact.stiffness import registry as stiffness_laws
 from stickslip.core.registry import Registry
@@ -19,11 +20,26 @@ pytest_plugins = ("pytester", "sentences", "structure_fixtures")
 
 
 TESTS = Path(__file__).parent
-# The tracer of the coverage makes tests 1.7 times slower. Slow tests of these files run the lines that quick tests of
-# the same room cover, on larger problems; commands that they start are traced nevertheless.
+# The tracer of the coverage makes tests 1.7 times slower. Slow tests of these files, or with these names, run lines
+# that others cover, as coverage with contexts of tests shows; commands that they start are traced nevertheless.
 UNTRACED = (
     "contact/", "solve/", "structure/", "model/kinds/test_gmsh_study.py", "model/test_solved_preload.py",
     "reporting/test_", "test_benchmarks.py", "test_examples.py", "test_guide.py", "test_site.py",
+    "test_architecture.py", "core/test_units.py", "formats/test_calculix_deck.py", "results/test_response.py",
+    "model/kinds/test_mesh_study.py",
+    "case/test_extreme_values.py::test_values_that_no_computer_can_use",
+    "case/test_extreme_values.py::test_the_check_of_a_study",
+    "model/kinds/test_matrix_study.py::test_run_writes",
+    "model/test_laws_of_studies.py::test_a_cubic_spring",
+    "model/test_laws_of_studies.py::test_interfaces_follow",
+    "model/test_laws_of_studies.py::test_laws_of_a_study_under",
+    "model/test_model.py::test_default_sizes",
+    "model/test_open_at_rest.py::test_a_sweep_compares",
+    "results/test_storage.py::test_flipped_bits",
+    "study/test_drawing.py::test_the_second_process",
+    "study/test_study.py::test_a_reference",
+    "study/test_study.py::test_an_unfinished_curve",
+    "study/test_study.py::test_the_curve_is_the_same",
 )  # fmt: skip
 
 
@@ -34,8 +50,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.get_closest_marker("slow"):
             slow[item.path] += 1
-            if item.path.is_relative_to(TESTS) and item.path.relative_to(TESTS).as_posix().startswith(UNTRACED):
-                item.add_marker("no_cover")
+            if item.path.is_relative_to(TESTS):
+                name = f"{item.path.relative_to(TESTS).as_posix()}::{item.name}"
+                if name.startswith(UNTRACED):
+                    item.add_marker("no_cover")
     items.sort(key=lambda item: -slow[item.path])
 
 
@@ -46,6 +64,13 @@ def cache_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STICKSLIP_CACHE", str(folder))
         yield folder
+
+
+@pytest.fixture
+def untraced_commands(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Processes that the test starts run without the tracer: others of its file start the same ones with it."""
+    for name in sorted(os.environ.keys() - unmeasured().keys()):
+        monkeypatch.delenv(name)
 
 
 @pytest.fixture(autouse=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.util
 import json
-import os
 import subprocess
 import sys
 import time
@@ -12,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from helpers import absent_tool
+from helpers import absent_tool, unmeasured
 
 PATIENCE_SECONDS = 120.0
 SWEEP = (sys.executable, "-c", "from stickslip.cli.main import main; main()", "sweep")
@@ -34,7 +33,7 @@ def wait_until(condition: Callable[[], object], what: str) -> None:
 def started(*arguments: str, extra: Mapping[str, str] | None = None) -> Iterator[subprocess.Popen[bytes]]:
     """A process of this Python, killed at the end; ``extra`` are environment variables."""
     quiet = subprocess.DEVNULL
-    environment = {**os.environ, **(extra or {})}
+    environment = {**unmeasured(), **(extra or {})}
     process = subprocess.Popen([sys.executable, *arguments], stdout=quiet, stderr=quiet, env=environment)
     try:
         yield process

@@ -65,6 +65,12 @@ def benchmark_module(name: str) -> Any:
         return importlib.import_module(name)
 
 
+def unmeasured() -> dict[str, str]:
+    """Environment for a process that a test kills, or whose files it limits. Without the variables it records no
+    coverage: half a record would be a damaged file, about which the report of the coverage warns."""
+    return {name: value for name, value in os.environ.items() if not name.startswith("COVERAGE_PROCESS_")}
+
+
 def absent_tool(name: str, advice: str) -> None:
     """Skip the test because ``name`` is not installed; in CI (STICKSLIP_REQUIRE_TOOLS) fail instead."""
     sentence = f"{name} is not installed: {advice}"

@@ -60,6 +60,7 @@ def public_homes() -> dict[str, str]:
     return {alias.name: node.module or "" for node in actual for alias in node.names}
 
 
+@cache
 def modules() -> dict[str, Path]:
     """Dotted name below the package ("" for the package itself) -> file."""
     result = {}

@@ -136,6 +136,7 @@ def test_a_reader_that_goes_away_is_no_error(tmp_path: Path, arguments: list[str
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("untraced_commands")
 def test_a_run_continues_when_nobody_reads_its_output(tmp_path: Path) -> None:
     out = tmp_path / "out"
     with start("run", quick_file(tmp_path), "--out", out) as process:

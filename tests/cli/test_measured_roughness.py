@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from stickslip.case.case import Case
 from stickslip.cli.main import app
+from stickslip.contact.stiffness import roughness_fit
 from stickslip.contact.stiffness.fractal import ContactStatus, contact_stiffness
 from stickslip.model.joint import case_material, case_roughness
 
@@ -48,7 +49,14 @@ def test_prints_lines_that_a_study_file_accepts_and_writes_files(tmp_path: Path)
     assert float(table[0]["structure_function_m2"]) == pytest.approx(np.mean((flat[2:] - flat[:-2]) ** 2), rel=1e-6)
 
 
+@pytest.fixture
+def few_simulations(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Enough simulated surfaces for a fit, where the width of its intervals does not matter."""
+    monkeypatch.setattr(roughness_fit, "SIMULATIONS", 60)
+
+
 @pytest.mark.slow
+@pytest.mark.usefixtures("few_simulations")
 def test_options_reach_the_fit() -> None:
     result = invoke(PROFILE, "--scales", "10 um", "0.2 mm", "--longest-wave", "60 mm")
     assert result.exit_code == 0, result.output
@@ -56,6 +64,7 @@ def test_options_reach_the_fit() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("few_simulations")
 def test_a_profile_without_d_ends_with_a_sentence(tmp_path: Path) -> None:
     along = np.arange(400)
     np.savetxt(tmp_path / "smooth.txt", np.column_stack([along, 1e-4 * (along / 100.0) ** 4]))
@@ -98,6 +107,7 @@ def test_missing_file_is_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("few_simulations")
 @pytest.mark.parametrize("hardness", ["1 GPa", "3 GPa"])
 def test_the_load_that_is_reported_parts_plastic_from_elastic_contact(hardness: str) -> None:
     result = invoke(PROFILE, "--hardness", hardness)
@@ -115,5 +125,6 @@ def test_the_load_that_is_reported_parts_plastic_from_elastic_contact(hardness: 
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("few_simulations")
 def test_without_a_hardness_that_of_a_new_study_file_is_reported() -> None:
     assert "With the default hardness 3 GPa" in invoke(PROFILE).stdout

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from helpers import unmeasured
 from sentences import rejects
 from stickslip.core import files
 from stickslip.core.errors import InputError, OutputError, ResultsFileError
@@ -37,7 +38,8 @@ needs_locks = pytest.mark.skipif(os.name != "posix", reason="Windows itself keep
 
 def killed_writer(folder: Path, how: str) -> subprocess.Popen[str]:
     """A process that stands in the middle of writing."""
-    process = subprocess.Popen([sys.executable, "-c", WRITER.format(how=how), str(folder)], stdout=-1, text=True)
+    command = [sys.executable, "-c", WRITER.format(how=how), str(folder)]
+    process = subprocess.Popen(command, stdout=-1, text=True, env=unmeasured())
     assert process.stdout is not None
     assert process.stdout.readline() == "writing\n"
     return process

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import xarray
 
+from helpers import unmeasured
 from sentences import rejects
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError, ResultsFileError
@@ -200,7 +201,7 @@ save_results(Path(sys.argv[1]) / "results.nc", response, study)
         capture_output=True,
         text=True,
         check=False,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1]), *sys.path])},
+        env={**unmeasured(), "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1]), *sys.path])},
     )
     assert done.returncode == 1
     assert "ResultsFileError: the results could not be written to" in done.stderr

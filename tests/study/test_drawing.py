@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from helpers import unmeasured
 from sentences import rejects
 from stickslip.case.case import Case
 from stickslip.core.errors import InputError
@@ -107,6 +108,7 @@ def test_a_study_without_a_response_ends_the_process(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("untraced_commands")
 @pytest.mark.parametrize("backend", ["nonsense", "module://matplotlib_inline.backend_inline"])
 def test_figures_need_no_backend(tmp_path: Path, backend: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Jupyter sets a backend for all commands that are started in it; drawing needs none."""
@@ -117,6 +119,7 @@ def test_figures_need_no_backend(tmp_path: Path, backend: str, monkeypatch: pyte
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("untraced_commands")
 def test_files_of_the_current_folder_are_not_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     strangers(tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -154,7 +157,7 @@ def test_after_the_parent_was_killed_no_process_and_no_half_file_stays(tmp_path:
         [sys.executable, "-c", PARENT, str(tmp_path), when],
         stdout=-1,
         text=True,
-        env={**os.environ, "PYTHONPATH": paths},
+        env={**unmeasured(), "PYTHONPATH": paths},
     )
     assert parent.stdout is not None
     with parent.stdout:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import logging
+import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -61,15 +64,33 @@ def test_an_address_where_nobody_answers_is_reported(monkeypatch: pytest.MonkeyP
         pass
 
 
+WRONG_ADDRESSES = ("", "127.0.0.1", "tcp://127.0.0.1:port", "tls://127.0.0.1:9")
+ONE_AFTER_THE_OTHER = """
+import sys
+from stickslip.cli.main import app
+command, addresses = sys.argv[:-1], sys.argv[-1].split(" ")
+for address in addresses:
+    sys.argv = [*command, address]
+    try:
+        app()
+    except SystemExit as end:
+        print("exit", end.code, flush=True)
+"""
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("address", ["", "127.0.0.1", "tcp://127.0.0.1:port", "tls://127.0.0.1:9"])
-def test_a_wrong_address_is_exit_2_at_once(tmp_path: Path, address: str) -> None:
+def test_a_wrong_address_is_exit_2_at_once(tmp_path: Path) -> None:
+    """All in one process, which takes seconds to start, and whose output is complete: also what it logs at its end."""
     require_distributed()
-    with started_sweep(quick_file(tmp_path), tmp_path / "out", "600", address) as sweep:
-        printed, complained = sweep.communicate(timeout=PATIENCE_SECONDS)
-    assert (sweep.returncode, printed) == (2, ""), complained
-    assert f'no Dask scheduler responds at "{address}"' in complained
-    assert "Traceback" not in complained
+    arguments = ("sweep", str(quick_file(tmp_path)), "--vary", "preload.centrifugal_force=600")
+    sweeps = subprocess.run(
+        [sys.executable, "-c", ONE_AFTER_THE_OTHER, *arguments, "--out", str(tmp_path / "out"), "--scheduler",
+         " ".join(WRONG_ADDRESSES)],
+        capture_output=True, text=True, check=True, timeout=PATIENCE_SECONDS,
+    )  # fmt: skip
+    assert sweeps.stdout == "exit 2\n" * len(WRONG_ADDRESSES), sweeps.stderr
+    assert re.findall('no Dask scheduler responds at "(.*?)"', sweeps.stderr) == list(WRONG_ADDRESSES)
+    assert "Traceback" not in sweeps.stderr
 
 
 @pytest.mark.slow
@@ -82,6 +103,17 @@ def test_a_scheduler_without_workers_is_reported(tmp_path: Path, monkeypatch: py
         cluster.cluster_executor(address),
     ):
         pass
+
+
+@pytest.mark.parametrize("part", ["client", "batched"])
+def test_a_scheduler_that_is_lost_leaves_no_traceback_of_dask(part: str, caplog: pytest.LogCaptureFixture) -> None:
+    """Both parts log one, the second if it was sending at that moment."""
+    logger = logging.getLogger(f"distributed.{part}")
+    before = logger.level
+    with cluster._without_log():
+        logger.error("Batched Comm Closed", exc_info=OSError("in <TCP (closed)>"))
+    assert caplog.text == ""
+    assert logger.level == before
 
 
 def test_without_the_extra_its_name_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import signal
+import subprocess
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor
 from pathlib import Path
@@ -51,15 +52,32 @@ def other_code(tmp_path: Path) -> dict[str, str]:
     return {"PYTHONPATH": str(package.parent)}
 
 
+@pytest.fixture(scope="module")
+def head(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[subprocess.Popen[bytes], str, Path]]:
+    """The process of a scheduler, its address, and the folder of its file; each test takes its workers away again."""
+    require_distributed()
+    folder = tmp_path_factory.mktemp("scheduler")
+    with started_scheduler(folder, extra={"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}) as (process, address):
+        yield process, address, folder
+
+
 @pytest.fixture
-def own_cluster(tmp_path: Path) -> Iterator[tuple[object, object, ClusterExecutor]]:
-    """The processes of a scheduler and of its worker, and the executor of both."""
-    with (
-        started_scheduler(tmp_path, extra={"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}) as (head, address),
-        started(*worker_arguments(tmp_path)) as worker,
-        cluster_executor(address) as executor,
-    ):
-        yield head, worker, executor
+def folder(head: tuple[object, str, Path]) -> Iterator[Path]:
+    """Where workers find the scheduler, which has none before and after the test."""
+    _, address, folder = head
+    yield folder
+    from distributed import Client
+
+    with Client(address, set_as_default=False) as client:
+        wait_until(lambda: not client.nthreads(), "a worker outlives its test")
+
+
+@pytest.fixture
+def own_cluster(head: tuple[object, str, Path], folder: Path) -> Iterator[tuple[object, object, ClusterExecutor]]:
+    """The processes of the scheduler and of its worker, and the executor of both."""
+    process, address, _ = head
+    with started(*worker_arguments(folder)) as worker, cluster_executor(address) as executor:
+        yield process, worker, executor
 
 
 def require_workers(address: str, count: int) -> None:
@@ -78,14 +96,10 @@ def group() -> StructureGroup:
 
 @pytest.mark.slow
 def test_one_worker_with_other_code_among_others_is_named_before_anything_is_solved(
-    tmp_path: Path, other_code: dict[str, str]
+    tmp_path: Path, other_code: dict[str, str], head: tuple[object, str, Path], folder: Path
 ) -> None:
-    study, out = quick_file(tmp_path), tmp_path / "out"
-    with (
-        started_scheduler(tmp_path) as (_, address),
-        started(*worker_arguments(tmp_path)),
-        started(*worker_arguments(tmp_path), extra=other_code),
-    ):
+    study, out, address = quick_file(tmp_path), tmp_path / "out", head[1]
+    with started(*worker_arguments(folder)), started(*worker_arguments(folder), extra=other_code):
         require_workers(address, 2)
         with started_sweep(study, out, LOADS, address) as sweep:
             _, complained = sweep.communicate(timeout=PATIENCE_SECONDS)
@@ -99,13 +113,13 @@ def test_one_worker_with_other_code_among_others_is_named_before_anything_is_sol
 
 @pytest.mark.slow
 def test_a_worker_with_other_code_that_comes_later_solves_nothing(
-    tmp_path: Path, other_code: dict[str, str], own_cluster: tuple
+    folder: Path, other_code: dict[str, str], own_cluster: tuple
 ) -> None:
     _, worker, executor = own_cluster
     assert executor.submit(open_parcel, parcel(pow, 2, 5)).result() == 32
     worker.kill()
     wait_until(executor.waiting_for, "the scheduler does not miss its worker")
-    with started(*worker_arguments(tmp_path), extra=other_code) as late:
+    with started(*worker_arguments(folder), extra=other_code) as late:
         error = executor.submit(open_parcel, parcel(pow, 2, 5)).exception(PATIENCE_SECONDS)
     assert isinstance(error, WorkersError)
     assert f"(process {late.pid}) runs stickslip " in str(error)
@@ -120,12 +134,11 @@ def without_stickslip(arguments: tuple[str, ...]) -> tuple[str, ...]:
 
 
 @pytest.mark.slow
-def test_a_worker_without_stickslip_is_named(tmp_path: Path) -> None:
+def test_a_worker_without_stickslip_is_named(head: tuple[object, str, Path], folder: Path) -> None:
     with (
-        started_scheduler(tmp_path) as (_, address),
-        started(*without_stickslip(worker_arguments(tmp_path))),
+        started(*without_stickslip(worker_arguments(folder))),
         rejects(WorkersError),  # the rest are words of Dask
-        cluster_executor(address),
+        cluster_executor(head[1]),
     ):
         pass
 
@@ -198,13 +211,11 @@ def test_a_task_whose_workers_die_is_given_up(own_cluster: tuple) -> None:
 
 
 @pytest.mark.slow
-def test_a_worker_that_is_killed_at_its_start_is_no_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_worker_that_is_killed_at_its_start_is_no_worker(
+    head: tuple[object, str, Path], folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(cluster, "CONNECT_SECONDS", 3)
-    with started_scheduler(tmp_path) as (_, address):
-        with started(*worker_arguments(tmp_path)):
-            pass
-        with (
-            rejects(InputError),
-            cluster_executor(address),
-        ):
-            pass
+    with started(*worker_arguments(folder)):
+        pass
+    with rejects(InputError), cluster_executor(head[1]):
+        pass

@@ -19,6 +19,7 @@ import pytest
 
 import stickslip as ss
 import sweep_deaths
+from helpers import unmeasured
 from sentences import rejects
 from stickslip.case.case import load_case
 from stickslip.core.errors import InputError, WorkersError
@@ -49,7 +50,7 @@ def light_tasks(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("light_tasks")
+@pytest.mark.usefixtures("light_tasks", "untraced_commands")
 def test_a_worker_that_dies_fails_its_own_case_only(tmp_path: Path) -> None:
     finished: dict[str, str] = {}
     broken: dict[str, BaseException] = {}
@@ -126,7 +127,7 @@ def test_a_script_without_main_guard_is_reported(tmp_path: Path) -> None:
 HEARS_CTRL_C = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
 
 
-def start_sweep(study: Path, out: Path) -> subprocess.Popen[str]:
+def start_sweep(study: Path, out: Path, environment: dict[str, str] | None = None) -> subprocess.Popen[str]:
     """``stickslip sweep`` with two workers, in a process group of its own."""
     arguments = [
         "sweep",
@@ -144,6 +145,7 @@ def start_sweep(study: Path, out: Path) -> subprocess.Popen[str]:
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        env=environment,
     )
 
 
@@ -181,7 +183,7 @@ def test_an_interrupted_and_a_killed_sweep_continue_without_solving_again(tmp_pa
         assert "Traceback" not in printed
         require_end(workers)
     before = len(list(out.glob("cases/*/results.nc")))
-    with start_sweep(study, out) as process:
+    with start_sweep(study, out, unmeasured()) as process:
         wait_for_files(out, before + 1, process)
         workers = children(process)
         process.kill()
@@ -244,6 +246,7 @@ def test_a_process_that_cannot_be_started_is_a_worker_that_died(monkeypatch: pyt
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("untraced_commands")
 def test_what_a_worker_imports_lies_in_the_code_that_its_digest_covers(tmp_path: Path) -> None:
     quick_file(tmp_path)
     script = f"""

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from stickslip.case.sections import Section, of_kind
+from stickslip.case.section import Section, of_kind
 
 
 class ForcedAnalysis(Section):

@@ -22,18 +22,17 @@ from pydantic.fields import FieldInfo
 
 from stickslip.case import toml_text as case_file
 from stickslip.case.analysis import Analysis, ForcedAnalysis
+from stickslip.case.case_content import SECTIONS, CaseContent
 from stickslip.case.consistency import EntryError, excitation_errors, joint_errors, place_errors, preload_errors
 from stickslip.case.explained import explained
+from stickslip.case.interface_sections import InterfaceSection, MatrixInterface, MeshInterfaceSection
 from stickslip.case.law_keys import CONSTANT_TABLES, StiffnessLawKeys, StiffnessLawSection, table_file
 from stickslip.case.own_sections import (
     BaseMotion,
     BodyName,
     BodySection,
     ForceSection,
-    InterfaceSection,
-    MatrixInterface,
     MatrixStructure,
-    MeshInterfaceSection,
     MeshStructureSection,
     Name,
     OwnMaterialSection,
@@ -44,9 +43,10 @@ from stickslip.case.own_sections import (
     StaticLoadSection,
     UnbalanceSection,
 )
-from stickslip.case.plain import omitted_keys, plain_section, with_absolute_files
+from stickslip.case.plain import with_absolute_files
 from stickslip.case.pressed_interfaces import PressedInterfaces
 from stickslip.case.reference import ReferenceSection
+from stickslip.case.section import chosen_by, instead_of, without_default
 from stickslip.case.sections import (
     ContactStiffnessSection,
     DampingSection,
@@ -58,11 +58,8 @@ from stickslip.case.sections import (
     SolverSection,
     StructureSection,
     StudySection,
-    chosen_by,
-    instead_of,
-    without_default,
 )
-from stickslip.case.template import is_named, section_types, study_text
+from stickslip.case.template import is_named, section_types
 from stickslip.case.two_blade_sections import (
     ExcitationSection,
     GeometrySection,
@@ -74,14 +71,6 @@ from stickslip.case.two_blade_sections import (
 from stickslip.core.errors import StudyFileError
 
 Kind = Literal["two-blade", "mesh", "matrices"]
-# Sections in the order of the file, those of every kind.
-SECTIONS = (
-    "study", "structure", "geometry", "mesh", "material", "bodies", "reduction", "roughness",
-    "contact_stiffness", "friction", "interfaces", "preload", "damping", "excitation", "forces", "base_motion",
-    "unbalance", "responses", "static_loads", "rotation", "reference", "analysis", "solver", "output",
-)  # fmt: skip
-
-
 FaceStiffness = Annotated[
     ContactStiffnessSection | StiffnessLawSection,
     chosen_by(
@@ -92,7 +81,7 @@ FaceStiffness = Annotated[
 ]
 
 
-class Case(BaseModel):
+class Case(CaseContent):
     """One study, validated, all values SI floats; what studies of every kind of structure have.
 
     Each kind is a class of its own with its sections: :class:`TwoBladeCase`, :class:`MeshCase`, :class:`MatrixCase`.
@@ -215,11 +204,6 @@ class Case(BaseModel):
         return tuple(name for name in SECTIONS if name in names)
 
     @property
-    def sections(self) -> dict[str, Any]:
-        """Section name -> its values, or name -> values where entries have names; in the order of the file."""
-        return {name: getattr(self, name) for name in SECTIONS if name in type(self).model_fields}
-
-    @property
     def input_files(self) -> dict[str, str]:
         """Key or name of an interface -> file that the case reads."""
         return {**self.structure.files, **table_file("contact_stiffness", self.contact_stiffness)}
@@ -230,7 +214,7 @@ class Case(BaseModel):
         Keys are ``section.key`` or ``section.NAME.key``, constants of a law ``section.NAME.constants.key``; values as
         in a study file. Raises StudyFileError.
         """
-        data = self._as_mapping(only_explicit=True)
+        data = self.as_mapping(only_explicit=True)
         for path, value in changes.items():
             section, name, table, key = parts_of_key(path)
             entries = self.sections.get(section, {})
@@ -246,46 +230,6 @@ class Case(BaseModel):
                 home = home.setdefault(part, {}) if part else home
             home[key] = value
         return cast(Self, Case.from_mapping(data))
-
-    def to_dict(self) -> dict[str, dict[str, Any]]:
-        """Every value with its SI unit ("0.145 m"), for records; ``Case.from_mapping`` gives an equal case."""
-        return self._as_mapping(only_explicit=False)
-
-    def to_text(self) -> str:
-        """A commented study file of this case, in the units that engineers use (15 digits)."""
-        return study_text({name: values for name, values in self.sections.items() if self.shows(name)}, type(self))
-
-    def defaulted_keys(self) -> tuple[str, ...]:
-        """Keys that the study file omits, as ``section.key``, or ``[section]`` where it omits all of them."""
-        shown = {name: section for name, section in self.sections.items() if name != "structure"}
-        return tuple(path for name, section in shown.items() for path in self._omitted_keys(name, section))
-
-    def _omitted_keys(self, name: str, section: Any) -> list[str]:
-        if section is None:
-            return []
-        if isinstance(section, dict):
-            return [f"{name}.{entry}.{key}" for entry, values in section.items() for key in omitted_keys(values)]
-        missing = omitted_keys(section, everything=name not in self.model_fields_set)
-        explicit = name in self.model_fields_set and section.model_fields_set
-        return [f"{name}.{key}" for key in missing] if explicit else [f"[{name}]"] * bool(missing)
-
-    def _as_mapping(self, only_explicit: bool) -> dict[str, dict[str, Any]]:
-        """Section -> key -> value as in a study file, without empty keys, or only with explicit keys of the file."""
-        data: dict[str, dict[str, Any]] = {}
-        for name, section in self.sections.items():
-            if not self.shows(name) or section is None or (only_explicit and name not in self.model_fields_set):
-                continue
-            if isinstance(section, dict):
-                data[name] = {entry: plain_section(values, only_explicit) for entry, values in section.items()}
-            else:
-                data[name] = plain_section(section, only_explicit)
-        return data
-
-    def shows(self, name: str) -> bool:
-        """Whether the study file of this case contains a section, possibly as a comment."""
-        if name == "structure":
-            return self.structure.kind != "two-blade"
-        return bool(self.sections.get(name)) or name in ("roughness", "contact_stiffness", "reference")
 
 
 class TwoBladeCase(Case):
@@ -382,7 +326,7 @@ class MatrixCase(OwnCase):
     """A study of matrices of another program."""
 
     structure: MatrixStructure
-    interfaces: dict[Name, MatrixInterface] = {}
+    interfaces: dict[Name, MatrixInterface] = Field(default={})
 
     def _misfits(self) -> Iterator[EntryError]:
         loads = ("static_loads",) if self.static_loads else ()

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from stickslip.case.own_sections import InterfaceSection, MeshInterfaceSection, OwnPreloadSection, PlaceSection
+from stickslip.case.interface_sections import InterfaceSection, MeshInterfaceSection
+from stickslip.case.own_sections import OwnPreloadSection, PlaceSection
 from stickslip.case.sections import PreloadSection
 from stickslip.case.two_blade_sections import WedgePreloadSection
 from stickslip.contact.constants import FRICTION, GAP, NORMAL_LOAD, STIFFNESSES

@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from stickslip.case.sections import Required, Section
+from stickslip.case.section import Required, Section
 from stickslip.case.template import section_types
 from stickslip.case.toml_text import STATED
 

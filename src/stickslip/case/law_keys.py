@@ -13,7 +13,7 @@ from stickslip.case.law_constants import (
     read_constants,
     stiffness_law_declaration,
 )
-from stickslip.case.sections import Section
+from stickslip.case.section import Section
 from stickslip.contact.constants import FRICTION, GAP, NORMAL_LOAD, STIFFNESSES, Declaration
 from stickslip.core.errors import InputError
 

@@ -9,7 +9,7 @@ from stickslip.case.law_keys import StiffnessLawKeys
 from stickslip.contact.constants import NORMAL_LOAD
 
 if TYPE_CHECKING:
-    from stickslip.case.own_sections import InterfaceSection
+    from stickslip.case.interface_sections import InterfaceSection
 
 
 class PressedInterfaces:

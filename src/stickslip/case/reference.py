@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field, field_validator
 
-from stickslip.case.sections import Section
+from stickslip.case.section import Section
 from stickslip.core.errors import InputError
 from stickslip.core.units import Quantity
 

@@ -1,166 +1,18 @@
-"""The sections that study files of every kind share, and what all sections are made of. The defaults are the
-two-blade study; tests hold them equal to those of the classes that they end up in.
-
-The fields are the keys of the file, their descriptions and the docstrings its comments (``template.py``). Values with a
-unit are texts ("145 mm"), plain numbers are SI; after loading everything is SI floats.
+"""The sections that study files of every kind share. The defaults are the two-blade study; tests hold them equal to
+those of the classes that they end up in.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from pathlib import PurePath
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
-from unicodedata import category
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Field,
-    PlainValidator,
-    ValidationInfo,
-    create_model,
-    field_validator,
-    model_validator,
-)
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
+from stickslip.case.quantities import Area, Frequency, FrictionCoefficient, Length, PairForce, Step, Stiffness
+from stickslip.case.section import Section, instead_of, without_default
 from stickslip.core.errors import InputError
-from stickslip.core.units import (
-    LARGEST_FORCE,
-    LARGEST_INTEGER,
-    LARGEST_STIFFNESS,
-    NEGLIGIBLE,
-    Count,
-    Quantity,
-    Respelled,
-)
-
-_CONTROLS = ("Cc", "Cs", "Zl", "Zp")  # controls, halves of characters, separators of lines and paragraphs
-# Limits are wide on purpose: from micromachined parts (micrometres, micrograms) to the largest turbines. Values outside
-# are typing errors or in a wrong unit. ``usual`` is narrower, and leads to a warning only. A part of a blade above 3 m
-# is a number in millimetres without its unit; 1 nm is below what any process makes.
-Length = Annotated[float, Quantity("length", shown="mm", at_least=1e-9, at_most=3.0)]
-# Distances and places in a mesh or in matrices: as large as a ship, with room for those who write "far away".
-Distance = Annotated[float, Quantity("length", shown="mm", at_least=1e-12, at_most=1e6)]
-Coordinate = Annotated[float, Quantity("length", shown="mm", at_least=-1e6, at_most=1e6)]
-Force = Annotated[float, Quantity("force", at_least=1e-15, at_most=LARGEST_FORCE, usual=(1e-6, 1e8), example='"500 N"')]
-ForceOrNone = Annotated[float, Quantity("force", at_least=0.0, at_most=LARGEST_FORCE)]
-PairForce = Annotated[float, Quantity("force", at_least=-LARGEST_FORCE, at_most=LARGEST_FORCE)]
-# Atomic force microscopes have springs of 1e-2 N/m; 1 m2 of ground steel faces under load reaches 1e14 N/m.
-Stiffness = Annotated[
-    float,
-    Quantity("stiffness", at_least=1e-6, at_most=LARGEST_STIFFNESS, usual=(1e-1, 1e14), example='"1.3e8 N/m"'),
-]
-# Buildings sway at 0.1 Hz, micromechanical resonators reach 1e9 Hz.
-Frequency = Annotated[float, Quantity("frequency", at_least=1e-6, at_most=1e12, usual=(1e-2, 1e9))]
-# Gels have 1 kPa, diamond 1.2 TPa (Callister, Materials Science and Engineering); more serves as a rigid body.
-YoungModulus = Annotated[float, Quantity("pressure", shown="GPa", at_least=1e3, at_most=1e16)]
-# Aerogels have 1 kg/m^3, osmium 22,590 kg/m^3; less serves as a body without mass, more as a lumped one.
-Density = Annotated[float, Quantity("density", at_least=1e-6, at_most=1e9)]
-PoissonRatio = Annotated[float, Quantity("pure number", at_least=0.0, below=0.5)]
-# Rubber on dry glass reaches 3 or 4, clean metals in vacuum more; 1e-9 is practically no friction.
-FrictionCoefficient = Annotated[float, Quantity("pure number", at_least=1e-9, at_most=10.0)]
-Area = Annotated[float, Quantity("area", shown="mm^2", at_least=1e-18, at_most=1e6)]
-# Fraction of a window or of a response; below 1e-12 round-off decides.
-Step = Annotated[float, Quantity("pure number", at_least=1e-12, at_most=1.0)]
-Elements = Annotated[int, Count(at_least=1, at_most=1000)]
-
-
-def _unit_vector(value: object) -> tuple[float, float, float]:
-    """``value`` scaled to length 1. Raises InputError unless it is three finite numbers, not all zero."""
-    number = Quantity("pure number", at_least=-1e100, at_most=1e100)  # squares of larger numbers are infinite
-    if not isinstance(value, list | tuple) or len(value) != 3:
-        raise InputError("must be three numbers [x, y, z], for example [1.0, 0.0, 0.0].")
-    x, y, z = (number.parse(entry) for entry in value)
-    length = (x * x + y * y + z * z) ** 0.5
-    if not length > 0:
-        raise InputError("has length zero; a direction is for example [1.0, 0.0, 0.0].")
-    if abs(length - 1.0) < 1e-12:  # a stored direction is read back to the last digit
-        return (x, y, z)
-    return (x / length, y / length, z / length)
-
-
-Direction = Annotated[tuple[float, float, float], PlainValidator(_unit_vector)]
-
-
-def require_printable(value: Any) -> Any:
-    """``value``, unless it is or contains a text with a character that no file, page or terminal can show."""
-    if isinstance(value, list | tuple):
-        for entry in value:
-            require_printable(entry)
-    odd = next((letter for letter in value if category(letter) in _CONTROLS), "") if isinstance(value, str) else ""
-    if odd:
-        raise InputError(
-            f"contains the control character U+{ord(odd):04X}, but a text is one line of printable characters. "
-            "Remove it."
-        )
-    return value
-
-
-def _file_name(value: str) -> str:
-    """``value``. Raises InputError for a name that is too long for any disk."""
-    longest = max(map(len, PurePath(value).parts), default=0)
-    if longest > 255 or len(value) > 4000:  # what file systems of Linux, macOS and Windows take
-        raise InputError(f"is not a file name: it has {len(value)} characters, and one part of it has {longest}.")
-    return value
-
-
-FileName = Annotated[str, AfterValidator(_file_name)]
-
-
-@dataclass(frozen=True)
-class Required:
-    """The message on a missing required key, after its name."""
-
-    sentence: str
-
-
-class Section(BaseModel):
-    """A section of the study file.
-
-    ``foreign`` are keys that the section has in a study of another kind, with what a message says of them here.
-    """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-    foreign: ClassVar[Mapping[str, str]] = {}
-
-    @model_validator(mode="before")
-    @classmethod
-    def _drop_empty_foreign_keys(cls, data: Any) -> Any:
-        """Files of earlier versions contain foreign keys that are empty or zero, which have no effect."""
-        if not isinstance(data, Mapping):
-            return data
-        return {key: value for key, value in data.items() if value or key not in cls.foreign}
-
-    @field_validator("*", mode="before")
-    @classmethod
-    def _texts_can_be_shown(cls, value: Any) -> Any:
-        return require_printable(value)
-
-
-def chosen_by(choose: Callable[[Any], type[Section]]) -> PlainValidator:
-    """The validator of a union of sections of which ``choose`` picks one for the data of a file."""
-    return PlainValidator(lambda data: data if isinstance(data, Section) else choose(data).model_validate(data))
-
-
-def _literal(words: tuple[str, ...]) -> Any:
-    return Literal[words]
-
-
-def of_kind(classes: Mapping[str, type[Section]], default: str) -> PlainValidator:
-    """The validator of a union of sections that differ by their key ``kind``."""
-    config = ConfigDict(extra="ignore", frozen=True)
-    unknown = create_model("UnknownKind", __config__=config, kind=(_literal(tuple(classes)), ...))
-
-    def validated(data: Any) -> Any:
-        if isinstance(data, Section):
-            return data
-        kind = data.get("kind", default) if isinstance(data, Mapping) else default
-        is_valid = isinstance(kind, str) and kind in classes
-        return (classes[kind] if is_valid else unknown).model_validate(data)
-
-    return PlainValidator(validated)
+from stickslip.core.units import LARGEST_INTEGER, NEGLIGIBLE, Count, Quantity, Respelled
 
 
 class StudySection(Section):
@@ -392,17 +244,3 @@ class OutputSection(Section):
     deflected_shape_frames: Annotated[int, Count(at_least=0, at_most=1000)] = Field(
         default=24, description="instants of one period at the peak, for ParaView; 0 for none"
     )
-
-
-def without_default(data: Any, alternatives: tuple[str, ...], default: str) -> Any:
-    """``data`` with ``default`` switched off where a ``alternatives`` key replaces it and the file does not name it."""
-    if isinstance(data, Mapping) and default not in data and any(key in data for key in alternatives):
-        return {default: None, **data}
-    return data
-
-
-def instead_of(value: Any, info: ValidationInfo, other: str) -> Any:
-    """``value``, after checking that ``other`` is not given as well. Raises InputError."""
-    if value is not None and info.data.get(other) is not None:
-        raise InputError(f"and {other} cannot both be given. Remove one of them.")
-    return value

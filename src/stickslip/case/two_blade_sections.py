@@ -7,20 +7,9 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from stickslip.case.sections import (
-    Density,
-    Direction,
-    Elements,
-    Force,
-    Length,
-    PoissonRatio,
-    PreloadSection,
-    Section,
-    StructureSection,
-    YoungModulus,
-    instead_of,
-    without_default,
-)
+from stickslip.case.quantities import Density, Direction, Elements, Force, Length, PoissonRatio, YoungModulus
+from stickslip.case.section import Section, instead_of, without_default
+from stickslip.case.sections import PreloadSection, StructureSection
 from stickslip.core.units import Quantity
 
 

@@ -10,7 +10,8 @@ from pathlib import Path
 
 from stickslip.case.case import TwoBladeCase
 from stickslip.contact.stiffness.asperities import fully_plastic_load, log_critical_area
-from stickslip.contact.stiffness.roughness_fit import Interval, RoughnessFit, fit_roughness
+from stickslip.contact.stiffness.measured_lines import Interval
+from stickslip.contact.stiffness.roughness_fit import RoughnessFit, fit_roughness
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
 from stickslip.core.units import Quantity

@@ -7,7 +7,7 @@ from itertools import combinations
 
 import numpy as np
 
-from stickslip.case.own_sections import GROUND, MeshInterfaceSection
+from stickslip.case.interface_sections import GROUND, MeshInterfaceSection
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.core.errors import InputError
 from stickslip.structure.mesh import Mesh

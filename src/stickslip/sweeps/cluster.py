@@ -118,13 +118,15 @@ def cluster_executor(address: str, progress: Progress | None = None) -> Iterator
 @contextmanager
 def _without_log() -> Iterator[None]:
     """Keep the client from writing tracebacks to stderr when it loses its scheduler: a WorkersError reports it."""
-    logger = logging.getLogger("distributed.client")
-    before = logger.level
-    logger.setLevel(logging.CRITICAL)
+    loggers = [logging.getLogger(f"distributed.{name}") for name in ("client", "batched")]  # the second one sends
+    before = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL)
     try:
         yield
     finally:
-        logger.setLevel(before)
+        for logger, level in zip(loggers, before, strict=True):
+            logger.setLevel(level)
 
 
 def _require_answer(address: str) -> None:

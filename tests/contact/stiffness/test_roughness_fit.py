@@ -55,6 +55,7 @@ def test_known_values_are_found_without_bias(dimension: float, scale: float) -> 
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("few_simulations")
 def test_same_seed_same_result_and_heights_in_another_unit() -> None:
     heights = profile(2.4, 1e-9)
     first, again = ss.fit_roughness(heights, SPACING), ss.fit_roughness(heights, SPACING)
@@ -134,6 +135,7 @@ def test_map_with_and_without_direction() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("few_simulations")
 def test_scales_and_longest_wave_are_used() -> None:
     heights = profile(2.4, 1e-9)
     fit = ss.fit_roughness(heights, SPACING, scales=(5e-6, 4e-5), longest_wave=1e-3)

@@ -10,13 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from stickslip.case.case import MatrixCase
-from stickslip.case.own_sections import (
-    GROUND,
-    PairsInterfaceSection,
-    PlaceSection,
-    SetInterfaceSection,
-    SuperelementSection,
-)
+from stickslip.case.interface_sections import GROUND, PairsInterfaceSection, SetInterfaceSection
+from stickslip.case.own_sections import PlaceSection, SuperelementSection
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.contact.pairing.local_axes import local_tangents, map_position
 from stickslip.core.errors import ImportFileError, InputError, concerning, keys_of_section

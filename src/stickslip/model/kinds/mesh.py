@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from stickslip.case.case import MeshCase
-from stickslip.case.own_sections import GROUND, MeshInterfaceSection, PlaceSection
+from stickslip.case.interface_sections import GROUND, MeshInterfaceSection
+from stickslip.case.own_sections import PlaceSection
 from stickslip.case.template import bare_name
 from stickslip.contact.pairing.face_pairs import FacePairs
 from stickslip.contact.pairing.pairing import pair_surfaces, pair_with_ground

@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from stickslip.case.case import OwnCase
-from stickslip.case.own_sections import InterfaceSection
+from stickslip.case.interface_sections import InterfaceSection
 from stickslip.contact.preload import prescribed_preload
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
