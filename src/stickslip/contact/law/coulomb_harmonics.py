@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stickslip.contact.law.coulomb_energy import dissipate_pairs
+from stickslip.contact.law.coulomb_events import corrected_limits
 from stickslip.contact.law.coulomb_kernel import CodeArray
 from stickslip.contact.law.coulomb_period import settle_pairs
 from stickslip.contact.law.coulomb_tangent import Basis, tangent_pairs
@@ -27,6 +28,8 @@ from stickslip.core.fourier import analysis_matrix, synthesis_matrix
 from stickslip.core.validation import FloatArray, finite_array, require_choice
 
 Update = Literal["tractrix", "radial"]
+# Floor of a divisor: a pair that is never closed has no positive limit.
+SMALLEST_LIMIT = 1e-300
 MIN_SAMPLES = 8  # of a period; chosen: fewer cannot resolve a stick-slip cycle
 
 
@@ -70,7 +73,7 @@ class HarmonicForce:
     closure:
         (n_pairs,) ``|T_end - T_start| / max(mu N)`` of the last period; 0 where a pair sticks or opens.
     period_start:
-        (n_pairs, 4) start of the periodic state, for :func:`harmonic_tangent`.
+        (n_pairs, 2) N, the force at the start of the period, for :func:`harmonic_tangent`.
     """
 
     force: FloatArray
@@ -82,9 +85,10 @@ class HarmonicForce:
 
 @dataclass(frozen=True)
 class _Periods:
-    """Periodic states, pair by pair: forces T (n_pairs, 2, n) N, step codes (n_pairs, n), arrays (n_pairs,)."""
+    """Periodic states, pair by pair: forces T and samples for sums (n_pairs, 2, n) N, step codes (n_pairs, n)."""
 
     forces: FloatArray
+    samples: FloatArray
     modes: CodeArray
     state: CodeArray
     deviates: NDArray[np.bool_]
@@ -119,7 +123,7 @@ def harmonic_force(
     paths, limits = _sampled(displacement, pairs, samples)
     periods = _periods(paths, limits, pairs, update)
     force = np.empty_like(displacement)
-    force[:, :2] = (periods.forces.reshape(-1, samples) @ analysis.T).reshape(-1, 2, width)
+    force[:, :2] = (periods.samples.reshape(-1, samples) @ analysis.T).reshape(-1, 2, width)
     deviates = np.where(pairs.closed_at_rest, periods.deviates, (limits > 0.0).any(axis=1))
     stuck = ~deviates & pairs.closed_at_rest
     force[stuck, :2] = pairs.tangential_springs[stuck, :, None] * displacement[stuck, :2]
@@ -132,8 +136,11 @@ def harmonic_force(
         pairs.offset_force, 0.0
     )  # a gap that stays closed: N = k_n n - gap force, zero at rest
     opens = (limits <= 0.0).any(axis=1)
-    normal = np.maximum(limits[opens] / pairs.friction_coefficient[opens, None], 0.0)
-    force[opens, 2] = (normal - pairs.normal_load[opens, None]) @ analysis.T
+    if opens.any():
+        pressed = np.empty((int(opens.sum()), samples))
+        corrected_limits(limits[opens], pressed)
+        normal = pressed / pairs.friction_coefficient[opens, None]
+        force[opens, 2] = (normal - pairs.normal_load[opens, None]) @ analysis.T
     return HarmonicForce(force, periods.state, deviates, periods.closure, periods.starts)
 
 
@@ -216,16 +223,19 @@ def _periods(paths: FloatArray, limits: FloatArray, pairs: CoulombConstants, upd
     n_pairs, samples = limits.shape
     periods = _Periods(
         np.empty((n_pairs, 2, samples)),
+        np.empty((n_pairs, 2, samples)),
         np.empty((n_pairs, samples), dtype=np.int8),
         np.empty(n_pairs, dtype=np.int8),
         np.empty(n_pairs, dtype=np.bool_),
         np.empty(n_pairs),
-        np.empty((n_pairs, 4)),
+        np.empty((n_pairs, 2)),
     )
     settle_pairs(
         paths, limits, _ratios(pairs.tangential_springs), update == "tractrix",
-        periods.forces, periods.modes, periods.state, periods.deviates, periods.closure, periods.starts,
+        periods.forces, periods.samples, periods.modes, periods.state, periods.deviates, periods.closure,
+        periods.starts,
     )  # fmt: skip
+    periods.closure[:] /= np.maximum(limits.max(axis=1), SMALLEST_LIMIT)
     return periods
 
 

@@ -1,9 +1,18 @@
-"""March of the friction law over periods to the periodic state, and the exact derivative of that state.
+"""March of the friction law over periods to the state after many cycles, in which slip has become periodic.
 
 Paths are in force units (K s without its mean, or T0 + K s from the state at rest), limits are
 ``mu * (N0 + kn * n)`` with their sign; see coulomb_kernel.
-A period map sends the force at the first sample to the force one period later; it never expands distances, so its
+
+A period map P sends the force at the first sample to the force one period later. It never expands distances, so its
 fixed points form one connected set: a single point where the pair slips, all feasible slider positions where it sticks.
+With a the force that the slider at its initial position would give, the state after C cycles is taken as
+
+    y = a + C (P(y) - y),
+
+one implicit step over all cycles. It has exactly one solution, which moves continuously with path and limit: y = a for
+a pair that sticks, the feasible y nearest to a, but for 1/C, for one that shakes down, and the fixed point, but for
+1/C, for one that slips on. The limit of plain cycles is not used: where a pair is about to slip to both sides, it jumps
+across the direction of slip from what is kept in sticking to nothing (docs/theory_friction.md).
 """
 
 from __future__ import annotations
@@ -14,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.contact.law.coulomb_events import corrected_samples
 from stickslip.contact.law.coulomb_kernel import (
     OPEN,
     SLIP,
@@ -27,17 +37,17 @@ from stickslip.contact.law.coulomb_kernel import (
 from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
 
-# Closure |T_end - T_start| / max(mu N) at which a period counts as periodic: some hundred units of round-off.
-CLOSURE_TOLERANCE = 1e-13
-MAX_CYCLES = 300  # chosen: ends a march that does not become periodic; its closure is reported
-# Plain cycles, which lead to the physical shakedown state, continue while each reduces the closure to this fraction or
-# less.
-FAST_RATIO = 0.1
-# Newton continues while each step is shorter than this fraction of the last one; chosen close to 1, so that only steps
-# that stagnate end it.
-NEWTON_SHRINK = 0.9
-# A pair counts as stuck if its slip in a period, in force units, is below this fraction of max(mu N).
-SLIP_TOLERANCE = 1e-9
+# C: tractions of pairs that slip have lost their start but for this fraction; chosen far below errors of samples, and
+# far above round-off, which C multiplies.
+CYCLES = 1e6
+# Newton on y begins with FIRST_CYCLES, where it converges from anywhere, and continues with STAGE times as many.
+FIRST_CYCLES, STAGE = 30.0, 30.0
+# Relative residual of y, over C, that counts as solved; the largest number of marches of a stage, and the number after
+# which a march that does not improve ends it.
+SOLVED, MOST_MARCHES, PATIENCE = 1e-14, 40, 8
+# A pair counts as stuck if its slip in a period, in force units, is below this fraction of max(mu N), or if it only
+# creeps on by what one cycle of C adds.
+SLIP_TOLERANCE, CREEP = 1e-9, 1.5
 
 
 class Motion(NamedTuple):
@@ -51,33 +61,15 @@ class Motion(NamedTuple):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def march(
-    motion: Motion,
-    first: Index,
-    t1: float,
-    t2: float,
-    meeting_distance: float,
-    force: FloatArray,
-    mode: CodeArray,
-) -> tuple[float, float]:
-    """March one period from sample ``first`` with force (t1, t2); fills ``force``, ``mode``; returns its end.
-
-    ``meeting_distance`` >= 0 stops the march as soon as it is within this distance of the trajectory in ``force``.
-    """
+def march(motion: Motion, t1: float, t2: float, force: FloatArray, mode: CodeArray) -> None:
+    """March one period from sample 0 with force (t1, t2); fills ``force`` and ``mode``, whose sample 0 is the end."""
     path, limit, ratio1, ratio2, tractrix = motion.path, motion.limit, motion.ratio1, motion.ratio2, motion.tractrix
     n = limit.shape[0]
-    previous = first
     for step in range(1, n + 1):
-        j = first + step
-        if j >= n:
-            j -= n
-        d1, d2 = path[0, j] - path[0, previous], path[1, j] - path[1, previous]
-        t1, t2, code = advance(t1, t2, d1, d2, limit[previous], limit[j], ratio1, ratio2, tractrix)
-        if mode[j] == code and abs(t1 - force[0, j]) <= meeting_distance and abs(t2 - force[1, j]) <= meeting_distance:
-            return force[0, first], force[1, first]
+        i, j = step - 1, step % n
+        d1, d2 = path[0, j] - path[0, i], path[1, j] - path[1, i]
+        t1, t2, code = advance(t1, t2, d1, d2, limit[i], limit[j], ratio1, ratio2, tractrix)
         force[0, j], force[1, j], mode[j] = t1, t2, code
-        previous = j
-    return t1, t2
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -109,15 +101,6 @@ def transfer(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def start_of_path(path: FloatArray, limit: float, ratio1: float, ratio2: float) -> tuple[float, float]:
-    """Force at sample 0 of the path, returned to the limit."""
-    t1, t2 = path[0, 0], path[1, 0]
-    if math.hypot(t1, t2) > limit:
-        t1, t2, _ = associated_return(t1, t2, limit, ratio1, ratio2)
-    return t1, t2
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def sticks_throughout(path: FloatArray, limit: FloatArray) -> bool:
     """True if the pair stays closed and the path within its limit all period: the force is then the path itself."""
     for j in range(limit.shape[0]):
@@ -127,116 +110,104 @@ def sticks_throughout(path: FloatArray, limit: FloatArray) -> bool:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def slips(mode: CodeArray) -> bool:
-    """True if any step slips."""
-    for code in mode:  # noqa: SIM110  any() is slow to compile
-        if code == SLIP:
-            return True
-    return False
+def start_force(motion: Motion, y1: float, y2: float) -> tuple[float, float]:
+    """Force at sample 0 of a slider that would give (y1, y2) there: within the limit."""
+    limit = motion.limit[0]
+    if limit <= 0.0:
+        return 0.0, 0.0
+    if math.hypot(y1, y2) <= limit:
+        return y1, y2
+    t1, t2, _ = associated_return(y1, y2, limit, motion.ratio1, motion.ratio2)
+    return t1, t2
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def newton_step(
-    motion: Motion,
-    t1: float,
-    t2: float,
-    end1: float,
-    end2: float,
-    force: FloatArray,
-    mode: CodeArray,
-) -> tuple[float, float, float]:
-    """Newton step of the start (t1, t2) of a marched period that ended at (end1, end2), and its length (inf: none)."""
-    p11, p12, p21, p22 = transfer(motion, t1, t2, force, mode)
-    determinant = (1.0 - p11) * (1.0 - p22) - p12 * p21
-    if not abs(determinant) > 1e-14:
-        return 0.0, 0.0, math.inf
-    r1, r2 = end1 - t1, end2 - t2
-    step1 = ((1.0 - p22) * r1 + p12 * r2) / determinant
-    step2 = ((1.0 - p11) * r2 + p21 * r1) / determinant
-    return step1, step2, math.hypot(step1, step2)
+def solve_stage(
+    motion: Motion, y1: float, y2: float, cycles: float, enough: float, force: FloatArray, mode: CodeArray
+) -> tuple[float, float]:
+    """Solve ``y = a + cycles (P(y) - y)`` by Newton from (y1, y2); ``force`` and ``mode`` are those of the last march.
 
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def settle(
-    motion: Motion,
-    force: FloatArray,
-    mode: CodeArray,
-) -> tuple[Index, float, float, float, int]:
-    """Periodic state of one pair: fills ``force`` (2, n) and ``mode`` (n,).
-
-    Plain cycles from the start of the path come first. Where they converge slowly, Newton on the period map follows; as
-    soon as its steps stop shrinking or it jumps into the stuck set, plain cycles continue from the last plain cycle.
-
-    Returns the sample where the final march starts, the force there (t1, t2), the closure of the final march, and the
-    number of plain cycles from the start of the path to the last march before Newton.
+    Inside the limit at sample 0; a start outside of it returns to the limit, and the derivative counts it as inside,
+    which is exact but for the angle.
     """
-    path, limit, ratio1, ratio2 = motion.path, motion.limit, motion.ratio1, motion.ratio2
-    n = limit.shape[0]
-    first_open, largest = np.int64(-1), 0.0
-    for j in range(n):
-        if limit[j] <= 0.0:
-            first_open = np.int64(j)
-        largest = max(largest, limit[j])
-    for j in range(n):
-        mode[j] = -1
-    if first_open >= 0:
-        # An open sample carries no force, whatever its history: one march from there is the periodic state.
-        march(motion, first_open, 0.0, 0.0, -1.0, force, mode)
-        return first_open, 0.0, 0.0, 0.0, 0
-    t1, t2 = start_of_path(path, limit[0], ratio1, ratio2)
-    meeting_distance = 1e-16 * largest
-    plain, cycles, wait, patience = 0, 0, 0, 1
-    previous = math.inf
-    plain1, plain2 = t1, t2
-    length = math.inf  # of the Newton step that led to this march; inf after a plain cycle
-    while True:
-        end1, end2 = march(motion, np.int64(0), t1, t2, meeting_distance, force, mode)
-        cycles += 1
-        closure = math.hypot(end1 - t1, end2 - t2) / largest
-        newton = length < math.inf
-        overshoot = newton and length > SLIP_TOLERANCE * largest and not slips(mode)
-        if (closure <= CLOSURE_TOLERANCE and not overshoot) or cycles >= MAX_CYCLES:
+    a1, a2 = motion.path[0, 0], motion.path[1, 0]
+    best, best1, best2 = math.inf, y1, y2
+    for count in range(MOST_MARCHES):
+        t1, t2 = start_force(motion, y1, y2)
+        march(motion, t1, t2, force, mode)
+        f1, f2 = y1 - a1 - cycles * (force[0, 0] - y1), y2 - a2 - cycles * (force[1, 0] - y2)
+        size = math.hypot(f1, f2)
+        improved = size < best
+        if improved:
+            best, best1, best2 = size, y1, y2
+        if size <= enough or (count >= PATIENCE and not improved):
             break
-        if not newton:
-            plain1, plain2 = end1, end2
-            plain += 1
-        step1, step2, next_length = 0.0, 0.0, math.inf
-        if newton or (wait == 0 and closure > FAST_RATIO * previous):
-            step1, step2, next_length = newton_step(motion, t1, t2, end1, end2, force, mode)
-        good = next_length < 2.0 * largest
-        if newton:
-            good = good and not overshoot and next_length < NEWTON_SHRINK * length
-        previous = closure
-        if good:
-            length = next_length
-            t1, t2 = t1 + step1, t2 + step2
-            size = math.hypot(t1, t2)
-            if mode[0] == SLIP or size > limit[0]:
-                t1, t2 = t1 * (limit[0] / size), t2 * (limit[0] / size)
-            continue
-        if newton:
-            wait, patience = patience, 2 * patience
-        else:
-            wait = max(wait - 1, 0)
-        t1, t2, length = plain1, plain2, math.inf
-    return 0, t1, t2, closure, plain
+        p11, p12, p21, p22 = transfer(motion, t1, t2, force, mode)
+        r11, r12, r21, r22 = 1.0, 0.0, 0.0, 1.0
+        outside = math.hypot(y1, y2)
+        if outside > motion.limit[0]:
+            # Of a return to the limit along the radius.
+            n1, n2, share = y1 / outside, y2 / outside, motion.limit[0] / outside
+            r11, r12, r21, r22 = share * n2 * n2, -share * n1 * n2, -share * n1 * n2, share * n1 * n1
+        j11 = 1.0 + cycles * (1.0 - p11 * r11 - p12 * r21)
+        j12 = -cycles * (p11 * r12 + p12 * r22)
+        j21 = -cycles * (p21 * r11 + p22 * r21)
+        j22 = 1.0 + cycles * (1.0 - p21 * r12 - p22 * r22)
+        determinant = j11 * j22 - j12 * j21
+        y1 -= (j22 * f1 - j12 * f2) / determinant
+        y2 -= (j11 * f2 - j21 * f1) / determinant
+    return best1, best2
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def pair_state(path: FloatArray, limit: FloatArray, force: FloatArray, mode: CodeArray) -> int:
-    """0 stuck, 1 stick-slip, 2 separating: from the converged period."""
-    n = limit.shape[0]
-    slip, largest = 0.0, 0.0
+def settle(motion: Motion, force: FloatArray, mode: CodeArray) -> tuple[float, float, float, float]:
+    """State after the cycles: fills ``force`` (2, n) and ``mode`` (n,) with the period that follows them.
+
+    Returns the force (t1, t2) at the start of the last cycle, and that at the start of the period.
+    """
+    n = motion.limit.shape[0]
+    largest, opens = 0.0, False
     for j in range(n):
+        largest = max(largest, motion.limit[j])
+        if motion.limit[j] <= 0.0:
+            opens = True
+    y1, y2 = motion.path[0, 0], motion.path[1, 0]
+    if opens:
+        # An open sample carries no force, so the end of a period does not depend on its start.
+        t1, t2 = 0.0, 0.0
+    else:
+        cycles = FIRST_CYCLES
+        while True:
+            y1, y2 = solve_stage(motion, y1, y2, cycles, SOLVED * cycles * largest, force, mode)
+            if cycles >= CYCLES:
+                break
+            cycles = min(CYCLES, STAGE * cycles)
+        t1, t2 = start_force(motion, y1, y2)
+    march(motion, t1, t2, force, mode)
+    if opens:
+        t1, t2 = force[0, 0], force[1, 0]
+        march(motion, t1, t2, force, mode)
+    # The period after the cycles: a pair that slips far to both sides has forgotten its start altogether.
+    end1, end2 = force[0, 0], force[1, 0]
+    march(motion, end1, end2, force, mode)
+    return t1, t2, end1, end2
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def pair_state(motion: Motion, t1: float, t2: float, force: FloatArray, mode: CodeArray) -> int:
+    """0 stuck, 1 stick-slip, 2 separating: from the period that starts with (t1, t2)."""
+    path, n = motion.path, motion.limit.shape[0]
+    slip, largest = 0.0, 0.0
+    closure = math.hypot(force[0, 0] - t1, force[1, 0] - t2)
+    for step in range(1, n + 1):
+        i, j = step - 1, step % n
         if mode[j] == OPEN:
             return OPEN
-        largest = max(largest, limit[j])
+        largest = max(largest, motion.limit[j])
         if mode[j] == SLIP:
-            slip += math.hypot(
-                path[0, j] - path[0, j - 1] - force[0, j] + force[0, j - 1],
-                path[1, j] - path[1, j - 1] - force[1, j] + force[1, j - 1],
-            )
-    return SLIP if slip > SLIP_TOLERANCE * largest else STICK
+            slip += math.hypot(path[0, j] - path[0, i] - force[0, j] + t1, path[1, j] - path[1, i] - force[1, j] + t2)
+        t1, t2 = force[0, j], force[1, j]
+    return SLIP if slip > SLIP_TOLERANCE * largest + CREEP * closure else STICK
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -246,26 +217,30 @@ def settle_pairs(
     ratios: FloatArray,
     tractrix: bool,
     forces: FloatArray,
+    samples: FloatArray,
     modes: CodeArray,
     states: CodeArray,
     deviates: NDArray[np.bool_],
     closures: FloatArray,
     starts: FloatArray,
 ) -> None:
-    """Periodic state of every pair: fills forces (n_pairs, 2, n), modes (n_pairs, n) and the arrays (n_pairs,).
+    """State of every pair after the cycles: fills forces and samples (n_pairs, 2, n), modes (n_pairs, n), the rest.
 
-    ``starts`` (n_pairs, 4): the sample where the last march began, the force there, and the plain cycles before Newton.
+    ``samples`` are the forces with corrections, so that their sum is the integral (:func:`corrected_samples`).
+    ``starts`` (n_pairs, 2) is the force at the start of the last cycle, in which pairs that have shaken down still touch
+    their limit; ``closures`` (n_pairs,) N is what the period changes.
     """
     for pair in range(limits.shape[0]):
         path, limit, force, mode = paths[pair], limits[pair], forces[pair], modes[pair]
         if sticks_throughout(path, limit):
             for j in range(limit.shape[0]):
                 force[0, j], force[1, j], mode[j] = path[0, j], path[1, j], STICK
+                samples[pair, 0, j], samples[pair, 1, j] = path[0, j], path[1, j]
             states[pair], deviates[pair], closures[pair] = STICK, False, 0.0
-            for k in range(4):
-                starts[pair, k] = 0.0
+            starts[pair, 0], starts[pair, 1] = path[0, 0], path[1, 0]
             continue
         motion = Motion(path, limit, ratios[pair, 0], ratios[pair, 1], tractrix)
-        first, t1, t2, closures[pair], plain = settle(motion, force, mode)
-        starts[pair, 0], starts[pair, 1], starts[pair, 2], starts[pair, 3] = first, t1, t2, plain
-        states[pair], deviates[pair] = pair_state(path, limit, force, mode), True
+        starts[pair, 0], starts[pair, 1], t1, t2 = settle(motion, force, mode)
+        corrected_samples(path, limit, t1, t2, force, mode, samples[pair])
+        closures[pair] = math.hypot(force[0, 0] - t1, force[1, 0] - t2)
+        states[pair], deviates[pair] = pair_state(motion, t1, t2, force, mode), True

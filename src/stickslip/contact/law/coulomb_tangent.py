@@ -7,27 +7,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stickslip.contact.law.coulomb_events import event_jacobian
 from stickslip.contact.law.coulomb_kernel import (
     OPEN,
     SLIP,
     STICK,
     Index,
     advance,
-    associated_return,
-    return_jacobian,
     slip_jacobian,
     stick_jacobian,
 )
-from stickslip.contact.law.coulomb_period import Motion, start_of_path, sticks_throughout
+from stickslip.contact.law.coulomb_period import CYCLES, Motion, sticks_throughout
 from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
-
-# |det(I - Phi)| below which the transient, not the fixed point, gives the start of the period: round-off of a rank 1
-# matrix is far below.
-SINGULAR = 1e-9
-# A pair that shakes down to the limit at two samples creeps there: touching both determines its state. Where it sticks
-# within this fraction of the limit, after slip in earlier cycles, the touch counts as slip in the derivative.
-TOUCH = 1e-8
 
 
 class Basis(NamedTuple):
@@ -82,71 +74,102 @@ def gather_stick(
 @njit(cache=True, nogil=True, error_model="numpy")
 def march_tangent(
     motion: Motion,
-    first: Index,
     t1: float,
     t2: float,
     basis: Basis,
     scale: FloatArray,
-    touching: bool,
     derivative: FloatArray,
     coefficients: FloatArray,
-) -> tuple[float, float]:
-    """March one period with the derivatives of the force; returns its end. ``touching``: see TOUCH.
+) -> None:
+    """March one period from sample 0 with the derivatives of the force.
 
     ``derivative`` (2, 3 * width + 2), width = 2 H + 1: by the coefficients of t1, t2, n and, last, by the two
     components of the start; the start's on entry, the end's on return. ``scale`` = (k1, k2, mu kn).
-    ``coefficients`` (width, 2, 3 * width + 2) gathers its Fourier analysis; an empty array asks for none.
+    ``coefficients`` (width, 2, 3 * width + 2) gathers its Fourier analysis, with the corrections of events.
     """
     path, limit, ratio1, ratio2, tractrix = motion.path, motion.limit, motion.ratio1, motion.ratio2, motion.tractrix
     n = limit.shape[0]
-    columns = derivative.shape[1]
-    gather = coefficients.shape[0]
+    columns, width = derivative.shape[1], coefficients.shape[0]
     # Samples that neither stick nor are open, for one matrix product at the end.
-    slip_derivatives = np.empty((n if gather else 0, 2, columns))
-    slip_weights = np.empty((n if gather else 0, gather))
+    slip_derivatives = np.empty((n, 2, columns))
+    slip_weights = np.empty((n, width))
     count = 0
-    jacobian = np.zeros((2, 6))
-    previous, anchor = first, np.int64(-1)
+    jacobian, local = np.zeros((2, 6)), np.zeros((3, 6))
+    anchor = np.int64(-1)
     for step in range(1, n + 1):
-        j = first + step
-        if j >= n:
-            j -= n
-        d1, d2 = path[0, j] - path[0, previous], path[1, j] - path[1, previous]
-        new1, new2, code = advance(t1, t2, d1, d2, limit[previous], limit[j], ratio1, ratio2, tractrix)
-        if code == STICK and touching and math.hypot(new1, new2) > limit[j] * (1.0 - TOUCH):
-            code = SLIP
-        if code == STICK and limit[previous] > 0.0:
+        i, j = np.int64(step - 1), np.int64(step % n)
+        d1, d2 = path[0, j] - path[0, i], path[1, j] - path[1, i]
+        new1, new2, code = advance(t1, t2, d1, d2, limit[i], limit[j], ratio1, ratio2, tractrix)
+        if code == STICK and limit[i] > 0.0:
             if anchor < 0:
-                anchor = np.int64(previous)
+                anchor = i
         else:
             if anchor >= 0:
-                gather_stick(basis, anchor, previous, scale, derivative, coefficients)
+                gather_stick(basis, anchor, i, scale, derivative, coefficients)
                 anchor = np.int64(-1)
+            if code == SLIP:
+                slip_jacobian(
+                    t1, t2, d1, d2, limit[i], limit[j], new1, new2, ratio1, ratio2, tractrix, jacobian
+                )  # fmt: skip
+            elif code == STICK:
+                stick_jacobian(d1, d2, limit[i], limit[j], jacobian)
+            theta, c1, c2 = event_jacobian(t1, t2, d1, d2, limit[i], limit[j], new1, new2, code, jacobian, local)
+            if theta > 0.0:
+                gather_event(basis, i, j, theta, c1, c2, local, scale, derivative, coefficients)
             if code == OPEN:
                 derivative[:] = 0.0
             else:
-                if code == SLIP:
-                    slip_jacobian(
-                        t1, t2, d1, d2, limit[previous], limit[j],
-                        new1, new2, ratio1, ratio2, tractrix, jacobian,
-                    )  # fmt: skip
-                else:
-                    stick_jacobian(d1, d2, limit[previous], limit[j], jacobian)
-                carry(basis, previous, j, scale, jacobian, derivative)
-                if gather:
-                    store_sample(basis, j, derivative, slip_derivatives[count], slip_weights[count])
-                    count += 1
-        t1, t2, previous = new1, new2, j
+                carry(basis, i, j, scale, jacobian, derivative)
+                store_sample(basis, j, derivative, slip_derivatives[count], slip_weights[count])
+                count += 1
+        t1, t2 = new1, new2
     if anchor >= 0:
-        gather_stick(basis, anchor, previous, scale, derivative, coefficients)
+        gather_stick(basis, anchor, np.int64(0), scale, derivative, coefficients)
     if count:
         flat = slip_derivatives[:count].reshape(count, 2 * columns)
         product = np.dot(slip_weights[:count].T, flat)
-        for p in range(gather):
+        for p in range(width):
             for row in range(2):
                 for c in range(columns):
                     coefficients[p, row, c] += product[p, row * columns + c]
-    return t1, t2
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def gather_event(
+    basis: Basis,
+    i: Index,
+    j: Index,
+    theta: float,
+    c1: float,
+    c2: float,
+    local: FloatArray,
+    scale: FloatArray,
+    derivative: FloatArray,
+    coefficients: FloatArray,
+) -> None:
+    """Gather the correction (c1, c2) of an event in the step from sample ``i`` to sample ``j``.
+
+    It counts at its instant between the two; ``local`` is that of :func:`event_jacobian`.
+    """
+    synthesis, analysis = basis.synthesis, basis.analysis
+    width, columns = synthesis.shape[1], derivative.shape[1]
+    rows = np.empty((3, columns))
+    for k in range(3):
+        for c in range(columns):
+            rows[k, c] = local[k, 0] * derivative[0, c] + local[k, 1] * derivative[1, c]
+        for axis in range(2):
+            factor = local[k, 2 + axis] * scale[axis]
+            for q in range(width):
+                rows[k, axis * width + q] += factor * (synthesis[j, q] - synthesis[i, q])
+        before, after = local[k, 4] * scale[2], local[k, 5] * scale[2]
+        for q in range(width):
+            rows[k, 2 * width + q] += after * synthesis[j, q] + before * synthesis[i, q]
+    for p in range(width):
+        place = (1.0 - theta) * analysis[i, p] + theta * analysis[j, p]
+        slope = analysis[j, p] - analysis[i, p]
+        for c in range(columns):
+            coefficients[p, 0, c] += place * rows[0, c] + slope * c1 * rows[2, c]
+            coefficients[p, 1, c] += place * rows[1, c] + slope * c2 * rows[2, c]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -184,89 +207,37 @@ def carry(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def transient_start_derivative(
-    motion: Motion,
-    plain: Index,
-    basis: Basis,
-    scale: FloatArray,
-    released: bool,
-    derivative: FloatArray,
-) -> None:
-    """Fill ``derivative`` with the derivative of the force after ``plain`` cycles from the start of the path.
-
-    A ``released`` path does not depend on the mean displacement, a path relative to rest does.
-    """
-    path, limit, ratio1, ratio2 = motion.path, motion.limit, motion.ratio1, motion.ratio2
-    synthesis = basis.synthesis
-    width = synthesis.shape[1]
-    derivative[:] = 0.0
-    for q in range(1 if released else 0, width):
-        derivative[0, q] = scale[0] * synthesis[0, q]
-        derivative[1, width + q] = scale[1] * synthesis[0, q]
-    t1, t2 = start_of_path(path, limit[0], ratio1, ratio2)
-    if math.hypot(path[0, 0], path[1, 0]) > limit[0]:
-        _, _, x = associated_return(path[0, 0], path[1, 0], limit[0], ratio1, ratio2)
-        r11, r12, r21, r22, l1, l2 = return_jacobian(t1, t2, x, limit[0], ratio1, ratio2)
-        for c in range(2 * width):
-            old1, old2 = derivative[0, c], derivative[1, c]
-            derivative[0, c], derivative[1, c] = r11 * old1 + r12 * old2, r21 * old1 + r22 * old2
-        for q in range(width):
-            derivative[0, 2 * width + q] = l1 * scale[2] * synthesis[0, q]
-            derivative[1, 2 * width + q] = l2 * scale[2] * synthesis[0, q]
-    nothing = np.zeros((0, 2, derivative.shape[1]))
-    for _ in range(plain):
-        t1, t2 = march_tangent(motion, np.int64(0), t1, t2, basis, scale, False, derivative, nothing)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def pair_tangent(
-    motion: Motion,
-    basis: Basis,
-    scale: FloatArray,
-    released: bool,
-    period_start: FloatArray,
-    tangent: FloatArray,
+    motion: Motion, basis: Basis, scale: FloatArray, released: bool, start: FloatArray, tangent: FloatArray
 ) -> None:
-    """Fill ``tangent`` (2, width, 3 * width): derivative of the tangential force coefficients of the periodic state.
+    """Fill ``tangent`` (2, width, 3 * width): derivative of the tangential force coefficients after the cycles.
 
-    ``period_start`` (4,) is the result of :func:`stickslip.contact.law.coulomb_period.settle_pairs` for this motion.
-
-    With b the derivative of the period's end at fixed start and Phi that by the start, the start of the periodic state
-    moves by D = (I - Phi)^-1 b; where I - Phi is singular (no slip in the period), D is that of the transient.
+    ``start`` (2,) is that of :func:`stickslip.contact.law.coulomb_period.settle_pairs` for this motion. With b the
+    derivative of the period's end at fixed start and Phi that by the start, ``y = a + C (P(y) - y)`` moves by
+    ``dy = (I + C (I - Phi))^-1 (da + C b)``.
     """
     width = basis.synthesis.shape[1]
     columns = 3 * width + 2
-    first, plain = np.int64(period_start[0]), np.int64(period_start[3])
     derivative = np.zeros((2, columns))
     derivative[0, columns - 2] = derivative[1, columns - 1] = 1.0
     fourier = np.zeros((width, 2, columns))
-    march_tangent(motion, first, period_start[1], period_start[2], basis, scale, bool(plain > 0), derivative, fourier)
-    start = np.zeros((2, columns - 2))
-    if motion.limit[first] > 0.0:
-        b11, b12 = 1.0 - derivative[0, columns - 2], -derivative[0, columns - 1]
-        b21, b22 = -derivative[1, columns - 2], 1.0 - derivative[1, columns - 1]
-        determinant = b11 * b22 - b12 * b21
-        size = b11 * b11 + b12 * b12 + b21 * b21 + b22 * b22
-        if abs(determinant) > SINGULAR:
-            for c in range(columns - 2):
-                start[0, c] = (b22 * derivative[0, c] - b12 * derivative[1, c]) / determinant
-                start[1, c] = (b11 * derivative[1, c] - b21 * derivative[0, c]) / determinant
-        else:
-            left = np.zeros((2, columns))
-            transient_start_derivative(motion, plain, basis, scale, released, left)
-            for c in range(columns - 2):
-                start[0, c], start[1, c] = left[0, c], left[1, c]
-                if size > 0.0:
-                    # I - Phi has rank 1 here: its pseudo-inverse is its transpose over the square of its norm.
-                    r1 = derivative[0, c] - b11 * left[0, c] - b12 * left[1, c]
-                    r2 = derivative[1, c] - b21 * left[0, c] - b22 * left[1, c]
-                    start[0, c] += (b11 * r1 + b21 * r2) / size
-                    start[1, c] += (b12 * r1 + b22 * r2) / size
-    for row in range(2):
-        for p in range(width):
-            by1, by2 = fourier[p, row, columns - 2], fourier[p, row, columns - 1]
-            for c in range(columns - 2):
-                tangent[row, p, c] = fourier[p, row, c] + by1 * start[0, c] + by2 * start[1, c]
+    march_tangent(motion, start[0], start[1], basis, scale, derivative, fourier)
+    j11, j12 = 1.0 + CYCLES * (1.0 - derivative[0, columns - 2]), -CYCLES * derivative[0, columns - 1]
+    j21, j22 = -CYCLES * derivative[1, columns - 2], 1.0 + CYCLES * (1.0 - derivative[1, columns - 1])
+    determinant = j11 * j22 - j12 * j21
+    for c in range(columns - 2):
+        a1, a2 = 0.0, 0.0  # of the slider at its initial position: the path at sample 0, released without its mean
+        if c < width:
+            a1 = scale[0] * basis.synthesis[0, c] if c > 0 or not released else 0.0
+        elif c < 2 * width:
+            a2 = scale[1] * basis.synthesis[0, c - width] if c > width or not released else 0.0
+        b1, b2 = a1 + CYCLES * derivative[0, c], a2 + CYCLES * derivative[1, c]
+        by1, by2 = (j22 * b1 - j12 * b2) / determinant, (j11 * b2 - j21 * b1) / determinant
+        for row in range(2):
+            for p in range(width):
+                tangent[row, p, c] = (
+                    fourier[p, row, c] + fourier[p, row, columns - 2] * by1 + fourier[p, row, columns - 1] * by2
+                )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -290,6 +261,32 @@ def normal_tangent(limit: FloatArray, normal_stiffness: float, basis: Basis, tan
             for q in range(width):
                 tangent[p, q] += normal_stiffness * (basis.products[end, p, q] - basis.products[start, p, q])
         start = end
+    for j in range(n):
+        i = j - 1 if j > 0 else n - 1
+        if (limit[i] > 0.0) != (limit[j] > 0.0):
+            gather_opening(basis, i, j, limit[i], limit[j], normal_stiffness, tangent)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def gather_opening(
+    basis: Basis, i: int, j: int, first: float, last: float, normal_stiffness: float, tangent: FloatArray
+) -> None:
+    """Add the correction of the normal force where its limit passes zero between the samples ``i`` and ``j``.
+
+    ``first last / (2 |first - last|)``, at the instant of the passage (:func:`corrected_limits`).
+    """
+    square = (first - last) ** 2
+    theta, value = first / (first - last), 0.5 * first * last / abs(first - last)
+    sign = 0.5 if first < last else -0.5
+    by_first, by_last = sign * last * last / square, -sign * first * first / square
+    turn_first, turn_last = -last / square, first / square
+    for p in range(tangent.shape[0]):
+        place = (1.0 - theta) * basis.analysis[i, p] + theta * basis.analysis[j, p]
+        slope = (basis.analysis[j, p] - basis.analysis[i, p]) * value
+        for q in range(tangent.shape[1]):
+            change = (place * by_first + slope * turn_first) * basis.synthesis[i, q]
+            change += (place * by_last + slope * turn_last) * basis.synthesis[j, q]
+            tangent[p, q] += normal_stiffness * change
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
