@@ -14,9 +14,9 @@ from stickslip.solve.path.landmarks import Landmark
 from stickslip.solve.path.newton import Newton
 from stickslip.solve.path.problem import Plane
 
-# Places of the search beside a natural frequency, in half-power widths, and the distance at which a point of the curve
-# is at such a place already.
-PLACES, NEAR = (-0.5, 0.0, 0.5), 0.125
+# Places of the search beside a natural frequency; the distance at which a point of the curve is at such a place already;
+# and the length of the steps that may hide a peak: all in half-power widths.
+PLACES, NEAR, LONG = (-0.5, 0.0, 0.5), 0.125, 0.5
 # A missed peak exceeds both points of the curve beside it by this factor, and this fraction of the highest point: lower
 # ones are invisible in a plot.
 HIGHER, VISIBLE = 1.01, 0.01
@@ -77,9 +77,10 @@ def search_missed_peaks(
     for landmark in inside:
         for place in PLACES:
             target = landmark.value + place * landmark.width
-            if np.abs(omega - target).min() <= NEAR * landmark.width:
-                continue
-            for left in np.flatnonzero((omega[:-1] - target) * (omega[1:] - target) < 0.0):
+            crosses = (omega[:-1] - target) * (omega[1:] - target) < 0.0
+            nearest = np.minimum(np.abs(omega[:-1] - target), np.abs(omega[1:] - target))
+            is_long = np.abs(np.diff(omega)) > LONG * landmark.width
+            for left in np.flatnonzero(crosses & is_long & (nearest > NEAR * landmark.width)):
                 size = _size_at(newton, points[int(left)], points[int(left) + 1], target)
                 solved += 1
                 beside = float(sizes[left : left + 2].max())

@@ -18,7 +18,7 @@ import numpy as np
 
 from stickslip.core.validation import FloatArray
 from stickslip.solve.path.arc_length import Metric, Tangent, chord_between
-from stickslip.solve.path.landmarks import OF_WIDTH, ON_IT, VISIBLE, Landmark, LandmarkSource, first_crossed, width_near
+from stickslip.solve.path.landmarks import ON_IT, VISIBLE, Landmark, LandmarkSource, first_crossed, is_long_near
 from stickslip.solve.path.newton import Correction, Newton
 from stickslip.solve.path.problem import Linearised, Plane, Point, PointT
 from stickslip.solve.path.stepping import (
@@ -269,7 +269,7 @@ class Branch(Generic[PointT]):
         cut = (crossed.value - _parameter(point)) / tangent.parameter
         if cut < self._settings.smallest_step:
             return self._advance(point, tangent, bend, step)
-        outcome = self._advance(point, tangent, bend, cut)
+        outcome = self._advance(point, tangent, bend, cut, crossed.value)
         if outcome is None or outcome[2] != cut:
             return outcome
         # Nothing narrow was there: the next step is that of a curve without the landmark.
@@ -277,25 +277,27 @@ class Branch(Generic[PointT]):
         return correction, turned, length, max(after, step * min(1.0, after / length))
 
     def _advance(
-        self, point: PointT, tangent: Tangent, bend: Tangent, step: float
+        self, point: PointT, tangent: Tangent, bend: Tangent, step: float, landmark: float | None = None
     ) -> tuple[Correction[PointT], Tangent, float, float] | None:
         """One accepted step: point, tangent, length, and next length; None (and a message) if none succeeds.
 
         ``bend`` is the change of the tangent over the last step per length: the guess follows the curvature. Where no
         shorter step succeeds, a corner that turns back is ahead, and the plane across the tangent does not intersect
-        the branch there; that of a longer step may intersect it behind the next corner.
+        the branch there; that of a longer step may intersect it behind the next corner. A step that ends on a
+        ``landmark`` has its plane at that parameter: one across the tangent may miss a peak there.
         """
         settings, reason = self._settings, ""
         last: tuple[Correction[PointT], Tangent, float, float] | None = None
         for length in lengths_to_try(step, settings):
-            correction = self._newton.correct(*self._guess(point, tangent, bend, length))
+            guess, plane = self._guess(point, tangent, bend, length)
+            if landmark is not None and length == step:
+                plane = Plane(np.zeros_like(guess.unknowns), plane.parameter_weight, guess.unknowns, landmark)
+            correction = self._newton.correct(guess, plane)
             if not correction.converged:
                 reason = reason or f"Newton stopped at a relative residual of {correction.point.error:.1e}"
                 continue
             # The last system of the correction is that of the point, except for the last Newton step.
-            system = correction.system or self._problem.linearised(
-                correction.point, self._plane(point, tangent, length)
-            )
+            system = correction.system or self._problem.linearised(correction.point, plane)
             turned = self._direction_of(correction.point, system, 1.0)
             metric = self._measure(correction.point)
             angle = max(metric.angle_deg(turned, tangent), self._detour_deg(metric, point, correction.point, tangent))
@@ -366,12 +368,11 @@ class Branch(Generic[PointT]):
     def _local_angle_deg(
         self, metric: Metric, before: PointT, after: PointT, tangent: Tangent, turned: Tangent
     ) -> float:
-        """Angle of a step that is long compared with the peaks near it, measured by the motion there; else 0.
+        """Angle of a step that is long compared with a peak near it, measured by the motion there; else 0.
 
         A peak that is low compared with the highest one so far turns the curve too little to be resolved otherwise.
         """
-        width = width_near(self._landmarks, _parameter(after))
-        if width is None or abs(_parameter(after) - _parameter(before)) <= OF_WIDTH * width:
+        if not is_long_near(self._landmarks, _parameter(before), _parameter(after)):
             return 0.0
         scale = max(float(np.linalg.norm(each.measured)) for each in (before, after))
         local = Metric(max(scale, VISIBLE * metric.motion_scale), metric.parameter_scale)

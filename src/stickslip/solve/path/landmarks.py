@@ -15,6 +15,8 @@ from stickslip.solve.path.problem import Point
 # chosen: a step crosses a peak unseen only if it is longer than this fraction of its width, and a point within this
 # fraction of the width is on it: a peak of half-power width b has 97 % of its height at b/8.
 OF_WIDTH, ON_IT = 0.5, 0.125
+# chosen: widths beside a landmark in which the motion there measures the steps; a peak moves by friction, which widens it.
+REACH = 10.0
 # chosen: floor of the local scale of the motion, over the largest motion so far: lower peaks are invisible in a plot.
 VISIBLE = 0.01
 
@@ -47,7 +49,10 @@ def first_crossed(landmarks: Sequence[Landmark], start: float, change: float) ->
     return min(crossed, key=lambda each: abs(each.value - start), default=None)
 
 
-def width_near(landmarks: Sequence[Landmark], parameter: float) -> float | None:
-    """The width of the nearest landmark; None without landmarks."""
-    nearest = min(landmarks, key=lambda each: abs(each.value - parameter), default=None)
-    return None if nearest is None else nearest.width
+def is_long_near(landmarks: Sequence[Landmark], start: float, end: float) -> bool:
+    """Whether a step comes within ``REACH`` widths of a landmark, and is long compared with its width."""
+    low, high = min(start, end), max(start, end)
+    return any(
+        high - low > OF_WIDTH * each.width and low - REACH * each.width <= each.value <= high + REACH * each.width
+        for each in landmarks
+    )
