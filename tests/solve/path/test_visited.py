@@ -128,14 +128,14 @@ class Astray(Branch[PlanePoint]):
 
     astray = False
 
-    def _advance(self, point: PlanePoint, tangent: Any, bend: Any, step: float) -> Any:
+    def _advance(self, point: PlanePoint, tangent: Any, bend: Any, step: float, landmark: float | None = None) -> Any:
         if not self.astray and point.y > 10.47:
             self.astray = True
             low = line_beside_an_ellipse().at(1.0 + 0.021 - 0.02, 10.5)
             system = self._problem.linearised(low, self._plane(low, tangent, 0.0))
             turned = self._direction_of(low, system, 1.0)
             return Correction(low, True, 1, None), self._measure(low).unit(turned), 0.01, 0.01
-        return super()._advance(point, tangent, bend, step)
+        return super()._advance(point, tangent, bend, step, landmark)
 
 
 def test_a_step_onto_a_loop_is_taken_back_after_one_turn() -> None:
@@ -159,11 +159,11 @@ class TurnedRound(Branch[PlanePoint]):
 
     turned = False
 
-    def _advance(self, point: PlanePoint, tangent: Any, bend: Any, step: float) -> Any:
+    def _advance(self, point: PlanePoint, tangent: Any, bend: Any, step: float, landmark: float | None = None) -> Any:
         if not self.turned and point.y > 10.6:
             self.turned = True
             tangent, bend = tangent.times(-1.0), bend.times(0.0)
-        return super()._advance(point, tangent, bend, step)
+        return super()._advance(point, tangent, bend, step, landmark)
 
 
 def test_a_branch_that_turned_round_continues_where_it_did() -> None:

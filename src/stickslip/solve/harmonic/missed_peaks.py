@@ -14,8 +14,8 @@ from stickslip.solve.path.landmarks import Landmark
 from stickslip.solve.path.newton import Newton
 from stickslip.solve.path.problem import Plane
 
-# Places of the search beside a natural frequency; the distance at which a point of the curve is at such a place already;
-# and the length of the steps that may hide a peak: all in half-power widths.
+# In half-power widths: places of the search beside a natural frequency; the distance at which a point of the curve is
+# at such a place already; the length of steps that may hide a peak.
 PLACES, NEAR, LONG = (-0.5, 0.0, 0.5), 0.125, 0.5
 # A missed peak exceeds both points of the curve beside it by this factor, and this fraction of the highest point: lower
 # ones are invisible in a plot.

@@ -15,7 +15,7 @@ from stickslip.solve.path.problem import Point
 # chosen: a step crosses a peak unseen only if it is longer than this fraction of its width, and a point within this
 # fraction of the width is on it: a peak of half-power width b has 97 % of its height at b/8.
 OF_WIDTH, ON_IT = 0.5, 0.125
-# chosen: widths beside a landmark in which the motion there measures the steps; a peak moves by friction, which widens it.
+# chosen: so many widths beside a landmark the motion there measures the steps; friction moves a peak and widens it.
 REACH = 10.0
 # chosen: floor of the local scale of the motion, over the largest motion so far: lower peaks are invisible in a plot.
 VISIBLE = 0.01
