@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,7 +72,7 @@ def search_missed_peaks(
     """
     omega = np.array([point.trial.omega for point in points])
     sizes = np.array([np.linalg.norm(point.measured) for point in points])
-    inside = [each for each in landmarks if omega.min() < each.value < omega.max()]
+    inside = _distinct(each for each in landmarks if omega.min() < each.value < omega.max())
     solved, failed, missed = 0, [], []
     for landmark in inside:
         for place in PLACES:
@@ -90,6 +90,15 @@ def search_missed_peaks(
                     missed.append(MissedPeak(_hz(target), size / beside))
     narrowest = min((each.width for each in inside), default=math.inf)
     return PeakCheck(len(inside), _hz(narrowest), solved, tuple(map(_hz, failed)), tuple(missed))
+
+
+def _distinct(landmarks: Iterable[Landmark]) -> list[Landmark]:
+    """One of those that are the same place for the search, the narrowest."""
+    answer: list[Landmark] = []
+    for each in sorted(landmarks, key=lambda landmark: landmark.width):
+        if all(abs(each.value - other.value) > NEAR * other.width for other in answer):
+            answer.append(each)
+    return answer
 
 
 def _size_at(newton: Newton[BalancePoint], before: BalancePoint, after: BalancePoint, omega: float) -> float | None:
