@@ -13,6 +13,7 @@ from stickslip.solve.harmonic.damping import modal_basis
 from stickslip.solve.harmonic.gain import ComplexArray, to_complex
 from stickslip.structure.superelement import moves_freely
 
+LEAST_SHARE = 1e-8  # chosen: a smaller modal force, over the largest one, is round-off
 POSSIBLY_RIGID = 1e-4  # chosen: slower modes, over the highest frequency, are tested for strain
 
 
@@ -57,6 +58,16 @@ class LinearLimit:
     def natural_hz(self) -> FloatArray:
         """(n,) natural frequencies."""
         return self.circular_frequency / (2.0 * np.pi)
+
+    @property
+    def half_power_width(self) -> FloatArray:
+        """(n,) rad/s between the points of half the power around each natural frequency."""
+        return self._diagonal
+
+    def moved_by(self, force: ExcitationForce) -> NDArray[np.bool_]:
+        """(H, n) whether a harmonic of the force moves a mode, beyond round-off."""
+        shares = np.abs(sum(np.abs(array[1:] @ self._modes) for _, array in force.terms))
+        return np.asarray(np.maximum(shares[0::2], shares[1::2]) > LEAST_SHARE * shares.max())
 
     def damping_ratio(self, window_hz: tuple[float, float]) -> float | None:
         """Largest modal damping ratio of the modes inside a window; None without modes there."""

@@ -1,0 +1,76 @@
+"""Natural frequencies of the stuck, the free and the present tangent structure as landmarks of a frequency curve."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from stickslip.solve.excitation import ExcitationForce
+from stickslip.solve.harmonic.compliance import StuckStructure
+from stickslip.solve.harmonic.curves import BalancePoint
+from stickslip.solve.harmonic.linear import LinearLimit
+from stickslip.solve.path.landmarks import Landmark
+
+# chosen: the width of an undamped resonance, over its frequency; friction or its distance limits it.
+LEAST_WIDTH = 1e-6
+
+
+class Resonances:
+    """The landmarks of a frequency curve: circular frequencies and half-power widths in rad/s.
+
+    At a natural frequency ``w_j`` of mode j, harmonic h of the force excites it at ``w_j / h``. With friction the
+    resonance is between those of the stuck and the free structure. The tangent structure at a point has the springs of
+    the rows that do not move there; it counts once two successive points have the same moving rows, since before that
+    the structure changes from step to step, and changing contact dissipates.
+    """
+
+    def __init__(
+        self, stuck: LinearLimit, free: LinearLimit, structure: StuckStructure, force: ExcitationForce
+    ) -> None:
+        self._structure, self._force = structure, force
+        self._of_limits = [*_landmarks(stuck, force), *_landmarks(free, force)]
+        self._moving = b""
+        self._of_tangent: dict[bytes, list[Landmark]] = {}
+
+    @property
+    def seen(self) -> list[Landmark]:
+        """All landmarks so far."""
+        return sum(self._of_tangent.values(), list(self._of_limits))
+
+    def of(self, point: BalancePoint) -> Sequence[Landmark]:
+        """Those of both limits, and of the tangent structure at a point if it is that of the point before."""
+        moves = point.trial.contact.moves.ravel()
+        moving, before = moves.tobytes(), self._moving
+        self._moving = moving
+        if moving != before or not moves.any():
+            return self._of_limits
+        if moving not in self._of_tangent:
+            self._of_tangent[moving] = self._tangent(np.flatnonzero(moves))
+        return self._of_limits + self._of_tangent[moving]
+
+    def _tangent(self, rows: NDArray[np.intp]) -> list[Landmark]:
+        """The landmarks of the structure without the springs of some rows."""
+        structure = self._structure
+        springs = structure.pairs.resting_stiffness().ravel()[rows]
+        shapes = structure.contact_modes[rows]
+        squares, turns = scipy.linalg.eigh(
+            np.diag(structure.circular_frequency**2) - (shapes.T * springs) @ shapes, check_finite=False
+        )
+        damping = structure.modal_damping
+        modal = damping @ turns**2 if damping.ndim == 1 else np.einsum("ij,ij->j", turns, damping @ turns)
+        limit = LinearLimit(np.sqrt(np.maximum(squares, 0.0)), structure.modes @ turns, modal)
+        return _landmarks(limit, self._force)
+
+
+def _landmarks(limit: LinearLimit, force: ExcitationForce) -> list[Landmark]:
+    """The resonances that the force excites."""
+    orders, modes = np.nonzero(limit.moved_by(force) & (limit.circular_frequency > 0.0))
+    answer = []
+    for order, mode in zip(1 + orders, modes, strict=True):
+        omega = float(limit.circular_frequency[mode])
+        width = max(float(limit.half_power_width[mode]), LEAST_WIDTH * omega)
+        answer.append(Landmark(omega / order, width / order))
+    return answer
