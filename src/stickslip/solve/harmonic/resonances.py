@@ -16,6 +16,9 @@ from stickslip.solve.path.landmarks import Landmark
 
 # chosen: the width of an undamped resonance, over its frequency; friction or its distance limits it.
 LEAST_WIDTH = 1e-6
+# Modes up to this multiple of the highest frequency of the range, of both limits, span those of the tangent structure:
+# exact at both limits, and from above between them. Modes of both that differ by less are one.
+NEAR_MODES, SAME_MODES = 3.0, 1e-8
 
 
 class Resonances:
@@ -24,13 +27,22 @@ class Resonances:
     At a natural frequency ``w_j`` of mode j, harmonic h of the force excites it at ``w_j / h``. With friction the
     resonance is between those of the stuck and the free structure. The tangent structure at a point has the springs of
     the rows that do not move there; it counts once two successive points have the same moving rows, since before that
-    the structure changes from step to step, and changing contact dissipates.
+    the structure changes from step to step, and changing contact dissipates. Its modes are combinations of the near
+    modes of both limits (Rayleigh-Ritz), because those of all unknowns would cost more than the curve.
     """
 
     def __init__(
         self, stuck: LinearLimit, free: LinearLimit, structure: StuckStructure, force: ExcitationForce
     ) -> None:
         self._structure, self._force = structure, force
+        near = [limit.circular_frequency <= NEAR_MODES * structure.highest_omega for limit in (stuck, free)]
+        from_free = scipy.linalg.solve(structure.modes, free.modes[:, near[1]], check_finite=False)
+        both = np.hstack([np.eye(len(from_free))[:, near[0]], from_free])
+        self._basis = scipy.linalg.orth(both, rcond=SAME_MODES)  # (n, r) in the coordinates of the stuck modes
+        self._shapes = structure.contact_modes @ self._basis
+        self._squares = (self._basis.T * structure.circular_frequency**2) @ self._basis
+        damping = structure.modal_damping
+        self._damping = (self._basis.T * damping if damping.ndim == 1 else self._basis.T @ damping) @ self._basis
         self._of_limits = [*_landmarks(stuck, force), *_landmarks(free, force)]
         self._moving = b""
         self._of_tangent: dict[bytes, list[Landmark]] = {}
@@ -53,15 +65,12 @@ class Resonances:
 
     def _tangent(self, rows: NDArray[np.intp]) -> list[Landmark]:
         """The landmarks of the structure without the springs of some rows."""
-        structure = self._structure
-        springs = structure.pairs.resting_stiffness().ravel()[rows]
-        shapes = structure.contact_modes[rows]
-        squares, turns = scipy.linalg.eigh(
-            np.diag(structure.circular_frequency**2) - (shapes.T * springs) @ shapes, check_finite=False
-        )
-        damping = structure.modal_damping
-        modal = damping @ turns**2 if damping.ndim == 1 else np.einsum("ij,ij->j", turns, damping @ turns)
-        limit = LinearLimit(np.sqrt(np.maximum(squares, 0.0)), structure.modes @ turns, modal)
+        springs = self._structure.pairs.resting_stiffness().ravel()[rows]
+        shapes = self._shapes[rows]
+        squares, turns = scipy.linalg.eigh(self._squares - (shapes.T * springs) @ shapes, check_finite=False)
+        modal = np.einsum("ij,ij->j", turns, self._damping @ turns)
+        modes = self._structure.modes @ (self._basis @ turns)
+        limit = LinearLimit(np.sqrt(np.maximum(squares, 0.0)), modes, modal)
         return _landmarks(limit, self._force)
 
 
