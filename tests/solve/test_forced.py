@@ -106,7 +106,8 @@ def test_impact_of_a_few_samples_is_no_friction() -> None:
         largest.append(float(np.abs(work / response.input_energy).max()))
         reported = any("normal forces of the pairs" in sentence for sentence in response.warnings)
         assert reported == (largest[-1] > 1e-2)
-    assert largest[0] > 0.1 > largest[1] > 5.0 * largest[2]
+    assert largest[0] > 0.1
+    assert 0.2 > largest[1] > 5.0 * largest[2]
 
 
 def test_linear_limits(bench: ForcedResponse, blade: Blade) -> None:
