@@ -106,7 +106,10 @@ def response_of(
         viscous_energy=measures.viscous_energy,
         converged=converged,
         message=f"{how} {'The curve reached the stop frequency.' if converged else message}",
-        warnings=warnings + neighbour_warnings(*places_hz) + (() if peaks is None else peaks.warnings()),
+        warnings=warnings
+        + neighbour_warnings(*places_hz)
+        + (() if peaks is None else peaks.warnings())
+        + _stability_warnings(verdict),
         harmonics=harmonics,
         samples=balance.samples,
         pairs=balances.pairs,
@@ -136,6 +139,19 @@ def _stability(trials: list[Trial], balance: Balance, balances: Balances) -> tup
     if stability.undecided:
         sentence += f" {stability.undecided} are too close to a change of stability for a sure verdict."
     return stability, sentence
+
+
+def _stability_warnings(stability: CurveStability | None) -> tuple[str, ...]:
+    """A warning where the stability changes without a fold, which errors of the multipliers can feign."""
+    changes = [] if stability is None else [each for each in stability.bifurcations if each.kind != "fold"]
+    if not changes:
+        return ()
+    places = ", ".join(f"{each.kind} {each.frequency_hz:.3f} Hz" for each in changes)
+    return (
+        f"Stability changes without a fold ({places}). Multipliers have errors by samples and harmonics, up to some "
+        "percent where many pairs slip and separate: run again with twice the samples and more harmonics before you "
+        "trust it, or the jumps of slow sweeps there.",
+    )
 
 
 def _unbalanced(trials: list[Trial], end: int, residual: float, damped: bool) -> str:

@@ -51,7 +51,10 @@ class PeakCheck:
         )
 
     def warnings(self) -> tuple[str, ...]:
-        """A warning for missed peaks."""
+        """A warning for missed peaks, and one for places where the search has no answer."""
+        return self._missed_warning() + self._failed_warning()
+
+    def _missed_warning(self) -> tuple[str, ...]:
         if not self.missed:
             return ()
         worst = max(self.missed, key=lambda each: each.factor)
@@ -60,6 +63,15 @@ class PeakCheck:
             f"The curve stepped over narrow peaks near {places} Hz: at {worst.frequency_hz:.3f} Hz the motion is "
             f"{worst.factor:.3g} times that of the points beside it. Run this part of the range again with a smaller "
             "largest_step (ContinuationSettings), or as a range of its own.",
+        )
+
+    def _failed_warning(self) -> tuple[str, ...]:
+        if not self.failed_hz:
+            return ()
+        places = ", ".join(f"{each:.3f}" for each in self.failed_hz)
+        return (
+            f"The search for narrow peaks has no answer near {places} Hz, between points of the curve beside a natural "
+            "frequency: Newton does not converge there. Run this part of the range again as a range of its own.",
         )
 
 

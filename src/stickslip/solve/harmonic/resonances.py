@@ -19,6 +19,8 @@ LEAST_WIDTH = 1e-6
 # Modes up to this multiple of the highest frequency of the range, of both limits, span those of the tangent structure:
 # exact at both limits, and from above between them. Modes of both that differ by less are one.
 NEAR_MODES, SAME_MODES = 3.0, 1e-8
+# Landmarks up to this multiple of the highest frequency: a curve may turn, and a first point may come from, beyond it.
+BEYOND = 1.25
 
 
 class Resonances:
@@ -43,7 +45,7 @@ class Resonances:
         self._squares = (self._basis.T * structure.circular_frequency**2) @ self._basis
         damping = structure.modal_damping
         self._damping = (self._basis.T * damping if damping.ndim == 1 else self._basis.T @ damping) @ self._basis
-        self._of_limits = [*_landmarks(stuck, force), *_landmarks(free, force)]
+        self._of_limits = [*self._landmarks(stuck), *self._landmarks(free)]
         self._moving = b""
         self._of_tangent: dict[bytes, list[Landmark]] = {}
 
@@ -71,15 +73,15 @@ class Resonances:
         modal = np.einsum("ij,ij->j", turns, self._damping @ turns)
         modes = self._structure.modes @ (self._basis @ turns)
         limit = LinearLimit(np.sqrt(np.maximum(squares, 0.0)), modes, modal)
-        return _landmarks(limit, self._force)
+        return self._landmarks(limit)
 
-
-def _landmarks(limit: LinearLimit, force: ExcitationForce) -> list[Landmark]:
-    """The resonances that the force excites."""
-    orders, modes = np.nonzero(limit.moved_by(force) & (limit.circular_frequency > 0.0))
-    answer = []
-    for order, mode in zip(1 + orders, modes, strict=True):
-        omega = float(limit.circular_frequency[mode])
-        width = max(float(limit.half_power_width[mode]), LEAST_WIDTH * omega)
-        answer.append(Landmark(omega / order, width / order))
-    return answer
+    def _landmarks(self, limit: LinearLimit) -> list[Landmark]:
+        """The resonances that the force excites, up to a little beyond the range: every step looks through them."""
+        orders, modes = np.nonzero(limit.moved_by(self._force) & (limit.circular_frequency > 0.0))
+        answer = []
+        for order, mode in zip(1 + orders, modes, strict=True):
+            omega = float(limit.circular_frequency[mode])
+            width = max(float(limit.half_power_width[mode]), LEAST_WIDTH * omega)
+            if omega <= order * BEYOND * self._structure.highest_omega:
+                answer.append(Landmark(omega / order, width / order))
+        return answer

@@ -300,9 +300,14 @@ class Branch(Generic[PointT]):
             system = correction.system or self._problem.linearised(correction.point, plane)
             turned = self._direction_of(correction.point, system, 1.0)
             metric = self._measure(correction.point)
-            angle = max(metric.angle_deg(turned, tangent), self._detour_deg(metric, point, correction.point, tangent))
+            angle = max(metric.angle_deg(turned, tangent), metric.detour_deg(point, correction.point, tangent))
             angle = max(angle, self._local_angle_deg(metric, point, correction.point, tangent, turned))
-            candidate = correction, metric.unit(turned), length, self._next_step(length, correction.iterations, angle)
+            candidate = (
+                correction,
+                metric.unit(turned),
+                length,
+                settings.next_step(length, correction.iterations, angle),
+            )
             if angle <= settings.largest_angle_deg and self._jumped(point, correction.point):
                 reason = reason or "each step crossed a narrow peak"
                 last = last or candidate  # if no shorter step ends before the peak
@@ -357,14 +362,6 @@ class Branch(Generic[PointT]):
         guess = self._problem.evaluate(point.unknowns + ahead.unknowns, point.parameters + ahead.parameters)
         return guess, self._plane(point, tangent, step)
 
-    @staticmethod
-    def _detour_deg(metric: Metric, before: PointT, after: PointT, tangent: Tangent) -> float:
-        """Twice the angle from the tangent to the chord of a step: on an arc this is how much the tangent turns.
-
-        It is large where Newton converged to another part of the curve, whose tangent may be similar.
-        """
-        return 2.0 * metric.angle_deg(chord_between(before, after), tangent)
-
     def _local_angle_deg(
         self, metric: Metric, before: PointT, after: PointT, tangent: Tangent, turned: Tangent
     ) -> float:
@@ -376,20 +373,13 @@ class Branch(Generic[PointT]):
             return 0.0
         scale = max(float(np.linalg.norm(each.measured)) for each in (before, after))
         local = Metric(max(scale, VISIBLE * metric.motion_scale), metric.parameter_scale)
-        return max(local.angle_deg(turned, tangent), self._detour_deg(local, before, after, tangent))
+        return max(local.angle_deg(turned, tangent), local.detour_deg(before, after, tangent))
 
     def _jumped(self, before: PointT, after: PointT) -> bool:
         """Whether a step ends beyond a landmark: its plane may intersect the curve on the far side of a peak."""
         start, end = _parameter(before), _parameter(after)
         crossed = first_crossed(self._landmarks, start, end - start)
         return crossed is not None and abs(end - crossed.value) > ON_IT * crossed.width
-
-    def _next_step(self, step: float, iterations: int, angle_deg: float) -> float:
-        settings = self._settings
-        by_angle = settings.wanted_angle_deg / max(angle_deg, 1e-3)
-        by_iterations = (settings.wanted_iterations + 1.0) / (iterations + 1.0)
-        factor = min(2.0, max(0.4, min(by_angle, by_iterations)))
-        return min(settings.largest_step, max(settings.smallest_step, step * factor))
 
     def _land(self, before: PointT, after: PointT) -> tuple[PointT, int]:
         """The solution exactly at the stop; the point beyond it if that does not converge."""
