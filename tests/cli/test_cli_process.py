@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from helpers import unmeasured
 from stickslip.cli.process import StoppedBySignal, plain_warnings, stopping_signals
 from stickslip.core.errors import StickslipWarning
 from strangers import is_alive
@@ -27,10 +28,11 @@ HEARS_SIGNALS = "import signal; signal.signal(signal.SIGHUP, signal.SIG_DFL); " 
 
 
 def start(*arguments: object, **options: object) -> subprocess.Popen[str]:
-    """The command in a process of its own."""
+    """The command in a process of its own, without coverage: a signal that ends it inside of the tracer would leave the
+    tracer's lock behind, and the process would wait for ever."""
     command = [sys.executable, "-c", f"{HEARS_SIGNALS}from stickslip.cli.main import main; main()"]
     command += map(str, arguments)
-    return subprocess.Popen(command, stdout=-1, stderr=-1, text=True, **options)  # type: ignore[call-overload]
+    return subprocess.Popen(command, stdout=-1, stderr=-1, text=True, env=unmeasured(), **options)  # type: ignore[call-overload]
 
 
 def wait_until(done: Callable[[], object], process: subprocess.Popen[str]) -> None:

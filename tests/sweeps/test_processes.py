@@ -127,8 +127,9 @@ def test_a_script_without_main_guard_is_reported(tmp_path: Path) -> None:
 HEARS_CTRL_C = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
 
 
-def start_sweep(study: Path, out: Path, environment: dict[str, str] | None = None) -> subprocess.Popen[str]:
-    """``stickslip sweep`` with two workers, in a process group of its own."""
+def start_sweep(study: Path, out: Path) -> subprocess.Popen[str]:
+    """``stickslip sweep`` with two workers, in a process group of its own, and without coverage: a signal inside of the
+    tracer would leave its lock behind."""
     arguments = [
         "sweep",
         str(study),
@@ -145,7 +146,7 @@ def start_sweep(study: Path, out: Path, environment: dict[str, str] | None = Non
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        env=environment,
+        env=unmeasured(),
     )
 
 
@@ -183,7 +184,7 @@ def test_an_interrupted_and_a_killed_sweep_continue_without_solving_again(tmp_pa
         assert "Traceback" not in printed
         require_end(workers)
     before = len(list(out.glob("cases/*/results.nc")))
-    with start_sweep(study, out, unmeasured()) as process:
+    with start_sweep(study, out) as process:
         wait_for_files(out, before + 1, process)
         workers = children(process)
         process.kill()

@@ -181,20 +181,14 @@ class ForcedResponse(Labelled):
     )
     kinetic_energy: FloatArray = field(
         default_factory=lambda: np.zeros(1),
-        metadata=stored(
-            Numbers(_CURVE, "J", "twice the mean kinetic energy of the first harmonic over the period", optional=True)
-        ),
+        metadata=stored(Numbers(_CURVE, "J", "twice the mean kinetic energy of the first harmonic", optional=True)),
     )
     stable: NDArray[np.bool_] | None = field(
         default=None, metadata=stored(Flags(_CURVE, "1", "1 if small disturbances decay", optional=True))
     )
     multipliers: NDArray[np.complex128] | None = field(
         default=None,
-        metadata=stored(
-            ComplexNumbers(
-                ("point", "multiplier"), "1", "factors of small disturbances in a period, the largest", optional=True
-            )
-        ),
+        metadata=stored(ComplexNumbers(("point", "multiplier"), "1", "largest Floquet multipliers", optional=True)),
     )
     bifurcations: tuple[Bifurcation, ...] = field(default=(), metadata=stored(BifurcationRows(optional=True)))
     stability_message: str = field(

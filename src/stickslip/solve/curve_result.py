@@ -15,7 +15,8 @@ from stickslip.solve.harmonic.checks import ResolutionCheck, check_resolution
 from stickslip.solve.harmonic.curve_warnings import curve_warnings, neighbour_warnings
 from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.harmonic.energy import measure_curve
-from stickslip.solve.harmonic.linear import LinearLimit, linear_curves
+from stickslip.solve.harmonic.linear import linear_curves
+from stickslip.solve.harmonic.missed_peaks import PeakCheck
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import Accepted, Corner, Retreat
@@ -59,10 +60,11 @@ def response_of(
     report: StageReport,
     *,
     stability: bool = False,
+    peaks: PeakCheck | None = None,
 ) -> ForcedResponse:
     """The response along a branch through ``window`` (Hz); ``how`` describes its first point.
 
-    With ``stability`` the multipliers of its points too.
+    With ``stability`` the multipliers of its points too; ``peaks`` is the search for peaks that the branch missed.
 
     It ends before the first point that does not satisfy the equation of motion. Raises ConvergenceError if that is the
     first point of all.
@@ -86,10 +88,8 @@ def response_of(
         report.stage("stability of the points")
         verdict, stability_message = _stability(trials, balance, balances)
     report.stage("linear limits")
-    closed = LinearLimit(stuck.circular_frequency, stuck.modes, stuck.modal_damping)
-    free = LinearLimit.of_matrices(superelement.mass, superelement.stiffness, stuck.damping)
-    linear = linear_curves(closed, free, balances.force, window)
-    damped, free_ratio = bool(stuck.damping.any()), free.damping_ratio(window)
+    linear = linear_curves(balances.closed, balances.free, balances.force, window)
+    damped, free_ratio = bool(stuck.damping.any()), balances.free.damping_ratio(window)
     warnings = curve_warnings(check, balance, trials, measures, damped, free_ratio, balances.modal_damping_ratio)
     places_hz = [[omega / (2.0 * np.pi) for omega in each] for each in (branch.retreats, branch.corners)]
     report.stage(f"{len(trials)} points", 1.0)
@@ -106,13 +106,17 @@ def response_of(
         viscous_energy=measures.viscous_energy,
         converged=converged,
         message=f"{how} {'The curve reached the stop frequency.' if converged else message}",
-        warnings=warnings + neighbour_warnings(*places_hz),
+        warnings=warnings
+        + neighbour_warnings(*places_hz)
+        + (() if peaks is None else peaks.warnings())
+        + _stability_warnings(verdict),
         harmonics=harmonics,
         samples=balance.samples,
         pairs=balances.pairs,
         linear=linear,
         force=_mean_force(trials, balance).T,
-        settings=_settings(window, balances, balance, newton, check),
+        settings=_settings(window, balances, balance, newton, check)
+        | ({} if peaks is None else {"search_for_missed_peaks": peaks.words()}),
         provenance={},
         load_factor=np.array([trial.load for trial in trials]),
         kinetic_energy=measures.kinetic_energy,
@@ -135,6 +139,19 @@ def _stability(trials: list[Trial], balance: Balance, balances: Balances) -> tup
     if stability.undecided:
         sentence += f" {stability.undecided} are too close to a change of stability for a sure verdict."
     return stability, sentence
+
+
+def _stability_warnings(stability: CurveStability | None) -> tuple[str, ...]:
+    """A warning where the stability changes without a fold, which errors of the multipliers can feign."""
+    changes = [] if stability is None else [each for each in stability.bifurcations if each.kind != "fold"]
+    if not changes:
+        return ()
+    places = ", ".join(f"{each.kind} {each.frequency_hz:.3f} Hz" for each in changes)
+    return (
+        f"Stability changes without a fold ({places}). Multipliers have errors by samples and harmonics, up to some "
+        "percent where many pairs slip and separate: run again with twice the samples and more harmonics before you "
+        "trust it, or the jumps of slow sweeps there.",
+    )
 
 
 def _unbalanced(trials: list[Trial], end: int, residual: float, damped: bool) -> str:

@@ -18,6 +18,8 @@ from stickslip.results.response import ForcedResponse
 from stickslip.solve.curve_result import follower, response_of
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
+from stickslip.solve.harmonic.missed_peaks import search_missed_peaks
+from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
@@ -106,15 +108,20 @@ def forced_response(
         )  # fmt: skip
         curve = FrequencyCurve(balances.with_harmonics(harmonics))
         solver = Newton(curve, newton, report.iteration)
+        resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
 
         def walk(point: BalancePoint) -> Branch[BalancePoint]:
-            return Branch(solver, point, start_omega, settings)
+            return Branch(solver, point, start_omega, settings, landmarks=resonances)
 
         report.stage("first point")
         start, how = first_point(solver, curve, start_omega, balances.with_harmonics, walk)
-        branch = Branch(solver, start, stop_omega, settings, follower(window, report))
+        branch = Branch(solver, start, stop_omega, settings, follower(window, report), resonances)
         branch.follow()
-        response = response_of(branch, balances, curve.balance, window, newton, how, report, stability=stability)
+        report.stage("search for missed peaks")
+        peaks = search_missed_peaks(solver, [each.point for each in branch.points], resonances.seen)
+        response = response_of(
+            branch, balances, curve.balance, window, newton, how, report, stability=stability, peaks=peaks
+        )
     return replace(response, provenance={"solve_seconds": f"{time.perf_counter() - began:.2f}"})
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import get_args
 
 import numpy as np
@@ -16,6 +17,7 @@ from stickslip.core.validation import finite_array, real_number, require_allowed
 from stickslip.solve.excitation import Excitation, ExcitationForce
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.compliance import StuckStructure, stuck_structure
+from stickslip.solve.harmonic.linear import LinearLimit
 from stickslip.structure.superelement import Superelement
 
 # Largest ratio of contact stiffness to the stiffness of the structure at the pair. Numbers have 16 digits, and the
@@ -53,6 +55,16 @@ class Balances:
     samples: int
     update: Update
     modal_damping_ratio: float | None
+
+    @cached_property
+    def closed(self) -> LinearLimit:
+        """The structure with every contact that is closed at rest stuck."""
+        return LinearLimit(self.stuck.circular_frequency, self.stuck.modes, self.stuck.modal_damping)
+
+    @cached_property
+    def free(self) -> LinearLimit:
+        """The structure without contact."""
+        return LinearLimit.of_matrices(self.superelement.mass, self.superelement.stiffness, self.stuck.damping)
 
     def with_harmonics(self, harmonics: int, samples: int | None = None) -> Balance:
         """The balance with a number of harmonics, and of samples if they differ."""

@@ -128,14 +128,14 @@ class Astray(Branch[PlanePoint]):
 
     astray = False
 
-    def _advance(self, point: PlanePoint, tangent: Any, bend: Any, step: float) -> Any:
+    def _advance(self, point: PlanePoint, tangent: Any, bend: Any, step: float, landmark: float | None = None) -> Any:
         if not self.astray and point.y > 10.47:
             self.astray = True
             low = line_beside_an_ellipse().at(1.0 + 0.021 - 0.02, 10.5)
             system = self._problem.linearised(low, self._plane(low, tangent, 0.0))
             turned = self._direction_of(low, system, 1.0)
             return Correction(low, True, 1, None), self._measure(low).unit(turned), 0.01, 0.01
-        return super()._advance(point, tangent, bend, step)
+        return super()._advance(point, tangent, bend, step, landmark)
 
 
 def test_a_step_onto_a_loop_is_taken_back_after_one_turn() -> None:
@@ -159,11 +159,11 @@ class TurnedRound(Branch[PlanePoint]):
 
     turned = False
 
-    def _advance(self, point: PlanePoint, tangent: Any, bend: Any, step: float) -> Any:
+    def _advance(self, point: PlanePoint, tangent: Any, bend: Any, step: float, landmark: float | None = None) -> Any:
         if not self.turned and point.y > 10.6:
             self.turned = True
             tangent, bend = tangent.times(-1.0), bend.times(0.0)
-        return super()._advance(point, tangent, bend, step)
+        return super()._advance(point, tangent, bend, step, landmark)
 
 
 def test_a_branch_that_turned_round_continues_where_it_did() -> None:
@@ -209,8 +209,8 @@ def test_a_corner_that_turns_back_does_not_lose_the_branch() -> None:
 
 
 @pytest.mark.slow
-def test_residual_tractions_make_loops_that_the_curve_of_two_blades_leaves_again() -> None:
-    """Without a memory of where it was this curve ran round a loop at 455.9 Hz, beside pairs that stick, for ever."""
+def test_a_curve_of_two_blades_with_loops_beside_it_is_complete() -> None:
+    """Residual tractions make a loop at 455.9 Hz, beside pairs that stick; long steps run round it or pass it by."""
     case = Case().replace(
         {
             "solver.frequency_start": "405 Hz",
@@ -226,8 +226,5 @@ def test_residual_tractions_make_loops_that_the_curve_of_two_blades_leaves_again
     )
     response, actual = solved(case)
     assert response.frequency_hz.size < 400
-    assert any(
-        "returned to a part of the curve that it had already computed" in sentence for sentence in response.warnings
-    )
     assert actual.amplitude == pytest.approx(59.87e-6, rel=1e-3)  # with 512 and 1024 samples, which meet no loop
     assert actual.frequency_hz == pytest.approx(430.86, abs=0.02)

@@ -218,7 +218,7 @@ def test_stability_is_stored_and_older_files_are_read_without_it(duffing: ss.For
 @pytest.mark.slow
 def test_the_blade_is_unstable_exactly_between_its_folds(blade: Blade) -> None:
     """Pairs that have shaken down and touch their limit follow the disturbance; without them a point seems stable."""
-    response = blade.response(frequency_hz=blade.window_hz, harmonics=5, samples=256)
+    response = blade.response(frequency_hz=blade.window_hz, harmonics=5, samples=256, stability=True)
     assert [each.kind for each in response.bifurcations] == ["fold", "fold"]
     assert [each.frequency_hz for each in response.bifurcations] == pytest.approx([686.14, 683.73], abs=0.03)
     upper, lower = (each.position for each in response.bifurcations)
@@ -234,7 +234,7 @@ def test_the_blade_is_unstable_exactly_between_its_folds(blade: Blade) -> None:
 @pytest.mark.slow
 def test_the_iteration_gives_the_largest_of_all_eigenvalues(blade: Blade, monkeypatch: pytest.MonkeyPatch) -> None:
     """Small directions of a block must not enter the basis twice: spurious multipliers of 2 came from that."""
-    options = {"frequency_hz": (682.0, 690.0), "harmonics": 3, "samples": 128}
+    options = {"frequency_hz": (682.0, 690.0), "harmonics": 3, "samples": 128, "stability": True}
     every = blade.response(**options).multipliers
     monkeypatch.setattr(multipliers, "DENSE_SIZE", 0)
     largest = blade.response(**options).multipliers

@@ -241,3 +241,28 @@ def stick_jacobian(d1: float, d2: float, limit_start: float, limit_end: float, j
     jacobian[0, 2] = jacobian[1, 3] = limit_end / span
     jacobian[0, 4], jacobian[1, 4] = d1 * limit_end / span**2, d2 * limit_end / span**2
     jacobian[0, 5], jacobian[1, 5] = -d1 * limit_start / span**2, -d2 * limit_start / span**2
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def step_jacobian(
+    code: int,
+    t1: float,
+    t2: float,
+    d1: float,
+    d2: float,
+    limit_start: float,
+    limit_end: float,
+    new1: float,
+    new2: float,
+    ratio1: float,
+    ratio2: float,
+    tractrix: bool,
+    jacobian: FloatArray,
+) -> None:
+    """Fill ``jacobian`` (2, 6) of a step that ends with ``code``; zero where it ends open."""
+    if code == OPEN:
+        jacobian[:] = 0.0
+    elif code == SLIP:
+        slip_jacobian(t1, t2, d1, d2, limit_start, limit_end, new1, new2, ratio1, ratio2, tractrix, jacobian)
+    else:
+        stick_jacobian(d1, d2, limit_start, limit_end, jacobian)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from stickslip.contact.law.coulomb_kernel import OPEN, SLIP, STICK, advance, slip_jacobian, stick_jacobian
+from stickslip.contact.law.coulomb_kernel import SLIP, STICK, advance, step_jacobian
 from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
@@ -89,12 +89,7 @@ def _fill(
             new1, new2, code = advance(t1, t2, d1, d2, start, end, ratio1, ratio2, tractrix)
             if code == STICK and math.hypot(new1, new2) >= end * (1.0 - TOUCH):
                 code = SLIP
-            if code == OPEN:
-                jacobian[:] = 0.0
-            elif code == SLIP:
-                slip_jacobian(t1, t2, d1, d2, start, end, new1, new2, ratio1, ratio2, tractrix, jacobian)
-            else:
-                stick_jacobian(d1, d2, start, end, jacobian)
+            step_jacobian(code, t1, t2, d1, d2, start, end, new1, new2, ratio1, ratio2, tractrix, jacobian)
             for row in range(2):
                 for column in range(2):
                     keep[j, pair, row, column] = jacobian[row, column]

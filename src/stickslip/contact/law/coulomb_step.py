@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.contact.law.coulomb_kernel import OPEN, SLIP, CodeArray, advance, slip_jacobian, stick_jacobian
+from stickslip.contact.law.coulomb_kernel import CodeArray, advance, step_jacobian
 from stickslip.contact.law.law import LawStep
 from stickslip.contact.law.normal_law import NormalLaw
 from stickslip.core.compiled import njit
@@ -124,12 +124,7 @@ def _step_pairs(
         start, end, ratio1, ratio2 = limit[pair], limit_end[pair], ratios[pair, 0], ratios[pair, 1]
         new1, new2, code = advance(t1, t2, d1, d2, start, end, ratio1, ratio2, tractrix)
         new_traction[pair, 0], new_traction[pair, 1], codes[pair] = new1, new2, code
-        if code == OPEN:
-            jacobian[:] = 0.0
-        elif code == SLIP:
-            slip_jacobian(t1, t2, d1, d2, start, end, new1, new2, ratio1, ratio2, tractrix, jacobian)
-        else:
-            stick_jacobian(d1, d2, start, end, jacobian)
+        step_jacobian(code, t1, t2, d1, d2, start, end, new1, new2, ratio1, ratio2, tractrix, jacobian)
         for row in range(2):
             by_pull[pair, row, 0], by_pull[pair, row, 1] = jacobian[row, 2], jacobian[row, 3]
             by_limit[pair, row] = jacobian[row, 5]

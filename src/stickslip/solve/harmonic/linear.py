@@ -13,6 +13,7 @@ from stickslip.solve.harmonic.damping import modal_basis
 from stickslip.solve.harmonic.gain import ComplexArray, to_complex
 from stickslip.structure.superelement import moves_freely
 
+LEAST_SHARE = 1e-8  # chosen: a smaller modal force, over the largest one, is round-off
 POSSIBLY_RIGID = 1e-4  # chosen: slower modes, over the highest frequency, are tested for strain
 
 
@@ -35,7 +36,7 @@ class LinearLimit:
 
         ``rigid`` (n,) marks modes of bodies that move freely; None for none.
         """
-        self.circular_frequency, self._modes = circular_frequency, modes
+        self.circular_frequency, self.modes = circular_frequency, modes
         self.rigid = np.zeros(circular_frequency.size, dtype=bool) if rigid is None else rigid
         if modal_damping.ndim == 1:
             self._diagonal, self._coupling = modal_damping, None
@@ -58,6 +59,16 @@ class LinearLimit:
         """(n,) natural frequencies."""
         return self.circular_frequency / (2.0 * np.pi)
 
+    @property
+    def half_power_width(self) -> FloatArray:
+        """(n,) rad/s between the points of half the power around each natural frequency."""
+        return self._diagonal
+
+    def moved_by(self, force: ExcitationForce) -> NDArray[np.bool_]:
+        """(H, n) whether a harmonic of the force moves a mode, beyond round-off."""
+        shares = np.abs(sum(np.abs(array[1:] @ self.modes) for _, array in force.terms))
+        return np.asarray(np.maximum(shares[0::2], shares[1::2]) > LEAST_SHARE * shares.max())
+
     def damping_ratio(self, window_hz: tuple[float, float]) -> float | None:
         """Largest modal damping ratio of the modes inside a window; None without modes there."""
         low, high = min(window_hz), max(window_hz)
@@ -76,7 +87,7 @@ class LinearLimit:
         amplitudes = to_complex(force[1:])
         answer = np.zeros((omega.size, force.shape[1], force.shape[0]))
         for order in np.flatnonzero(np.abs(amplitudes).any(axis=1)) + 1:
-            motion = _product(self._modes, self._modal(order * omega, self._modes.T @ amplitudes[order - 1]))
+            motion = _product(self.modes, self._modal(order * omega, self.modes.T @ amplitudes[order - 1]))
             answer[:, :, 2 * order - 1] = motion.real.T
             answer[:, :, 2 * order] = -motion.imag.T
         return answer

@@ -58,6 +58,13 @@ class Metric:
         """The direction with length 1."""
         return tangent.times(1.0 / math.sqrt(self.product(tangent, tangent)))
 
+    def detour_deg(self, before: Point, after: Point, tangent: Tangent) -> float:
+        """Twice the angle from the tangent to the chord of a step: on an arc this is how much the tangent turns.
+
+        It is large where Newton converged to another part of the curve, whose tangent may be similar.
+        """
+        return 2.0 * self.angle_deg(chord_between(before, after), tangent)
+
     def angle_deg(self, first: Tangent, second: Tangent) -> float:
         """Angle between two directions."""
         cosine = self.product(self.unit(first), self.unit(second))

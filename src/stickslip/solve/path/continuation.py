@@ -11,13 +11,14 @@ Source of the method: H. B. Keller, "Numerical solution of bifurcation and nonli
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Generic
 
 import numpy as np
 
 from stickslip.core.validation import FloatArray
 from stickslip.solve.path.arc_length import Metric, Tangent, chord_between
+from stickslip.solve.path.landmarks import ON_IT, VISIBLE, Landmark, LandmarkSource, first_crossed, is_long_near
 from stickslip.solve.path.newton import Correction, Newton
 from stickslip.solve.path.problem import Linearised, Plane, Point, PointT
 from stickslip.solve.path.stepping import (
@@ -54,8 +55,10 @@ class Branch(Generic[PointT]):
     """The branch from ``start`` to the value ``stop`` of the parameter.
 
     ``follow()`` walks along it and returns its points. ``on_event`` receives each accepted point, retreats (points are
-    removed because they are on another curve), and corners. Afterwards ``complete`` is True if the branch ends at the
-    stop, ``message`` describes its end; ``retreats`` and ``corners`` are the parameters of those events.
+    removed because they are on another curve), and corners. No step crosses one of the ``landmarks``
+    (:mod:`stickslip.solve.path.landmarks`) without a point on it. Afterwards ``complete`` is True if the
+    branch ends at the stop, ``message`` describes its end; ``retreats`` and ``corners`` are the parameters of those
+    events.
     """
 
     def __init__(
@@ -65,6 +68,7 @@ class Branch(Generic[PointT]):
         stop: float,
         settings: ContinuationSettings,
         on_event: Callable[[Accepted[PointT] | Retreat | Corner], None] | None = None,
+        landmarks: LandmarkSource[PointT] | None = None,
     ) -> None:
         self._problem = newton.problem
         self._start = start
@@ -72,6 +76,8 @@ class Branch(Generic[PointT]):
         self._newton = newton
         self._settings = settings
         self._on_event = on_event or (lambda event: None)
+        self._source = landmarks
+        self._landmarks: Sequence[Landmark] = ()  # as seen from the last point
         self._origin = _parameter(start)
         self._direction = math.copysign(1.0, stop - self._origin)
         self._width = abs(stop - self._origin)
@@ -102,7 +108,7 @@ class Branch(Generic[PointT]):
         bend, step = tangent.times(0.0), self._settings.first_step
         for _ in range(self._settings.max_points - 1):
             point = self.points[-1].point
-            outcome = self._advance(point, tangent, bend, min(step, self._pace.limit))
+            outcome = self._advance_to_landmark(point, tangent, bend, min(step, self._pace.limit))
             if outcome is None:
                 outcome = self._around_corner(point, tangent)
             if outcome is None:
@@ -252,30 +258,60 @@ class Branch(Generic[PointT]):
             _parameter(point) + step * tangent.parameter,
         )
 
-    def _advance(
+    def _advance_to_landmark(
         self, point: PointT, tangent: Tangent, bend: Tangent, step: float
+    ) -> tuple[Correction[PointT], Tangent, float, float] | None:
+        """One accepted step (:meth:`_advance`) that ends on the first landmark it would cross."""
+        self._landmarks = self._source.of(point) if self._source else ()
+        crossed = first_crossed(self._landmarks, _parameter(point), step * tangent.parameter)
+        if crossed is None:
+            return self._advance(point, tangent, bend, step)
+        cut = (crossed.value - _parameter(point)) / tangent.parameter
+        if cut < self._settings.smallest_step:
+            return self._advance(point, tangent, bend, step)
+        outcome = self._advance(point, tangent, bend, cut, crossed.value)
+        if outcome is None or outcome[2] != cut:
+            return outcome
+        # Nothing narrow was there: the next step is that of a curve without the landmark.
+        correction, turned, length, after = outcome
+        return correction, turned, length, max(after, step * min(1.0, after / length))
+
+    def _advance(
+        self, point: PointT, tangent: Tangent, bend: Tangent, step: float, landmark: float | None = None
     ) -> tuple[Correction[PointT], Tangent, float, float] | None:
         """One accepted step: point, tangent, length, and next length; None (and a message) if none succeeds.
 
         ``bend`` is the change of the tangent over the last step per length: the guess follows the curvature. Where no
         shorter step succeeds, a corner that turns back is ahead, and the plane across the tangent does not intersect
-        the branch there; that of a longer step may intersect it behind the next corner.
+        the branch there; that of a longer step may intersect it behind the next corner. A step that ends on a
+        ``landmark`` has its plane at that parameter: one across the tangent may miss a peak there.
         """
         settings, reason = self._settings, ""
         last: tuple[Correction[PointT], Tangent, float, float] | None = None
         for length in lengths_to_try(step, settings):
-            correction = self._newton.correct(*self._guess(point, tangent, bend, length))
+            guess, plane = self._guess(point, tangent, bend, length)
+            if landmark is not None and length == step:
+                plane = Plane(np.zeros_like(guess.unknowns), plane.parameter_weight, guess.unknowns, landmark)
+            correction = self._newton.correct(guess, plane)
             if not correction.converged:
                 reason = reason or f"Newton stopped at a relative residual of {correction.point.error:.1e}"
                 continue
             # The last system of the correction is that of the point, except for the last Newton step.
-            system = correction.system or self._problem.linearised(
-                correction.point, self._plane(point, tangent, length)
-            )
+            system = correction.system or self._problem.linearised(correction.point, plane)
             turned = self._direction_of(correction.point, system, 1.0)
             metric = self._measure(correction.point)
-            angle = max(metric.angle_deg(turned, tangent), self._detour_deg(metric, point, correction.point, tangent))
-            candidate = correction, metric.unit(turned), length, self._next_step(length, correction.iterations, angle)
+            angle = max(metric.angle_deg(turned, tangent), metric.detour_deg(point, correction.point, tangent))
+            angle = max(angle, self._local_angle_deg(metric, point, correction.point, tangent, turned))
+            candidate = (
+                correction,
+                metric.unit(turned),
+                length,
+                settings.next_step(length, correction.iterations, angle),
+            )
+            if angle <= settings.largest_angle_deg and self._jumped(point, correction.point):
+                reason = reason or "each step crossed a narrow peak"
+                last = last or candidate  # if no shorter step ends before the peak
+                continue
             if angle <= settings.largest_angle_deg:
                 if length > step:
                     self.corners.append(_parameter(point))
@@ -326,20 +362,24 @@ class Branch(Generic[PointT]):
         guess = self._problem.evaluate(point.unknowns + ahead.unknowns, point.parameters + ahead.parameters)
         return guess, self._plane(point, tangent, step)
 
-    @staticmethod
-    def _detour_deg(metric: Metric, before: PointT, after: PointT, tangent: Tangent) -> float:
-        """Twice the angle from the tangent to the chord of a step: on an arc this is how much the tangent turns.
+    def _local_angle_deg(
+        self, metric: Metric, before: PointT, after: PointT, tangent: Tangent, turned: Tangent
+    ) -> float:
+        """Angle of a step that is long compared with a peak near it, measured by the motion there; else 0.
 
-        It is large where Newton converged to another part of the curve, whose tangent may be similar.
+        A peak that is low compared with the highest one so far turns the curve too little to be resolved otherwise.
         """
-        return 2.0 * metric.angle_deg(chord_between(before, after), tangent)
+        if not is_long_near(self._landmarks, _parameter(before), _parameter(after)):
+            return 0.0
+        scale = max(float(np.linalg.norm(each.measured)) for each in (before, after))
+        local = Metric(max(scale, VISIBLE * metric.motion_scale), metric.parameter_scale)
+        return max(local.angle_deg(turned, tangent), local.detour_deg(before, after, tangent))
 
-    def _next_step(self, step: float, iterations: int, angle_deg: float) -> float:
-        settings = self._settings
-        by_angle = settings.wanted_angle_deg / max(angle_deg, 1e-3)
-        by_iterations = (settings.wanted_iterations + 1.0) / (iterations + 1.0)
-        factor = min(2.0, max(0.4, min(by_angle, by_iterations)))
-        return min(settings.largest_step, max(settings.smallest_step, step * factor))
+    def _jumped(self, before: PointT, after: PointT) -> bool:
+        """Whether a step ends beyond a landmark: its plane may intersect the curve on the far side of a peak."""
+        start, end = _parameter(before), _parameter(after)
+        crossed = first_crossed(self._landmarks, start, end - start)
+        return crossed is not None and abs(end - crossed.value) > ON_IT * crossed.width
 
     def _land(self, before: PointT, after: PointT) -> tuple[PointT, int]:
         """The solution exactly at the stop; the point beyond it if that does not converge."""

@@ -35,6 +35,13 @@ class ContinuationSettings:
     wanted_iterations: int = 4
     max_points: int = 2000
 
+    def next_step(self, step: float, iterations: int, angle_deg: float) -> float:
+        """The length after a step that took some iterations and turned by an angle."""
+        by_angle = self.wanted_angle_deg / max(angle_deg, 1e-3)
+        by_iterations = (self.wanted_iterations + 1.0) / (iterations + 1.0)
+        factor = min(2.0, max(0.4, min(by_angle, by_iterations)))
+        return min(self.largest_step, max(self.smallest_step, step * factor))
+
 
 @dataclass(frozen=True)
 class BranchPoint(Generic[PointT]):

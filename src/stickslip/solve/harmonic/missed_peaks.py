@@ -1,0 +1,125 @@
+"""A search for peaks that a finished frequency curve has stepped over, independent of the steps of the curve."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.curves import BalancePoint
+from stickslip.solve.path.landmarks import Landmark
+from stickslip.solve.path.newton import Newton
+from stickslip.solve.path.problem import Plane
+
+# In half-power widths: places of the search beside a natural frequency; the distance at which a point of the curve is
+# at such a place already; the length of steps that may hide a peak.
+PLACES, NEAR, LONG = (-0.5, 0.0, 0.5), 0.125, 0.5
+# A missed peak exceeds both points of the curve beside it by this factor, and this fraction of the highest point: lower
+# ones are invisible in a plot.
+HIGHER, VISIBLE = 1.01, 0.01
+
+
+@dataclass(frozen=True)
+class MissedPeak:
+    """A solution beside the curve: frequency in Hz, and its motion over the larger one of the points beside it."""
+
+    frequency_hz: float
+    factor: float
+
+
+@dataclass(frozen=True)
+class PeakCheck:
+    """What the search looked for, and what it found."""
+
+    natural_frequencies: int
+    narrowest_hz: float  # smallest half-power width
+    solved: int  # places with a solution of their own; at the others the curve has points
+    failed_hz: tuple[float, ...]  # places without a solution
+    missed: tuple[MissedPeak, ...]
+
+    def words(self) -> str:
+        """One sentence."""
+        if not self.natural_frequencies:
+            return "no natural frequency of the stuck, free or tangent structure in the range is excited"
+        return (
+            f"{self.natural_frequencies} natural frequencies (stuck, free, tangent) checked, narrowest half-power "
+            f"width {self.narrowest_hz:.2g} Hz; {self.solved} places between points solved again, "
+            f"{len(self.failed_hz)} without a solution; {len(self.missed)} missed peaks"
+        )
+
+    def warnings(self) -> tuple[str, ...]:
+        """A warning for missed peaks, and one for places where the search has no answer."""
+        return self._missed_warning() + self._failed_warning()
+
+    def _missed_warning(self) -> tuple[str, ...]:
+        if not self.missed:
+            return ()
+        worst = max(self.missed, key=lambda each: each.factor)
+        places = ", ".join(f"{each.frequency_hz:.3f}" for each in self.missed)
+        return (
+            f"The curve stepped over narrow peaks near {places} Hz: at {worst.frequency_hz:.3f} Hz the motion is "
+            f"{worst.factor:.3g} times that of the points beside it. Run this part of the range again with a smaller "
+            "largest_step (ContinuationSettings), or as a range of its own.",
+        )
+
+    def _failed_warning(self) -> tuple[str, ...]:
+        if not self.failed_hz:
+            return ()
+        places = ", ".join(f"{each:.3f}" for each in self.failed_hz)
+        return (
+            f"The search for narrow peaks has no answer near {places} Hz, between points of the curve beside a natural "
+            "frequency: Newton does not converge there. Run this part of the range again as a range of its own.",
+        )
+
+
+def search_missed_peaks(
+    newton: Newton[BalancePoint], points: Sequence[BalancePoint], landmarks: Sequence[Landmark]
+) -> PeakCheck:
+    """Solve at and beside each natural frequency (rad/s) in the range where a curve has no point.
+
+    Each time the curve passes such a place the solution starts from the interpolated motion of the points beside it.
+    """
+    omega = np.array([point.trial.omega for point in points])
+    sizes = np.array([np.linalg.norm(point.measured) for point in points])
+    inside = _distinct(each for each in landmarks if omega.min() < each.value < omega.max())
+    solved, failed, missed = 0, [], []
+    for landmark in inside:
+        for place in PLACES:
+            target = landmark.value + place * landmark.width
+            crosses = (omega[:-1] - target) * (omega[1:] - target) < 0.0
+            nearest = np.minimum(np.abs(omega[:-1] - target), np.abs(omega[1:] - target))
+            is_long = np.abs(np.diff(omega)) > LONG * landmark.width
+            for left in np.flatnonzero(crosses & is_long & (nearest > NEAR * landmark.width)):
+                size = _size_at(newton, points[int(left)], points[int(left) + 1], target)
+                solved += 1
+                beside = float(sizes[left : left + 2].max())
+                if size is None:
+                    failed.append(target)
+                elif size > HIGHER * beside and size > VISIBLE * sizes.max():
+                    missed.append(MissedPeak(_hz(target), size / beside))
+    narrowest = min((each.width for each in inside), default=math.inf)
+    return PeakCheck(len(inside), _hz(narrowest), solved, tuple(map(_hz, failed)), tuple(missed))
+
+
+def _distinct(landmarks: Iterable[Landmark]) -> list[Landmark]:
+    """One of those that are the same place for the search, the narrowest."""
+    answer: list[Landmark] = []
+    for each in sorted(landmarks, key=lambda landmark: landmark.width):
+        if all(abs(each.value - other.value) > NEAR * other.width for other in answer):
+            answer.append(each)
+    return answer
+
+
+def _size_at(newton: Newton[BalancePoint], before: BalancePoint, after: BalancePoint, omega: float) -> float | None:
+    """Mass norm of the solution at a frequency between two points of a curve; None if there is none."""
+    share = (omega - before.trial.omega) / (after.trial.omega - before.trial.omega)
+    guess: FloatArray = before.unknowns + share * (after.unknowns - before.unknowns)
+    correction = newton.correct(newton.problem.evaluate(guess, np.array([omega])), Plane.fixed(guess, omega))
+    return float(np.linalg.norm(correction.point.measured)) if correction.converged else None
+
+
+def _hz(omega: float) -> float:
+    return omega / (2.0 * math.pi)

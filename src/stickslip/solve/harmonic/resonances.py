@@ -1,0 +1,87 @@
+"""Natural frequencies of the stuck, the free and the present tangent structure as landmarks of a frequency curve."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from stickslip.solve.excitation import ExcitationForce
+from stickslip.solve.harmonic.compliance import StuckStructure
+from stickslip.solve.harmonic.curves import BalancePoint
+from stickslip.solve.harmonic.linear import LinearLimit
+from stickslip.solve.path.landmarks import Landmark
+
+# chosen: the width of an undamped resonance, over its frequency; friction or its distance limits it.
+LEAST_WIDTH = 1e-6
+# Modes up to this multiple of the highest frequency of the range, of both limits, span those of the tangent structure:
+# exact at both limits, and from above between them. Modes of both that differ by less are one.
+NEAR_MODES, SAME_MODES = 3.0, 1e-8
+# Landmarks up to this multiple of the highest frequency: a curve may turn, and a first point may come from, beyond it.
+BEYOND = 1.25
+
+
+class Resonances:
+    """The landmarks of a frequency curve: circular frequencies and half-power widths in rad/s.
+
+    At a natural frequency ``w_j`` of mode j, harmonic h of the force excites it at ``w_j / h``. With friction the
+    resonance is between those of the stuck and the free structure. The tangent structure at a point has the springs of
+    the rows that do not move there; it counts once two successive points have the same moving rows, since before that
+    the structure changes from step to step, and changing contact dissipates. Its modes are combinations of the near
+    modes of both limits (Rayleigh-Ritz), because those of all unknowns would cost more than the curve.
+    """
+
+    def __init__(
+        self, stuck: LinearLimit, free: LinearLimit, structure: StuckStructure, force: ExcitationForce
+    ) -> None:
+        self._structure, self._force = structure, force
+        near = [limit.circular_frequency <= NEAR_MODES * structure.highest_omega for limit in (stuck, free)]
+        from_free = scipy.linalg.solve(structure.modes, free.modes[:, near[1]], check_finite=False)
+        both = np.hstack([np.eye(len(from_free))[:, near[0]], from_free])
+        self._basis = scipy.linalg.orth(both, rcond=SAME_MODES)  # (n, r) in the coordinates of the stuck modes
+        self._shapes = structure.contact_modes @ self._basis
+        self._squares = (self._basis.T * structure.circular_frequency**2) @ self._basis
+        damping = structure.modal_damping
+        self._damping = (self._basis.T * damping if damping.ndim == 1 else self._basis.T @ damping) @ self._basis
+        self._of_limits = [*self._landmarks(stuck), *self._landmarks(free)]
+        self._moving = b""
+        self._of_tangent: dict[bytes, list[Landmark]] = {}
+
+    @property
+    def seen(self) -> list[Landmark]:
+        """All landmarks so far."""
+        return sum(self._of_tangent.values(), list(self._of_limits))
+
+    def of(self, point: BalancePoint) -> Sequence[Landmark]:
+        """Those of both limits, and of the tangent structure at a point if it is that of the point before."""
+        moves = point.trial.contact.moves.ravel()
+        moving, before = moves.tobytes(), self._moving
+        self._moving = moving
+        if moving != before or not moves.any():
+            return self._of_limits
+        if moving not in self._of_tangent:
+            self._of_tangent[moving] = self._tangent(np.flatnonzero(moves))
+        return self._of_limits + self._of_tangent[moving]
+
+    def _tangent(self, rows: NDArray[np.intp]) -> list[Landmark]:
+        """The landmarks of the structure without the springs of some rows."""
+        springs = self._structure.pairs.resting_stiffness().ravel()[rows]
+        shapes = self._shapes[rows]
+        squares, turns = scipy.linalg.eigh(self._squares - (shapes.T * springs) @ shapes, check_finite=False)
+        modal = np.einsum("ij,ij->j", turns, self._damping @ turns)
+        modes = self._structure.modes @ (self._basis @ turns)
+        limit = LinearLimit(np.sqrt(np.maximum(squares, 0.0)), modes, modal)
+        return self._landmarks(limit)
+
+    def _landmarks(self, limit: LinearLimit) -> list[Landmark]:
+        """The resonances that the force excites, up to a little beyond the range: every step looks through them."""
+        orders, modes = np.nonzero(limit.moved_by(self._force) & (limit.circular_frequency > 0.0))
+        answer = []
+        for order, mode in zip(1 + orders, modes, strict=True):
+            omega = float(limit.circular_frequency[mode])
+            width = max(float(limit.half_power_width[mode]), LEAST_WIDTH * omega)
+            if omega <= order * BEYOND * self._structure.highest_omega:
+                answer.append(Landmark(omega / order, width / order))
+        return answer
