@@ -32,6 +32,7 @@ from stickslip.contact.law.coulomb_kernel import (
     Index,
     advance,
     associated_return,
+    return_jacobian,
     slip_jacobian,
 )
 from stickslip.core.compiled import njit
@@ -122,13 +123,24 @@ def start_force(motion: Motion, y1: float, y2: float) -> tuple[float, float]:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def start_jacobian(motion: Motion, y1: float, y2: float) -> tuple[float, float, float, float, float, float]:
+    """Derivatives of :func:`start_force`: t1 by y1, y2, t2 by y1, y2, t1 and t2 by the limit at sample 0."""
+    limit = motion.limit[0]
+    if limit <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if math.hypot(y1, y2) <= limit:
+        return 1.0, 0.0, 0.0, 1.0, 0.0, 0.0
+    t1, t2, x = associated_return(y1, y2, limit, motion.ratio1, motion.ratio2)
+    return return_jacobian(t1, t2, x, limit, motion.ratio1, motion.ratio2)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def solve_stage(
     motion: Motion, y1: float, y2: float, cycles: float, enough: float, force: FloatArray, mode: CodeArray
 ) -> tuple[float, float]:
     """Solve ``y = a + cycles (P(y) - y)`` by Newton from (y1, y2); ``force`` and ``mode`` are those of the last march.
 
-    Inside the limit at sample 0; a start outside of it returns to the limit, and the derivative counts it as inside,
-    which is exact but for the angle.
+    A y outside of the limit at sample 0 starts on it (:func:`start_force`).
     """
     a1, a2 = motion.path[0, 0], motion.path[1, 0]
     best, best1, best2 = math.inf, y1, y2
@@ -143,12 +155,7 @@ def solve_stage(
         if size <= enough or (count >= PATIENCE and not improved):
             break
         p11, p12, p21, p22 = transfer(motion, t1, t2, force, mode)
-        r11, r12, r21, r22 = 1.0, 0.0, 0.0, 1.0
-        outside = math.hypot(y1, y2)
-        if outside > motion.limit[0]:
-            # Of a return to the limit along the radius.
-            n1, n2, share = y1 / outside, y2 / outside, motion.limit[0] / outside
-            r11, r12, r21, r22 = share * n2 * n2, -share * n1 * n2, -share * n1 * n2, share * n1 * n1
+        r11, r12, r21, r22, _, _ = start_jacobian(motion, y1, y2)
         j11 = 1.0 + cycles * (1.0 - p11 * r11 - p12 * r21)
         j12 = -cycles * (p11 * r12 + p12 * r22)
         j21 = -cycles * (p21 * r11 + p22 * r21)
@@ -163,7 +170,7 @@ def solve_stage(
 def settle(motion: Motion, force: FloatArray, mode: CodeArray) -> tuple[float, float, float, float]:
     """State after the cycles: fills ``force`` (2, n) and ``mode`` (n,) with the period that follows them.
 
-    Returns the force (t1, t2) at the start of the last cycle, and that at the start of the period.
+    Returns y, with which the last cycle starts, and the force at the start of the period.
     """
     n = motion.limit.shape[0]
     largest, opens = 0.0, False
@@ -185,12 +192,12 @@ def settle(motion: Motion, force: FloatArray, mode: CodeArray) -> tuple[float, f
         t1, t2 = start_force(motion, y1, y2)
     march(motion, t1, t2, force, mode)
     if opens:
-        t1, t2 = force[0, 0], force[1, 0]
-        march(motion, t1, t2, force, mode)
+        y1, y2 = force[0, 0], force[1, 0]
+        march(motion, y1, y2, force, mode)
     # The period after the cycles: a pair that slips far to both sides has forgotten its start altogether.
     end1, end2 = force[0, 0], force[1, 0]
     march(motion, end1, end2, force, mode)
-    return t1, t2, end1, end2
+    return y1, y2, end1, end2
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -227,7 +234,7 @@ def settle_pairs(
     """State of every pair after the cycles: fills forces and samples (n_pairs, 2, n), modes (n_pairs, n), the rest.
 
     ``samples`` are the forces with corrections, so that their sum is the integral (:func:`corrected_samples`).
-    ``starts`` (n_pairs, 2) is the force at the start of the last cycle, in which pairs that have shaken down still touch
+    ``starts`` (n_pairs, 2) is y, with which the last cycle starts, and in which pairs that have shaken down still touch
     their limit; ``closures`` (n_pairs,) N is what the period changes.
     """
     for pair in range(limits.shape[0]):

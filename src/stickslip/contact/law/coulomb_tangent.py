@@ -17,7 +17,7 @@ from stickslip.contact.law.coulomb_kernel import (
     slip_jacobian,
     stick_jacobian,
 )
-from stickslip.contact.law.coulomb_period import CYCLES, Motion, sticks_throughout
+from stickslip.contact.law.coulomb_period import CYCLES, Motion, start_force, start_jacobian, sticks_throughout
 from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
 
@@ -212,31 +212,42 @@ def pair_tangent(
 ) -> None:
     """Fill ``tangent`` (2, width, 3 * width): derivative of the tangential force coefficients after the cycles.
 
-    ``start`` (2,) is that of :func:`stickslip.contact.law.coulomb_period.settle_pairs` for this motion. With b the
-    derivative of the period's end at fixed start and Phi that by the start, ``y = a + C (P(y) - y)`` moves by
-    ``dy = (I + C (I - Phi))^-1 (da + C b)``.
+    ``start`` (2,) is y of :func:`stickslip.contact.law.coulomb_period.settle_pairs` for this motion. The last cycle
+    starts with the force T(y, l) at a limit l and ends with P; with b the derivative of P by the motion at fixed T, and
+    Phi that by T, ``y = a + C (P - y)`` gives ``(I + C (I - Phi T_y)) dy = da + C (b + Phi T_l dl)``. The period after
+    it starts with P.
     """
     width = basis.synthesis.shape[1]
     columns = 3 * width + 2
     derivative = np.zeros((2, columns))
     derivative[0, columns - 2] = derivative[1, columns - 1] = 1.0
     fourier = np.zeros((width, 2, columns))
-    march_tangent(motion, start[0], start[1], basis, scale, derivative, fourier)
-    j11, j12 = 1.0 + CYCLES * (1.0 - derivative[0, columns - 2]), -CYCLES * derivative[0, columns - 1]
-    j21, j22 = -CYCLES * derivative[1, columns - 2], 1.0 + CYCLES * (1.0 - derivative[1, columns - 1])
+    t1, t2 = start_force(motion, start[0], start[1])
+    march_tangent(motion, t1, t2, basis, scale, derivative, fourier)
+    r11, r12, r21, r22, l1, l2 = start_jacobian(motion, start[0], start[1])
+    p11, p12 = derivative[0, columns - 2], derivative[0, columns - 1]
+    p21, p22 = derivative[1, columns - 2], derivative[1, columns - 1]
+    s11, s12, s21, s22 = p11 * r11 + p12 * r21, p11 * r12 + p12 * r22, p21 * r11 + p22 * r21, p21 * r12 + p22 * r22
+    j11, j12, j21, j22 = 1.0 + CYCLES * (1.0 - s11), -CYCLES * s12, -CYCLES * s21, 1.0 + CYCLES * (1.0 - s22)
     determinant = j11 * j22 - j12 * j21
     for c in range(columns - 2):
+        b1, b2 = derivative[0, c], derivative[1, c]
         a1, a2 = 0.0, 0.0  # of the slider at its initial position: the path at sample 0, released without its mean
         if c < width:
             a1 = scale[0] * basis.synthesis[0, c] if c > 0 or not released else 0.0
         elif c < 2 * width:
             a2 = scale[1] * basis.synthesis[0, c - width] if c > width or not released else 0.0
-        b1, b2 = a1 + CYCLES * derivative[0, c], a2 + CYCLES * derivative[1, c]
-        by1, by2 = (j22 * b1 - j12 * b2) / determinant, (j11 * b2 - j21 * b1) / determinant
+        else:
+            by_limit = scale[2] * basis.synthesis[0, c - 2 * width]
+            b1 += (p11 * l1 + p12 * l2) * by_limit
+            b2 += (p21 * l1 + p22 * l2) * by_limit
+        y1, y2 = a1 + CYCLES * b1, a2 + CYCLES * b2
+        y1, y2 = (j22 * y1 - j12 * y2) / determinant, (j11 * y2 - j21 * y1) / determinant
+        end1, end2 = b1 + s11 * y1 + s12 * y2, b2 + s21 * y1 + s22 * y2
         for row in range(2):
             for p in range(width):
                 tangent[row, p, c] = (
-                    fourier[p, row, c] + fourier[p, row, columns - 2] * by1 + fourier[p, row, columns - 1] * by2
+                    fourier[p, row, c] + fourier[p, row, columns - 2] * end1 + fourier[p, row, columns - 1] * end2
                 )
 
 
