@@ -4,9 +4,10 @@ The Fourier integrals of the force are sums over samples. A force with a kink be
 by an amount that has corners of its own: each sample that changes state makes a corner in the curve of solutions. The
 kink at the fraction theta of a step, with a force that would arrive at T_0 + d without it and arrives at T_1 with it,
 adds ``theta (T_0 + d - T_1) / 2`` of a sample (trapezoidal rule on both sides of the instant), and similarly at
-lift-off and touchdown, where the force is zero on one side. With this part the integrals are continuously
-differentiable across samples, and their error falls with the third power of the step instead of the second.
-A pair that begins to stick has no kink: its slip rate has come to zero.
+lift-off and touchdown, where the force is zero on one side. With this part the integrals are those of a motion that is
+linear between samples. They are of second order, as sums are, but their error does not scatter with the place of the
+events between the samples, and they are continuously differentiable where one passes a sample. A corner remains at
+reversals: where another sample becomes the last that slips.
 """
 
 from __future__ import annotations
