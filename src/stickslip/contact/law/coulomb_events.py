@@ -55,7 +55,7 @@ def event(
 def corrected_samples(
     path: FloatArray, limit: FloatArray, t1: float, t2: float, force: FloatArray, mode: CodeArray, out: FloatArray
 ) -> None:
-    """Fill ``out`` (2, n): the samples of a period that starts with (t1, t2), with the corrections beside its events."""
+    """Fill ``out`` (2, n): the samples of a period from (t1, t2), with the corrections beside its events."""
     n = limit.shape[0]
     for j in range(n):
         out[0, j], out[1, j] = force[0, j], force[1, j]

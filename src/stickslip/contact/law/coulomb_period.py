@@ -29,7 +29,6 @@ from stickslip.contact.law.coulomb_kernel import (
     SLIP,
     STICK,
     CodeArray,
-    Index,
     advance,
     associated_return,
     return_jacobian,

@@ -14,9 +14,9 @@ from stickslip.solve.harmonic.energy import CurveMeasures
 # chosen: residual of the equation of motion, relative to its forces, above which a curve has a warning; converged
 # points have 1e-9 or less (NewtonSettings.tolerance) unless a drift or round-off dominates.
 LARGEST_RESIDUAL = 1e-6
-# chosen: closure error of a slider, over the friction limit, above which its force is uncertain; a periodic slider has
-# 1e-13 (coulomb_period.CLOSURE_TOLERANCE).
-LARGEST_CLOSURE = 1e-6
+# chosen: closure error of a slider, over the friction limit, above which its force is uncertain; the state after many
+# cycles closes to 1 / coulomb_period.CYCLES of the distance that they have moved the slider.
+LARGEST_CLOSURE = 1e-5
 # chosen: a free mode with more than this multiple of the modal damping ratio has a warning.
 NOTABLE_DAMPING = 1.2
 # chosen: force of the restraint on the mean, over the sum of the friction limits, above which there is a warning.

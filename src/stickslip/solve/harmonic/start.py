@@ -14,10 +14,11 @@ from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve, LoadCu
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Correction, Newton
 from stickslip.solve.path.problem import Plane
+from stickslip.solve.path.stepping import ContinuationSettings
 
-# chosen: load at the begin of the ramp, at which few pairs slip, its first increment, and the increment below which the
-# ramp fails.
-FIRST_LOAD, FIRST_GROWTH, SMALLEST_GROWTH = 0.01, 0.09, 1e-4
+# chosen: load at the begin of the ramp, at which few pairs slip, and the steps of the ramp, which may be long.
+FIRST_LOAD = 0.01
+RAMP = ContinuationSettings(largest_step=0.3, first_step=0.05, max_points=1000)
 # chosen: harmonics of simpler balances, and multiples of the first frequency (nearest first, on both sides), in the
 # order of the attempts.
 SIMPLER_HARMONICS = (1, 3)
@@ -43,10 +44,10 @@ def first_point(
     if direct.converged:
         return direct.point, "The first point converged from the linear stuck response."
     attempts.append(f"from the linear stuck response: relative residual {direct.point.error:.1e}")
-    ramped, reached = _amplitude_ramp(newton, curve, omega)
+    ramped, message = _amplitude_ramp(newton, curve, omega)
     if ramped is not None:
         return ramped, "The first point converged after an amplitude ramp."
-    attempts.append(f"amplitude ramp: stopped at {100 * reached:.1f} % of the force")
+    attempts.append(f"amplitude ramp: {message}")
     if simpler is not None:
         for harmonics in SIMPLER_HARMONICS:
             if harmonics >= balance.harmonics:
@@ -83,30 +84,19 @@ def _at_frequency(
 
 def _amplitude_ramp(
     newton: Newton[BalancePoint], curve: FrequencyCurve, omega: float
-) -> tuple[BalancePoint | None, float]:
-    """Raise the force from a hundredth in adaptive steps: solution at full force or None, and the last fraction."""
+) -> tuple[BalancePoint | None, str]:
+    """Follow the solution from a hundredth of the force, through folds: that at full force or None, and a message."""
     ramp = LoadCurve(curve.balance, omega)
     ramp_newton = Newton(ramp, newton.settings, newton.on_iteration)
-
-    def at(guess: FloatArray, load: float) -> Correction[BalancePoint]:
-        return ramp_newton.correct(ramp.at(guess, load), Plane.fixed(guess, load))
-
-    load, growth = FIRST_LOAD, FIRST_GROWTH
-    correction = at(curve.balance.linear(omega, load * curve.load), load * curve.load)
-    if not correction.converged:
-        return None, 0.0
-    point = correction.point
-    while load < 1.0:
-        if growth < SMALLEST_GROWTH:
-            return None, load
-        target = min(1.0, load + growth)
-        correction = at(point.unknowns * (target / load), target * curve.load)
-        if correction.converged:
-            point, load = correction.point, target
-            growth *= 1.6
-        else:
-            growth *= 0.5
-    return curve.at(point.unknowns, omega), 1.0
+    guess = curve.balance.linear(omega, FIRST_LOAD * curve.load)
+    first = ramp_newton.correct(ramp.at(guess, FIRST_LOAD * curve.load), Plane.fixed(guess, FIRST_LOAD * curve.load))
+    if not first.converged:
+        return None, f"no solution at {100 * FIRST_LOAD:g} % of the force"
+    branch = Branch(ramp_newton, first.point, curve.load, RAMP)
+    branch.follow()
+    if not branch.complete:
+        return None, branch.message
+    return curve.at(branch.points[-1].point.unknowns, omega), branch.message
 
 
 def _few_harmonics(

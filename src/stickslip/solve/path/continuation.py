@@ -44,6 +44,9 @@ MOST_RETREATS = 6
 SHORTER, LONGER = 0.25, 4.0
 # A step beyond a corner differs from the direction in which the branch came by at least this angle.
 LEAST_TURN_DEG = 2.0
+# chosen: how far the branch may go beyond its start, as a fraction of the range and of the start, before it folds and
+# comes back: a range often begins between two folds.
+LONGEST_EXCURSION = 0.5
 # Floor of the scale of the motion, whose square must not underflow.
 SMALLEST_MOTION = 1e-150
 # A branch counts as reversed after this number of points on its old path: at first the legs of a sharp corner are too
@@ -122,10 +125,11 @@ class Branch(Generic[PointT]):
                 self.message = "The branch reached the stop."
                 self._accept(BranchPoint(landed, iterations + correction.iterations))
                 return self.points
-            if (reached - self._origin) * self._direction < 0.0:
+            if (self._origin - reached) * self._direction > LONGEST_EXCURSION * min(self._width, abs(self._origin)):
                 self.message = (
-                    f"The branch turned back and left the range at {self._name_of(correction.point)}, where it had "
-                    "started. Start from the other end (swap start and stop), or widen the range."
+                    f"The branch turned back and left the range through its start; at "
+                    f"{self._name_of(correction.point)} it had not come back. Start from the other end (swap start and "
+                    "stop), or widen the range."
                 )
                 return self.points
             self._accept(BranchPoint(correction.point, correction.iterations))
