@@ -11,6 +11,9 @@ from stickslip.contact.law.coulomb_harmonics import Update, harmonic_force, harm
 from stickslip.core.validation import FloatArray
 
 SAMPLES = 64
+# Round-off of the state after C cycles is some 1e-12 of the force, so steps are not shorter than this; the tangent is
+# that of the last cycle, 1/C from the period after it.
+STEP, TOLERANCE = 1e-5, 3e-6
 UPDATES: list[Update] = ["tractrix", "radial"]
 
 
@@ -39,6 +42,12 @@ def differences(x: FloatArray, pairs: ContactPairs, update: Update, step: float)
 def relative(first: FloatArray, second: FloatArray, scale: FloatArray) -> FloatArray:
     error: FloatArray = np.abs(first - second).max(axis=(1, 2, 3, 4)) / scale
     return error
+
+
+def assert_close(errors: FloatArray) -> None:
+    """All but few: a sample within 1/C of a switch may be beyond it in the last cycle and before it in the period."""
+    assert np.quantile(errors, 0.99) < TOLERANCE
+    assert errors.max() < 1e-3
 
 
 # name: (coefficients, keyword arguments of the pair, state, deviates)
@@ -88,9 +97,9 @@ def test_tangent_of_each_regime(name: str, update: Update) -> None:
     actual = harmonic_force(x, pairs, SAMPLES, update)
     assert (actual.state[0], actual.deviates[0]) == (state, deviates)
     tangent = harmonic_tangent(x, pairs, SAMPLES, [0], update)
-    expected = differences(x, pairs, update, 1e-6)
+    expected = differences(x, pairs, update, STEP)
     scale = np.abs(expected).max() + np.full(1, 1e-300)
-    assert relative(tangent, expected, scale)[0] < 1e-6
+    assert relative(tangent, expected, scale)[0] < TOLERANCE
 
 
 @pytest.mark.slow
@@ -101,10 +110,10 @@ def test_tangent_of_random_pairs(seed: int, update: Update) -> None:
     x, pairs = random_case(seed, 250)
     tangent = harmonic_tangent(x, pairs, SAMPLES, np.arange(250), update)
     scale = np.maximum(np.abs(tangent).max(axis=(1, 2, 3, 4)), 1e-300)
-    first, second = differences(x, pairs, update, 1e-6), differences(x, pairs, update, 2.3e-6)
-    smooth = relative(first, second, scale) < 1e-6
+    first, second = differences(x, pairs, update, STEP), differences(x, pairs, update, 2.3 * STEP)
+    smooth = relative(first, second, scale) < TOLERANCE
     assert smooth.mean() > 0.9
-    assert relative(tangent, first, scale)[smooth].max() < 1e-6
+    assert_close(relative(tangent, first, scale)[smooth])
 
 
 @pytest.mark.parametrize("seed", [3, 4])
@@ -113,10 +122,10 @@ def test_tangent_with_residual_traction(seed: int) -> None:
     x, pairs = kept_case(seed, 250)
     tangent = harmonic_tangent(x, pairs, SAMPLES, np.arange(250))
     scale = np.maximum(np.abs(tangent).max(axis=(1, 2, 3, 4)), 1e-300)
-    first = differences(x, pairs, "tractrix", 1e-6)
-    smooth = relative(first, differences(x, pairs, "tractrix", 2.3e-6), scale) < 1e-6
+    first = differences(x, pairs, "tractrix", STEP)
+    smooth = relative(first, differences(x, pairs, "tractrix", 2.3 * STEP), scale) < TOLERANCE
     assert smooth.mean() > 0.9
-    assert relative(tangent, first, scale)[smooth].max() < 1e-6
+    assert_close(relative(tangent, first, scale)[smooth])
     by_mean = np.abs(tangent[:, :2, :, :2, 0]).max(axis=(1, 2, 3))
     stuck = ~harmonic_force(x, pairs, SAMPLES).deviates & pairs.closed_at_rest
     assert stuck.sum() > 10

@@ -40,11 +40,12 @@ from stickslip.core.validation import FloatArray
 # C: tractions of pairs that slip have lost their start but for this fraction; chosen far below errors of samples, and
 # far above round-off, which C multiplies.
 CYCLES = 1e6
-# Newton on y begins with FIRST_CYCLES, where it converges from anywhere, and continues with STAGE times as many.
-FIRST_CYCLES, STAGE = 30.0, 30.0
-# Relative residual of y, over C, that counts as solved; the largest number of marches of a stage, and the number after
-# which a march that does not improve ends it.
-SOLVED, MOST_MARCHES, PATIENCE = 1e-14, 40, 8
+# Relative residual of y, over C, that counts as solved; the largest number of marches of Newton on y, and that without
+# improvement which ends it.
+SOLVED, MOST_MARCHES, PATIENCE = 1e-14, 40, 4
+# chosen: where Newton fails, halvings of the distance to the state after one cycle; the factor to the cycles of the next
+# stage, and that which ends the attempts.
+HALVINGS, STAGE, LEAST_STAGE = 40, 30.0, 1.02
 # A pair counts as stuck if its slip in a period, in force units, is below this fraction of max(mu N). chosen: ten times
 # 1 / C; of 6,000 random pairs near shakedown none had a slip between 6e-6, creep of the last cycle, and 1.9e-4.
 SLIP_TOLERANCE = 10.0 / CYCLES
@@ -136,22 +137,24 @@ def start_jacobian(motion: Motion, y1: float, y2: float) -> tuple[float, float, 
 @njit(cache=True, nogil=True, error_model="numpy")
 def solve_stage(
     motion: Motion, y1: float, y2: float, cycles: float, enough: float, force: FloatArray, mode: CodeArray
-) -> tuple[float, float]:
-    """Solve ``y = a + cycles (P(y) - y)`` by Newton from (y1, y2); ``force`` and ``mode`` are those of the last march.
+) -> tuple[float, float, bool]:
+    """Solve ``y = a + cycles (P(y) - y)`` by Newton from (y1, y2): y, and whether the residual came below ``enough``.
 
-    A y outside of the limit at sample 0 starts on it (:func:`start_force`).
+    ``force`` and ``mode`` are then those of the march from y. A y outside of the limit at sample 0 starts on it
+    (:func:`start_force`).
     """
     a1, a2 = motion.path[0, 0], motion.path[1, 0]
-    best, best1, best2 = math.inf, y1, y2
-    for count in range(MOST_MARCHES):
+    best, since = math.inf, 0
+    for _ in range(MOST_MARCHES):
         t1, t2 = start_force(motion, y1, y2)
         march(motion, t1, t2, force, mode)
         f1, f2 = y1 - a1 - cycles * (force[0, 0] - y1), y2 - a2 - cycles * (force[1, 0] - y2)
         size = math.hypot(f1, f2)
-        improved = size < best
-        if improved:
-            best, best1, best2 = size, y1, y2
-        if size <= enough or (count >= PATIENCE and not improved):
+        if size <= enough:
+            return y1, y2, True
+        since = 0 if size < best else since + 1
+        best = min(best, size)
+        if since > PATIENCE:
             break
         p11, p12, p21, p22 = transfer(motion, t1, t2, force, mode)
         r11, r12, r21, r22, _, _ = start_jacobian(motion, y1, y2)
@@ -162,7 +165,31 @@ def solve_stage(
         determinant = j11 * j22 - j12 * j21
         y1 -= (j22 * f1 - j12 * f2) / determinant
         y2 -= (j11 * f2 - j21 * f1) / determinant
-    return best1, best2
+    return y1, y2, False
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def staged(motion: Motion, largest: float, force: FloatArray, mode: CodeArray) -> tuple[float, float]:
+    """The state after the cycles by stages of more and more of them, each of which starts from the last.
+
+    For one cycle the right side of ``y = (a + c P(y)) / (1 + c)`` halves distances, so its iteration converges from
+    anywhere. Where no stage with more cycles converges, the state is that of the last stage; the closure shows it.
+    """
+    a1, a2 = motion.path[0, 0], motion.path[1, 0]
+    y1, y2 = a1, a2
+    for _ in range(HALVINGS):
+        t1, t2 = start_force(motion, y1, y2)
+        march(motion, t1, t2, force, mode)
+        y1, y2 = 0.5 * (a1 + force[0, 0]), 0.5 * (a2 + force[1, 0])
+    cycles, factor = 1.0, STAGE
+    while cycles < CYCLES and factor > LEAST_STAGE:
+        wanted = min(CYCLES, factor * cycles)
+        next1, next2, solved = solve_stage(motion, y1, y2, wanted, SOLVED * wanted * largest, force, mode)
+        if solved:
+            y1, y2, cycles, factor = next1, next2, wanted, STAGE
+        else:
+            factor = math.sqrt(factor)
+    return y1, y2
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -177,22 +204,19 @@ def settle(motion: Motion, force: FloatArray, mode: CodeArray) -> tuple[float, f
         largest = max(largest, motion.limit[j])
         if motion.limit[j] <= 0.0:
             opens = True
-    y1, y2 = motion.path[0, 0], motion.path[1, 0]
+    t1, t2 = start_force(motion, motion.path[0, 0], motion.path[1, 0])
+    march(motion, t1, t2, force, mode)
+    y1, y2 = force[0, 0], force[1, 0]
     if opens:
         # An open sample carries no force, so the end of a period does not depend on its start.
-        t1, t2 = 0.0, 0.0
-    else:
-        cycles = FIRST_CYCLES
-        while True:
-            y1, y2 = solve_stage(motion, y1, y2, cycles, SOLVED * cycles * largest, force, mode)
-            if cycles >= CYCLES:
-                break
-            cycles = min(CYCLES, STAGE * cycles)
-        t1, t2 = start_force(motion, y1, y2)
-    march(motion, t1, t2, force, mode)
-    if opens:
-        y1, y2 = force[0, 0], force[1, 0]
         march(motion, y1, y2, force, mode)
+        return y1, y2, y1, y2
+    # From the end of one cycle, which is near where the pair slips far.
+    y1, y2, solved = solve_stage(motion, y1, y2, CYCLES, SOLVED * CYCLES * largest, force, mode)
+    if not solved:
+        y1, y2 = staged(motion, largest, force, mode)
+        t1, t2 = start_force(motion, y1, y2)
+        march(motion, t1, t2, force, mode)
     # The period after the cycles: a pair that slips far to both sides has forgotten its start altogether.
     end1, end2 = force[0, 0], force[1, 0]
     march(motion, end1, end2, force, mode)
