@@ -12,6 +12,7 @@ from helpers import Blade
 from sentences import rejects
 from stickslip.contact.law.closed_forms import jenkins_loop
 from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb_period import CYCLES
 from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
@@ -69,7 +70,7 @@ def test_every_point_is_a_solution(bench: ForcedResponse) -> None:
     assert bench.converged
     assert bench.frequency_hz.size >= 60
     assert bench.residual.max() < 1e-8
-    assert bench.closure.max() < 1e-10
+    assert bench.closure.max() < 2.0 / CYCLES
     assert bench.displacement.shape == (bench.frequency_hz.size, 38, 7)
 
 
@@ -98,7 +99,7 @@ def test_impact_of_a_few_samples_is_no_friction() -> None:
         assert friction.min() >= -1e-12 * friction.max()
         assert response.pair_cycle(top).dissipated_energy.sum() == pytest.approx(
             friction[top].sum(),
-            rel=32.0 / samples,  # of both solutions that 128 samples have at the end of the range
+            rel=(96.0 / samples) ** 2,
         )
         np.testing.assert_allclose(
             friction.sum(axis=1) + work + response.viscous_energy, response.input_energy, rtol=1e-6
@@ -107,7 +108,7 @@ def test_impact_of_a_few_samples_is_no_friction() -> None:
         reported = any("normal forces of the pairs" in sentence for sentence in response.warnings)
         assert reported == (largest[-1] > 1e-2)
     assert largest[0] > 0.1
-    assert 0.2 > largest[1] > 5.0 * largest[2]
+    assert 0.05 > largest[1] > 20.0 * largest[2]
 
 
 def test_linear_limits(bench: ForcedResponse, blade: Blade) -> None:

@@ -33,9 +33,8 @@ def test_ramp_and_few_harmonics_reach_the_direct_solution(blade: Blade) -> None:
     newton = Newton(curve, NewtonSettings(1e-10, 40))
     direct, how = first_point(newton, curve, OMEGA)
     assert "from the linear stuck response" in how
-    ramped, reached = start_module._amplitude_ramp(newton, curve, OMEGA)
-    assert reached == 1.0
-    assert ramped is not None
+    ramped, message = start_module._amplitude_ramp(newton, curve, OMEGA)
+    assert ramped is not None, message
     coarse = start_module._few_harmonics(newton, curve, balance_with(blade, 1), OMEGA)
     assert coarse.converged
     for other in (ramped, coarse.point):
@@ -52,8 +51,18 @@ def test_falls_back_to_the_ramp(blade: Blade) -> None:
 
 
 @pytest.mark.slow
-def test_walks_in_from_outside_when_the_ramp_folds(blade: Blade) -> None:
-    """With five iterations the ramp ends at its fold, near 78 % of the force."""
+def test_the_ramp_passes_its_fold(blade: Blade) -> None:
+    """With five iterations the step across the fold, near 78 % of the force, must follow the curve."""
+    curve = FrequencyCurve(balance_with(blade, 3))
+    point, how = first_point(Newton(curve, NewtonSettings(1e-9, 5)), curve, OMEGA)
+    assert "amplitude ramp" in how
+    assert point.trial.load == pytest.approx(1.0)
+    assert point.error <= 1e-9
+
+
+@pytest.mark.slow
+def test_walks_in_from_outside_when_the_ramp_fails(blade: Blade, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(start_module, "RAMP", ContinuationSettings(max_points=3))
     curve = FrequencyCurve(balance_with(blade, 3))
     newton = Newton(curve, NewtonSettings(1e-9, 5))
 

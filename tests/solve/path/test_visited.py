@@ -87,11 +87,22 @@ def test_a_circle_leaves_through_its_start() -> None:
     branch, _ = branch_of(circle(), circle().at(0.6, 0.8), 2.0)
     points = [point.point for point in branch.follow()]
     assert not branch.complete
-    assert "turned back and left the range at y = 0." in branch.message
+    assert "left the range through its start" in branch.message
     # Half the circle above the start, in the order of the angle.
     angle = np.unwrap([np.arctan2(point.y, point.x) for point in points])
     assert (np.diff(angle) > 0).all()
     assert np.hypot([p.x for p in points], [p.y for p in points]) == pytest.approx(np.ones(len(points)), abs=1e-9)
+
+
+def test_a_branch_that_starts_between_two_folds_comes_back() -> None:
+    """It folds, leaves the range through its start, folds again and goes on to the stop."""
+    curve = PlaneCurve(lambda x, y: x**3 - x - (y - 10.0), lambda x, y: (3.0 * x * x - 1.0, -1.0))
+    branch, _ = branch_of(curve, curve.at(-1.0, 10.0), 11.0)
+    points = [point.point for point in branch.follow()]
+    assert branch.complete, branch.message
+    assert min(point.y for point in points) == pytest.approx(10.0 - 2.0 / 3.0**1.5, abs=0.02)
+    assert [point.x for point in points] == sorted(point.x for point in points)
+    assert points[-1].y == 11.0
 
 
 def test_a_lemniscate_is_crossed_at_its_node() -> None:
