@@ -43,8 +43,8 @@ CYCLES = 1e6
 # Relative residual of y, over C, that counts as solved; the largest number of marches of Newton on y, and that without
 # improvement which ends it.
 SOLVED, MOST_MARCHES, PATIENCE = 1e-14, 40, 4
-# chosen: where Newton fails, halvings of the distance to the state after one cycle; the factor to the cycles of the next
-# stage, and that which ends the attempts.
+# chosen: where Newton fails, halvings of the distance to the state after one cycle; the factor to the cycles of the
+# next stage, and that which ends the attempts.
 HALVINGS, STAGE, LEAST_STAGE = 40, 30.0, 1.02
 # A pair counts as stuck if its slip in a period, in force units, is below this fraction of max(mu N). chosen: ten times
 # 1 / C; of 6,000 random pairs near shakedown none had a slip between 6e-6, creep of the last cycle, and 1.9e-4.
@@ -131,7 +131,8 @@ def start_jacobian(motion: Motion, y1: float, y2: float) -> tuple[float, float, 
     if math.hypot(y1, y2) <= limit:
         return 1.0, 0.0, 0.0, 1.0, 0.0, 0.0
     t1, t2, x = associated_return(y1, y2, limit, motion.ratio1, motion.ratio2)
-    return return_jacobian(t1, t2, x, limit, motion.ratio1, motion.ratio2)
+    r11, r12, r21, r22, l1, l2 = return_jacobian(t1, t2, x, limit, motion.ratio1, motion.ratio2)
+    return r11, r12, r21, r22, l1, l2
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
