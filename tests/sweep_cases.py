@@ -36,8 +36,9 @@ def quick_case() -> Case:
     return Case().replace(QUICK)
 
 
-def quick_file(folder: Path) -> Path:
-    """The same as a study file."""
+def quick_file(folder: Path, **solver: object) -> Path:
+    """The same as a study file; ``solver`` replaces keys of that section."""
     path = folder / "study.toml"
-    path.write_text(quick_case().to_text(), encoding="utf-8")
+    changes = {f"solver.{key}": value for key, value in solver.items()}
+    path.write_text(quick_case().replace(changes).to_text(), encoding="utf-8")
     return path

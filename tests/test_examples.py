@@ -19,6 +19,8 @@ from stickslip.papers.rough_damper.plan import Scope, computations
 from sweep_cases import quick_file
 
 ROOT = Path(__file__).parents[1]
+# Commands of guides run with few points each; other tests read numbers of sweeps.
+BELOW_THE_PEAK = {"frequency_stop": "446 Hz", "samples": 64}
 READ_BY_USERS = [*sorted(ROOT.glob("examples/*.py")), *sorted(ROOT.glob("docs/*.md")), ROOT / "README.md"]
 
 
@@ -112,7 +114,7 @@ def test_readme_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
         result = CliRunner().invoke(app, shlex.split(line))
         assert result.exit_code == 0, result.output
         if line.startswith("new"):
-            quick_file(tmp_path)
+            quick_file(tmp_path, **BELOW_THE_PEAK)
     assert (tmp_path / "results" / "report.html").is_file()
     assert len(list(tmp_path.glob("sweep/cases/*/results.nc"))) == 20
 
@@ -158,7 +160,7 @@ def test_guide_to_sweeps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
         result = runner.invoke(app, ["1" if before == "--workers" else word for before, word in pairwise(["", *words])])
         assert result.exit_code == 0, result.output
         if words[0] == "new":
-            quick_file(tmp_path)
+            quick_file(tmp_path, **BELOW_THE_PEAK)
     assert len(list(tmp_path.glob("loads/cases/*/results.nc"))) == 5
     assert len(list(tmp_path.glob("loads/cases/*/report.html"))) == 1
     assert len(list(tmp_path.glob("modes/cases/*/results.nc"))) == 6

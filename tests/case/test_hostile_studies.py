@@ -12,6 +12,7 @@ from test_lines_of_keys import BLADES
 from typer.testing import CliRunner
 
 from own_cases import EXAMPLE
+from sentences import printed_sentence
 from stickslip.cli.main import app
 
 LONG = 5000
@@ -91,12 +92,11 @@ def test_an_entry_with_a_name_without_end(tmp_path: Path) -> None:
     path.write_text(text, encoding="utf-8")
     result = CliRunner().invoke(app, ["check", str(path)])
     assert result.exit_code == 2
-    assert "is not a name: letters, digits, blanks" in result.stderr
-    assert "at most 64" in result.stderr
+    printed_sentence(result.stderr)
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/zero"), reason="there is no device without end here")
 def test_a_study_file_without_end() -> None:
     result = CliRunner().invoke(app, ["check", "/dev/zero"])
     assert result.exit_code == 2
-    assert "it is a device, but it must be a regular file" in result.stderr
+    printed_sentence(result.stderr, "/dev/zero")

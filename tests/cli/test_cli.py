@@ -12,6 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 import stickslip
+from sentences import printed_sentence
 from stickslip.case.case import Case
 from stickslip.cli import errors as cli_errors
 from stickslip.cli import main as cli
@@ -94,8 +95,7 @@ def test_new_rejects_to_overwrite_unless_forced(study_file: Path) -> None:
     study_file.write_text("precious", encoding="utf-8")
     result = invoke("new", study_file)
     assert result.exit_code == 2
-    assert "exists already" in result.stderr
-    assert "--force" in result.stderr
+    printed_sentence(result.stderr, "--force")
     assert study_file.read_text(encoding="utf-8") == "precious"
     assert invoke("new", study_file, "--force").exit_code == 0
     assert study_file.read_text(encoding="utf-8") == Case().to_text()
@@ -104,7 +104,7 @@ def test_new_rejects_to_overwrite_unless_forced(study_file: Path) -> None:
 def test_new_into_a_place_that_cannot_be_written(study_file: Path) -> None:
     result = invoke("new", study_file / "blade.toml")
     assert result.exit_code == 2
-    assert "is not writable" in result.stderr
+    printed_sentence(result.stderr, str(study_file))
 
 
 def test_check_prints_the_sections(study: Study, study_file: Path) -> None:
@@ -118,8 +118,7 @@ def test_defaults_that_were_used_are_named(study: Study, tmp_path: Path) -> None
     path = tmp_path / "short.toml"
     path.write_text("[friction]\ncoefficient = 0.2\n[preload]\ncentrifugal_force = 20\n", encoding="utf-8")
     result = invoke("check", path)
-    assert "uses the defaults: [study], [geometry]" in result.stderr
-    assert "preload.friction_coefficient_at_assembly" in result.stderr
+    printed_sentence(result.stderr, "[study]", "[geometry]", "preload.friction_coefficient_at_assembly")
     assert "[friction]" not in result.stderr
 
 
@@ -143,8 +142,7 @@ def test_not_converged_keeps_and_names_the_results(study: Study, study_file: Pat
     study.outcome = Outcome(converged=False, message="The step became too small at 482 Hz.")
     result = invoke("run", study_file, "--out", tmp_path / "out", "--quiet")
     assert result.exit_code == 3
-    assert "482 Hz" in result.stderr
-    assert "The computed part is in: results.nc, report.html" in result.stderr
+    printed_sentence(result.stderr, "482 Hz", "results.nc", "report.html")
     assert result.stdout == ""
 
 
@@ -152,7 +150,7 @@ def test_no_first_point_is_exit_3(study: Study, study_file: Path, tmp_path: Path
     study.error = ConvergenceError("No first point at 440 Hz. Take a start further from the peak.")
     result = invoke("run", study_file, "--out", tmp_path / "out")
     assert result.exit_code == 3
-    assert "Error: No first point at 440 Hz." in result.stderr
+    assert result.stderr.rstrip().endswith(str(study.error))
 
 
 @pytest.mark.parametrize("command", ["run", "check"])
@@ -160,7 +158,7 @@ def test_input_error_from_the_computation(study: Study, study_file: Path, tmp_pa
     study.error = RoughnessError("The contact is fully plastic, its stiffness zero. Raise the load.")
     result = invoke(command, study_file, *(["--out", tmp_path / "out"] if command == "run" else []))
     assert result.exit_code == 2
-    assert "fully plastic" in result.stderr
+    assert result.stderr.rstrip().endswith(str(study.error))
     assert "Traceback" not in result.stderr
 
 
@@ -171,8 +169,7 @@ def test_fault_writes_its_traceback_into_the_folder(study: Study, study_file: Pa
     log = out / cli_errors.LOG_NAME
     assert result.exit_code == 1
     assert "Traceback" not in result.stderr
-    assert str(log) in result.stderr
-    assert "report the defect" in result.stderr
+    printed_sentence(result.stderr, str(log))
     assert "ZeroDivisionError: division by zero" in log.read_text(encoding="utf-8")
 
 
@@ -180,26 +177,22 @@ def test_fault_without_folder_points_to_debug(study: Study, study_file: Path) ->
     study.error = ZeroDivisionError("division by zero")
     result = invoke("check", study_file)
     assert result.exit_code == 1
-    assert "--debug" in result.stderr
+    printed_sentence(result.stderr, "--debug")
     assert "Traceback" not in result.stderr
     assert "Traceback" in invoke("check", study_file, "--debug").stderr
 
 
 @pytest.mark.parametrize(
-    ("error", "code", "part"),
-    [
-        (OSError(28, "No space left on device"), 1, "No space left on device"),
-        (MemoryError(), 2, "fewer elements"),
-        (KeyboardInterrupt(), 130, "Interrupted"),
-    ],
+    ("error", "code"),
+    [(OSError(28, "No space left on device"), 1), (MemoryError(), 2), (KeyboardInterrupt(), 130)],
 )
 def test_troubles_of_the_machine(
-    study: Study, study_file: Path, tmp_path: Path, error: BaseException, code: int, part: str
+    study: Study, study_file: Path, tmp_path: Path, error: BaseException, code: int
 ) -> None:
     study.error = error
     result = invoke("run", study_file, "--out", tmp_path / "out")
     assert result.exit_code == code
-    assert part in result.stderr
+    printed_sentence(result.stderr)
     assert "Fault" not in result.stderr
     assert "Traceback" not in result.stderr
 
@@ -207,8 +200,7 @@ def test_troubles_of_the_machine(
 def test_output_folder_that_cannot_be_made(study: Study, study_file: Path) -> None:
     result = invoke("run", study_file, "--out", study_file / "out")
     assert result.exit_code == 2
-    assert str(study_file / "out") in result.stderr
-    assert "is not writable" in result.stderr
+    printed_sentence(result.stderr, str(study_file / "out"))
     assert study.calls == []
 
 
@@ -219,7 +211,7 @@ def test_output_folder_that_cannot_be_written(study: Study, study_file: Path, tm
     out.chmod(stat.S_IRUSR | stat.S_IXUSR)
     result = invoke("run", study_file, "--out", out)
     assert result.exit_code == 2
-    assert "is not writable" in result.stderr
+    assert str(out) in result.stderr
     assert study.calls == []
 
 
@@ -232,7 +224,7 @@ def test_output_folder_that_rejects_files(
     monkeypatch.setattr("tempfile.TemporaryFile", reject)
     result = invoke("run", study_file, "--out", tmp_path)
     assert result.exit_code == 2
-    assert "Permission denied" in result.stderr
+    printed_sentence(result.stderr, str(tmp_path))
     assert study.calls == []
 
 
@@ -245,13 +237,13 @@ def test_report_of_another_version(study: Study, tmp_path: Path) -> None:
     study.error = ResultsFileError("results.nc was written by version 9 of the format; this program reads 1.")
     result = invoke("report", tmp_path)
     assert result.exit_code == 2
-    assert "version 9" in result.stderr
+    assert result.stderr == f"Error: {study.error}\n"
 
 
 def test_report_of_no_folder(study: Study, tmp_path: Path) -> None:
     result = invoke("report", tmp_path / "nowhere")
     assert result.exit_code == 2
-    assert "nowhere" in result.stderr
+    printed_sentence(result.stderr, "nowhere")
     assert not (tmp_path / "nowhere").exists()
 
 
@@ -331,8 +323,7 @@ def test_an_empty_folder_is_rejected(study: Study, study_file: Path, command: st
     more = ["--vary", "friction.coefficient=0.2,0.3"] if command == "sweep" else []
     result = invoke(command, *([] if command == "paper" else [study_file]), *more, "--out", "")
     assert result.exit_code == 2
-    assert "--out" in result.stderr
-    assert "it is empty. Give a folder" in result.stderr.replace("\n", " ")
+    printed_sentence(" ".join(result.stderr.split()).partition("Error: ")[2], "--out")
     assert study.calls == []
 
 
@@ -342,7 +333,7 @@ def test_threads_of_the_environment_are_checked_first(
     monkeypatch.setenv("NUMBA_NUM_THREADS", "0")
     result = invoke("check", study_file)
     assert result.exit_code == 2
-    assert "NUMBA_NUM_THREADS is '0', but it must be a whole number" in result.stderr
+    printed_sentence(result.stderr, "NUMBA_NUM_THREADS")
 
 
 @pytest.mark.parametrize("command", ["check", "run"])

@@ -12,7 +12,7 @@ import pytest
 import scipy.io
 
 from bombs import flat_memory
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.case.case import load_case
 from stickslip.core import input_files
 from stickslip.core.errors import ImportFileError, InputError, ResultsFileError, StudyFileError
@@ -76,10 +76,12 @@ def test_a_huge_file_is_rejected_before_it_is_read(tmp_path, name):
 def test_the_opener(tmp_path):
     (tmp_path / "file").write_bytes(b"content")
     assert read_regular(tmp_path / "file") == b"content"
-    with pytest.raises(UnsuitableFileError, match="it has 7 bytes; the limit for such a file is 6 bytes"):
+    with pytest.raises(UnsuitableFileError) as caught:
         read_regular(tmp_path / "file", 6)
-    with pytest.raises(UnsuitableFileError, match="it is a folder"):
+    printed_sentence(caught.value.strerror)
+    with pytest.raises(UnsuitableFileError) as caught:
         open_regular(tmp_path)
+    printed_sentence(caught.value.strerror)
     with pytest.raises(FileNotFoundError):
         open_regular(tmp_path / "nowhere")
 

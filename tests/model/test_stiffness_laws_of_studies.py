@@ -11,7 +11,7 @@ import pytest
 import stickslip as ss
 from law_studies import JOINT, interface_text, write_masses, write_study
 from own_cases import mesh_case
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.core.errors import ImportFileError, InputError
 from stickslip.model.model import load_joint, set_up
 from stickslip.study.check import check
@@ -76,8 +76,7 @@ def test_a_pressure_outside_of_the_table_is_a_warning() -> None:
     case = measured_case(TABLE | {"pressure": ["0.01 MPa", "0.1 MPa", "0.2 MPa"]})
     joint = load_joint(case, set_up(case).layout)
     (sentence,) = joint.stiffness_warnings
-    assert sentence.startswith("sole: Pressures from")
-    assert "are above the measured range, 1e+04 to 2e+05 Pa" in sentence
+    printed_sentence(sentence, "sole", "1e+04", "2e+05 Pa")
     assert any(sentence == words for title, rows in check(case) if title == "Warnings" for _, words in rows)
 
 
@@ -144,7 +143,7 @@ def test_a_solved_pressure_outside_of_the_table_is_a_warning(
     assert pressure.mean() < 8.2e4 < pressure.max()
     sentences = model.joint.stiffness_warnings
     assert bool(sentences) is warns
-    assert all("the measured range, 1e+03 to 8.2e+04 Pa" in each for each in sentences)
+    assert all("8.2e+04 Pa" in each for each in sentences)
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ from synthetic import synthetic_response, synthetic_study
 
 pytestmark = pytest.mark.slow
 
-PAGES = pytest.mark.parametrize("kind", ["report", "report-of-a-file", "sweep", "paper"])
+PAGES = pytest.mark.parametrize("kind", ["report", "sweep", "paper"])
 # What the mouse shows of every trace of every plot at its first point; plotly.js answers once in 50 ms.
 _HOVER = """async () => {
   const shown = [];
@@ -54,7 +54,7 @@ def browser() -> Iterator[Any]:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Pages with hostile text in every place, and plain ones of a report and a sweep."""
+    """Pages with hostile text in every place, that of a run from its file, and plain ones of a report and a sweep."""
     folder = tmp_path_factory.mktemp("hostile")
     write_hostile_pages(folder)
     save_results(folder / "results.nc", hostile_response(), hostile_study())
@@ -62,7 +62,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "results.nc").rename(folder / "again" / "results.nc")
     reported = CliRunner().invoke(cli.app, ["report", str(folder / "again")])
     assert reported.exit_code == 0, reported.output
-    (folder / "again" / "report.html").rename(folder / "report-of-a-file.html")
+    (folder / "again" / "report.html").rename(folder / "report.html")
     write_page(folder / "plain-report.html", synthetic_response(), synthetic_study())
     view = sweep_view((load_key((100.0, 200.0)), MODE), [1e-4, 2e-4, 3e-4, 4e-4])
     write_sweep_page(folder / "plain-sweep.html", view, "Blades", "[study]", {"date": "2026"})
@@ -83,7 +83,7 @@ def test_nothing_runs_and_all_text_is_read(browser: Any, folder: Path, kind: str
         assert page.locator("body script:not([src])").count() == {"sweep": 3, "paper": 0}.get(kind, 7)
 
 
-@pytest.mark.parametrize(("kind", "plots"), [("report", 13), ("report-of-a-file", 13), ("sweep", 8)])
+@pytest.mark.parametrize(("kind", "plots"), [("report", 13), ("sweep", 8)])
 def test_plots_show_names_as_they_are(browser: Any, folder: Path, kind: str, plots: int) -> None:
     with opened_page(browser, folder / f"{kind}.html") as page:
         marks = page.eval_on_selector_all(

@@ -10,8 +10,11 @@ from pathlib import Path
 import numpy as np
 import xarray
 
+import stickslip as ss
+from law_makers import iwan
 from sentences import rejects
 from stickslip.core.errors import InputError, ResultsFileError
+from stickslip.results.measures import SUMMARY_COLUMNS, summary
 from stickslip.results.sweep_table import MEASURES, curve_and_measures
 from sweep_tables import MODE, load_key, sweep_view
 from synthetic import synthetic_response, synthetic_study
@@ -65,6 +68,19 @@ def test_a_place_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
     for write in (TABLE.to_csv, TABLE.to_netcdf):
         with rejects(ResultsFileError):
             write(tmp_path / "nowhere" / "t")
+
+
+def test_an_iwan_joint_in_microslip_is_in_the_column_of_stick_slip() -> None:
+    """A part of its patch slips at any amplitude; the description of the column says so."""
+    response = ss.forced_response(
+        ss.Superelement(np.eye(3), 4e5 * np.eye(3), 60.0 * np.eye(3)),
+        ss.ContactPairs.with_laws(np.eye(3), [iwan(2e5, 5.0, -0.5, 0.1, 5e5)]),
+        np.array([1e-3, 0.0, 0.0]), frequency_hz=(112.0, 112.5), harmonics=1, samples=64,
+    )  # fmt: skip
+    _, words, count = SUMMARY_COLUMNS["pairs_stick_slip"]
+    assert count(summary(response, np.array([1.0, 0.0, 0.0]))) == 1
+    assert response.pairs.state_names[ss.ContactState.STICK_SLIP] == "microslip"
+    assert "Iwan" in words
 
 
 def test_measures_that_are_not_defined_are_left_out() -> None:

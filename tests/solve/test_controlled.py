@@ -8,7 +8,7 @@ import scipy.optimize
 
 import stickslip as ss
 from helpers import Blade
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.compliance import stuck_structure
 from stickslip.solve.harmonic.curves import Control, ControlledCurve
@@ -61,7 +61,7 @@ def test_the_phase_resonance_of_a_linear_structure_is_its_natural_frequency() ->
         frequency_hz=(natural_hz, 1.1 * natural_hz), harmonics=1, samples=64, modal_damping_ratio=RATIO,
     )  # fmt: skip
     assert not response.converged
-    assert "singular at the start" in response.message
+    printed_sentence(response.message)
     coefficients = response.coefficients([1.0, 0.0, 0.0])[0]
     assert np.degrees(np.arctan2(coefficients[2], coefficients[1])) == pytest.approx(90.0)
     assert response.frequency_hz == pytest.approx(natural_hz, rel=1e-9)

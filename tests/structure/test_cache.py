@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from damage import damaged
+from sentences import printed_sentence
 from stickslip.core.errors import StickslipWarning
 from stickslip.model.kinds.two_blade_mesh import BladePairElements, BladePairGeometry, blade_pair_mesh
 from stickslip.structure import cache
@@ -130,8 +131,9 @@ def test_a_file_under_the_name_of_another_is_not_taken(reduction: Counted) -> No
     assert folder is not None
     (second,) = set(folder.iterdir()) - {first}
     shutil.copy(first, second)
-    with pytest.warns(StickslipWarning, match="belongs to other inputs"):
+    with pytest.warns(StickslipWarning) as caught:
         assert more_modes.cached().size == reduction.cached().size + 1
+    printed_sentence("\n".join(str(each.message) for each in caught))
     assert (more_modes.calls, reduction.calls) == (2, 1)
 
 
@@ -140,8 +142,9 @@ def test_a_file_that_cannot_be_read_is_reported(reduction: Counted) -> None:
     file = kept_file()
     file.unlink()
     file.mkdir()
-    with pytest.warns(StickslipWarning, match=r"is not used: Is a directory\. It is computed again"):
+    with pytest.warns(StickslipWarning) as caught:
         reduction.cached()
+    printed_sentence("\n".join(str(each.message) for each in caught))
     assert reduction.calls == 2
 
 

@@ -6,7 +6,7 @@ import pytest
 import scipy.sparse
 
 from helpers import absent_tool
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.core.errors import ConvergenceError, InputError, MissingPackageError, SingularMatrixError
 from stickslip.structure import factor as factor_module
 from stickslip.structure.elasticity import Material, assemble
@@ -79,8 +79,7 @@ def test_a_large_factor_with_superlu_says_how_long_it_may_take():
     assert factor_forecast(10_000, "superlu") == "factor of 10000 unknowns"
     assert factor_forecast(200_000, "pardiso") == "factor of 200000 unknowns"
     sentence = factor_forecast(100_000, "superlu")
-    assert "from 7 s (slender mesh) to 50 s (full body)" in sentence
-    assert "stickslip[pardiso]" in sentence
+    printed_sentence(sentence, "stickslip[pardiso]")
 
 
 def test_the_best_backend_needs_its_package_and_a_size_where_it_pays(monkeypatch):

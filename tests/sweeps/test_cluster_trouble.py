@@ -47,7 +47,7 @@ def other_code(tmp_path: Path) -> dict[str, str]:
     """Environment of a process that runs stickslip with one line more."""
     package = tmp_path / "other" / "stickslip"
     shutil.copytree(Path(stickslip.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))
-    with (package / "solve" / "newton.py").open("a", encoding="utf-8") as stream:
+    with (package / "solve" / "path" / "newton.py").open("a", encoding="utf-8") as stream:
         stream.write("# other\n")
     return {"PYTHONPATH": str(package.parent)}
 

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
+from sentences import printed_sentence
 from stickslip.cli import main as cli
 from stickslip.sweeps import work
 from sweep_cases import quick_case, quick_file
@@ -46,8 +47,7 @@ def test_failed_cases_are_exit_3_with_the_table(tmp_path: Path, monkeypatch: pyt
     result = invoke(file, "--vary", rough, "--out", out, "--workers", 1, "--quiet")
     assert result.exit_code == 3
     assert result.stdout == ""
-    assert "Failed: fractal_roughness-0.0001m_" in result.stderr
-    assert f"The table {out / 'sweep.csv'} contains all cases with their messages." in result.stderr
+    printed_sentence(result.stderr, "fractal_roughness-0.0001m_", str(out / "sweep.csv"))
     assert (out / "sweep.csv").read_text(encoding="utf-8").count("\n") == 3
     monkeypatch.setattr(cli, "SHOWN_FAILURES", 0)
     monkeypatch.setattr(work, "solve", None)  # nothing is solved again
@@ -55,23 +55,26 @@ def test_failed_cases_are_exit_3_with_the_table(tmp_path: Path, monkeypatch: pyt
 
 
 @pytest.mark.parametrize(
-    ("arguments", "sentence"),
+    ("arguments", "key"),
     [
-        (("--vary", LOAD), "must be section.key=values"),
-        (("--vary", f"{LOAD}=1", "--vary", f"{LOAD}=2"), f"--vary {LOAD} is given twice"),
-        (("--vary", f"{LOAD}=-1"), f"{LOAD} = -1 is not allowed: a value above 0 N is needed."),
-        (("--vary", "solver.samples=1000,2"), "solver.samples = 2 is not allowed"),
-        (("--vary", "solver.largest_step=1e-3"), "1 of 1 cases of the sweep are not valid"),
-        (("--vary", f"{LOAD}=5", "--workers", "2", "--scheduler", "tcp://h:1"), "cannot both be given"),
+        (("--vary", LOAD), "--vary"),
+        (("--vary", f"{LOAD}=1", "--vary", f"{LOAD}=2"), LOAD),
+        (("--vary", f"{LOAD}=-1"), LOAD),
+        (("--vary", "solver.samples=1000,2"), "solver.samples"),
+        (("--vary", "solver.largest_step=1e-3"), "solver.largest_step"),
+        (("--vary", f"{LOAD}=5", "--workers", "2", "--scheduler", "tcp://h:1"), "--workers"),
         (("--vary", f"{LOAD}=5", "--workers", "0"), "--workers"),
         ((), "--vary"),
     ],
 )
-def test_wrong_input_is_exit_2_without_results(tmp_path: Path, arguments: tuple[str, ...], sentence: str) -> None:
+def test_wrong_input_is_exit_2_without_results(tmp_path: Path, arguments: tuple[str, ...], key: str) -> None:
     out = tmp_path / "out"
     result = invoke(quick_file(tmp_path), *arguments, "--out", out)
     assert result.exit_code == 2
-    assert sentence in " ".join(result.stderr.split())
+    printed = " ".join(result.stderr.split())
+    assert key in printed
+    if printed.startswith("Error: "):  # the other sentences are those of the package that reads the command line
+        printed_sentence(printed)
     assert "Traceback" not in result.stderr
     assert not list(out.glob("*"))
 
@@ -79,13 +82,12 @@ def test_wrong_input_is_exit_2_without_results(tmp_path: Path, arguments: tuple[
 def test_a_sweep_none_of_whose_cases_can_be_solved_is_wrong_input(tmp_path: Path) -> None:
     result = invoke(quick_file(tmp_path), "--vary", "geometry.damper_length=40 mm,50 mm", "--out", tmp_path / "out")
     assert result.exit_code == 2
-    assert "no case of 2 can be solved" in result.stderr
-    assert "damper_length is 40 mm" in result.stderr
+    printed_sentence(result.stderr, "damper_length")
 
 
 def test_a_folder_that_cannot_be_made_is_reported(tmp_path: Path) -> None:
     file = quick_file(tmp_path)
     result = invoke(file, "--vary", f"{LOAD}=600", "--out", file / "out")
     assert result.exit_code == 2
-    assert "is not writable" in result.stderr
+    printed_sentence(result.stderr, str(file / "out"))
     assert quick_case().to_text() == file.read_text(encoding="utf-8")

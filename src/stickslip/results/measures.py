@@ -226,8 +226,16 @@ SUMMARY_COLUMNS: dict[str, tuple[str, str, Callable[[Summary], float | bool | No
     "free_peak_frequency_hz": ("Hz", "its frequency", lambda s: _inside(s, "free", "frequency_hz")),
     "equivalent_damping_ratio": ("1", "from the energies at the peak", lambda s: s.equivalent_damping),
     "half_power_width_ratio": ("1", "half-power width of the curve, (f2 - f1) / (2 f)", lambda s: s.half_power_width),
-    "pairs_stuck": ("1", "pairs stuck at the peak", lambda s: s.state_counts[ContactState.STUCK]),
-    "pairs_stick_slip": ("1", "pairs in stick-slip at the peak", lambda s: s.state_counts[ContactState.STICK_SLIP]),
+    "pairs_stuck": (
+        "1",
+        "pairs stuck at the peak, Iwan joints without motion included",
+        lambda s: s.state_counts[ContactState.STUCK],
+    ),
+    "pairs_stick_slip": (
+        "1",
+        "pairs in stick-slip at the peak, Iwan joints in microslip included",
+        lambda s: s.state_counts[ContactState.STICK_SLIP],
+    ),
     "pairs_separating": ("1", "pairs separating at the peak", lambda s: s.state_counts[ContactState.SEPARATING]),
     "friction_energy_j": ("J", "dissipated by friction per cycle at the peak", lambda s: s.friction_energy),
     "normal_work_j": (

@@ -238,8 +238,14 @@ def reference_deviation(row: ModeRow) -> float | None:
 
     The model is the full one, or the reduced one where there is no full one.
     """
-    model, reference = row.get("full_hz", row.get("reduced_hz")), row.get("reference_hz")
-    return None if model is None or reference is None else frequency_deviation(float(model), float(reference))
+    model, reference = model_frequency(row), row.get("reference_hz")
+    return None if model is None or reference is None else frequency_deviation(model, float(reference))
+
+
+def model_frequency(row: ModeRow) -> float | None:
+    """Natural frequency in Hz of the model of a row of the mode table: the full one if there is one."""
+    value = row.get("full_hz", row.get("reduced_hz"))
+    return None if value is None else float(value)
 
 
 def frequency_deviation(frequency: float, reference: float) -> float:

@@ -7,39 +7,27 @@ Displacements are Fourier coefficients in the order mean, cos 1, sin 1, cos 2, s
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from os import PathLike
-from typing import TYPE_CHECKING, ClassVar, Self, cast
+from typing import TYPE_CHECKING, ClassVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import FloatArray, finite_array, require_choice
 from stickslip.results.curve_figure import AmplitudeCurve
 from stickslip.results.groups import read_groups, write_groups
-from stickslip.results.linear_curves import LinearCurves, points_between
-from stickslip.results.pair_variables import pairs_from, pairs_groups
+from stickslip.results.linear_curves import points_between
 from stickslip.results.periodic_amplitude import periodic_amplitude
-from stickslip.results.stability import Bifurcation, BifurcationRows, ComplexNumbers
-from stickslip.results.stored import StoredGroup
+from stickslip.results.response_data import CURVE, PAIRS, ResponseData
 from stickslip.results.sweeps_of_curve import Jump, SlowSweep, one_run, stable_between_folds, sweeps
 from stickslip.results.variables import (
-    Attribute,
-    Coefficients,
-    Flags,
-    HarmonicNumbers,
-    InGroup,
-    Json,
-    Labelled,
     Numbers,
-    Text,
     WholeNumbers,
     require_shape,
-    stored,
 )
 
 if TYPE_CHECKING:
@@ -49,16 +37,9 @@ if TYPE_CHECKING:
     from stickslip.contact.law.coulomb_harmonics import Update
     from stickslip.contact.law.law import ContactCycle
 
-_CURVE, _PAIRS = ("point",), ("point", "pair")
-_Setting = str | float | int | None
-# More samples of a period than any run has: a larger number in a file is damage.
-MOST_SAMPLES = 10**6
-# The message of results of versions that did not compute it.
-NO_STABILITY = "These results do not contain the stability of the points."
-
 
 @dataclass(frozen=True, eq=False)
-class ForcedResponse(Labelled):
+class ForcedResponse(ResponseData):
     """Forced response along a curve of ``n_points`` points, in the order of the curve.
 
     The curve may fold, so ``frequency_hz`` need not rise; neighbours in the index are neighbours on the curve.
@@ -122,111 +103,11 @@ class ForcedResponse(Labelled):
         for an array of the wrong shape or with an entry that is not finite.
     """
 
-    DATASET_TITLE: ClassVar[str] = "Forced response of a structure with rough, dry-friction joints"
     # Properties that :meth:`to_xarray` adds to the stored data.
     DERIVED: ClassVar[Mapping[str, Numbers]] = {
-        "friction_energy": Numbers(_PAIRS, "J", "energy that friction dissipates per cycle"),
-        "moving_pairs": WholeNumbers(_CURVE, "1", "pairs that slip or separate"),
+        "friction_energy": Numbers(PAIRS, "J", "energy that friction dissipates per cycle"),
+        "moving_pairs": WholeNumbers(CURVE, "1", "pairs that slip or separate"),
     }
-
-    frequency_hz: FloatArray = field(
-        metadata=stored(Numbers(_CURVE, "Hz", "excitation frequency along the curve, may fold", name="frequency"))
-    )
-    displacement: FloatArray = field(
-        metadata=stored(
-            Coefficients(
-                ("point", "unknown"),
-                "m",
-                "displacement (m for boundary unknowns, own scaling for modal ones)",
-            )
-        )
-    )
-    contact_state: NDArray[np.int8] = field(
-        metadata=stored(
-            WholeNumbers(
-                _PAIRS, "1", f"contact state: {', '.join(f'{each:d} {each.label}' for each in ContactState)}", np.int8
-            )
-        )
-    )
-    dissipated_energy: FloatArray = field(
-        metadata=stored(Numbers(_PAIRS, "J", "work on the contact force per cycle: friction and normal_work"))
-    )
-    normal_work: FloatArray = field(
-        metadata=stored(Numbers(_PAIRS, "J", "work of the normal force per cycle, an error of sampling"))
-    )
-    closure: FloatArray = field(
-        metadata=stored(Numbers(_PAIRS, "1", "relative distance between slider at start and end of the period"))
-    )
-    residual: FloatArray = field(metadata=stored(Numbers(_CURVE, "1", "relative residual of the balance")))
-    iterations: NDArray[np.int64] = field(metadata=stored(WholeNumbers(_CURVE, "1", "Newton iterations")))
-    input_energy: FloatArray = field(metadata=stored(Numbers(_CURVE, "J", "work of the excitation per cycle")))
-    viscous_energy: FloatArray = field(
-        metadata=stored(Numbers(_CURVE, "J", "energy that viscous damping dissipates per cycle"))
-    )
-    converged: bool = field(metadata=stored(Attribute(0, 1, bool)))
-    message: str = field(metadata=stored(Text("message of the solver at its end")))
-    warnings: tuple[str, ...] = field(metadata=stored(Json(list[str], "warnings of the solver, JSON list")))
-    harmonics: int = field(metadata=stored(HarmonicNumbers()))
-    samples: int = field(metadata=stored(Attribute(1, MOST_SAMPLES)))
-    pairs: ContactPairs = field(metadata=stored(InGroup(pairs_groups, pairs_from)))
-    linear: LinearCurves = field(metadata=stored(InGroup.of(LinearCurves)))
-    force: FloatArray = field(metadata=stored(Coefficients(("unknown",), "N", "excitation force")))
-    settings: dict[str, str | float | int] = field(
-        metadata=stored(Json(dict[str, _Setting], "settings of the solve, JSON object"))
-    )
-    provenance: dict[str, str] = field(metadata=stored(Json(dict[str, str], "software and machine, JSON object")))
-    load_factor: FloatArray = field(
-        default_factory=lambda: np.ones(1),
-        metadata=stored(Numbers(_CURVE, "1", "excitation at the point over force", optional=True)),
-    )
-    kinetic_energy: FloatArray = field(
-        default_factory=lambda: np.zeros(1),
-        metadata=stored(Numbers(_CURVE, "J", "twice the mean kinetic energy of the first harmonic", optional=True)),
-    )
-    stable: NDArray[np.bool_] | None = field(
-        default=None, metadata=stored(Flags(_CURVE, "1", "1 if small disturbances decay", optional=True))
-    )
-    multipliers: NDArray[np.complex128] | None = field(
-        default=None,
-        metadata=stored(ComplexNumbers(("point", "multiplier"), "1", "largest Floquet multipliers", optional=True)),
-    )
-    bifurcations: tuple[Bifurcation, ...] = field(default=(), metadata=stored(BifurcationRows(optional=True)))
-    stability_message: str = field(
-        default=NO_STABILITY, metadata=stored(Text("stability of the points of the curve", optional=True))
-    )
-
-    def __post_init__(self) -> None:
-        points = np.shape(self.frequency_hz)
-        if len(points) != 1 or not points[0]:
-            raise InputError(
-                f"frequency_hz must be a list of at least one point, but its shape is {points}.",
-                arguments=["frequency_hz"],
-            )
-        for name in ("load_factor", "kinetic_energy"):
-            if np.shape(getattr(self, name)) == (1,):
-                object.__setattr__(self, name, np.repeat(getattr(self, name), points[0]))
-        if not np.isin(self.contact_state, list(ContactState)).all():
-            states = [f"{state:d} ({state.label})" for state in ContactState]
-            raise InputError(
-                f"contact_state must contain only {', '.join(states[:-1])} or {states[-1]}.",
-                arguments=["contact_state"],
-            )
-        sizes = {
-            "point": points[0],
-            "pair": self.pairs.n_pairs,
-            "unknown": self.pairs.operator.shape[1],
-            "harmonic": self.harmonics,
-        }
-        self._require_sizes(sizes)
-        limit = (self.linear.frequency_hz.size, sizes["unknown"], 2 * self.harmonics + 1)
-        require_shape("linear.stuck", self.linear.stuck, limit)
-        require_shape("linear.free", self.linear.free, limit)
-        object.__setattr__(self, "warnings", tuple(self.warnings))
-
-    @classmethod
-    def from_group(cls, group: StoredGroup, harmonics: int = 0) -> Self:
-        """The response in the root group of a results file, which contains its number of harmonics."""
-        return super().from_group(group, group.integers("harmonic").size)
 
     def __repr__(self) -> str:
         top = int(self.input_energy.argmax())

@@ -9,7 +9,8 @@ import numpy as np
 from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
-from stickslip.results.response import NO_STABILITY, ForcedResponse
+from stickslip.results.response import ForcedResponse
+from stickslip.results.response_data import NO_STABILITY
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.checks import ResolutionCheck, check_resolution
 from stickslip.solve.harmonic.curve_warnings import curve_warnings, neighbour_warnings

@@ -15,7 +15,7 @@ from stickslip.core.progress import Progress
 from stickslip.core.validation import FloatArray
 from stickslip.model.layout import Derived
 from stickslip.model.model import ReducedModel, kind_of
-from stickslip.results.record import StudyRecord, Value
+from stickslip.results.record import ModeRow, StudyRecord, Value, model_frequency, reference_deviation
 from stickslip.results.response import ForcedResponse
 from stickslip.structure.craig_bampton import ReductionRow, reduction_table
 from stickslip.structure.elasticity import Structure
@@ -29,6 +29,8 @@ from stickslip.study.facts import (
     study_warnings,
 )
 
+# chosen, in percent: with a smaller deviation nobody doubts that model and reference have the same mode.
+SURE_DEVIATION = 1.0
 TIED, STUCK, CLOSED_AT_REST = "tied", "stuck", "(pairs closed at rest)"
 
 
@@ -39,11 +41,13 @@ def study_record(
     pairs = model.joint.face_pairs
     contact_model = contact_of_modes(pairs, bool(model.pairs.resting_stiffness().all()))
     mode_table = tuple(_mode_rows(table))
+    doubts: tuple[str, ...] = ()
     if case.reference is not None:
         if not mode_table:  # a structure without a full model, or a sweep with pairs that are open at rest
             mode_table = tuple(_stuck_rows(response))
             contact_model = STUCK if contact_model == TIED else contact_model
         mode_table = tuple(_beside_reference(mode_table, case.reference.mode_frequencies))
+        doubts = _doubtful_order(mode_table)
     return StudyRecord(
         title=case.study.title,
         description=kind_of(case).description(case),
@@ -58,7 +62,7 @@ def study_record(
         mode_contact=contact_model,
         mode_reference="" if case.reference is None else case.reference.source,
         derived=(*derived_quantities(case, model.joint), *resting_state(model), *linear_natural_frequencies(response)),
-        warnings=study_warnings(case, model.joint),
+        warnings=(*study_warnings(case, model.joint), *doubts),
     )
 
 
@@ -128,3 +132,22 @@ def _beside_reference(rows: Sequence[dict[str, Value]], reference_hz: Sequence[f
     for place, (row, frequency_hz) in enumerate(zip_longest(rows, reference_hz, fillvalue=None)):
         cells = row or {"mode": place + 1}
         yield {**cells, "reference_hz": frequency_hz} if frequency_hz else cells
+
+
+def _doubtful_order(rows: Sequence[ModeRow]) -> tuple[str, ...]:
+    """A warning for references that are closer to another mode than to that of their row: rows compare by order."""
+    modes = {row["mode"]: model for row in rows if (model := model_frequency(row)) is not None}
+    doubtful = []
+    for row in rows:
+        deviation, reference = reference_deviation(row), row.get("reference_hz")
+        if deviation is None or reference is None or abs(deviation) <= SURE_DEVIATION:
+            continue
+        closest = min(modes, key=lambda mode: abs(modes[mode] - float(reference)))
+        if closest != row["mode"]:
+            doubtful.append(f"{reference:g} Hz of mode {row['mode']} is closest to mode {closest} of the model")
+    if not doubtful:
+        return ()
+    return (
+        f"reference.mode_frequencies are compared in their order, but {'; '.join(doubtful)}. If the source has no "
+        "frequency of a mode, give 0 there; compare the mode shapes.",
+    )

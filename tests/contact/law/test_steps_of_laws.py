@@ -117,6 +117,17 @@ def test_a_kept_iwan_joint_ends_in_the_state_of_its_jenkins_elements() -> None:
     assert one.force[:, 0, 0].mean() > 500.0  # a released joint would carry next to nothing in the mean
 
 
+def test_a_vibration_in_which_the_whole_patch_slides_forgets_the_load_of_an_iwan_joint() -> None:
+    rest = np.array([[0.5 * SLIDES, 0.0, 0.0]])
+    retained = IWAN.about(rest, IWAN.step(rest, IWAN.memory_at_rest()).memory)
+    motion = np.zeros((200, 1, 3))
+    motion[:, 0, 0] = np.cos(2 * np.pi * np.arange(200) / 200)
+    for size, mean in ((0.2 * SLIDES, 1500.0), (2.0 * SLIDES, 0.0)):
+        actual, released = (law.cycle(size * motion).force[:, 0, 0] for law in (retained, IWAN))
+        assert abs(released.mean()) < 1e-9 * 4000.0
+        assert (actual.mean() > mean) if mean else actual == pytest.approx(released, abs=1e-9 * 4000.0)
+
+
 def test_a_path_to_rest_of_another_shape_gets_a_sentence() -> None:
     with rejects(ss.InputError, "path_to_rest"):
         replace(IWAN, path_to_rest=np.zeros((1, 2)))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rough_faces import NOMINAL_AREA, pair_stiffness, rough
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.contact.preload import uniform_preload
 from stickslip.contact.stiffness.asperities import (
     domain_extension_factor,
@@ -79,8 +79,7 @@ def test_interference_over_radius_falls_with_g_and_is_least_in_the_middle_of_d(l
     least = dimensions[by_scale.argmin(axis=1)]
     assert ((least > 2.4) & (least < 2.7)).all(), least
     message = contact_stiffness(rough(2.2, 1e-7, hardness=hardness), load).messages[-1]
-    assert f"interference is {ratio(2.2, 1e-7):.2g} of their radius" in message
-    assert "smallest for a D between 2.4 and 2.7" in message
+    printed_sentence(message, f"{ratio(2.2, 1e-7):.2g}", "2.4", "2.7")
 
 
 def test_a_load_below_one_smallest_spot_is_rejected() -> None:

@@ -39,7 +39,7 @@ def worded(fit: ss.RoughnessFit, words: str) -> bool:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("dimension", "scale"), [(2.2, 1e-12), (2.4, 1e-9), (2.6, 1e-8), (2.8, 1e-7)])
+@pytest.mark.parametrize(("dimension", "scale"), [(2.2, 1e-12), (2.8, 1e-7)])
 @pytest.mark.usefixtures("few_simulations")
 def test_known_values_are_found_without_bias(dimension: float, scale: float) -> None:
     """Mean over twelve surfaces; the interval of each holds the true value but for few."""

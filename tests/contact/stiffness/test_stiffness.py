@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rough_faces import MINDLIN, NOMINAL_AREA, RATIO, REDUCED_MODULUS, pair_stiffness, rough
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.contact.stiffness.asperities import (
     SpotPopulation,
     domain_extension_factor,
@@ -343,7 +343,7 @@ def test_the_slope_is_that_of_the_spot_that_halves_the_load() -> None:
     face = rough(2.3)
     median = exp(spots_under_load(face, 2000.0).log_median_area)
     slope = SpotBySpot(face, 0.0, 1.0).interference(median) / sqrt(median / pi)
-    assert f"interference is {slope:.2g} of their radius" in contact_stiffness(face, 2000.0).messages[0]
+    printed_sentence(contact_stiffness(face, 2000.0).messages[0], f"{slope:.2g}")
 
 
 def test_the_status_is_the_worst_finding() -> None:
@@ -351,9 +351,8 @@ def test_the_status_is_the_worst_finding() -> None:
     assert (valid.status, valid.messages) == (ContactStatus.VALID, ())
     several = contact_stiffness(rough(2.2, sample_length=0.028, shortest_length=1e-6), 500.0)
     assert several.status == ContactStatus.FULLY_PLASTIC == "fully plastic"
-    assert [words in message for words, message in zip(("Fully", "Sdq", "radius"), several.messages, strict=True)] == [
-        True
-    ] * 3
+    assert len(several.messages) == 3
+    printed_sentence("\n".join(several.messages))
 
 
 @pytest.mark.parametrize(

@@ -257,7 +257,7 @@ def test_full_file_of_ansys(tmp_path):
     content = Path(examples.fullfile).read_bytes()
     damaged.write_bytes(content[: len(content) // 2])
     # the reader of that package dies of something else each time, so its words are in no snapshot
-    with pytest.raises(ImportFileError, match=r"could not be read as an Ansys \.full file") as caught:
+    with pytest.raises(ImportFileError) as caught:
         read_matrices(damaged, damaged)
     assert caught.value.keys == ("stiffness",)
 

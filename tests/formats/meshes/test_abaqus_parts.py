@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.core.errors import ImportFileError
 from stickslip.formats.meshes.read import read_model
 from stickslip.structure.elasticity import Material, assemble_bodies, natural_frequencies
@@ -113,11 +113,7 @@ def test_the_model_is_that_of_the_flat_deck(flat):
 
 def test_numbers_and_what_is_left_out_are_reported():
     messages = read_model(DECK, "mm").messages
-    assert (
-        "each instance has its own numbers of nodes and elements: instance 'Cube-1' as in the deck, instance "
-        "'Cube-2' + 1000, the assembly itself + 2000." in messages
-    )
-    assert any("node set 'RP-1' contains no node of a solid element" in words for words in messages)
+    printed_sentence("\n".join(messages), "Cube-1", "Cube-2", "RP-1")
 
 
 def test_numbers_that_do_not_collide_stay(tmp_path):

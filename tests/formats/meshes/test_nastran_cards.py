@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.core.errors import ImportFileError
 from stickslip.formats.meshes.read import read_model
 
@@ -55,15 +55,11 @@ def test_what_cannot_be_resolved_is_rejected(tmp_path, cards, case):
 
 def test_what_does_not_act_is_reported(tmp_path):
     model = cubes(tmp_path, "MPC,5,1,1,1.,2,1,-1.")
-    assert any("MPC" in message and "ignored" in message for message in model.messages)
+    printed_sentence("\n".join(model.messages), "MPC")
     model = cubes(tmp_path, "LOAD,7,1.0,1.0,4", "LOAD = 7")
-    assert any("LOAD 7 names the set 4, but there are no FORCE entries" in message for message in model.messages)
-    assert any(
-        "selects no SPC, so stickslip uses the entries of all 1 sets (1) together" in message
-        for message in model.messages
-    )
+    printed_sentence("\n".join(model.messages), "LOAD 7", "FORCE", "SPC")
     model = cubes(tmp_path, "SPC1,2,1,15", "SUBCASE 1\nSPC = 1\nSUBCASE 2\nSPC = 2")
-    assert any("SPC = 1, 2 in several subcases; stickslip uses 1" in message for message in model.messages)
+    printed_sentence("\n".join(model.messages), "SPC = 1, 2")
 
 
 def test_a_grid_in_a_turned_system(tmp_path):

@@ -13,7 +13,7 @@ import scipy.sparse
 from typer.testing import CliRunner
 
 from own_cases import MATRIX_STUDY, QUICK, mesh_case, write_matrices
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.case.case import Case, load_case
 from stickslip.cli.main import app
 from stickslip.core.errors import ImportFileError, InputError
@@ -178,9 +178,7 @@ def test_a_body_without_contact_without_support_is_rejected(folder: Path, tmp_pa
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     result = CliRunner().invoke(app, ["check", str(tmp_path / "study.toml")])
     assert result.exit_code == 2
-    words = " ".join(result.output.split())
-    assert "stiffness is singular: the connected part with" in words
-    assert "can move in 6 ways without strain, and no contact supports it" in words
+    printed_sentence(" ".join(result.stderr.split()), "stiffness")
 
 
 def test_wrong_units_are_a_warning(folder: Path, tmp_path: Path) -> None:
@@ -191,8 +189,7 @@ def test_wrong_units_are_a_warning(folder: Path, tmp_path: Path) -> None:
     far = {"responses__block__point": ["48 km", "3.67 km", "14 km"]}
     layout = set_up(changed(folder, structure__file=str(tmp_path / "superelement.npz"), **far)).layout
     sentences = [odd.sentence for odd in layout.odd_values]
-    assert any("nodes of the matrices span" in words and "length_unit" in words for words in sentences)
-    assert any("the matrices contain the mass" in words for words in sentences)
+    printed_sentence("\n".join(sentences), "length_unit")
     sound = set_up(changed(folder)).layout
     assert (sound.messages, sound.odd_values) == ((), ())
 

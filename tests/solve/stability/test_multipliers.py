@@ -11,7 +11,7 @@ import pytest
 import stickslip as ss
 from helpers import Blade
 from stickslip.contact.law.linear_steps import LinearSteps
-from stickslip.results.response import NO_STABILITY
+from stickslip.results.response_data import NO_STABILITY
 from stickslip.solve.harmonic.compliance import stuck_structure
 from stickslip.solve.stability import multipliers
 from stickslip.solve.stability.march import Period

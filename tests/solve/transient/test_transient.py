@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from helpers import Blade
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
@@ -199,7 +199,7 @@ def test_a_short_run_says_that_it_has_no_steady_state() -> None:
     response = integrate_to_steady_state(POINT_MASS, spring_pair(0.3, 1.0), np.ones(3), np.zeros(3), 0.3, 100, 3)
     assert not response.converged
     assert response.period_change.shape == (3,)
-    assert "no steady state after 3 periods" in response.message
+    printed_sentence(response.message)
 
 
 @pytest.fixture(scope="module")

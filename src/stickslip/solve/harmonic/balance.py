@@ -148,9 +148,9 @@ class Balance:
         motion of an open pair can be a large force where it closes.
         """
         springs = self.pairs.hidden_springs(contact)
-        hidden = np.flatnonzero(springs.any(axis=1))
-        if not hidden.size:
+        if not springs.any():
             return 0.0
+        hidden = np.flatnonzero(springs.any(axis=1))
         force = springs[hidden, :, None] * residual.T.reshape(self.pairs.n_pairs, 3, -1)[hidden]
         return relative_norm(force, contact.force)
 

@@ -14,12 +14,17 @@ from stickslip.solve.path.landmarks import Landmark
 from stickslip.solve.path.newton import Newton
 from stickslip.solve.path.problem import Plane
 
-# In half-power widths: places of the search beside a natural frequency; the distance at which a point of the curve is
-# at such a place already; the length of steps that may hide a peak.
-PLACES, NEAR, LONG = (-0.5, 0.0, 0.5), 0.125, 0.5
+# In half-power widths: places of the search beside a natural frequency, and the distance at which a point of the curve
+# is at such a place already.
+PLACES, NEAR = (-0.5, 0.0, 0.5), 0.125
 # A missed peak exceeds both points of the curve beside it by this factor, and this fraction of the highest point: lower
 # ones are invisible in a plot.
 HIGHER, VISIBLE = 1.01, 0.01
+# Steps up to this number of half-power widths w hide no such peak. Over a step of one width the tangents of a resonance
+# of height c turn by 180 degrees. The step turns by 45 degrees or less only if c is below 0.41 w over the range, in
+# units of the motion; both ends have 0.7 c or more, so the peak is 0.12 w over the range above them. Steps are at most
+# 0.08 of the range (ContinuationSettings): 1 %.
+LONG = 1.0
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,12 @@ give the digits that one Newton step can use; otherwise the matrix is formed and
 from __future__ import annotations
 
 import math
-import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.linalg
+from scipy.linalg.lapack import dgetrf, dgetrs  # small systems: scipy's own calls around them cost as much again
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from stickslip.core.validation import FloatArray
@@ -127,7 +126,8 @@ class BorderedSystem:
             lines.append(lengths[-1] * line)
             corner.append([lengths[-1] * at for at in part])
         self._column_scale, self._row_scale = scales, lengths
-        self._columns = [scale * column for scale, column in zip(scales, columns, strict=True)]
+        self._columns = np.array([scale * column for scale, column in zip(scales, columns, strict=True)])
+        self._columns = self._columns.reshape(len(rows), system.size)
         self._lines = np.array(lines).reshape(len(rows), system.size)
         self._corner = np.array(corner).reshape(len(rows), len(slopes))
         self._factor: Any = None
@@ -163,9 +163,7 @@ class BorderedSystem:
         size = self.system.size
         inner, border = unknowns[:size], unknowns[size:]
         answer = np.empty_like(unknowns)
-        answer[:size] = self.system.apply(inner)
-        for value, column in zip(border, self._columns, strict=True):
-            answer[:size] += value * column
+        np.add(self.system.apply(inner), border @ self._columns, out=answer[:size])
         answer[size:] = self._lines @ inner + self._corner @ border
         return answer
 
@@ -173,7 +171,7 @@ class BorderedSystem:
         """The solution by GMRES, or None if it did not converge."""
         if not right.any():
             return np.zeros_like(right)
-        operator = LinearOperator((right.size, right.size), matvec=lambda v: self._apply(v.ravel()), dtype=float)
+        operator = _Matrix(right.size, self._apply)
         answer, failure = gmres(operator, right, rtol=tolerance, atol=0.0, restart=MAX_ITERATIONS, maxiter=2)
         return None if failure else np.asarray(answer)
 
@@ -187,10 +185,21 @@ class BorderedSystem:
                 bordered[:size, size + i], bordered[size + i, :size] = column, line
             bordered[size:, size:] = self._corner
             # A singular matrix gives a step that is not finite; Newton ends there and reports it.
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", scipy.linalg.LinAlgWarning)
-                self._factor = scipy.linalg.lu_factor(bordered, overwrite_a=True, check_finite=False)
-        return np.asarray(scipy.linalg.lu_solve(self._factor, right, check_finite=False))
+            self._factor = dgetrf(bordered, overwrite_a=True)[:2]
+        return np.asarray(dgetrs(*self._factor, right)[0])
+
+
+class _Matrix(LinearOperator):  # type: ignore[misc]
+    """A square matrix as a function of a vector, without the checks of shapes that scipy makes in each product."""
+
+    def __init__(self, size: int, apply: Callable[[FloatArray], FloatArray]) -> None:
+        super().__init__(np.dtype(float), (size, size))
+        self._apply = apply
+
+    def _matvec(self, x: FloatArray) -> FloatArray:
+        return self._apply(x)
+
+    matvec = _matvec
 
 
 def _inverse(length: float) -> float:
