@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
+import time
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
+
+from stickslip.sweeps.task_reports import report
 
 
 def reduce(*_: Any) -> str:
@@ -39,3 +42,11 @@ def die_in_answer() -> bytes:
 
     Connection._send = send_the_beginning  # type: ignore[attr-defined]
     return bytes(100_000)
+
+
+def report_until(words: str, end: str) -> str:
+    """Report once, wait for the file ``end``, and answer."""
+    report(words)
+    while not Path(end).exists():
+        time.sleep(0.02)
+    return "answer"

@@ -21,6 +21,7 @@ from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.missed_peaks import search_missed_peaks
 from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.start import first_point
+from stickslip.solve.harmonic.unbounded import unbounded_motions
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
@@ -91,7 +92,8 @@ def forced_response(
     Raises
     ------
     InputError
-        for inputs that cannot be used. ConvergenceError if there is no first point.
+        for inputs that cannot be used, and for a resonance in the range that neither damping nor friction bounds.
+        ConvergenceError if there is no first point.
     """
     began = time.perf_counter()
     window = checked_window(frequency_hz)
@@ -106,6 +108,7 @@ def forced_response(
             superelement, pairs, excitation, max(start_omega, stop_omega), harmonics, samples, modal_damping_ratio,
             update, report.stage,
         )  # fmt: skip
+        unbounded = unbounded_motions(balances.free, balances.closed, pairs, balances.force, window)
         curve = FrequencyCurve(balances.with_harmonics(harmonics))
         solver = Newton(curve, newton, report.iteration)
         resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
@@ -122,7 +125,8 @@ def forced_response(
         response = response_of(
             branch, balances, curve.balance, window, newton, how, report, stability=stability, peaks=peaks
         )
-    return replace(response, provenance={"solve_seconds": f"{time.perf_counter() - began:.2f}"})
+    seconds = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
+    return replace(response, warnings=unbounded + response.warnings, provenance=seconds)
 
 
 def as_excitation(

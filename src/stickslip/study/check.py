@@ -9,7 +9,9 @@ from stickslip.core.plausible import suspecting
 from stickslip.model.joint import odd_values
 from stickslip.model.model import kind_of, load_joint, set_up
 from stickslip.results.measures import hertz
+from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes
+from stickslip.structure.superelement import Superelement
 from stickslip.study.facts import (
     derived_quantities,
     sizes,
@@ -67,9 +69,21 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
     low, high = sorted((solver.frequency_start, solver.frequency_stop))
     if not ((stuck_hz >= low) & (stuck_hz <= high)).any():
         warnings.append("No natural frequency of this list is in the sweep, so the sweep may contain no resonance.")
+    if _is_undamped(case, structure):
+        warnings.append(
+            "There is no viscous damping: a run rejects a resonance in the sweep that friction cannot bound. Give "
+            "damping.modal_damping_ratio, 0.001 is usual for metal."
+        )
     if warnings:
         sections.append(("Warnings", [(f"{i}.", sentence) for i, sentence in enumerate(warnings, start=1)]))
     return sections
+
+
+def _is_undamped(case: Case, structure: Structure | Superelement) -> bool:
+    """Whether neither the study nor the matrix files have any damping."""
+    section = case.damping
+    given = (section.modal_damping_ratio, section.rayleigh_alpha, section.rayleigh_beta)
+    return not any(given) and (isinstance(structure, Structure) or structure.damping is None)
 
 
 def _short(value: str | float | int) -> str:

@@ -20,6 +20,7 @@ from typing import Any, ParamSpec, TypeVar
 
 from stickslip.core.errors import InputError, show_warnings_as_lines
 from stickslip.core.processes import leave_signals_to_parent, safe_path
+from stickslip.sweeps.task_reports import Listener, ignore, reports_to
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -42,9 +43,16 @@ class SizedExecutor(Executor, ABC):
         """What an exception of a task means: WorkerDied, BrokenExecutor or WorkersError, else the exception itself."""
         return error
 
+    def last_report(self) -> str:
+        """The last report of a running task (:mod:`stickslip.sweeps.task_reports`); "" if the executor has none."""
+        return ""
+
 
 class InProcess(SizedExecutor):
     """Runs every task at once, in this process and thread."""
+
+    def __init__(self) -> None:
+        self._listener: Listener = ignore
 
     @property
     def tasks_at_a_time(self) -> int:
@@ -54,11 +62,16 @@ class InProcess(SizedExecutor):
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Run the task; the future is done."""
         future: Future[T] = Future()
-        try:
-            future.set_result(fn(*args, **kwargs))
-        except Exception as error:
-            future.set_exception(error)
+        with reports_to(self._listener):
+            try:
+                future.set_result(fn(*args, **kwargs))
+            except Exception as error:
+                future.set_exception(error)
         return future
+
+    def listen(self, listener: Listener) -> None:
+        """Give ``listener`` the reports of the tasks, from within :meth:`submit`."""
+        self._listener = listener
 
 
 class WorkerDied(RuntimeError):
@@ -85,6 +98,10 @@ class LocalProcesses(SizedExecutor):
         future: Future[T] = Future()
         self._tasks.put((future, (fn, args, kwargs)))
         return future
+
+    def last_report(self) -> str:
+        """That of the first process with a task that reports."""
+        return next((worker.report for worker in self._workers if worker.report), "")
 
     def require_start(self, probe: Callable[[], Any]) -> None:
         """Raise InputError unless a worker process can be started and run ``probe``."""
@@ -119,6 +136,7 @@ class _Worker:
 
     def __init__(self, tasks: SimpleQueue[_Task | None]) -> None:
         self._tasks = tasks
+        self.report = ""  # the last one of the present task
         self._process: SpawnProcess | None = None
         self._pipe: Connection | None = None
         self._ended = False
@@ -156,11 +174,17 @@ class _Worker:
         try:
             pipe = self._started()
             pipe.send(call)
-            answer: tuple[bool, Any] = pipe.recv()
+            # Reports have None in place of True or False.
+            answer: tuple[bool | None, Any] = pipe.recv()
+            while answer[0] is None:
+                self.report = answer[1]
+                answer = pipe.recv()
         except (EOFError, OSError) as error:
             self._close()
             raise WorkerDied("the worker process stopped without an answer") from error
-        return answer
+        finally:
+            self.report = ""
+        return bool(answer[0]), answer[1]
 
     def _started(self) -> Connection:
         """The pipe to the process, which is started for the first task and after a death."""
@@ -200,7 +224,8 @@ def _work(pipe: Connection) -> None:
             pipe.send((False, RuntimeError(f"the worker process cannot read a task: {error!r}")))
             continue
         try:
-            answer = True, call(*args, **kwargs)
+            with reports_to(lambda words: pipe.send((None, words))):
+                answer = True, call(*args, **kwargs)
         except Exception as error:
             error.add_note("In the worker process:\n" + traceback.format_exc())
             answer = False, error

@@ -200,7 +200,8 @@ class _Run:
                 first_error = first_error or error
                 self.outcomes[planned.key] = CaseOutcome(converged=False, message=str(error), measures={})
                 continue
-            task = CaseTask(planned.case, planned.key, joint, threads, wants_file=self.folder is not None)
+            wants_file = self.folder is not None
+            task = CaseTask(planned.case, planned.key, joint, threads, wants_file, name=planned.name)
             group.cases.append((planned, task))
         if first_error is not None and len(self.planned) == len(self.outcomes) and not self.found:
             raise _none_solvable(first_error, len(left))
@@ -288,11 +289,11 @@ class _Run:
         self._failed += not outcome.converged
         self._show("")
 
-    def _show(self, waiting_for: str) -> None:
-        """Report the number of finished cases, and the reason if the others wait."""
+    def _show(self, remark: str) -> None:
+        """Report the number of finished cases, with the reason why the others wait or what one of them does."""
         words = f"{self._solved} of {self._to_solve}"
         words += f", {self._failed} failed" if self._failed else ""
-        words += f"; {waiting_for}" if waiting_for else ""
+        words += f"; {remark}" if remark else ""
         self._progress.update("Cases", self._solved / self._to_solve, words)
 
     def row(self, planned: PlannedCase) -> SweepRow:

@@ -48,7 +48,7 @@ class Schedule:
     ``finished(planned, outcome)`` is called for every case with an outcome, ``broke(planned, error)`` for every case
     that ended with another exception. A task whose worker process dies is repeated once. ``solve`` is the function of a
     worker for a case, a function of a module, so that it can be pickled; by default :func:`solve_task`.
-    ``waiting(words)`` is called every few seconds with the reason why all tasks wait, "" while they run.
+    ``waiting(words)`` is called every few seconds with the reason why all tasks wait, or the report of one that runs.
     """
 
     def __init__(
@@ -62,6 +62,8 @@ class Schedule:
     ) -> None:
         self._executor, self._at_a_time, self._solve = executor, at_a_time, solve or solve_task
         self._finished, self._broke, self._waiting = finished, broke, waiting
+        if isinstance(executor, InProcess):
+            executor.listen(waiting)
         self._reductions: deque[_Job] = deque()
         self._solutions: deque[_Job] = deque()
         self._out: dict[Future[Any], _Job] = {}
@@ -77,7 +79,7 @@ class Schedule:
                 self._fill()
                 done, _ = wait(self._out, CHECK_SECONDS, return_when=FIRST_COMPLETED)
                 if not done and isinstance(self._executor, SizedExecutor):
-                    self._waiting(self._executor.waiting_for())
+                    self._waiting(self._executor.waiting_for() or self._executor.last_report())
                 for future in done:
                     self._finish_job(self._out.pop(future), future)
         except BaseException:

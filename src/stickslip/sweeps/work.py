@@ -10,7 +10,7 @@ import os
 import pickle
 import socket
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,7 @@ from stickslip.results.storage import results_bytes
 from stickslip.results.sweep_table import SweepCurve, curve_and_measures
 from stickslip.study.analyses import solve
 from stickslip.study.record import compare_modes, study_record
+from stickslip.sweeps.task_reports import TaskProgress
 
 # Entry of a results file's provenance with the hash of inputs and version.
 CASE_KEY = "sweep_case"
@@ -35,13 +36,17 @@ CASE_KEY = "sweep_case"
 
 @dataclass(frozen=True)
 class CaseTask:
-    """One case to solve: ``key`` is stored with its results; ``wants_file`` requests the bytes of a results file."""
+    """One case to solve: ``key`` is stored with its results; ``wants_file`` requests the bytes of a results file.
+
+    ``name`` is that of the case in reports on the running task.
+    """
 
     case: Case
     key: str
     joint: Joint
     threads: int
     wants_file: bool
+    name: str = field(default="case", kw_only=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +128,7 @@ def solve_task(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
 
 def _solved(task: CaseTask, reduced: ReducedStructure) -> CaseOutcome:
     model = connect(task.case, reduced, task.joint)
-    response = solve(task.case, model, threads=task.threads)
+    response = solve(task.case, model, TaskProgress(task.name), threads=task.threads)
     response = replace(response, provenance={**response.provenance, CASE_KEY: task.key})
     # The common table of the cases of a structure has every pair closed.
     table = reduced.mode_table if model.pairs.resting_stiffness().all() else ()

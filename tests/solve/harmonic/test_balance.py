@@ -12,6 +12,7 @@ from stickslip.solve.harmonic import reduced
 from stickslip.solve.harmonic.balance import ActiveRows, Balance, Trial
 from stickslip.solve.harmonic.compliance import stuck_structure
 from stickslip.solve.harmonic.curves import FrequencyCurve
+from stickslip.solve.harmonic.reduced import BorderedSystem, LastFactor, NewtonSystem, Row
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import NO_PARAMETERS, Plane
 from stickslip.structure.superelement import Superelement
@@ -64,6 +65,38 @@ def test_step_solves_the_full_linearised_balance(
     derivative = (forward - backward) / (2 * small)
     assert np.linalg.norm(derivative + trial.residual) < 2e-5 * np.linalg.norm(trial.residual)
     assert (plane.weights * step).sum() + plane.parameter_weight * change == pytest.approx(0.3, rel=1e-9)
+
+
+def test_a_factor_helps_with_the_next_systems(blade: Blade, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the plain iteration fails, one system of a curve is factored, and not one in each step."""
+    exact = {}
+    for share in (0.6, 0.61, 0.9):
+        balance, trial = moving_trial(blade, share)
+        system = NewtonSystem(balance, trial)
+        slope = balance.frequency_slope(trial)
+        exact[share] = BorderedSystem(system, [slope], [Row(np.ones(1))]).solve(trial.residual, np.zeros(1), 1e-9)
+    monkeypatch.setattr(reduced, "DIRECT_SIZE", -1)
+    monkeypatch.setattr(reduced, "MAX_ITERATIONS", 1)
+    factored, original = [0], BorderedSystem._factored
+
+    def counted(system: BorderedSystem, right: np.ndarray) -> np.ndarray:
+        factored[0] += 1
+        return original(system, right)
+
+    monkeypatch.setattr(BorderedSystem, "_factored", counted)
+    last = LastFactor()
+    # The last trial has other moving pairs, so other rows.
+    for share, factors in ((0.6, 1), (0.61, 1), (0.9, 1)):
+        balance, trial = moving_trial(blade, share)
+        system = NewtonSystem(balance, trial)
+        bordered = BorderedSystem(system, [balance.frequency_slope(trial)], [Row(np.ones(1))], last)
+        step = bordered.solve(trial.residual, np.zeros(1), 1e-9)
+        assert factored[0] == factors, share
+        assert np.linalg.norm(step.unknowns - exact[share].unknowns) < 1e-6 * np.linalg.norm(exact[share].unknowns)
+    monkeypatch.setattr(reduced, "PRECONDITIONED_ITERATIONS", 1)
+    bordered = BorderedSystem(system, [balance.frequency_slope(trial)], [Row(np.ones(1))], LastFactor())
+    bordered.solve(trial.residual, np.zeros(1), 1e-9)
+    assert factored[0] == 2  # without a factor
 
 
 def test_active_rows_contain_only_moving_pairs(blade: Blade) -> None:

@@ -125,7 +125,7 @@ class _Run:
             except StickslipError as error:
                 self.failures.append(Failure(each.setting, str(error)))
                 continue
-            task = SettingTask(planned.case, planned.key, joint, 1, True, each.setting)
+            task = SettingTask(planned.case, planned.key, joint, 1, True, each.setting, name=planned.name)
             group.cases.append((planned, task))
         return [group for group in groups.values() if group.cases]
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
-from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem, Row
+from stickslip.solve.harmonic.reduced import BorderedSystem, LastFactor, NewtonSystem, Row
 from stickslip.solve.path.problem import NO_PARAMETERS, Plane, Step
 
 Control = Literal["amplitude", "phase"]
@@ -68,6 +68,7 @@ class _BalanceCurve:
 
     def __init__(self, balance: Balance) -> None:
         self.balance = balance
+        self._last_factor = LastFactor()
 
     def determined(self, unknowns: FloatArray) -> FloatArray:
         """The relative displacements that some contact force depends on."""
@@ -101,7 +102,7 @@ class FrequencyCurve(_BalanceCurve):
     def linearised(self, point: BalancePoint, plane: Plane | None) -> _Linearised:
         slopes = [self.balance.frequency_slope(point.trial)]
         system = NewtonSystem(self.balance, point.trial)
-        return _Linearised(BorderedSystem(system, slopes, [_plane_row(plane, 1)]))
+        return _Linearised(BorderedSystem(system, slopes, [_plane_row(plane, 1)], self._last_factor))
 
     def measured_change(self, point: BalancePoint, step: Step) -> FloatArray:
         return self._amplitude_change(point.trial, step.detail, float(step.parameters[0]), 0.0)
@@ -128,7 +129,7 @@ class LoadCurve(_BalanceCurve):
     def linearised(self, point: BalancePoint, plane: Plane | None) -> _Linearised:
         slopes = [self.balance.load_slope(point.trial)]
         system = NewtonSystem(self.balance, point.trial)
-        return _Linearised(BorderedSystem(system, slopes, [_plane_row(plane, 1)]))
+        return _Linearised(BorderedSystem(system, slopes, [_plane_row(plane, 1)], self._last_factor))
 
     def measured_change(self, point: BalancePoint, step: Step) -> FloatArray:
         return self._amplitude_change(point.trial, step.detail, 0.0, float(step.parameters[0]))
@@ -191,7 +192,7 @@ class ControlledCurve(_BalanceCurve):
         by_deviation = balance.compliance.amplitude_transposed(trial.omega, weights)
         rows = [Row(np.array(by_parameters), deviation=by_deviation), _plane_row(plane, 2)]
         slopes = [balance.frequency_slope(trial), balance.load_slope(trial)]
-        return _Linearised(BorderedSystem(NewtonSystem(balance, trial), slopes, rows))
+        return _Linearised(BorderedSystem(NewtonSystem(balance, trial), slopes, rows, self._last_factor))
 
     def measured_change(self, point: BalancePoint, step: Step) -> FloatArray:
         return self._amplitude_change(point.trial, step.detail, *map(float, step.parameters))

@@ -14,6 +14,7 @@ from stickslip.solve.harmonic.gain import ComplexArray, to_complex
 from stickslip.structure.superelement import moves_freely
 
 LEAST_SHARE = 1e-8  # chosen: a smaller modal force, over the largest one, is round-off
+ON_RESONANCE = 1e-6  # chosen: the linear curves have no point nearer to a natural frequency, relative to it
 POSSIBLY_RIGID = 1e-4  # chosen: slower modes, over the highest frequency, are tested for strain
 
 
@@ -119,7 +120,12 @@ def linear_curves(
     stuck: LinearLimit, free: LinearLimit, force: ExcitationForce, window_hz: tuple[float, float], shown_modes: int = 12
 ) -> LinearCurves:
     """Stuck and free response to ``force`` over the window, refined around their natural frequencies."""
-    frequency_hz = _refined_grid(window_hz, np.concatenate([stuck.natural_hz, free.natural_hz]))
+    natural_hz = np.concatenate([stuck.natural_hz, free.natural_hz])
+    frequency_hz = _refined_grid(window_hz, natural_hz)
+    # Not a resonance itself, also of a higher harmonic: without damping the response has no bound there.
+    resonances_hz = np.divide.outer(natural_hz, np.arange(1, force.harmonics + 1)).ravel()
+    distance = np.abs(np.subtract.outer(frequency_hz, resonances_hz)).min(axis=1)
+    frequency_hz = frequency_hz[distance > ON_RESONANCE * frequency_hz]
     omega = 2.0 * np.pi * frequency_hz
     return LinearCurves(
         frequency_hz=frequency_hz,
@@ -133,7 +139,6 @@ def linear_curves(
 def _refined_grid(window_hz: tuple[float, float], natural_hz: FloatArray, uniform: int = 121) -> FloatArray:
     """A uniform grid with extra points, denser towards each natural frequency inside the window."""
     low, high = min(window_hz), max(window_hz)
-    # Not the natural frequency itself: without damping the response has no bound there.
     offsets = np.concatenate([-np.geomspace(2e-2, 2e-5, 18), np.geomspace(2e-5, 2e-2, 18)])
     inside = natural_hz[(natural_hz > low) & (natural_hz < high)]
     grid = np.concatenate([np.linspace(low, high, uniform), *(centre * (1.0 + offsets) for centre in inside)])

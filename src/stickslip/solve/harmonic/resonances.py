@@ -16,6 +16,9 @@ from stickslip.solve.path.landmarks import Landmark
 
 # chosen: the width of an undamped resonance, over its frequency; friction or its distance limits it.
 LEAST_WIDTH = 1e-6
+# chosen: an undamped resonance is approached to this fraction of that width: the compliance of the stuck structure is
+# singular on its own natural frequencies, and a point this close to them still has eight digits.
+BESIDE = 0.1
 # Modes up to this multiple of the highest frequency of the range, of both limits, span those of the tangent structure:
 # exact at both limits, and from above between them. Modes of both that differ by less are one.
 NEAR_MODES, SAME_MODES = 3.0, 1e-8
@@ -81,7 +84,9 @@ class Resonances:
         answer = []
         for order, mode in zip(1 + orders, modes, strict=True):
             omega = float(limit.circular_frequency[mode])
-            width = max(float(limit.half_power_width[mode]), LEAST_WIDTH * omega)
+            width, least = float(limit.half_power_width[mode]), LEAST_WIDTH * omega
+            if width < least:
+                width, omega = least, omega + BESIDE * least
             if omega <= order * BEYOND * self._structure.highest_omega:
                 answer.append(Landmark(omega / order, width / order))
         return answer

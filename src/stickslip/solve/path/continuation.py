@@ -26,6 +26,7 @@ from stickslip.solve.path.stepping import (
     BranchPoint,
     ContinuationSettings,
     Corner,
+    Effort,
     Pace,
     Retreat,
     growing_lengths,
@@ -92,6 +93,7 @@ class Branch(Generic[PointT]):
         )
         self._again = 0
         self._pace = Pace(settings.largest_step)
+        self._effort = Effort(settings)
         self.points: list[BranchPoint[PointT]] = []
         self.retreats: list[float] = []
         self.corners: list[float] = []
@@ -111,6 +113,9 @@ class Branch(Generic[PointT]):
         bend, step = tangent.times(0.0), self._settings.first_step
         for _ in range(self._settings.max_points - 1):
             point = self.points[-1].point
+            if self._effort.stall:
+                self.message = f"The curve makes no progress at {self._name_of(point)}: {self._effort.stall}"
+                return self.points
             outcome = self._advance_to_landmark(point, tangent, bend, min(step, self._pace.limit))
             if outcome is None:
                 outcome = self._around_corner(point, tangent)
@@ -118,6 +123,7 @@ class Branch(Generic[PointT]):
                 return self.points
             correction, turned, length, step = outcome
             self._pace.advance(length)
+            self._effort.cover(length)
             reached = _parameter(correction.point)
             if (reached - self._stop) * self._direction >= 0.0:
                 landed, iterations = self._land(point, correction.point)
@@ -176,7 +182,7 @@ class Branch(Generic[PointT]):
             guess = self._problem.evaluate(
                 before.unknowns + share * chord.unknowns, before.parameters + share * chord.parameters
             )
-            correction = self._newton.correct(guess, self._plane(earlier, chord, 0.0))
+            correction = self._correct(guess, self._plane(earlier, chord, 0.0))
             if not (correction.converged and self._same(correction.point, earlier, chord)):
                 continue
             if metric.product(chord, chord_between(earlier, points[index + 1])) > 0.0:
@@ -296,7 +302,7 @@ class Branch(Generic[PointT]):
             guess, plane = self._guess(point, tangent, bend, length)
             if landmark is not None and length == step:
                 plane = Plane(np.zeros_like(guess.unknowns), plane.parameter_weight, guess.unknowns, landmark)
-            correction = self._newton.correct(guess, plane)
+            correction = self._correct(guess, plane)
             if not correction.converged:
                 reason = reason or f"Newton stopped at a relative residual of {correction.point.error:.1e}"
                 continue
@@ -348,7 +354,7 @@ class Branch(Generic[PointT]):
                 continue
             for side in (1.0, -1.0):
                 direction = metric.unit(ahead).times(side)
-                correction = self._newton.correct(*self._guess(point, direction, direction.times(0.0), length))
+                correction = self._correct(*self._guess(point, direction, direction.times(0.0), length))
                 if not correction.converged or correction.system is None:
                     continue
                 turned = metric.unit(self._direction_of(correction.point, correction.system, 1.0))
@@ -359,6 +365,12 @@ class Branch(Generic[PointT]):
                     self._on_event(Corner(_parameter(point)))
                     return correction, turned, length, length
         return None
+
+    def _correct(self, start: PointT, plane: Plane) -> Correction[PointT]:
+        """Newton's method, with its iterations counted."""
+        correction = self._newton.correct(start, plane)
+        self._effort.spend(correction.iterations)
+        return correction
 
     def _guess(self, point: PointT, tangent: Tangent, bend: Tangent, step: float) -> tuple[PointT, Plane]:
         """The predicted end of a step, and the plane of its correction."""
@@ -392,7 +404,7 @@ class Branch(Generic[PointT]):
         parameters = before.parameters + share * (after.parameters - before.parameters)
         parameters[0] = self._stop
         start = self._problem.evaluate(guess, parameters)
-        correction = self._newton.correct(start, Plane.fixed(guess, self._stop))
+        correction = self._correct(start, Plane.fixed(guess, self._stop))
         return (correction.point, correction.iterations) if correction.converged else (after, 0)
 
 

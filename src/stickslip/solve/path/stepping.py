@@ -8,6 +8,11 @@ from typing import Generic
 
 from stickslip.solve.path.problem import PointT
 
+# chosen: a curve ends if so many iterations of Newton's method cover less than this part of the plot. Most complete
+# curves of the torture set (benchmarks/torture.py) need fewer than 100, the worst of twelve 250.
+STALL_ITERATIONS, STALL_LENGTH = 500, 0.01
+# chosen: allowed iterations of a whole curve for each allowed point; complete curves need two to three.
+ITERATIONS_PER_POINT = 4
 # chosen: the shorter limit on the step after a retreat applies for this number of its lengths.
 SLOW_STEPS = 16
 
@@ -94,6 +99,39 @@ class Pace:
         self._slow_length -= length
         if self._slow_length <= 0.0:
             self.relax()
+
+
+class Effort:
+    """The iterations of Newton's method along a branch, failed attempts included, and whether they still pay."""
+
+    def __init__(self, settings: ContinuationSettings) -> None:
+        self._allowed = ITERATIONS_PER_POINT * settings.max_points
+        self._length = 0.0  # covered since the last count began
+        self.recent = self.total = 0
+
+    def spend(self, iterations: int) -> None:
+        """Count the iterations of an attempt."""
+        self.recent += iterations
+        self.total += iterations
+
+    def cover(self, length: float) -> None:
+        """Count an accepted step; every ``STALL_LENGTH`` the count of recent iterations begins again."""
+        self._length += length
+        if self._length >= STALL_LENGTH:
+            self._length, self.recent = 0.0, 0
+
+    @property
+    def stall(self) -> str:
+        """Why the branch should end, in words; "" while it advances."""
+        advice = "Start from the other end (swap start and stop), lower the force, or use fewer harmonics."
+        if self.recent > STALL_ITERATIONS:
+            return (
+                f"{self.recent} iterations of Newton's method covered only {100 * self._length:.1g} % of the plot. "
+                f"{advice}"
+            )
+        if self.total > self._allowed:
+            return f"{self.total} iterations of Newton's method were not enough. {advice}"
+        return ""
 
 
 def lengths_to_try(step: float, settings: ContinuationSettings) -> Iterator[float]:

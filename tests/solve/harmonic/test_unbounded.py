@@ -1,0 +1,139 @@
+"""What neither damping nor friction bounds is rejected, or has a warning, before the curve."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from sentences import rejects
+from stickslip.solve.harmonic import unbounded
+
+OMEGA, STIFF = 1000.0, 1e6  # rad/s of the free mass of 1 kg, and N/m of its contact
+HERTZ = OMEGA / (2.0 * math.pi)
+MU, LOAD = 0.5, 20.0
+HOLDS = 4.0 / math.pi * MU * LOAD  # N: first harmonic of gross slip
+SLIDES = [[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]]  # rows t1, t2, n of a contact of the first of two masses
+RANGE = (0.8 * HERTZ, 2.0 * HERTZ)
+ROW = np.array([1.0, 0.0])
+
+
+def solve(
+    force: float,
+    operator: Any = SLIDES,
+    ratio: float = 0.0,
+    window: tuple[float, float] = RANGE,
+    stiffness: tuple[float, float] = (OMEGA**2, 25.0 * OMEGA**2),
+    **options: Any,
+) -> ss.ForcedResponse:
+    """Two masses on springs, the first one excited and damped by ``ratio``; the second one is out of the range."""
+    damping = np.diag([2.0 * ratio * OMEGA, 0.0])
+    structure = ss.Superelement(np.eye(2), np.diag(stiffness), damping)
+    pairs = ss.ContactPairs(np.array(operator), STIFF, STIFF, MU, LOAD)
+    settings = {"harmonics": 3, "samples": 256, "threads": 1} | options
+    return ss.forced_response(structure, pairs, [force, 0.0], frequency_hz=window, **settings)
+
+
+def sentence_of(response: ss.ForcedResponse, words: str) -> str:
+    (sentence,) = (each for each in response.warnings if words in each)
+    return sentence
+
+
+@pytest.mark.parametrize("excess", [1.001, 1.5, 1e3])
+def test_a_force_that_friction_cannot_hold_is_rejected(excess: float) -> None:
+    """There is no periodic motion for F > 4 mu N / pi; the amplitude at its resonance was 1e15 m."""
+    with rejects(ss.InputError, "modal_damping_ratio"):
+        solve(excess * HOLDS)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.9])
+def test_a_force_that_friction_holds_is_solved(share: float) -> None:
+    """A little below the limit friction bounds the motion: the curve has a peak and no such warning."""
+    response = solve(share * HOLDS)
+    assert response.converged, response.message
+    assert response.amplitude(ROW).max() < 100.0 * MU * LOAD / STIFF
+    assert not any("friction can hold" in each for each in response.warnings)
+
+
+def test_a_range_without_the_mode_is_solved() -> None:
+    response = solve(1.5 * HOLDS, window=(1.2 * HERTZ, 2.0 * HERTZ))
+    assert response.converged, response.message
+
+
+@pytest.mark.parametrize("direction", [0.0, 0.3, 0.7])
+def test_the_friction_of_several_pairs_adds_up_in_both_directions(direction: float) -> None:
+    """Two pairs hold twice the force in any direction of sliding; one with half the motion holds half of that."""
+    one = np.outer([math.cos(direction), math.sin(direction), 0.0], [1.0, 0.0])
+    twice, weaker = np.vstack([one, one]), np.vstack([one, 0.5 * one])
+    for operator, holds in ((twice, 2.0 * HOLDS), (weaker, 1.5 * HOLDS)):
+        grip = unbounded.grip_of(ss.ContactPairs(operator, STIFF, STIFF, MU, LOAD), ROW)
+        assert grip.friction == pytest.approx(holds, rel=1e-12)
+        assert not grip.opens
+        assert not grip.load_varies
+
+
+def test_a_jenkins_element_holds_its_limit() -> None:
+    pairs = ss.ContactPairs.with_laws(np.array(SLIDES), [ss.JenkinsElement(np.array([STIFF]), np.array([MU * LOAD]))])
+    assert unbounded.grip_of(pairs, ROW).friction == pytest.approx(HOLDS, rel=1e-12)
+
+
+def test_a_mode_without_motion_at_the_contact_is_rejected_for_any_force() -> None:
+    with rejects(ss.InputError, "modal_damping_ratio"):
+        solve(1e-3, operator=[[0.0, 1.0], [0.0, 0.0], [0.0, 0.0]])
+
+
+def test_a_mode_without_motion_at_the_contact_is_not_rejected_if_nothing_excites_it() -> None:
+    structure = ss.Superelement(np.eye(2), np.diag([OMEGA**2, 4.0 * OMEGA**2]))
+    pairs = ss.ContactPairs([[0.0, 1.0], [0.0, 0.0], [0.0, 0.0]], STIFF, STIFF, MU, LOAD)
+    response = ss.forced_response(structure, pairs, [0.0, 1.0], frequency_hz=RANGE, harmonics=1, samples=64, threads=1)
+    assert response.converged, response.message
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ratio", [1e-3, 1e-4])
+def test_the_height_in_a_warning_is_that_of_the_peak(ratio: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Den Hartog: the force that friction does not hold works against the viscous damping."""
+    monkeypatch.setattr(unbounded, "HARDLY_DAMPED", 0.1)
+    response = solve(2.0 * HOLDS, ratio=ratio, samples=1024)
+    assert response.converged, response.message
+    sentence = sentence_of(response, "Its peak is about")
+    height = float(re.findall(r"about ([\d.e+-]+) m", sentence)[0])
+    assert height == pytest.approx(HOLDS / (2.0 * ratio * OMEGA**2), rel=2e-3)
+    assert response.amplitude(ROW).max() == pytest.approx(height, rel=0.01)
+    assert f"{2.0 * HOLDS:.4g} N" in sentence
+    assert f"friction can hold {HOLDS:.4g} N" in sentence
+
+
+def test_almost_no_damping_has_a_warning() -> None:
+    response = solve(2.0 * HOLDS, ratio=1e-9)
+    assert "damping ratio of only 1.0e-09" in sentence_of(response, "Its peak is about")
+
+
+def test_a_normal_load_that_can_vary_makes_it_a_warning() -> None:
+    response = solve(1.5 * HOLDS, operator=[[1.0, 0.0], [0.0, 0.0], [0.0, 1.0]])
+    assert f"friction can hold {HOLDS:.4g} N at the normal loads at rest" in sentence_of(response, "has no damping")
+
+
+def test_a_mode_in_which_contacts_only_open_and_close_has_a_warning() -> None:
+    response = solve(0.1, operator=[[0.0, 0.0], [0.0, 0.0], [1.0, 0.0]])
+    assert f"({math.sqrt(OMEGA**2 + STIFF) / (2.0 * math.pi):.3f} Hz)" in sentence_of(response, "do not slide")
+
+
+@pytest.mark.slow
+def test_a_body_that_only_friction_supports_slides_by_its_inertia() -> None:
+    """Far above the limit the amplitude at the lowest frequency is (F - 4 mu N / pi) / (m w^2), but for the phase."""
+    force, low = 50.0 * HOLDS, 5.0
+    response = solve(force, ratio=0.0, window=(low, 20.0), stiffness=(0.0, 25.0 * OMEGA**2), samples=512)
+    sentence = sentence_of(response, "A body moves freely")
+    height = float(re.findall(r"about ([\d.e+-]+) m", sentence)[0])
+    assert height == pytest.approx((force - HOLDS) / (2.0 * math.pi * low) ** 2, rel=2e-3)
+    assert response.amplitude(ROW)[0] == pytest.approx(height, rel=0.03)
+
+
+def test_no_warning_with_usual_damping() -> None:
+    response = solve(2.0 * HOLDS, ratio=1e-3)
+    assert not any("friction can hold" in each for each in response.warnings)

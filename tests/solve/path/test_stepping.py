@@ -1,0 +1,73 @@
+"""A branch that costs much and hardly advances ends with a sentence."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from plane_curves import PlaneCurve, s_curve
+
+from stickslip.solve.path.continuation import Branch
+from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.stepping import (
+    ITERATIONS_PER_POINT,
+    STALL_ITERATIONS,
+    STALL_LENGTH,
+    ContinuationSettings,
+    Effort,
+)
+
+
+def comb(height: float, pitch: float) -> PlaneCurve:
+    """``x = 1 + y`` up to y = 1/2, then with a wave on it: a comb of as many folds as ``pitch`` fits into the rest."""
+
+    def phase(y: float) -> float:
+        return max(y - 0.5, 0.0) / pitch
+
+    return PlaneCurve(
+        lambda x, y: x - 1.0 - y - height * (1.0 - math.cos(phase(y))),
+        lambda x, y: (1.0, -1.0 - (height / pitch) * math.sin(phase(y))),
+    )
+
+
+def test_a_branch_that_hardly_advances_ends_with_a_sentence() -> None:
+    """Without a limit it follows every tooth for as many points as allowed."""
+    curve, count = comb(height=3e-5, pitch=1e-5), [0]
+
+    def counted(iteration: int, error: float) -> None:
+        count[0] += 1
+
+    newton = Newton(curve, NewtonSettings(tolerance=1e-13), counted)
+    branch = Branch(newton, curve.at(1.0, 0.0), 1.0, ContinuationSettings(max_points=100_000))
+    points = branch.follow()
+    assert not branch.complete
+    assert "makes no progress at y = 0.5" in branch.message
+    assert points[-1].point.y > 0.5
+    assert count[0] < 2 * STALL_ITERATIONS
+
+
+def test_a_branch_that_advances_has_no_limit_but_that_of_its_points() -> None:
+    curve = s_curve()
+    branch = Branch(Newton(curve, NewtonSettings()), curve.at(-2.0, -6.0), 6.0, ContinuationSettings())
+    branch.follow()
+    assert branch.complete
+
+
+@pytest.mark.parametrize("length", [0.0, 0.9 * STALL_LENGTH, STALL_LENGTH])
+def test_the_recent_iterations_count_since_the_last_part_of_the_plot(length: float) -> None:
+    effort = Effort(ContinuationSettings())
+    effort.spend(STALL_ITERATIONS)
+    assert effort.stall == ""
+    effort.cover(length)
+    effort.spend(1)
+    assert bool(effort.stall) == (length < STALL_LENGTH)
+
+
+def test_all_iterations_have_a_limit_too() -> None:
+    effort = Effort(ContinuationSettings(max_points=10))
+    for _ in range(10):
+        effort.spend(ITERATIONS_PER_POINT)
+        effort.cover(STALL_LENGTH)
+    assert effort.stall == ""
+    effort.spend(1)
+    assert f"{10 * ITERATIONS_PER_POINT + 1} iterations of Newton's method were not enough" in effort.stall
