@@ -26,7 +26,7 @@ from stickslip.results.pair_variables import pairs_from, pairs_groups
 from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.results.stability import Bifurcation, BifurcationRows, ComplexNumbers
 from stickslip.results.stored import StoredGroup
-from stickslip.results.sweeps_of_curve import Jump, SlowSweep, one_run, stable_between_folds, sweeps
+from stickslip.results.sweeps_of_curve import Jump, SlowSweep, one_run, solid_words, stable_between_folds, sweeps
 from stickslip.results.variables import (
     Attribute,
     Coefficients,
@@ -317,7 +317,7 @@ class ForcedResponse(Labelled):
         amplitude, linear_hz = self.amplitude(output), self.linear.frequency_hz
         return AmplitudeCurve(
             self.frequency_hz, amplitude, linear_hz, stuck, free, self.stuck_name, name, self.curve_name,
-            self.stable_points, self.slow_sweeps(output),
+            self.stable_points, solid_words(self.stable), self.slow_sweeps(output),
         ).figure()  # fmt: skip
 
     def slow_sweeps(self, output: ArrayLike) -> tuple[SlowSweep, SlowSweep]:

@@ -9,7 +9,7 @@ import numpy as np
 from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
-from stickslip.results.response import NO_STABILITY, ForcedResponse
+from stickslip.results.response import ForcedResponse
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.checks import ResolutionCheck, check_resolution
 from stickslip.solve.harmonic.curve_warnings import curve_warnings, neighbour_warnings
@@ -21,7 +21,7 @@ from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import Accepted, Corner, Retreat
 from stickslip.solve.setting_up import Balances, StageReport
-from stickslip.solve.stability.curve import CurveStability, curve_stability, no_stability
+from stickslip.solve.stability.curve import CurveStability, curve_stability, reason_without
 
 # Reported fraction of the work at the end of the window: energies, checks and linear limits follow.
 LARGEST_FRACTION = 0.99
@@ -59,12 +59,12 @@ def response_of(
     how: str,
     report: StageReport,
     *,
-    stability: bool = False,
     peaks: PeakCheck | None = None,
+    no_stability: str = "",
 ) -> ForcedResponse:
     """The response along a branch through ``window`` (Hz); ``how`` describes its first point.
 
-    With ``stability`` the multipliers of its points too; ``peaks`` is the search for peaks that the branch missed.
+    ``peaks`` is the search for peaks that the branch missed; ``no_stability`` says why its points get no multipliers.
 
     It ends before the first point that does not satisfy the equation of motion. Raises ConvergenceError if that is the
     first point of all.
@@ -83,10 +83,8 @@ def response_of(
         converged, trials, measures = False, trials[:end], measures.first(end)
     fine = balances.with_harmonics(harmonics + max(harmonics, LEAST_CUT_OFF), 2 * balances.samples)
     check = check_resolution(fine, trials)
-    verdict, stability_message = None, NO_STABILITY
-    if stability:
-        report.stage("stability of the points")
-        verdict, stability_message = _stability(trials, balance, balances)
+    report.stage("stability of the points")
+    verdict, stability_message = _stability(trials, balance, balances, no_stability or reason_without(balance.pairs))
     report.stage("linear limits")
     linear = linear_curves(balances.closed, balances.free, balances.force, window)
     damped, free_ratio = bool(stuck.damping.any()), balances.free.damping_ratio(window)
@@ -127,13 +125,13 @@ def response_of(
     )
 
 
-def _stability(trials: list[Trial], balance: Balance, balances: Balances) -> tuple[CurveStability | None, str]:
-    """The stability of the points under the force that each has, None where a law does not allow it, and a sentence."""
-    reason = no_stability(balance)
+def _stability(
+    trials: list[Trial], balance: Balance, balances: Balances, reason: str
+) -> tuple[CurveStability | None, str]:
+    """The stability of the points and a sentence; None for a ``reason`` against it."""
     if reason:
         return None, reason
-    constant_load = all(trial.load == trials[0].load for trial in trials)
-    stability = curve_stability(trials, balance, balances.stuck, constant_load)
+    stability = curve_stability(trials, balance.pairs, balances.stuck)
     unstable = int((~stability.stable).sum())
     sentence = f"{unstable} of {len(trials)} points are unstable." if unstable else "All points are stable."
     if stability.undecided:
@@ -149,8 +147,8 @@ def _stability_warnings(stability: CurveStability | None) -> tuple[str, ...]:
     places = ", ".join(f"{each.kind} {each.frequency_hz:.3f} Hz" for each in changes)
     return (
         f"Stability changes without a fold ({places}). Multipliers have errors by samples and harmonics, up to some "
-        "percent where many pairs slip and separate: run again with twice the samples and more harmonics before you "
-        "trust it, or the jumps of slow sweeps there.",
+        "percent where many pairs slip and separate: run again with more harmonics before you trust it, or the jumps "
+        "of slow sweeps there.",
     )
 
 

@@ -17,7 +17,7 @@ from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.law import BoolArray
 from stickslip.core.validation import FloatArray
 from stickslip.results.stability import Bifurcation, BifurcationKind
-from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.compliance import StuckStructure
 from stickslip.solve.stability.contact_steps import laws_without_steps
 from stickslip.solve.stability.model import StabilityModel, stability_model
@@ -53,7 +53,7 @@ class CurveStability:
         in the order of the curve.
     undecided:
         number of points with a multiplier closer to the unit circle than its error, so that the verdict is that of its
-        computed size; real ones near 1 do not count where folds decide.
+        computed size; real ones near 1 do not count, because folds decide.
     """
 
     stable: BoolArray
@@ -81,10 +81,10 @@ class _Verdict:
     def _real(self) -> BoolArray:
         return np.asarray(np.abs(self.values.imag) <= REAL * np.abs(self.values))
 
-    def undecided(self, turns: bool) -> bool:
-        """Whether a multiplier is closer to the unit circle than its error; if the curve ``turns`` at folds, they
-        decide about a real one near 1."""
-        beside_fold = self._real & (self.values.real > 0.0) & turns
+    @property
+    def undecided(self) -> bool:
+        """Whether a multiplier is closer to the unit circle than its error; folds decide about a real one near 1."""
+        beside_fold = self._real & (self.values.real > 0.0)
         unsure = np.abs(np.abs(self.values) - 1.0) <= self.errors
         return bool((unsure & ~beside_fold).any())
 
@@ -102,9 +102,9 @@ class _Verdict:
         return bool((close & self._real).any())
 
 
-def no_stability(balance: Balance) -> str:
+def reason_without(pairs: ContactPairs) -> str:
     """Why the stability of a joint is not computed, as a sentence; empty if it is."""
-    names = laws_without_steps(balance.pairs)
+    names = laws_without_steps(pairs)
     if not names:
         return ""
     return (
@@ -113,22 +113,20 @@ def no_stability(balance: Balance) -> str:
     )
 
 
-def curve_stability(trials: Sequence[Trial], balance: Balance, stuck: StuckStructure, turns: bool) -> CurveStability:
-    """The stability of points in the order of a curve.
+def curve_stability(trials: Sequence[Trial], pairs: ContactPairs, stuck: StuckStructure) -> CurveStability:
+    """The stability of points in the order of a curve along which the force is constant.
 
-    ``turns`` says that the force is constant along the curve, so that it turns in frequency where a multiplier is 1.
-    The laws must give their steps (:func:`no_stability`).
+    The laws must give their steps (:func:`reason_without`).
     """
-    pairs = balance.pairs
     moves = np.any([trial.contact.moves for trial in trials], axis=0)
     hidden = np.max([pairs.hidden_springs(trial.contact) for trial in trials], axis=0)
     model = stability_model(stuck, max(_harmonics(trial) for trial in trials), moves, hidden)
-    verdicts = [_verdict(model, pairs, trial, turns) for trial in trials]
+    verdicts = [_verdict(model, pairs, trial) for trial in trials]
     counts = [verdict.counts() for verdict in verdicts]
     omega = np.array([trial.omega for trial in trials])
-    folds = _folds(omega) if turns else []
+    folds = _folds(omega)
     doubtful = [verdict.near_fold for verdict in verdicts]
-    for point in np.flatnonzero(doubtful) if turns else []:
+    for point in np.flatnonzero(doubtful):
         counts[point] = counts[point]._replace(positive=_side(int(point), counts, doubtful, folds))
     table = np.zeros((len(trials), STORED), dtype=complex)
     for row, verdict in zip(table, verdicts, strict=True):
@@ -137,7 +135,7 @@ def curve_stability(trials: Sequence[Trial], balance: Balance, stuck: StuckStruc
         np.array([not any(each) for each in counts]),
         table,
         tuple(_changes(verdicts, counts, omega / (2.0 * np.pi), folds)),
-        sum(verdict.undecided(turns) for verdict in verdicts),
+        sum(verdict.undecided for verdict in verdicts),
     )
 
 
@@ -146,7 +144,7 @@ def _harmonics(trial: Trial) -> int:
     return len(trial.relative) // 2
 
 
-def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial, turns: bool) -> _Verdict:
+def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial) -> _Verdict:
     """The multipliers of a point with as many samples as its verdict requires."""
     stuck = stuck_multipliers(model, trial.omega)
     if not trial.contact.moves.any():
@@ -158,7 +156,7 @@ def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial, turns: bo
     # A pair or a negative multiplier outside of the circle has no fold that confirms it.
     counts, samples = verdict.counts(), first
     confirmed = not (counts.negative or counts.complex)
-    while samples < FINEST * first and (verdict.undecided(turns) or not confirmed):
+    while samples < FINEST * first and (verdict.undecided or not confirmed):
         samples, confirmed = 2 * samples, True
         values = multipliers(model, pairs, trial, samples)
         verdict = _Verdict(values, np.maximum(_distances(values, verdict.values), ROUND_OFF))
