@@ -23,8 +23,9 @@ from synthetic import synthetic_response, synthetic_study
 @pytest.fixture(scope="module")
 def view() -> View:
     response = folded_response()
-    known = {"stable": response.stable_points, "stability_message": "Some points are unstable."}
-    return View.of(dataclasses.replace(response, **known), synthetic_study())
+    words = "Some points are unstable."
+    known = dataclasses.replace(response, stable=response.stable_points, stability_message=words)
+    return View.of(known, synthetic_study())
 
 
 def test_unknown_stability_is_never_called_stable() -> None:
