@@ -30,6 +30,8 @@ LEAST_CUT_OFF = 4
 # A point with a larger fraction of unbalanced forces is not a result. This is half of the limit of the sampling check
 # (checks.LARGEST_SAMPLE_RESIDUAL), so that the error of the arithmetic is below that of the discretisation.
 LARGEST_UNBALANCE = 1e-3
+# chosen: a warning reports a larger distance from 1 of the multiplier at a fold.
+LARGEST_ERROR_AT_FOLDS = 0.05
 
 
 def follower(
@@ -140,16 +142,26 @@ def _stability(
 
 
 def _stability_warnings(stability: CurveStability | None) -> tuple[str, ...]:
-    """A warning where the stability changes without a fold, which errors of the multipliers can feign."""
-    changes = [] if stability is None else [each for each in stability.bifurcations if each.kind != "fold"]
-    if not changes:
+    """Warnings where the stability changes without a fold, which errors of the multipliers can feign, and where the
+    multiplier at a fold is far from 1."""
+    if stability is None:
         return ()
-    places = ", ".join(f"{each.kind} {each.frequency_hz:.3f} Hz" for each in changes)
-    return (
-        f"Stability changes without a fold ({places}). Multipliers have errors by samples and harmonics, up to some "
-        "percent where many pairs slip and separate: run again with more harmonics before you trust it, or the jumps "
-        "of slow sweeps there.",
-    )
+    warnings = []
+    changes = [each for each in stability.bifurcations if each.kind != "fold"]
+    if changes:
+        places = ", ".join(f"{each.kind} {each.frequency_hz:.3f} Hz" for each in changes)
+        warnings.append(
+            f"Stability changes without a fold ({places}). Multipliers have errors by samples and harmonics, up to "
+            "some percent where many pairs slip and separate: run again with more harmonics before you trust it, or "
+            "the jumps of slow sweeps there."
+        )
+    if stability.error_at_folds > LARGEST_ERROR_AT_FOLDS:
+        warnings.append(
+            f"At a fold a multiplier is {stability.error_at_folds:.2f} from 1, where it belongs: the solution neglects "
+            "harmonics that its small disturbances contain. Near the folds the verdicts follow from them; elsewhere "
+            "real multipliers have an error of this size. Run again with more harmonics."
+        )
+    return tuple(warnings)
 
 
 def _unbalanced(trials: list[Trial], end: int, residual: float, damped: bool) -> str:

@@ -20,6 +20,7 @@ from stickslip.results.stability import Bifurcation, BifurcationKind
 from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.compliance import StuckStructure
 from stickslip.solve.stability.contact_steps import laws_without_steps
+from stickslip.solve.stability.folds import Fold, doubtful_range, folds_of, sided_counts
 from stickslip.solve.stability.model import StabilityModel, stability_model
 from stickslip.solve.stability.multipliers import ComplexArray, multipliers, stuck_multipliers
 
@@ -29,10 +30,6 @@ FIRST_SAMPLES, SAMPLES_PER_HARMONIC, FINEST = 128, 16, 4
 # number: 97 of 100 multipliers above 0.9 of the benchmark blades and the default two-blade case, against four times the
 # samples.
 FIRST_ERROR, LARGEST_ERROR = 0.15, 0.01
-# A real multiplier this close to 1 does not decide by itself. A pair that has just begun to slip moves it by as much,
-# but only for disturbances smaller than the slip: on the benchmark blade with half its preload from 1.044 to 0.995 and
-# back within two points between the folds, where time integration leaves the motion after a disturbance of 1 %.
-NEAR_FOLD = 0.01
 # Round-off of the march, where no contact changes.
 ROUND_OFF = 1e-7
 # Number of multipliers of each point in a result, and the relative imaginary part below which one is real.
@@ -54,12 +51,15 @@ class CurveStability:
     undecided:
         number of points with a multiplier closer to the unit circle than its error, so that the verdict is that of its
         computed size; real ones near 1 do not count, because folds decide.
+    error_at_folds:
+        largest distance from 1 of the multiplier at a fold; a large one says that the harmonics are too few.
     """
 
     stable: BoolArray
     multipliers: ComplexArray
     bifurcations: tuple[Bifurcation, ...]
     undecided: int
+    error_at_folds: float
 
 
 class _Counts(NamedTuple):
@@ -95,11 +95,9 @@ class _Verdict:
         negative = outside & self._real & ~positive
         return _Counts(int(positive.sum()), int(negative.sum()), int((outside & ~self._real).sum()))
 
-    @property
-    def near_fold(self) -> bool:
-        """Whether a real multiplier is too close to 1 for a verdict by itself."""
-        close = np.abs(self.values - 1.0) <= np.maximum(self.errors, NEAR_FOLD)
-        return bool((close & self._real).any())
+    def near_one(self, distance: float) -> bool:
+        """Whether a real multiplier is within a distance of 1, or its error."""
+        return bool((self._real & (np.abs(self.values - 1.0) <= np.maximum(self.errors, distance))).any())
 
 
 def reason_without(pairs: ContactPairs) -> str:
@@ -124,10 +122,10 @@ def curve_stability(trials: Sequence[Trial], pairs: ContactPairs, stuck: StuckSt
     verdicts = [_verdict(model, pairs, trial) for trial in trials]
     counts = [verdict.counts() for verdict in verdicts]
     omega = np.array([trial.omega for trial in trials])
-    folds = _folds(omega)
-    doubtful = [verdict.near_fold for verdict in verdicts]
-    for point in np.flatnonzero(doubtful):
-        counts[point] = counts[point]._replace(positive=_side(int(point), counts, doubtful, folds))
+    folds = folds_of(omega, [verdict.values for verdict in verdicts])
+    doubtful = [verdict.near_one(doubtful_range(point, folds)) for point, verdict in enumerate(verdicts)]
+    positive = sided_counts([each.positive for each in counts], doubtful, folds)
+    counts = [each._replace(positive=number) for each, number in zip(counts, positive, strict=True)]
     table = np.zeros((len(trials), STORED), dtype=complex)
     for row, verdict in zip(table, verdicts, strict=True):
         row[: verdict.values.size] = verdict.values[:STORED]
@@ -136,6 +134,7 @@ def curve_stability(trials: Sequence[Trial], pairs: ContactPairs, stuck: StuckSt
         table,
         tuple(_changes(verdicts, counts, omega / (2.0 * np.pi), folds)),
         sum(verdict.undecided for verdict in verdicts),
+        max((fold.error for fold in folds), default=0.0),
     )
 
 
@@ -168,28 +167,8 @@ def _distances(values: ComplexArray, others: ComplexArray) -> FloatArray:
     return np.asarray(np.abs(values[:, None] - others).min(axis=1, initial=np.inf))
 
 
-def _folds(omega: FloatArray) -> list[int]:
-    """The points at which the frequency turns."""
-    change = np.diff(omega)
-    return [int(point) + 1 for point in np.flatnonzero(change[1:] * change[:-1] < 0.0)]
-
-
-def _side(point: int, counts: list[_Counts], doubtful: Sequence[bool], folds: Sequence[int]) -> int:
-    """Real multipliers above 1 at a point whose own are too close to 1: those of the nearest sure point of its side.
-
-    The count changes at folds and only there. At the point where the frequency turns, and on a side without a sure
-    point, it is that of the computed multipliers.
-    """
-    if point in folds:
-        return counts[point].positive
-    first = max((fold for fold in folds if fold < point), default=-1)
-    last = min((fold for fold in folds if fold > point), default=len(counts))
-    sure = [each for each in range(first + 1, last) if not doubtful[each]]
-    return counts[min(sure, key=lambda each: abs(each - point)) if sure else point].positive
-
-
 def _changes(
-    verdicts: Sequence[_Verdict], counts: Sequence[_Counts], hertz: FloatArray, folds: Sequence[int]
+    verdicts: Sequence[_Verdict], counts: Sequence[_Counts], hertz: FloatArray, folds: Sequence[Fold]
 ) -> list[Bifurcation]:
     """The bifurcations between points whose counts differ."""
     found = []
@@ -201,27 +180,19 @@ def _changes(
 
 
 def _bifurcation(
-    kind: BifurcationKind, point: int, verdicts: Sequence[_Verdict], hertz: FloatArray, folds: Sequence[int]
+    kind: BifurcationKind, point: int, verdicts: Sequence[_Verdict], hertz: FloatArray, folds: Sequence[Fold]
 ) -> Bifurcation:
     """The bifurcation between a point and the next one."""
     if kind == "fold":
-        turning = [fold for fold in folds if point - 1 <= fold <= point + 2]
+        turning = [fold for fold in folds if point - 1 <= fold.position <= point + 2]
         if turning:
-            fold = min(turning, key=lambda each: abs(each - point - 0.5))
-            position, value = _vertex(hertz[fold - 1 : fold + 2])
-            return Bifurcation("fold", value, fold + position)
+            fold = min(turning, key=lambda each: abs(each.position - point - 0.5))
+            return Bifurcation("fold", fold.omega / (2.0 * np.pi), fold.position)
         kind = "branch point"
     sizes = [float(_crossing_size(verdict.values, kind)) - 1.0 for verdict in verdicts[point : point + 2]]
     span = sizes[1] - sizes[0]
     fraction = float(np.clip(-sizes[0] / span, 0.0, 1.0)) if span else 0.5
     return Bifurcation(kind, float(hertz[point] + fraction * (hertz[point + 1] - hertz[point])), point + fraction)
-
-
-def _vertex(values: FloatArray) -> tuple[float, float]:
-    """Position, from the middle, and value of the extremum of the parabola through three values."""
-    before, here, after = map(float, values)
-    bend, slope = before - 2.0 * here + after, after - before
-    return -0.5 * slope / bend, here - slope**2 / (8.0 * bend)
 
 
 def _crossing_size(values: ComplexArray, kind: BifurcationKind) -> float:
