@@ -206,7 +206,7 @@ def solve(problem: Problem) -> ss.ForcedResponse:
     """The curve of a problem."""
     return ss.forced_response(
         problem.superelement, problem.pairs, problem.force_cos, problem.force_sin, frequency_hz=problem.window_hz,
-        harmonics=problem.harmonics, samples=problem.samples, stability=True,
+        harmonics=problem.harmonics, samples=problem.samples,
     )  # fmt: skip
 
 

@@ -56,6 +56,7 @@ def curve(
         numbers={**NUMBERS, "peak_m": peaks[0][1], "peak_hz": peaks[0][0], **numbers},
         frequency_hz=frequency,
         amplitude_m=amplitude,
+        stable=np.ones(frequency.size, dtype=bool),
         energy_j=1e5 * amplitude**2,
         counts=np.tile([1, 2, 1], (frequency.size, 1)),
         pair_state=np.array([0, 1, 1, 2]),

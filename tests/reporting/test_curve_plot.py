@@ -16,12 +16,31 @@ from stickslip.reporting.curve_plot import amplitude_frequency
 from stickslip.reporting.page import page
 from stickslip.reporting.sweep_words import sweep_words
 from stickslip.reporting.view import View
+from stickslip.results.response import NO_STABILITY
 from synthetic import synthetic_response, synthetic_study
 
 
 @pytest.fixture(scope="module")
 def view() -> View:
-    return View.of(folded_response(), synthetic_study())
+    response = folded_response()
+    words = "Some points are unstable."
+    known = dataclasses.replace(response, stable=response.stable_points, stability_message=words)
+    return View.of(known, synthetic_study())
+
+
+def test_unknown_stability_is_never_called_stable() -> None:
+    """An Iwan joint has no multipliers: only the parts between folds are known, and they are unstable."""
+    reason = "Stability was not computed: the law iwan does not give the derivatives of its steps."
+    unknown = View.of(dataclasses.replace(folded_response(), stability_message=reason), synthetic_study())
+    assert unknown.response.stable is None
+    names = {trace["name"] for trace in amplitude_frequency(unknown)["data"]}
+    assert {"with friction, stability not known", "with friction, unstable"} <= names
+    assert "with friction, stable" not in names
+    words = sweep_words(unknown)
+    assert words.startswith(f"{reason} Dashed parts run back between two folds, so they are unstable")
+    assert "Solid parts are stable" not in words
+    axes = unknown.response.plot(unknown.study.outputs[unknown.study.response_output], "tip").axes[0]
+    assert "with friction, stability not known" in {str(line.get_label()) for line in axes.lines}
 
 
 def test_stable_parts_are_solid_and_unstable_parts_dashed(view: View) -> None:
@@ -56,6 +75,7 @@ def test_arrows_run_from_before_to_after_each_jump_and_peaks_have_marks(view: Vi
 def test_words_name_jumps_and_the_way_out_of_the_curve(view: View) -> None:
     words = sweep_words(view)
     up, down = view.summary.notable_jumps
+    assert words.startswith("Some points are unstable. Solid parts are stable, dashed parts unstable")
     assert f"A slow sweep up jumps at {up.frequency_hz:.2f} Hz from {1e6 * up.amplitude_from:.4g} to" in words
     assert f"A slow sweep down jumps at {down.frequency_hz:.2f} Hz from {1e6 * down.amplitude_from:.4g} to" in words
     response = view.response
@@ -65,7 +85,7 @@ def test_words_name_jumps_and_the_way_out_of_the_curve(view: View) -> None:
     end = int(response.stable_points.argmin()) + 3  # on the part that runs back
     early = dataclasses.replace(response, **{name: getattr(response, name)[:end] for name in part})
     assert "A slow sweep up leaves the computed curve at 428." in sweep_words(View.of(early, synthetic_study()))
-    assert sweep_words(View.of(synthetic_response(), synthetic_study())) == ""
+    assert sweep_words(View.of(synthetic_response(), synthetic_study())) == NO_STABILITY
 
 
 def test_tiles_tell_three_peaks_apart_and_one_where_nothing_folds(view: View) -> None:

@@ -112,7 +112,9 @@ def test_peaks_of_slow_sweeps_are_told_apart_where_they_are_lower() -> None:
         replace(row, measures={**row.measures, **{name: v[i] for name, v in reached.items() if v[i] is not None}})
         for i, row in enumerate(view.table.rows)
     )
-    folded = SweepCurve(np.array([440.0, 460.0, 455.0, 450.0, 480.0]), np.array([1e-5, 1e-4, 2e-4, 3e-4, 1e-5]))
+    hertz = np.array([440.0, 460.0, 455.0, 450.0, 480.0])
+    stable = np.array([True, True, False, True, True])
+    folded = SweepCurve(hertz, np.array([1e-5, 1e-4, 2e-4, 3e-4, 1e-5]), stable)
     view = SweepView(replace(view.table, rows=rows), (folded, *view.curves[1:]), view.force_n)
     figures, text = figures_of(view), page_of(view)
     for figure in ("key-0", "performance-load"):
@@ -121,10 +123,15 @@ def test_peaks_of_slow_sweeps_are_told_apart_where_they_are_lower() -> None:
             ("peak of a slow sweep up, where lower", [100.0], [200.0])
         ]
         assert marks[0]["marker"]["symbol"] == "triangle-up"
-    assert "1 of the curves folds: the part between the folds is unstable." in text
+    assert "1 of the curves is unstable in part: these parts are thin and finely dashed." in text
     headings = ("Highest peak, µm", "Peak, slow sweep up, µm", "Peak, slow sweep down, µm")
     assert all(heading in text for heading in headings)
     assert "is unstable" not in page_of(sweep_view((LOADS,), BOWL))
+    solid, dashed = figures["curves"]["data"][:2]
+    assert (solid["x"], solid["y"]) == ([440.0, 460.0, None, 450.0, 480.0], pytest.approx([10, 100, None, 300, 10]))
+    assert (dashed["x"], dashed["y"]) == ([460.0, 455.0, 450.0], pytest.approx([100.0, 200.0, 300.0]))
+    assert (solid["line"]["dash"], dashed["line"]["dash"]) == ("solid", "2px,2px")
+    assert not dashed["showlegend"]
 
 
 def test_performance_of_several_forces_is_per_force() -> None:

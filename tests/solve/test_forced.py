@@ -308,7 +308,7 @@ def test_progress_is_reported(blade: Blade) -> None:
         f"compliance of {blade.n_pairs} pairs",
         "first point",
     ]
-    assert words[-3:-1] == ["energies and checks of the curve", "linear limits"]
+    assert words[-4:-1] == ["energies and checks of the curve", "stability of the points", "linear limits"]
 
 
 def test_iterations_of_newton_are_reported_at_the_start_and_along_the_curve(blade: Blade) -> None:

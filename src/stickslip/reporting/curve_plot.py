@@ -13,7 +13,7 @@ from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, f
 from stickslip.reporting.style import MICRO
 from stickslip.reporting.view import View
 from stickslip.results.peaks import Peak
-from stickslip.results.sweeps_of_curve import Flags, drawn_steps, unstable_steps
+from stickslip.results.sweeps_of_curve import Flags, drawn_steps, solid_words, unstable_steps
 
 _HOVER = PlotMarkup("%{x:.2f} Hz<br>%{y:.4g} µm")
 
@@ -67,7 +67,7 @@ def _curve(view: View) -> Iterator[dict[str, Any]]:
     yield points | mode | {"marker": {"size": 5, "color": INK, "opacity": seen}}
     yield _peak_mark(_highest_words(view), view.summary.peak, "diamond", VERMILLION, listed=False)
     if folded:
-        yield _drawn(f"{name}, stable", view, ~unstable, "solid", 2.5)
+        yield _drawn(f"{name}, {solid_words(view.response.stable)}", view, ~unstable, "solid", 2.5)
         yield _drawn(f"{name}, unstable", view, unstable, "dash", 1.8)
 
 

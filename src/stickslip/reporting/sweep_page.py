@@ -18,7 +18,6 @@ from stickslip.reporting.sweep_view import LOAD_KEY, SweepView, short_name
 from stickslip.reporting.templates import Notice, Tile, when, whole_page
 from stickslip.reporting.thinning import Thinned
 from stickslip.results.sweep_table import SweepRow
-from stickslip.results.sweeps_of_curve import stable_between_folds
 
 # column of the table -> heading, factor, unit
 _COLUMNS = {
@@ -135,12 +134,12 @@ def _curves_note(view: SweepView, points: Thinned) -> str:
             f". {drawn} of {total} points are plotted, as the shapes require; no omitted point is more than "
             f"{number(100 * points.tolerance, 2)} % of the figure from its line"
         )
-    folded = sum(curve is not None and not stable_between_folds(curve.frequency_hz).all() for curve in view.curves)
-    if folded:
+    partly = sum(curve is not None and not curve.stable.all() for curve in view.curves)
+    if partly:
         words += (
-            f". {folded} of the curves {'folds' if folded == 1 else 'fold'}: the part between the folds is unstable. "
-            "Peaks below are the highest on each curve; triangles are those of a slow sweep up (▲) or down (▼) where "
-            "they are lower"
+            f". {partly} of the curves {'is' if partly == 1 else 'are'} unstable in part: these parts are thin and "
+            "finely dashed. Peaks below are the highest on each curve; triangles are those of a slow sweep up (▲) or "
+            "down (▼) where they are lower"
         )
     return f"{words}."
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -26,12 +27,14 @@ from stickslip.reporting.sweep_view import (
 )
 from stickslip.reporting.thinning import Thinned, thinned
 from stickslip.results.sweep_table import SweptKey
+from stickslip.results.sweeps_of_curve import Flags, drawn_steps, unstable_steps
 
 DRAWN_POINTS = 200_000  # chosen: points of all curves on a page
 LEGEND_ENTRIES = 12  # chosen: more do not fit beside a plot
 SEPARATE_CURVES = 300  # chosen: above it curves of one colour are one trace
 SHADES = 60  # chosen: colours of very many curves
 LARGEST_MAP_COUNT = 12  # chosen: maps on a page
+UNSTABLE = {"dash": "2px,2px", "width": 0.9}  # finer than the dashes that show the second key
 # Text at the mouse on a peak over the load: its name, load or ratio, and height with its unit.
 _PEAK = PlotMarkup("{}<br>%{{x:.5g}}<br>%{{y:.4g}} {}<extra></extra>")
 # Cividis without its palest end, which is invisible on white paper.
@@ -45,7 +48,7 @@ def thinned_curves(view: SweepView) -> Thinned:
 
 
 def all_curves(view: SweepView, points: Thinned) -> Figure:
-    """Every amplitude curve; the colour shows the first key, the dash the second one.
+    """Every amplitude curve; the colour shows the first key, the dash the second one; unstable parts are thin.
 
     Browsers are slow with very many lines, so above SEPARATE_CURVES those of like colour are one line with gaps.
     """
@@ -58,9 +61,16 @@ def all_curves(view: SweepView, points: Thinned) -> Figure:
         curve, place = view.curves[row], view.positions[row]
         assert curve is not None  # rows without a curve were removed above
         dash = DASHES[int(place[1]) % len(DASHES)] if place.size > 1 else "solid"
-        drawn = _Drawn(row, int(place[0]), curve.frequency_hz[indices], MICRO * curve.amplitude_m[indices])
+        drawn = _Drawn(
+            row, int(place[0]), curve.frequency_hz[indices], MICRO * curve.amplitude_m[indices],
+            unstable_steps(curve.stable[indices]),
+        )  # fmt: skip
         batches.setdefault((colours[place[0]], f"{dash} {row if apart else ''}"), []).append(drawn)
-    traces = [_curve_trace(view, colour, dash.split()[0], batch) for (colour, dash), batch in batches.items()]
+    traces = [
+        trace
+        for (colour, dash), batch in batches.items()
+        for trace in _curve_traces(view, colour, dash.split()[0], batch)
+    ]
     few = len(first.values) <= LEGEND_ENTRIES
     _list_once(traces, few)
     if not few and first.shown:
@@ -76,16 +86,17 @@ def all_curves(view: SweepView, points: Thinned) -> Figure:
 
 @dataclass(frozen=True, eq=False)
 class _Drawn:
-    """A curve as it is drawn: its row, the place of its first key's value, Hz and µm."""
+    """A curve as it is drawn: its row, the place of its first key's value, Hz and µm, and its unstable steps."""
 
     row: int
     place: int
     x: FloatArray
     y: FloatArray
+    unstable: Flags
 
 
-def _curve_trace(view: SweepView, colour: str, dash: str, batch: Sequence[_Drawn]) -> dict[str, Any]:
-    """One line for curves of one colour and dash, with a gap between them."""
+def _curve_traces(view: SweepView, colour: str, dash: str, batch: Sequence[_Drawn]) -> Iterator[dict[str, Any]]:
+    """One line for curves of one colour and dash, with a gap between them, and one for their unstable parts."""
     key = view.table.keys[0]
     first, last = batch[0], batch[-1]
     if len(batch) == 1:
@@ -93,17 +104,32 @@ def _curve_trace(view: SweepView, colour: str, dash: str, batch: Sequence[_Drawn
     else:
         ends = dict.fromkeys((key.labels[first.place], key.labels[last.place]))
         label = f"{short_name(key)} {' to '.join(ends)}"
-    x, y = ([each for drawn in batch for each in (*plain_list(getattr(drawn, axis)), None)][:-1] for axis in "xy")
-    return {
-        "type": "scatter",
-        "mode": "lines",
-        "name": key.labels[first.place],
-        "legendgroup": str(first.place),
-        "x": x,
-        "y": y,
-        "line": {"color": colour, "dash": dash, "width": 1.6},
-        "hovertemplate": PlotMarkup("{}<br>%{{x:.2f}} Hz<br>%{{y:.4g}} µm<extra></extra>").format(label),
-    }
+    looks = [(False, label, {"dash": dash, "width": 1.6}), (True, f"{label}, unstable", UNSTABLE)]
+    for unstable, words, look in looks:
+        x, y = _joined(batch, unstable)
+        if x or not unstable:
+            yield {
+                "type": "scatter",
+                "mode": "lines",
+                "name": key.labels[first.place],
+                "legendgroup": str(first.place),
+                "x": x,
+                "y": y,
+                "line": {"color": colour, **look},
+                "hovertemplate": PlotMarkup("{}<br>%{{x:.2f}} Hz<br>%{{y:.4g}} µm<extra></extra>").format(words),
+            }
+
+
+def _joined(batch: Sequence[_Drawn], unstable: bool) -> tuple[list[float | None], list[float | None]]:
+    """Abscissas and ordinates of the unstable steps of curves, or of the others, with None between parts."""
+    lines: tuple[list[float | None], list[float | None]] = ([], [])
+    for drawn in batch:
+        steps = drawn.unstable if unstable else ~drawn.unstable
+        for line, values in zip(lines, (drawn.x, drawn.y), strict=True):
+            part = plain_list(drawn_steps(values, steps) if values.size > 1 else values[: 1 - unstable])
+            line.extend([None] if line and part else [])
+            line.extend(None if math.isnan(number) else number for number in part)
+    return lines
 
 
 def _colours(key: SweptKey) -> list[str]:

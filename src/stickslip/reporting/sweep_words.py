@@ -9,13 +9,17 @@ from stickslip.reporting.view import View
 
 
 def sweep_words(view: View) -> str:
-    """Which parts are stable, where slow sweeps jump, and where they leave the curve; empty where nothing happens."""
+    """Which parts are stable, where slow sweeps jump, and where they leave the curve."""
     return " ".join(_sentences(view))
 
 
 def _sentences(view: View) -> Iterator[str]:
-    if not view.response.stable_points.all():
-        yield "Solid parts are stable, dashed parts unstable: no test stays on them."
+    response = view.response
+    yield response.stability_message
+    if not response.stable_points.all():
+        known = "Solid parts are stable, dashed parts unstable"
+        unknown = "Dashed parts run back between two folds, so they are unstable"
+        yield f"{unknown if response.stable is None else known}: no test stays on them."
     for jump in view.summary.notable_jumps:
         before, after = (number(MICRO * amplitude) for amplitude in (jump.amplitude_from, jump.amplitude_to))
         yield f"A slow sweep {jump.direction} jumps at {_hertz(jump.frequency_hz)} from {before} to {after} µm."

@@ -27,7 +27,8 @@ _MICRO = 1e6  # m to µm
 @dataclass(frozen=True)
 class AmplitudeCurve:
     """Data of the figure: frequencies in Hz, 0-to-peak amplitudes in m, and the names of the linear stuck curve,
-    of the output and of the curve itself; which points are stable, and the slow sweeps up and down."""
+    of the output and of the curve itself; which points are drawn as stable, what these are called, and the slow sweeps
+    up and down."""
 
     frequency_hz: FloatArray
     amplitude: FloatArray
@@ -38,6 +39,7 @@ class AmplitudeCurve:
     output_name: str
     curve_name: str
     stable: Flags
+    solid_words: str
     slow_sweeps: tuple[SlowSweep, SlowSweep]
 
     def figure(self) -> Figure:
@@ -75,7 +77,7 @@ class AmplitudeCurve:
             axes.plot(self.frequency_hz, height, ".-", color=INK, markersize=4, label=self.curve_name)
             return
         axes.plot(self.frequency_hz[self.stable], height[self.stable], ".", color=INK, markersize=4)
-        for drawn, dash, words in ((~unstable, "-", "stable"), (unstable, "--", "unstable")):
+        for drawn, dash, words in ((~unstable, "-", self.solid_words), (unstable, "--", "unstable")):
             x, y = drawn_steps(self.frequency_hz, drawn), drawn_steps(height, drawn)
             axes.plot(x, y, dash, color=INK, label=f"{self.curve_name}, {words}")
 

@@ -23,7 +23,7 @@ from stickslip.results.groups import read_groups, write_groups
 from stickslip.results.linear_curves import points_between
 from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.results.response_data import CURVE, PAIRS, ResponseData
-from stickslip.results.sweeps_of_curve import Jump, SlowSweep, one_run, stable_between_folds, sweeps
+from stickslip.results.sweeps_of_curve import Jump, SlowSweep, one_run, solid_words, stable_between_folds, sweeps
 from stickslip.results.variables import (
     Numbers,
     WholeNumbers,
@@ -198,7 +198,7 @@ class ForcedResponse(ResponseData):
         amplitude, linear_hz = self.amplitude(output), self.linear.frequency_hz
         return AmplitudeCurve(
             self.frequency_hz, amplitude, linear_hz, stuck, free, self.stuck_name, name, self.curve_name,
-            self.stable_points, self.slow_sweeps(output),
+            self.stable_points, solid_words(self.stable), self.slow_sweeps(output),
         ).figure()  # fmt: skip
 
     def slow_sweeps(self, output: ArrayLike) -> tuple[SlowSweep, SlowSweep]:

@@ -18,6 +18,7 @@ from stickslip.results.measures import SUMMARY_COLUMNS, summary
 from stickslip.results.netcdf import netcdf_bytes
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
+from stickslip.results.sweeps_of_curve import Flags
 
 if TYPE_CHECKING:
     import xarray
@@ -59,10 +60,14 @@ class SweptKey:
 
 @dataclass(frozen=True, eq=False)
 class SweepCurve:
-    """Amplitude curve of one case: (n_points,) Hz and (n_points,) m, 0-to-peak, in the order of the curve."""
+    """Amplitude curve of one case: (n_points,) Hz and (n_points,) m, 0-to-peak, in the order of the curve.
+
+    ``stable`` (n_points,) says which points are drawn as stable (:attr:`ForcedResponse.stable_points`).
+    """
 
     frequency_hz: FloatArray
     amplitude_m: FloatArray
+    stable: Flags
 
 
 @dataclass(frozen=True)
@@ -193,4 +198,4 @@ def curve_and_measures(response: ForcedResponse, study: StudyRecord) -> tuple[Sw
     measures = summary(response, row)
     numbers = {name: entry[2](measures) for name, entry in SUMMARY_COLUMNS.items()}
     cells = {name: float(number) for name, number in numbers.items() if number is not None}
-    return SweepCurve(response.frequency_hz, response.amplitude(row)), cells
+    return SweepCurve(response.frequency_hz, response.amplitude(row), response.stable_points), cells

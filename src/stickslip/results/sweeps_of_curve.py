@@ -108,6 +108,12 @@ def unstable_steps(stable: Flags) -> Flags:
     return steps
 
 
+def solid_words(stable: Flags | None) -> str:
+    """What figures call the parts of a curve that are not drawn as unstable; ``stable`` is None where only folds are
+    known."""
+    return "stability not known" if stable is None else "stable"
+
+
 def drawn_steps(values: FloatArray, drawn: Flags) -> FloatArray:
     """Values (n_points,) along the steps that are ``drawn`` (n_points - 1,), with a NaN between parts."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], drawn, [False]]).astype(np.int8)))

@@ -31,6 +31,9 @@ from stickslip.structure.superelement import Superelement
 # chosen: the start raises the prescribed amplitude from FIRST_FRACTION of its value, at which few pairs slip, at first
 # by FIRST_FACTOR a step; it fails where a step would raise the amplitude by less than SMALLEST_FACTOR.
 FIRST_FRACTION, FIRST_FACTOR, SMALLEST_FACTOR = 0.01, 2.0, 1.001
+NO_STABILITY = (
+    "Stability was not computed: it is that of motions under a constant force, and a control changes the force."
+)
 
 
 def controlled_response(
@@ -106,7 +109,7 @@ def controlled_response(
         branch = Branch(solver, start, stop_omega, continuation or ContinuationSettings(), follower(window, report))
         branch.follow()
         how = f"The first point converged with a load factor of {start.trial.load:.4g}."
-        response = response_of(branch, balances, balance, window, newton, how, report)
+        response = response_of(branch, balances, balance, window, newton, how, report, no_stability=NO_STABILITY)
     settings = {**response.settings, f"held_{control}": target if control == "amplitude" else -math.degrees(target)}
     provenance = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
     return replace(response, settings=settings, provenance=provenance)

@@ -10,7 +10,6 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
 from stickslip.results.response import ForcedResponse
-from stickslip.results.response_data import NO_STABILITY
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.checks import ResolutionCheck, check_resolution
 from stickslip.solve.harmonic.curve_warnings import curve_warnings, neighbour_warnings
@@ -22,7 +21,7 @@ from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import Accepted, Corner, Retreat
 from stickslip.solve.setting_up import Balances, StageReport
-from stickslip.solve.stability.curve import CurveStability, curve_stability, no_stability
+from stickslip.solve.stability.curve import CurveStability, curve_stability, reason_without
 
 # Reported fraction of the work at the end of the window: energies, checks and linear limits follow.
 LARGEST_FRACTION = 0.99
@@ -31,6 +30,8 @@ LEAST_CUT_OFF = 4
 # A point with a larger fraction of unbalanced forces is not a result. This is half of the limit of the sampling check
 # (checks.LARGEST_SAMPLE_RESIDUAL), so that the error of the arithmetic is below that of the discretisation.
 LARGEST_UNBALANCE = 1e-3
+# chosen: a warning reports a larger distance from 1 of the multiplier at a fold.
+LARGEST_ERROR_AT_FOLDS = 0.05
 
 
 def follower(
@@ -60,12 +61,12 @@ def response_of(
     how: str,
     report: StageReport,
     *,
-    stability: bool = False,
     peaks: PeakCheck | None = None,
+    no_stability: str = "",
 ) -> ForcedResponse:
     """The response along a branch through ``window`` (Hz); ``how`` describes its first point.
 
-    With ``stability`` the multipliers of its points too; ``peaks`` is the search for peaks that the branch missed.
+    ``peaks`` is the search for peaks that the branch missed; ``no_stability`` says why its points get no multipliers.
 
     It ends before the first point that does not satisfy the equation of motion. Raises ConvergenceError if that is the
     first point of all.
@@ -84,10 +85,8 @@ def response_of(
         converged, trials, measures = False, trials[:end], measures.first(end)
     fine = balances.with_harmonics(harmonics + max(harmonics, LEAST_CUT_OFF), 2 * balances.samples)
     check = check_resolution(fine, trials)
-    verdict, stability_message = None, NO_STABILITY
-    if stability:
-        report.stage("stability of the points")
-        verdict, stability_message = _stability(trials, balance, balances)
+    report.stage("stability of the points")
+    verdict, stability_message = _stability(trials, balance, balances, no_stability or reason_without(balance.pairs))
     report.stage("linear limits")
     linear = linear_curves(balances.closed, balances.free, balances.force, window)
     damped, free_ratio = bool(stuck.damping.any()), balances.free.damping_ratio(window)
@@ -128,13 +127,13 @@ def response_of(
     )
 
 
-def _stability(trials: list[Trial], balance: Balance, balances: Balances) -> tuple[CurveStability | None, str]:
-    """The stability of the points under the force that each has, None where a law does not allow it, and a sentence."""
-    reason = no_stability(balance)
+def _stability(
+    trials: list[Trial], balance: Balance, balances: Balances, reason: str
+) -> tuple[CurveStability | None, str]:
+    """The stability of the points and a sentence; None for a ``reason`` against it."""
     if reason:
         return None, reason
-    constant_load = all(trial.load == trials[0].load for trial in trials)
-    stability = curve_stability(trials, balance, balances.stuck, constant_load)
+    stability = curve_stability(trials, balance.pairs, balances.stuck)
     unstable = int((~stability.stable).sum())
     sentence = f"{unstable} of {len(trials)} points are unstable." if unstable else "All points are stable."
     if stability.undecided:
@@ -143,16 +142,26 @@ def _stability(trials: list[Trial], balance: Balance, balances: Balances) -> tup
 
 
 def _stability_warnings(stability: CurveStability | None) -> tuple[str, ...]:
-    """A warning where the stability changes without a fold, which errors of the multipliers can feign."""
-    changes = [] if stability is None else [each for each in stability.bifurcations if each.kind != "fold"]
-    if not changes:
+    """Warnings where the stability changes without a fold, which errors of the multipliers can feign, and where the
+    multiplier at a fold is far from 1."""
+    if stability is None:
         return ()
-    places = ", ".join(f"{each.kind} {each.frequency_hz:.3f} Hz" for each in changes)
-    return (
-        f"Stability changes without a fold ({places}). Multipliers have errors by samples and harmonics, up to some "
-        "percent where many pairs slip and separate: run again with twice the samples and more harmonics before you "
-        "trust it, or the jumps of slow sweeps there.",
-    )
+    warnings = []
+    changes = [each for each in stability.bifurcations if each.kind != "fold"]
+    if changes:
+        places = ", ".join(f"{each.kind} {each.frequency_hz:.3f} Hz" for each in changes)
+        warnings.append(
+            f"Stability changes without a fold ({places}). Multipliers have errors by samples and harmonics, up to "
+            "some percent where many pairs slip and separate: run again with more harmonics before you trust it, or "
+            "the jumps of slow sweeps there."
+        )
+    if stability.error_at_folds > LARGEST_ERROR_AT_FOLDS:
+        warnings.append(
+            f"At a fold a multiplier is {stability.error_at_folds:.2f} from 1, where it belongs: the solution neglects "
+            "harmonics that its small disturbances contain. Near the folds the verdicts follow from them; elsewhere "
+            "real multipliers have an error of this size. Run again with more harmonics."
+        )
+    return tuple(warnings)
 
 
 def _unbalanced(trials: list[Trial], end: int, residual: float, damped: bool) -> str:

@@ -43,7 +43,6 @@ def forced_response(
     update: Update = "tractrix",
     newton: NewtonSettings | None = None,
     continuation: ContinuationSettings | None = None,
-    stability: bool = False,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
 ) -> ForcedResponse:
@@ -74,9 +73,6 @@ def forced_response(
         "tractrix" (second order) or "radial" return of the friction law.
     newton, continuation:
         tolerances and step control.
-    stability:
-        compute the Floquet multipliers of every point too, about as long as the curve takes; without them the folds of
-        the curve tell stable from unstable parts.
     threads:
         threads of the linear algebra, used where the joint is large enough; None takes the environment variable
         STICKSLIP_THREADS, or else the usable cores, at most 4.
@@ -86,8 +82,9 @@ def forced_response(
     Returns
     -------
     ForcedResponse
-        also if the curve ends early: ``converged`` is then False and ``message`` gives the frequency and the reason;
-        all its points are converged.
+        with Floquet multipliers of every point and whether it is ``stable``, if all laws have ``linear_steps``. Also if
+        the curve ends early: ``converged`` is then False and ``message`` gives the frequency and the reason; all its
+        points are converged.
 
     Raises
     ------
@@ -122,9 +119,7 @@ def forced_response(
         branch.follow()
         report.stage("search for missed peaks")
         peaks = search_missed_peaks(solver, [each.point for each in branch.points], resonances.seen)
-        response = response_of(
-            branch, balances, curve.balance, window, newton, how, report, stability=stability, peaks=peaks
-        )
+        response = response_of(branch, balances, curve.balance, window, newton, how, report, peaks=peaks)
     seconds = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
     return replace(response, warnings=unbounded + response.warnings, provenance=seconds)
 

@@ -111,6 +111,7 @@ def _row(outcome: CaseOutcome) -> dict[str, Any]:
         "warnings": list(outcome.warnings),
         "frequency_hz": curve.frequency_hz.tolist(),
         "amplitude_m": curve.amplitude_m.tolist(),
+        "stable": curve.stable.tolist(),
     }
 
 
@@ -118,7 +119,7 @@ def _solved(results: Path, row: dict[str, Any]) -> CaseOutcome:
     """The outcome of a row. Raises ResultsFileError unless its results file is present and unchanged."""
     if row["results"] != _digest(_content(results)):
         raise ResultsFileError(f'"{results}" is not used: "{ROW_FILE}" in the same folder belongs to another file.')
-    curve = SweepCurve(np.array(row["frequency_hz"]), np.array(row["amplitude_m"]))
+    curve = SweepCurve(*(np.array(row[name]) for name in ("frequency_hz", "amplitude_m", "stable")))
     return CaseOutcome(row["converged"], row["message"], row["measures"], curve, tuple(row["warnings"]))
 
 

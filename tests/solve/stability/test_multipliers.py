@@ -52,9 +52,7 @@ def steps_of_one_pair(sticks: bool, samples: int = 128) -> LinearSteps:
 @pytest.mark.parametrize("damping", [0.02 * STIFFNESS, UNEVEN_DAMPING])
 def test_a_structure_that_sticks_has_the_multipliers_of_its_modes(damping: np.ndarray) -> None:
     structure = ss.Superelement(MASS, STIFFNESS, damping)
-    response = ss.forced_response(
-        structure, chain_pairs(), np.array([1e-3, 0.0, 0.0]), frequency_hz=(0.2, 0.4), stability=True
-    )
+    response = ss.forced_response(structure, chain_pairs(), np.array([1e-3, 0.0, 0.0]), frequency_hz=(0.2, 0.4))
     assert response.multipliers is not None
     for point in (0, -1):
         exact = exact_multipliers(STIFFNESS + np.diag(SPRINGS), damping, 1.0 / response.frequency_hz[point])
@@ -89,6 +87,33 @@ def test_the_error_of_the_march_falls_with_the_square_of_the_step() -> None:
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
 
 
+def opened_by_a_light_damper(samples: int) -> float:
+    """The largest multiplier of a damper that lifts off for 30 % of each period; when it sticks, its motion relative to
+    the structure is 25 times as fast as the excitation."""
+    stiffness = 0.05 * 25.0**2
+    structure = ss.Superelement(np.diag([1.0, 0.05]), np.diag([1.2, 0.2]))
+    operator = np.array([[0.0, 0.0], [0.0, 0.0], [1.0, -1.0]])
+    pairs = ss.ContactPairs(operator, stiffness, stiffness, 0.3, normal_load=1.0)
+    stuck = stuck_structure(structure, pairs, 1.0, 0.001)
+    model = stability_model(stuck, 3, np.ones((1, 3), dtype=bool), np.zeros((1, 3)))
+    assert model.modes == 1  # the other coordinate is fast, and modal damping does not reach it
+    share = np.arange(samples) / samples
+    normal = np.where((share > 0.2) & (share < 0.5), 0.0, stiffness)[:, None]
+    by_end = np.zeros((samples, 1, 2, 3))
+    by_end[:, :, (0, 1), (0, 1)] = stiffness
+    steps = LinearSteps(np.zeros((samples, 1, 2, 2)), by_end, np.zeros((samples, 1, 2, 3)), normal)
+    period = Period(model, steps, np.array([0]), 1.0)
+    return float(np.abs(np.linalg.eigvals(period.march(np.eye(period.size)))).max())
+
+
+def test_fast_coordinates_without_damping_feign_no_loss_of_stability() -> None:
+    """Their phase at each contact event decides their size, and no model predicts it. Without the damping the largest
+    multiplier here is 1.48 with 256 samples, 1.00 with 512 and 1.34 with 1024."""
+    sizes = [opened_by_a_light_damper(samples) for samples in (256, 512, 1024)]
+    assert max(sizes) < 0.95
+    assert max(sizes) - min(sizes) < 0.01
+
+
 @pytest.fixture(scope="module")
 def duffing() -> ss.ForcedResponse:
     """``x'' + 0.05 x' + x + 0.4 x^3 = 0.25 cos(w t)``."""
@@ -96,9 +121,7 @@ def duffing() -> ss.ForcedResponse:
     pairs = ss.ContactPairs.with_laws(np.array([[1.0], [0.0], [0.0]]), [law])
     structure = ss.Superelement(np.eye(1), np.zeros((1, 1)), 0.05 * np.eye(1))
     window = (0.8 / (2.0 * np.pi), 2.6 / (2.0 * np.pi))
-    return ss.forced_response(
-        structure, pairs, np.array([0.25]), frequency_hz=window, harmonics=5, samples=64, stability=True
-    )
+    return ss.forced_response(structure, pairs, np.array([0.25]), frequency_hz=window, harmonics=5, samples=64)
 
 
 def test_duffing_is_unstable_exactly_between_its_folds(duffing: ss.ForcedResponse) -> None:
@@ -161,7 +184,7 @@ def test_impacts_double_the_period_around_twice_the_bilinear_frequency() -> None
     pairs = ss.ContactPairs.with_laws(np.array([[0.0], [0.0], [1.0]]), [law])
     structure = ss.Superelement(np.eye(1), np.eye(1), 0.1 * np.eye(1))
     window = (1.8 / (2.0 * np.pi), 4.0 / (2.0 * np.pi))
-    response = ss.forced_response(structure, pairs, np.array([1.0]), frequency_hz=window, harmonics=15, stability=True)
+    response = ss.forced_response(structure, pairs, np.array([1.0]), frequency_hz=window, harmonics=15)
     assert [each.kind for each in response.bifurcations] == ["period doubling", "period doubling"]
     first, last = (2.0 * np.pi * each.frequency_hz for each in response.bifurcations)
     bilinear = 2.0 * math.sqrt(5.0) / (1.0 + math.sqrt(5.0))
@@ -178,7 +201,7 @@ def test_a_body_on_friction_alone_has_no_multiplier_of_its_drift() -> None:
     omega = 2.0 * np.pi * 100.0
     pairs = ss.ContactPairs(operator, 9.0 * omega**2, 4.0 * omega**2, 0.3, normal_load=100.0)
     structure = ss.Superelement(np.eye(2), np.zeros((2, 2)), 0.5 * np.eye(2))
-    response = ss.forced_response(structure, pairs, np.array([60.0, 0.0]), frequency_hz=(90.0, 110.0), stability=True)
+    response = ss.forced_response(structure, pairs, np.array([60.0, 0.0]), frequency_hz=(90.0, 110.0))
     assert response.moving_pairs.all()
     assert response.multipliers is not None
     assert np.abs(response.multipliers - 1.0).min() > 1e-3
@@ -189,9 +212,7 @@ def test_a_law_without_steps_gives_a_reason_and_no_verdict() -> None:
     law = ss.IwanJoint(np.array([[100.0, 100.0]]), np.array([[1.0, 1.0]]), np.array([-0.5]), np.array([0.1]))
     pairs = ss.ContactPairs.with_laws(np.array([[1.0], [0.0], [0.0]]), [law])
     structure = ss.Superelement(np.eye(1), 10.0 * np.eye(1), np.eye(1))
-    response = ss.forced_response(
-        structure, pairs, np.array([0.1]), frequency_hz=(0.5, 1.0), harmonics=1, samples=32, stability=True
-    )
+    response = ss.forced_response(structure, pairs, np.array([0.1]), frequency_hz=(0.5, 1.0), harmonics=1, samples=32)
     assert response.stable is None
     assert response.multipliers is None
     assert "the law iwan does not give" in response.stability_message
@@ -218,7 +239,7 @@ def test_stability_is_stored_and_older_files_are_read_without_it(duffing: ss.For
 @pytest.mark.slow
 def test_the_blade_is_unstable_exactly_between_its_folds(blade: Blade) -> None:
     """Pairs that have shaken down and touch their limit follow the disturbance; without them a point seems stable."""
-    response = blade.response(frequency_hz=blade.window_hz, harmonics=5, samples=256, stability=True)
+    response = blade.response(frequency_hz=blade.window_hz, harmonics=5, samples=256)
     assert [each.kind for each in response.bifurcations] == ["fold", "fold"]
     assert [each.frequency_hz for each in response.bifurcations] == pytest.approx([686.14, 683.73], abs=0.03)
     upper, lower = (each.position for each in response.bifurcations)
@@ -234,7 +255,7 @@ def test_the_blade_is_unstable_exactly_between_its_folds(blade: Blade) -> None:
 @pytest.mark.slow
 def test_the_iteration_gives_the_largest_of_all_eigenvalues(blade: Blade, monkeypatch: pytest.MonkeyPatch) -> None:
     """Small directions of a block must not enter the basis twice: spurious multipliers of 2 came from that."""
-    options = {"frequency_hz": (682.0, 690.0), "harmonics": 3, "samples": 128, "stability": True}
+    options = {"frequency_hz": (682.0, 690.0), "harmonics": 3, "samples": 128}
     every = blade.response(**options).multipliers
     monkeypatch.setattr(multipliers, "DENSE_SIZE", 0)
     largest = blade.response(**options).multipliers

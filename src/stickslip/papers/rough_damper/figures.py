@@ -16,13 +16,14 @@ from stickslip.papers.rough_damper.plan import EXCITATIONS
 from stickslip.papers.rough_damper.records import SHOWN_PLACES, Solved
 from stickslip.reporting.figures import save
 from stickslip.reporting.style import STATES
-from stickslip.results.sweeps_of_curve import SAME_PEAK
+from stickslip.results.sweeps_of_curve import SAME_PEAK, drawn_steps, unstable_steps
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLOURS = (BLUE, VERMILLION, GREEN, ORANGE, PURPLE, INK, GREY)
 DASHES = ("-", "--", "-.", ":", "-", "--", "-.")
+UNSTABLE = {"linestyle": (0, (2.0, 2.0)), "linewidth": 0.7}  # finer than the dashes that tell curves apart
 FORMATS = ("svg", "png")
 
 
@@ -88,7 +89,10 @@ def stiffness(rows: Mapping[str, Mapping[str, Sequence[tuple[str, Sequence[float
 
 
 def curves(solutions: Sequence[Solved], along: str) -> Figure:
-    """Amplitude against frequency: a column for each excitation, a row for each force, load and fixed G or D."""
+    """Amplitude against frequency: a column for each excitation, a row for each force, load and fixed G or D.
+
+    Unstable parts are thin and finely dashed.
+    """
     lines = list(series(solutions, along))
     runs = list(dict.fromkeys(_run_words(line, along) for line in lines))
     figure, axes = panels(len(runs), len(EXCITATIONS), 11.0, 2.9 * len(runs), sharex=True)
@@ -96,14 +100,11 @@ def curves(solutions: Sequence[Solved], along: str) -> Figure:
         s = line[0].setting
         panel = axes[runs.index(_run_words(line, along)), EXCITATIONS.index(s.excitation)]
         for place, one in enumerate(line):
-            panel.plot(
-                one.frequency_hz,
-                MICRO * one.amplitude_m,
-                color=COLOURS[place % 7],
-                linestyle=DASHES[place % 7],
-                label=label(one, along),
-                linewidth=1.3,
-            )
+            unstable = unstable_steps(one.stable)
+            look = {"linestyle": DASHES[place % 7], "linewidth": 1.3, "label": label(one, along)}
+            for drawn, style in ((~unstable, look), (unstable, UNSTABLE)):
+                heights = drawn_steps(MICRO * one.amplitude_m, drawn)
+                panel.plot(drawn_steps(one.frequency_hz, drawn), heights, color=COLOURS[place % 7], **style)
             up = one.seen_by("up")
             if up is not None and up.numbers["peak_m"] < (1.0 - SAME_PEAK) * one.numbers["peak_m"]:
                 panel.plot(up.numbers["peak_hz"], MICRO * up.numbers["peak_m"], "^", color=COLOURS[place % 7])

@@ -39,8 +39,9 @@ class Solved:
         name -> value, SI: peak_m, peak_hz, stuck_peak_m, stuck_hz, energies per cycle in J and so on.
     peak_list:
         (m, 2) Hz and m of the peaks inside the curve, or on the path of the sweep, highest first.
-    frequency_hz, amplitude_m, energy_j, counts:
-        (n,), (n,), (n,), (n, 3): along the curve; friction energy per cycle, pairs stuck, stick-slip, separating.
+    frequency_hz, amplitude_m, stable, energy_j, counts:
+        (n,), (n,), (n,), (n,), (n, 3): along the curve; whether the motion is stable, friction energy per cycle, pairs
+        stuck, stick-slip, separating.
     pair_state, pair_energy_j, pair_position:
         (n_pairs,), (n_pairs,), (n_pairs, 2) at the peak; m along the damper and up the slope.
     pair_face:
@@ -67,6 +68,7 @@ class Solved:
     numbers: Mapping[str, float]
     frequency_hz: FloatArray
     amplitude_m: FloatArray
+    stable: NDArray[np.bool_]
     energy_j: FloatArray
     counts: NDArray[Any]
     pair_state: NDArray[Any]
@@ -244,6 +246,7 @@ def _reading(
         numbers=numbers,
         frequency_hz=response.frequency_hz[points],
         amplitude_m=amplitude[points],
+        stable=response.stable_points[points],
         energy_j=energy[points],
         counts=counts[points],
         pair_state=response.contact_state[point],

@@ -92,6 +92,7 @@ def _curve_dataset(one: Solved) -> xarray.Dataset:
     data = {
         "frequency": (("point",), one.frequency_hz, {"units": "Hz"}),
         "amplitude": (("point",), one.amplitude_m, {"units": "m", "long_name": "tip, 0-to-peak, mean included"}),
+        "stable": (("point",), one.stable.astype(float), {"long_name": "1 if small disturbances decay"}),
         "friction_energy": (("point",), one.energy_j, {"units": "J", "long_name": "per cycle, all pairs"}),
         "state_count": (("point", "state"), one.counts.astype(float), {"long_name": "stuck, stick-slip, separating"}),
         "pair_state": (("pair",), one.pair_state.astype(float), {"long_name": "at the peak"}),

@@ -126,7 +126,7 @@ class LastFactor:
         def apply(vector: FloatArray) -> FloatArray:
             answer, known = vector.ravel().copy(), np.zeros(self._keys.size)
             known[there] = answer[here]
-            answer[here] = scipy.linalg.lu_solve(self._factor, known, check_finite=False)[there]
+            answer[here] = dgetrs(*self._factor, known)[0][there]
             return answer
 
         return LinearOperator((keys.size, keys.size), matvec=apply, dtype=float)

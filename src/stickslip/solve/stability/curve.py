@@ -1,8 +1,8 @@
 """Stability along a curve: multipliers of every point, verdicts, and where they change.
 
-The multipliers have an error by sampling, which matters only near 1. There a point is computed again with more samples;
-where a real multiplier is too close to 1, the verdict is that of the same side of the fold, because a curve turns in
-frequency exactly where a multiplier is 1.
+The multipliers have an error by sampling, which matters only near the unit circle. There a point is computed again with
+more samples. Where a real multiplier is too close to 1, the verdict is that of the same side of the fold, because a
+curve turns in frequency exactly where a multiplier is 1.
 """
 
 from __future__ import annotations
@@ -12,28 +12,24 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.law import BoolArray
 from stickslip.core.validation import FloatArray
 from stickslip.results.stability import Bifurcation, BifurcationKind
-from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.compliance import StuckStructure
 from stickslip.solve.stability.contact_steps import laws_without_steps
+from stickslip.solve.stability.folds import Fold, doubtful_range, folds_of, sided_counts
 from stickslip.solve.stability.model import StabilityModel, stability_model
-from stickslip.solve.stability.multipliers import ComplexArray, multipliers
+from stickslip.solve.stability.multipliers import ComplexArray, multipliers, stuck_multipliers
 
-BoolArray = NDArray[np.bool_]
-
-# Samples of the period, and for each harmonic, at first. On the benchmark blades they give multipliers to 1e-3 with 10
-# pairs and to 1e-2 with 110 that separate, which halve or better with twice the samples (docs/theory.md).
-FIRST_SAMPLES, SAMPLES_PER_HARMONIC = 128, 16
-FIRST_ERROR, FINEST = 0.005, 4
-# A verdict stands if the largest multipliers are this number of their errors away from the unit circle.
-CONFIDENCE = 2.0
-# A real multiplier this close to 1 does not decide by itself. A pair that has just begun to slip moves it by as much,
-# but only for disturbances smaller than the slip: on the benchmark blade with half its preload from 1.044 to 0.995 and
-# back within two points between the folds, where time integration leaves the motion after a disturbance of 1 %.
-NEAR_FOLD = 0.01
+# Samples of the period, and for each harmonic, at first; near the unit circle up to FINEST times as many.
+FIRST_SAMPLES, SAMPLES_PER_HARMONIC, FINEST = 128, 16, 4
+# What contact changes of a multiplier has this relative error with the first samples, and no more than the second
+# number: 97 of 100 multipliers above 0.9 of the benchmark blades and the default two-blade case, against four times the
+# samples.
+FIRST_ERROR, LARGEST_ERROR = 0.15, 0.01
 # Round-off of the march, where no contact changes.
 ROUND_OFF = 1e-7
 # Number of multipliers of each point in a result, and the relative imaginary part below which one is real.
@@ -53,14 +49,17 @@ class CurveStability:
     bifurcations:
         in the order of the curve.
     undecided:
-        number of points with a multiplier closer to the unit circle than its error. For a real one the verdict is that
-        of its side of the fold, for others that of the computed size.
+        number of points with a multiplier closer to the unit circle than its error, so that the verdict is that of its
+        computed size; real ones near 1 do not count, because folds decide.
+    error_at_folds:
+        largest distance from 1 of the multiplier at a fold; a large one says that the harmonics are too few.
     """
 
     stable: BoolArray
     multipliers: ComplexArray
     bifurcations: tuple[Bifurcation, ...]
     undecided: int
+    error_at_folds: float
 
 
 class _Counts(NamedTuple):
@@ -73,34 +72,37 @@ class _Counts(NamedTuple):
 
 @dataclass(frozen=True)
 class _Verdict:
-    """The multipliers of a point and their error."""
+    """The multipliers of a point and their errors (of each)."""
 
     values: ComplexArray
-    error: float
+    errors: FloatArray
 
     @property
-    def margin(self) -> float:
-        """Distance of the nearest size of a multiplier from 1."""
-        return float(np.abs(np.abs(self.values) - 1.0).min(initial=1.0))
+    def _real(self) -> BoolArray:
+        return np.asarray(np.abs(self.values.imag) <= REAL * np.abs(self.values))
+
+    @property
+    def undecided(self) -> bool:
+        """Whether a multiplier is closer to the unit circle than its error; folds decide about a real one near 1."""
+        beside_fold = self._real & (self.values.real > 0.0)
+        unsure = np.abs(np.abs(self.values) - 1.0) <= self.errors
+        return bool((unsure & ~beside_fold).any())
 
     def counts(self) -> _Counts:
         """How many multipliers are outside of the unit circle."""
-        outside = self.values[np.abs(self.values) > 1.0 + ROUND_OFF]
-        real = np.abs(outside.imag) <= REAL * np.abs(outside)
-        return _Counts(
-            int((real & (outside.real > 0.0)).sum()), int((real & (outside.real < 0.0)).sum()), int((~real).sum())
-        )
+        outside = np.abs(self.values) > 1.0 + ROUND_OFF
+        positive = outside & self._real & (self.values.real > 0.0)
+        negative = outside & self._real & ~positive
+        return _Counts(int(positive.sum()), int(negative.sum()), int((outside & ~self._real).sum()))
 
-    @property
-    def near_fold(self) -> bool:
-        """Whether a real multiplier is too close to 1 for a verdict by itself."""
-        real = self.values[np.abs(self.values.imag) <= REAL].real
-        return bool((np.abs(real - 1.0) <= max(self.error, NEAR_FOLD)).any())
+    def near_one(self, distance: float) -> bool:
+        """Whether a real multiplier is within a distance of 1, or its error."""
+        return bool((self._real & (np.abs(self.values - 1.0) <= np.maximum(self.errors, distance))).any())
 
 
-def no_stability(balance: Balance) -> str:
+def reason_without(pairs: ContactPairs) -> str:
     """Why the stability of a joint is not computed, as a sentence; empty if it is."""
-    names = laws_without_steps(balance.pairs)
+    names = laws_without_steps(pairs)
     if not names:
         return ""
     return (
@@ -109,23 +111,21 @@ def no_stability(balance: Balance) -> str:
     )
 
 
-def curve_stability(trials: Sequence[Trial], balance: Balance, stuck: StuckStructure, turns: bool) -> CurveStability:
-    """The stability of points in the order of a curve.
+def curve_stability(trials: Sequence[Trial], pairs: ContactPairs, stuck: StuckStructure) -> CurveStability:
+    """The stability of points in the order of a curve along which the force is constant.
 
-    ``turns`` says that the force is constant along the curve, so that it turns in frequency where a multiplier is 1.
-    The laws must give their steps (:func:`no_stability`).
+    The laws must give their steps (:func:`reason_without`).
     """
-    pairs = balance.pairs
     moves = np.any([trial.contact.moves for trial in trials], axis=0)
     hidden = np.max([pairs.hidden_springs(trial.contact) for trial in trials], axis=0)
-    model = stability_model(stuck, balance.harmonics, moves, hidden)
-    verdicts = [_verdict(model, balance, trial) for trial in trials]
+    model = stability_model(stuck, max(_harmonics(trial) for trial in trials), moves, hidden)
+    verdicts = [_verdict(model, pairs, trial) for trial in trials]
     counts = [verdict.counts() for verdict in verdicts]
     omega = np.array([trial.omega for trial in trials])
-    folds = _folds(omega) if turns else []
-    doubtful = [verdict.near_fold for verdict in verdicts]
-    for point in np.flatnonzero(doubtful) if turns else []:
-        counts[point] = counts[point]._replace(positive=_side(int(point), counts, doubtful, folds))
+    folds = folds_of(omega, [verdict.values for verdict in verdicts])
+    doubtful = [verdict.near_one(doubtful_range(point, folds)) for point, verdict in enumerate(verdicts)]
+    positive = sided_counts([each.positive for each in counts], doubtful, folds)
+    counts = [each._replace(positive=number) for each, number in zip(counts, positive, strict=True)]
     table = np.zeros((len(trials), STORED), dtype=complex)
     for row, verdict in zip(table, verdicts, strict=True):
         row[: verdict.values.size] = verdict.values[:STORED]
@@ -133,57 +133,42 @@ def curve_stability(trials: Sequence[Trial], balance: Balance, stuck: StuckStruc
         np.array([not any(each) for each in counts]),
         table,
         tuple(_changes(verdicts, counts, omega / (2.0 * np.pi), folds)),
-        sum(verdict.margin <= verdict.error for verdict in verdicts),
+        sum(verdict.undecided for verdict in verdicts),
+        max((fold.error for fold in folds), default=0.0),
     )
 
 
-def _verdict(model: StabilityModel, balance: Balance, trial: Trial) -> _Verdict:
+def _harmonics(trial: Trial) -> int:
+    """Number of harmonics of a solution."""
+    return len(trial.relative) // 2
+
+
+def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial) -> _Verdict:
     """The multipliers of a point with as many samples as its verdict requires."""
+    stuck = stuck_multipliers(model, trial.omega)
     if not trial.contact.moves.any():
-        return _Verdict(multipliers(model, balance.pairs, trial, FIRST_SAMPLES), ROUND_OFF)
-    first = max(FIRST_SAMPLES, SAMPLES_PER_HARMONIC * balance.harmonics)
-    samples, verdict = first, None
-    while True:
-        values = multipliers(model, balance.pairs, trial, samples)
-        error = FIRST_ERROR if verdict is None else _difference(verdict.values, values)
-        alone = verdict is None
-        verdict = _Verdict(values, max(error, ROUND_OFF))
-        counts = verdict.counts()
-        # A pair or a negative multiplier outside of the circle could be a fast coordinate that few samples excite.
-        confirmed = not alone or not (counts.negative or counts.complex)
-        if samples >= FINEST * first or (verdict.margin > CONFIDENCE * error and confirmed):
-            return verdict
-        samples *= 2
+        return _Verdict(stuck, np.full(stuck.size, ROUND_OFF))
+    first = max(FIRST_SAMPLES, SAMPLES_PER_HARMONIC * _harmonics(trial))
+    values = multipliers(model, pairs, trial, first)
+    errors = np.minimum(FIRST_ERROR * _distances(values, stuck), LARGEST_ERROR)
+    verdict = _Verdict(values, np.maximum(errors, ROUND_OFF))
+    # A pair or a negative multiplier outside of the circle has no fold that confirms it.
+    counts, samples = verdict.counts(), first
+    confirmed = not (counts.negative or counts.complex)
+    while samples < FINEST * first and (verdict.undecided or not confirmed):
+        samples, confirmed = 2 * samples, True
+        values = multipliers(model, pairs, trial, samples)
+        verdict = _Verdict(values, np.maximum(_distances(values, verdict.values), ROUND_OFF))
+    return verdict
 
 
-def _difference(coarse: ComplexArray, fine: ComplexArray) -> float:
-    """Change of the multiplier nearest to the unit circle."""
-    nearest = fine[np.abs(np.abs(fine) - 1.0).argmin()]
-    return float(np.abs(coarse - nearest).min())
-
-
-def _folds(omega: FloatArray) -> list[int]:
-    """The points at which the frequency turns."""
-    change = np.diff(omega)
-    return [int(point) + 1 for point in np.flatnonzero(change[1:] * change[:-1] < 0.0)]
-
-
-def _side(point: int, counts: list[_Counts], doubtful: Sequence[bool], folds: Sequence[int]) -> int:
-    """Real multipliers above 1 at a point whose own are too close to 1: those of the nearest sure point of its side.
-
-    The count changes at folds and only there. At the point where the frequency turns, and on a side without a sure
-    point, it is that of the computed multipliers.
-    """
-    if point in folds:
-        return counts[point].positive
-    first = max((fold for fold in folds if fold < point), default=-1)
-    last = min((fold for fold in folds if fold > point), default=len(counts))
-    sure = [each for each in range(first + 1, last) if not doubtful[each]]
-    return counts[min(sure, key=lambda each: abs(each - point)) if sure else point].positive
+def _distances(values: ComplexArray, others: ComplexArray) -> FloatArray:
+    """(k,) the distance of each value from the nearest of the others."""
+    return np.asarray(np.abs(values[:, None] - others).min(axis=1, initial=np.inf))
 
 
 def _changes(
-    verdicts: Sequence[_Verdict], counts: Sequence[_Counts], hertz: FloatArray, folds: Sequence[int]
+    verdicts: Sequence[_Verdict], counts: Sequence[_Counts], hertz: FloatArray, folds: Sequence[Fold]
 ) -> list[Bifurcation]:
     """The bifurcations between points whose counts differ."""
     found = []
@@ -195,27 +180,19 @@ def _changes(
 
 
 def _bifurcation(
-    kind: BifurcationKind, point: int, verdicts: Sequence[_Verdict], hertz: FloatArray, folds: Sequence[int]
+    kind: BifurcationKind, point: int, verdicts: Sequence[_Verdict], hertz: FloatArray, folds: Sequence[Fold]
 ) -> Bifurcation:
     """The bifurcation between a point and the next one."""
     if kind == "fold":
-        turning = [fold for fold in folds if point - 1 <= fold <= point + 2]
+        turning = [fold for fold in folds if point - 1 <= fold.position <= point + 2]
         if turning:
-            fold = min(turning, key=lambda each: abs(each - point - 0.5))
-            position, value = _vertex(hertz[fold - 1 : fold + 2])
-            return Bifurcation("fold", value, fold + position)
+            fold = min(turning, key=lambda each: abs(each.position - point - 0.5))
+            return Bifurcation("fold", fold.omega / (2.0 * np.pi), fold.position)
         kind = "branch point"
     sizes = [float(_crossing_size(verdict.values, kind)) - 1.0 for verdict in verdicts[point : point + 2]]
     span = sizes[1] - sizes[0]
     fraction = float(np.clip(-sizes[0] / span, 0.0, 1.0)) if span else 0.5
     return Bifurcation(kind, float(hertz[point] + fraction * (hertz[point + 1] - hertz[point])), point + fraction)
-
-
-def _vertex(values: FloatArray) -> tuple[float, float]:
-    """Position, from the middle, and value of the extremum of the parabola through three values."""
-    before, here, after = map(float, values)
-    bend, slope = before - 2.0 * here + after, after - before
-    return -0.5 * slope / bend, here - slope**2 / (8.0 * bend)
 
 
 def _crossing_size(values: ComplexArray, kind: BifurcationKind) -> float:

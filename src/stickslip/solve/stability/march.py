@@ -1,4 +1,4 @@
-"""One period of the disturbed motion: the near coordinates exactly between samples, the laws by their linear steps.
+"""One period of the disturbed motion: the near coordinates between samples, the laws by their linear steps.
 
 Between samples the forces on the near coordinates vary linearly (first-order hold), so a structure whose pairs all
 stick has exactly the multipliers of its modes. The forces at the end of a step follow from the displacements there, and
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
+from numpy.typing import NDArray
 
 from stickslip.contact.law.law import IndexArray
 from stickslip.contact.law.linear_steps import LinearSteps
@@ -18,36 +19,38 @@ from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
 from stickslip.solve.stability.model import StabilityModel
 
-# Linear variation between samples becomes unstable where a coordinate moves by pi in a step. Coordinates that are
-# faster than FASTEST in a step are integrated by Newmark's method, whose parameter gamma = 1/2 + DISSIPATION removes a
-# tenth of their amplitude in a step and 1e-3 of the critical damping at the excitation (N. M. Newmark, J. Eng. Mech.
-# Div. 85 (1959) 67).
-FASTEST, DISSIPATION = 1.5, 0.05
+# Fast coordinates have no damping of their own, and their sizes change with each contact event by their phase, which no
+# reduced model predicts: without damping they have false multipliers outside of the unit circle, other ones for each
+# number of samples. The damping is RELAXATION / omega times the rate of the force of the current contact (Newmark's
+# gamma = 1/2 + relaxation / step, N. M. Newmark, J. Eng. Mech. Div. 85 (1959) 67). Chosen: 1 % of critical at ten times
+# the excitation and 0.1 % at the excitation. A joint that slides has no such force, so it gets no dashpot across it.
+RELAXATION = 2e-3
+# What a pair does in a step: its slider stays, its force depends on the end alone, or both.
+STAYS, MEMORYLESS, GENERAL = 0, 1, 2
+KindArray = NDArray[np.int8]
 
 
 @dataclass(frozen=True)
 class FreeStep:
-    """``(q, v)_(j+1) = advance (q, v)_j + by_start g_j + by_end g_(j+1)`` of the near coordinates under forces g."""
+    """``(q, v)_(j+1) = advance (q, v, g)_j + by_end g_(j+1)`` of the near coordinates under forces g."""
 
-    advance: FloatArray  # (2p, 2p)
-    by_start: FloatArray  # (2p, p)
+    advance: FloatArray  # (2p, 3p)
     by_end: FloatArray  # (2p, p)
 
 
-def free_step(model: StabilityModel, time_step: float) -> FreeStep:
-    """The step of the near coordinates in ``time_step`` s."""
+def free_step(model: StabilityModel, time_step: float, omega: float) -> FreeStep:
+    """The step of the near coordinates in ``time_step`` s under an excitation at ``omega`` rad/s."""
     p = model.frequency.size
-    slow = np.flatnonzero(model.frequency * time_step <= FASTEST)
-    fast = np.flatnonzero(model.frequency * time_step > FASTEST)
-    advance, by_start, by_end = np.zeros((2 * p, 2 * p)), np.zeros((2 * p, p)), np.zeros((2 * p, p))
+    slow, fast = np.arange(model.modes), np.arange(model.modes, p)
+    advance, by_end = np.zeros((2 * p, 3 * p)), np.zeros((2 * p, p))
     for group, parts in (
         (slow, _held(model.frequency[slow], model.damping[np.ix_(slow, slow)], time_step)),
-        (fast, _newmark(model.frequency[fast], np.diag(model.damping)[fast], time_step)),
+        (fast, _newmark(model.frequency[fast], np.diag(model.damping)[fast], time_step, RELAXATION / omega)),
     ):
         both = np.concatenate([group, p + group])
         advance[np.ix_(both, both)] = parts[0]
-        by_start[np.ix_(both, group)], by_end[np.ix_(both, group)] = parts[1], parts[2]
-    return FreeStep(advance, by_start, by_end)
+        advance[np.ix_(both, 2 * p + group)], by_end[np.ix_(both, group)] = parts[1], parts[2]
+    return FreeStep(advance, by_end)
 
 
 def _held(frequency: FloatArray, damping: FloatArray, time_step: float) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -67,9 +70,11 @@ def _held(frequency: FloatArray, damping: FloatArray, time_step: float) -> tuple
     return power[: 2 * p, : 2 * p], power[: 2 * p, 2 * p : 3 * p] - by_end, by_end
 
 
-def _newmark(frequency: FloatArray, damping: FloatArray, time_step: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _newmark(
+    frequency: FloatArray, damping: FloatArray, time_step: float, relaxation: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Newmark's method for each coordinate alone; its coupling to others by damping is left out."""
-    h, gamma = time_step, 0.5 + DISSIPATION
+    h, gamma = time_step, 0.5 + relaxation / time_step
     beta = 0.25 * (0.5 + gamma) ** 2
     # Rows q, v of the columns q, v, force at the start, force at the end.
     start = np.stack([-(frequency**2), -damping, np.ones_like(frequency), np.zeros_like(frequency)])
@@ -84,7 +89,9 @@ def _newmark(frequency: FloatArray, damping: FloatArray, time_step: float) -> tu
 
 
 class Period:
-    """The march over one period of disturbances ``(q, v, s, T)``: p + p + r + 2k states with k moving pairs.
+    """The march over one period of disturbances ``(q, v, s, d)``: p + p + r + 2k states with k moving pairs.
+
+    d is the deviation of the tangential force from the resting springs; it stays while a pair sticks.
 
     Parameters
     ----------
@@ -101,19 +108,22 @@ class Period:
     def __init__(self, model: StabilityModel, steps: LinearSteps, moving: IndexArray, omega: float) -> None:
         samples = len(steps.normal)
         rows = (3 * moving[:, None] + np.arange(3)).ravel()
-        free = free_step(model, 2.0 * np.pi / omega / samples)
+        free = free_step(model, 2.0 * np.pi / omega / samples, omega)
         self._p, self._r, self._k = model.frequency.size, model.far_contact.shape[1], moving.size
-        self._contact = np.ascontiguousarray(np.hstack([model.near_contact, model.far_contact])[rows])
-        self._steps = tuple(
-            np.ascontiguousarray(each) for each in (steps.keep, steps.by_end, steps.by_start, steps.normal)
-        )
-        self._springs = model.springs[moving]
-        self._free = tuple(np.ascontiguousarray(each) for each in (free.advance, free.by_start, free.by_end))
+        self._springs = np.ascontiguousarray(model.springs[moving])
         weight = np.eye(self._p + self._r)
         weight[: self._p, : self._p] = free.by_end[: self._p]
-        self._forms, self._inverses = np.empty((2, samples, *weight.shape))
-        _prepare(self._contact, *self._steps[1::2], self._springs, weight, self._forms, self._inverses)
-        self._weight = weight
+        contact = np.hstack([model.near_contact, model.far_contact])[rows].reshape(self._k, 3, -1)
+        arrays = (steps.keep, steps.by_end, steps.by_start, steps.normal)
+        keep, by_end, by_start, normal = (np.ascontiguousarray(each) for each in arrays)
+        kinds = np.empty(normal.shape, dtype=np.int8)
+        _classify(keep, by_end, by_start, self._springs, kinds)
+        forms, inverses = np.empty((2, samples, *weight.shape))
+        _prepare(contact, by_end, normal, self._springs, weight, forms, inverses)
+        self._arguments = (
+            contact, kinds, keep, by_end, by_start, normal, self._springs, free.advance, free.by_end, weight, forms,
+            inverses,
+        )  # fmt: skip
 
     @property
     def size(self) -> int:
@@ -133,13 +143,27 @@ class Period:
 
     def march(self, states: FloatArray) -> FloatArray:
         """States (size, c) one period later."""
-        after = np.ascontiguousarray(states)
-        return np.asarray(
-            _march(
-                after, self._p, self._contact, *self._steps, self._springs, *self._free, self._weight, self._forms,
-                self._inverses,
-            )
-        )  # fmt: skip
+        return np.asarray(_march(np.ascontiguousarray(states), self._p, *self._arguments))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _classify(
+    keep: FloatArray, by_end: FloatArray, by_start: FloatArray, springs: FloatArray, kinds: KindArray
+) -> None:
+    """Fill the kinds (n, k) of the steps."""
+    for j in range(kinds.shape[0]):
+        for pair in range(kinds.shape[1]):
+            stays, memoryless = True, True
+            for a in range(2):
+                for b in range(2):
+                    unit = 1.0 if a == b else 0.0
+                    stays &= keep[j, pair, a, b] == unit
+                    memoryless &= keep[j, pair, a, b] == 0.0
+                for b in range(3):
+                    spring = springs[pair, a] if a == b else 0.0
+                    stays &= by_end[j, pair, a, b] == spring and by_start[j, pair, a, b] == -spring
+                    memoryless &= by_start[j, pair, a, b] == 0.0
+            kinds[j, pair] = STAYS if stays else MEMORYLESS if memoryless else GENERAL
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -152,26 +176,46 @@ def _prepare(
     forms: FloatArray,
     inverses: FloatArray,
 ) -> None:
-    """Fill ``X^T S_j X`` and ``(I + W X^T S_j X)^-1`` of the n samples; S_j is the stiffness of the deviation."""
-    size = contact.shape[1]
-    force = np.empty_like(contact)
+    """Fill ``X^T S_j X`` and ``(I + W X^T S_j X)^-1`` of the n samples; S_j is the stiffness of the deviation.
+
+    From sample to sample only the pairs whose stiffness changes contribute.
+    """
+    pairs, size = contact.shape[0], contact.shape[2]
+    change, before = np.zeros((3, 3)), np.zeros((pairs, 3, 3))
+    rows, force = np.empty((3 * pairs, size)), np.empty((3 * pairs, size))
+    form = np.zeros((size, size))
     for j in range(normal.shape[0]):
-        for pair in range(normal.shape[1]):
-            row = 3 * pair
-            for a in range(2):
-                s0, s1, s2 = by_end[j, pair, a, 0], by_end[j, pair, a, 1], by_end[j, pair, a, 2]
-                if a == 0:
-                    s0 -= springs[pair, 0]
-                else:
-                    s1 -= springs[pair, 1]
-                for c in range(size):
-                    force[row + a, c] = s0 * contact[row, c] + s1 * contact[row + 1, c] + s2 * contact[row + 2, c]
-            change = normal[j, pair] - springs[pair, 2]
-            for c in range(size):
-                force[row + 2, c] = change * contact[row + 2, c]
-        form = contact.T @ force
+        count = 0
+        for pair in range(pairs):
+            same = True
+            for a in range(3):
+                for b in range(3):
+                    value = normal[j, pair] if b == 2 else 0.0
+                    if a < 2:
+                        value = by_end[j, pair, a, b]
+                    if a == b:
+                        value -= springs[pair, a]
+                    change[a, b] = value - before[pair, a, b]
+                    same &= change[a, b] == 0.0
+                    before[pair, a, b] = value
+            if same:
+                continue
+            for a in range(3):
+                for column in range(size):
+                    rows[count + a, column] = contact[pair, a, column]
+                    force[count + a, column] = (
+                        change[a, 0] * contact[pair, 0, column]
+                        + change[a, 1] * contact[pair, 1, column]
+                        + change[a, 2] * contact[pair, 2, column]
+                    )
+            count += 3
+        if count:
+            form += rows[:count].T @ force[:count]
         forms[j] = form
-        inverses[j] = np.linalg.inv(np.eye(size) + weight @ form)
+        if count or j == 0:
+            inverses[j] = np.linalg.inv(np.eye(size) + weight @ form)
+        else:
+            inverses[j] = inverses[j - 1]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -179,59 +223,105 @@ def _march(
     start: FloatArray,
     p: int,
     contact: FloatArray,
+    kinds: KindArray,
     keep: FloatArray,
     by_end: FloatArray,
     by_start: FloatArray,
     normal: FloatArray,
     springs: FloatArray,
     advance: FloatArray,
-    force_start: FloatArray,
     force_end: FloatArray,
     weight: FloatArray,
     forms: FloatArray,
     inverses: FloatArray,
 ) -> FloatArray:
     """States (size, c) one period after ``start``, which is at sample 0."""
-    n, pairs, size, columns = normal.shape[0], normal.shape[1], contact.shape[1], start.shape[1]
-    transposed = np.ascontiguousarray(contact.T)
-    motion = start[: 2 * p].copy()
+    n, pairs, size, columns = normal.shape[0], normal.shape[1], contact.shape[2], start.shape[1]
+    rows, values = np.empty((3 * pairs, size)), np.empty((3 * pairs, columns))
+    listed = np.empty(pairs, dtype=np.int64)
     both = np.vstack((start[:p], start[2 * p : p + size]))
-    traction = start[p + size :].copy()
-    relative = contact @ both
-    deviation = np.empty_like(relative)
+    memory = start[p + size :].copy()
+    relative = (contact.reshape(3 * pairs, size) @ both).reshape(pairs, 3, columns)
+    # The force at sample 0, and the part of it of the pairs that stay.
+    held = np.zeros((size, columns))
     for pair in range(pairs):
-        for a in range(2):
-            deviation[3 * pair + a] = traction[2 * pair + a] - springs[pair, a] * relative[3 * pair + a]
-        deviation[3 * pair + 2] = (normal[0, pair] - springs[pair, 2]) * relative[3 * pair + 2]
-    force = -(transposed @ deviation)[:p]
-    deviation[:] = 0.0
+        values[3 * pair : 3 * pair + 2] = memory[2 * pair : 2 * pair + 2]
+        values[3 * pair + 2] = (normal[0, pair] - springs[pair, 2]) * relative[pair, 2]
+    state = np.vstack((start[: 2 * p], -(contact.reshape(3 * pairs, size).T @ values)[:p]))
+    count = 0
+    for pair in range(pairs):
+        if kinds[1 % n, pair] == STAYS:
+            rows[count : count + 2] = contact[pair, :2]
+            values[count : count + 2] = memory[2 * pair : 2 * pair + 2]
+            count += 2
+    if count:
+        held += rows[:count].T @ values[:count]
     for step in range(1, n + 1):
-        j = step % n
+        j, after = step % n, (step + 1) % n
+        # What the deviations at the end do not depend on.
+        count = 0
         for pair in range(pairs):
-            row, memory = 3 * pair, 2 * pair
+            if kinds[j, pair] != GENERAL:
+                continue
+            rows[count : count + 2] = contact[pair, :2]
             for a in range(2):
                 k0, k1 = keep[j, pair, a, 0], keep[j, pair, a, 1]
-                s0, s1, s2 = by_start[j, pair, a, 0], by_start[j, pair, a, 1], by_start[j, pair, a, 2]
+                # The memory is the deviation from the resting springs, not the traction.
+                s0 = by_start[j, pair, a, 0] + k0 * springs[pair, 0]
+                s1 = by_start[j, pair, a, 1] + k1 * springs[pair, 1]
+                s2 = by_start[j, pair, a, 2]
                 for c in range(columns):
-                    deviation[row + a, c] = (
-                        k0 * traction[memory, c] + k1 * traction[memory + 1, c]
-                        + s0 * relative[row, c] + s1 * relative[row + 1, c] + s2 * relative[row + 2, c]
+                    values[count + a, c] = (
+                        k0 * memory[2 * pair, c] + k1 * memory[2 * pair + 1, c]
+                        + s0 * relative[pair, 0, c] + s1 * relative[pair, 1, c] + s2 * relative[pair, 2, c]
                     )  # fmt: skip
-        past = transposed @ deviation
-        motion = advance @ motion + force_start @ force
+            memory[2 * pair : 2 * pair + 2] = values[count : count + 2]
+            count += 2
+        past = held + rows[:count].T @ values[:count] if count else held
+        motion = advance @ state
         known = -(weight @ past)
         known[:p] += motion[:p]
         both = inverses[j] @ known
         force = -(forms[j, :p] @ both + past[:p])
-        motion += force_end @ force
-        relative = contact @ both
+        state[: 2 * p] = motion + force_end @ force
+        state[2 * p :] = force
+        # Displacements of the pairs whose memory depends on them, or does in the next step.
+        count = 0
         for pair in range(pairs):
-            row, memory = 3 * pair, 2 * pair
+            here, there = kinds[j, pair], kinds[after, pair]
+            if here == GENERAL or there == GENERAL or (here == MEMORYLESS and there == STAYS) or step == n:
+                rows[3 * count : 3 * count + 3] = contact[pair]
+                listed[count] = pair
+                count += 1
+        if count:
+            moved = rows[: 3 * count] @ both
+            for place in range(count):
+                relative[listed[place]] = moved[3 * place : 3 * place + 3]
+        for place in range(count):
+            pair = listed[place]
+            if kinds[j, pair] == STAYS:
+                continue
             for a in range(2):
                 s0, s1, s2 = by_end[j, pair, a, 0], by_end[j, pair, a, 1], by_end[j, pair, a, 2]
+                if a == 0:
+                    s0 -= springs[pair, 0]
+                else:
+                    s1 -= springs[pair, 1]
+                past_part = 1.0 if kinds[j, pair] == GENERAL else 0.0
                 for c in range(columns):
-                    traction[memory + a, c] = (
-                        deviation[row + a, c]
-                        + s0 * relative[row, c] + s1 * relative[row + 1, c] + s2 * relative[row + 2, c]
+                    memory[2 * pair + a, c] = (
+                        past_part * memory[2 * pair + a, c]
+                        + s0 * relative[pair, 0, c] + s1 * relative[pair, 1, c] + s2 * relative[pair, 2, c]
                     )  # fmt: skip
-    return np.vstack((motion, both[p:size], traction))
+        # Sliders that begin or cease to stay.
+        count = 0
+        for pair in range(pairs):
+            here, there = kinds[j, pair], kinds[after, pair]
+            if (here == STAYS) != (there == STAYS):
+                sign = 1.0 if there == STAYS else -1.0
+                rows[count : count + 2] = contact[pair, :2]
+                values[count : count + 2] = sign * memory[2 * pair : 2 * pair + 2]
+                count += 2
+        if count:
+            held += rows[:count].T @ values[:count]
+    return np.vstack((state[: 2 * p], both[p:size], memory))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.law import ContactState
+from stickslip.contact.law.law import ContactState, IndexArray
 from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import FloatArray
@@ -48,9 +48,9 @@ def multipliers(model: StabilityModel, pairs: ContactPairs, trial: Trial, sample
     if moving.size:
         motion = np.moveaxis(coefficients @ synthesis_matrix(harmonics, samples).T, 2, 0)
         every = linear_steps(pairs, motion)
-        steps, moving = _states_of(every, model.springs)
+        steps, moving = _states_of(every, moving, model.springs)
     if steps is None or not moving.size:
-        return _sorted(_stuck(model, trial.omega))
+        return stuck_multipliers(model, trial.omega)
     period = Period(model, steps, moving, trial.omega)
     scale = period.scale(model, trial.omega)
 
@@ -73,14 +73,14 @@ def _sorted(values: NDArray[Any]) -> ComplexArray:
     return np.asarray(values[np.argsort(-np.abs(values), kind="stable")], dtype=complex)
 
 
-def _stuck(model: StabilityModel, omega: float) -> ComplexArray:
-    """The multipliers of the modes of the stuck structure, ``exp(lambda T)``."""
+def stuck_multipliers(model: StabilityModel, omega: float) -> ComplexArray:
+    """The multipliers ``exp(lambda T)`` of the modes of the stuck structure, the largest first."""
     count = model.modes
     matrix = np.zeros((2 * count, 2 * count))
     matrix[:count, count:] = np.eye(count)
     matrix[count:, :count] = -np.diag(model.frequency[:count] ** 2)
     matrix[count:, count:] = -model.damping[:count, :count]
-    return np.asarray(np.exp(2.0 * np.pi / omega * np.linalg.eigvals(matrix)))
+    return _sorted(np.exp(2.0 * np.pi / omega * np.linalg.eigvals(matrix)))
 
 
 def _drifts(model: StabilityModel, steps: LinearSteps, moving: NDArray[np.int64], omega: float) -> int:
@@ -101,31 +101,32 @@ def _without_neutral(values: NDArray[Any], most: int, accuracy: float) -> NDArra
     return np.delete(values, nearest[np.abs(values[nearest] - 1.0) < accuracy])
 
 
-def _states_of(steps: LinearSteps, springs: FloatArray) -> tuple[LinearSteps, NDArray[np.int64]]:
-    """The steps of the pairs that deviate from their resting ``springs``, and which they are.
+def _states_of(steps: LinearSteps, moving: IndexArray, springs: FloatArray) -> tuple[LinearSteps, IndexArray]:
+    """The steps of those of the ``moving`` pairs that deviate from their resting ``springs``, and which they are.
 
     A direction that sticks through the period loses its memory: its force is that of its spring, without a state.
     """
-    keep, by_end, by_start = steps.keep.copy(), steps.by_end.copy(), steps.by_start.copy()
+    parts = LinearSteps(*(np.take(each, moving, axis=1) for each in _arrays(steps)))
     for axis in range(2):
         unit = np.zeros(2)
         unit[axis] = 1.0
-        sticks = (keep[:, :, axis] == unit).all(axis=(0, 2))
-        keep[:, sticks, axis], by_start[:, sticks, axis] = 0.0, 0.0
-        by_end[:, sticks, axis] = _unit_rows(springs[sticks, axis], axis)
-    at_rest = np.zeros_like(by_end)
-    at_rest[:, :, (0, 1), (0, 1)] = springs[:, :2]
-    same = (by_end == at_rest).all(axis=(0, 2, 3)) & ~keep.any(axis=(0, 2, 3)) & ~by_start.any(axis=(0, 2, 3))
-    moving = np.flatnonzero(~same | (steps.normal != springs[:, 2]).any(axis=0))
-    parts = LinearSteps(keep[:, moving], by_end[:, moving], by_start[:, moving], steps.normal[:, moving])
-    return parts, moving
+        sticks = np.flatnonzero((parts.keep[:, :, axis] == unit).all(axis=(0, 2)))
+        parts.keep[:, sticks, axis], parts.by_start[:, sticks, axis] = 0.0, 0.0
+        parts.by_end[:, sticks, axis] = 0.0
+        parts.by_end[:, sticks, axis, axis] = springs[moving[sticks], axis]
+    at_rest = np.zeros((moving.size, 2, 3))
+    at_rest[:, (0, 1), (0, 1)] = springs[moving, :2]
+    remembers = parts.keep.any(axis=(0, 2, 3)) | parts.by_start.any(axis=(0, 2, 3))
+    deviates = (parts.by_end != at_rest).any(axis=(0, 2, 3)) | (parts.normal != springs[moving, 2]).any(axis=0)
+    left = np.flatnonzero(remembers | deviates)
+    if left.size < moving.size:
+        parts = LinearSteps(*(np.take(each, left, axis=1) for each in _arrays(parts)))
+    return parts, moving[left]
 
 
-def _unit_rows(values: FloatArray, axis: int) -> FloatArray:
-    """(k, 3) rows with the values (k,) at a position."""
-    rows = np.zeros((values.size, 3))
-    rows[:, axis] = values
-    return rows
+def _arrays(steps: LinearSteps) -> tuple[FloatArray, ...]:
+    """All arrays of the steps."""
+    return steps.keep, steps.by_end, steps.by_start, steps.normal
 
 
 def _largest(march: Marching, size: int, count: int) -> ComplexArray:
