@@ -16,7 +16,7 @@ from stickslip.reporting.curve_plot import amplitude_frequency
 from stickslip.reporting.page import page
 from stickslip.reporting.sweep_words import sweep_words
 from stickslip.reporting.view import View
-from stickslip.results.response import NO_STABILITY
+from stickslip.results.response_data import NO_STABILITY
 from synthetic import synthetic_response, synthetic_study
 
 
