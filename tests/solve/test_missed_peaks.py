@@ -6,10 +6,13 @@ short steps around each natural frequency. Version 0.1.0 reported the first of t
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
-from helpers import benchmark_module
+from helpers import Blade, benchmark_module
+from stickslip.solve.harmonic import missed_peaks
 from stickslip.solve.harmonic.curves import FrequencyCurve
 from stickslip.solve.harmonic.missed_peaks import PeakCheck, search_missed_peaks
 from stickslip.solve.harmonic.resonances import Resonances
@@ -77,3 +80,23 @@ def test_the_search_finds_the_peak_that_a_curve_without_landmarks_misses() -> No
     assert f"{len(check.missed)} missed peaks" in check.words()
     assert check.natural_frequencies == 4
     assert check.narrowest_hz == pytest.approx(min(each.width_hz for each in make("narrow", 5).resonances), rel=1e-6)
+
+
+@pytest.mark.slow
+def test_steps_up_to_a_half_power_width_hide_no_peak_and_are_not_searched(
+    blade: Blade, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    checks: list[PeakCheck] = []
+
+    def listening(*arguments: Any) -> PeakCheck:
+        checks.append(search_missed_peaks(*arguments))
+        return checks[-1]
+
+    monkeypatch.setattr("stickslip.solve.forced.search_missed_peaks", listening)
+    for shortest in (missed_peaks.LONG, 0.5):
+        monkeypatch.setattr(missed_peaks, "LONG", shortest)
+        blade.response(frequency_hz=blade.window_hz)
+    usual, thorough = checks
+    assert usual.natural_frequencies == thorough.natural_frequencies > 0
+    assert usual.solved < thorough.solved
+    assert (thorough.missed, thorough.failed_hz) == ((), ())
