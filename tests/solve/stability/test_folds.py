@@ -1,0 +1,44 @@
+"""What folds say about stability: sides, doubtful points, and the error of the multiplier at a fold."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stickslip.core.validation import FloatArray
+from stickslip.solve.stability.folds import FOLD_MARGIN, NEAR_FOLD, Fold, doubtful_range, folds_of, sided_counts
+
+OMEGA: FloatArray = np.array([10.0 - (place - 2.25) ** 2 for place in range(5)])
+
+
+def multiplier(*sizes: float) -> list[np.ndarray]:
+    """One multiplier for each point."""
+    return [np.array([size], dtype=complex) for size in sizes]
+
+
+def test_a_fold_is_at_the_extremum_of_the_parabola() -> None:
+    (fold,) = folds_of(OMEGA, multiplier(0.9, 0.95, 0.98, 1.03, 1.1))
+    assert (fold.position, fold.omega) == pytest.approx((2.25, 10.0))
+    assert fold.error == 0.0  # the multiplier passes 1 between the points
+
+
+def test_the_distance_of_the_multiplier_from_1_at_a_fold_is_an_error() -> None:
+    (fold,) = folds_of(OMEGA, multiplier(1.12, 1.1, 1.09, 1.08, 1.0))
+    assert fold.error == pytest.approx(0.08)
+    assert doubtful_range(0, [fold]) == doubtful_range(4, [fold]) == pytest.approx(FOLD_MARGIN * 0.08)
+    assert doubtful_range(0, []) == NEAR_FOLD
+    exact = Fold(6.0, 5.0, 0.0)
+    assert doubtful_range(7, [fold, exact]) == NEAR_FOLD  # beyond another fold
+
+
+def test_doubtful_points_take_the_count_of_their_side() -> None:
+    folds = [Fold(2.5, 10.0, 0.0), Fold(5.5, 9.0, 0.0)]
+    counts = [0, 0, 1, 0, 1, 0, 1, 0]
+    doubtful = [False, False, True, True, False, True, True, False]
+    assert sided_counts(counts, doubtful, folds) == [0, 0, 0, 1, 1, 1, 0, 0]
+
+
+def test_without_a_sure_point_the_count_changes_at_each_fold() -> None:
+    folds = [Fold(1.5, 10.0, 0.0), Fold(3.5, 9.0, 0.0)]
+    assert sided_counts([1, 1, 0, 0, 1, 1], [True] * 6, folds) == [0, 0, 1, 1, 0, 0]
+    assert sided_counts([0, 1, 0, 2], [False] * 4, []) == [0, 1, 0, 2]
