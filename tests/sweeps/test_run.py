@@ -18,6 +18,7 @@ import stickslip as ss
 from sentences import rejects
 from stickslip.case.case import Case
 from stickslip.core.errors import ConvergenceError, InputError, RoughnessError, StudyFileError
+from stickslip.core.progress import Progress
 from stickslip.model.model import ReducedModel
 from stickslip.results.measures import summary
 from stickslip.results.response import ForcedResponse
@@ -227,12 +228,12 @@ def test_cases_that_fail_are_rows_and_the_others_continue(swept: tuple, tmp_path
 
 @pytest.mark.slow
 def test_curves_without_end_or_start_are_kept_and_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def stopped(case: Case, model: ReducedModel, threads: int) -> ForcedResponse:
+    def stopped(case: Case, model: ReducedModel, progress: Progress, threads: int) -> ForcedResponse:
         if case.excitation.mode == "same":
             raise ConvergenceError("No first point at 440 Hz.")
         if case.excitation.mode == "opposite":
             raise ZeroDivisionError("division by zero")
-        return replace(solve(case, model, threads=threads), converged=False, message="The step became too small.")
+        return replace(solve(case, model, progress, threads), converged=False, message="The step became too small.")
 
     monkeypatch.setattr(work, "solve", stopped)
     vary = {"excitation.mode": "single,same,opposite"}
