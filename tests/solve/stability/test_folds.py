@@ -35,10 +35,17 @@ def test_doubtful_points_take_the_count_of_their_side() -> None:
     folds = [Fold(2.5, 10.0, 0.0), Fold(5.5, 9.0, 0.0)]
     counts = [0, 0, 1, 0, 1, 0, 1, 0]
     doubtful = [False, False, True, True, False, True, True, False]
-    assert sided_counts(counts, doubtful, folds) == [0, 0, 0, 1, 1, 1, 0, 0]
+    assert sided_counts(counts, doubtful, [True] * 8, folds) == [0, 0, 0, 1, 1, 1, 0, 0]
 
 
 def test_without_a_sure_point_the_count_changes_at_each_fold() -> None:
     folds = [Fold(1.5, 10.0, 0.0), Fold(3.5, 9.0, 0.0)]
-    assert sided_counts([1, 1, 0, 0, 1, 1], [True] * 6, folds) == [0, 0, 1, 1, 0, 0]
-    assert sided_counts([0, 1, 0, 2], [False] * 4, []) == [0, 1, 0, 2]
+    assert sided_counts([1, 1, 0, 0, 1, 1], [True] * 6, [True] * 6, folds) == [0, 0, 1, 1, 0, 0]
+    assert sided_counts([0, 1, 0, 2], [False] * 4, [False] * 4, []) == [0, 1, 0, 2]
+
+
+def test_a_wrinkle_of_an_unstable_part_is_unstable() -> None:
+    """The multiplier is far from 1 at its folds, which are errors of the curve: no point between them is sure."""
+    folds = [Fold(1.5, 10.0, 0.08), Fold(3.5, 9.0, 0.08)]
+    near_one = [False, False, False, True, False, False]
+    assert sided_counts([1, 1, 1, 0, 1, 1], [True] * 6, near_one, folds) == [1] * 6

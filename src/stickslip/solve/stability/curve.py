@@ -20,7 +20,7 @@ from stickslip.results.stability import Bifurcation, BifurcationKind
 from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.compliance import StuckStructure
 from stickslip.solve.stability.contact_steps import laws_without_steps
-from stickslip.solve.stability.folds import Fold, doubtful_range, folds_of, sided_counts
+from stickslip.solve.stability.folds import NEAR_FOLD, Fold, doubtful_range, folds_of, sided_counts
 from stickslip.solve.stability.model import StabilityModel, stability_model
 from stickslip.solve.stability.multipliers import ComplexArray, multipliers, stuck_multipliers
 
@@ -52,7 +52,8 @@ class CurveStability:
         number of points with a multiplier closer to the unit circle than its error, so that the verdict is that of its
         computed size; real ones near 1 do not count, because folds decide.
     error_at_folds:
-        largest distance from 1 of the multiplier at a fold; a large one says that the harmonics are too few.
+        largest distance from 1 of the multiplier at a fold where the stability changes; a large one says that the
+        harmonics are too few.
     """
 
     stable: BoolArray
@@ -124,7 +125,8 @@ def curve_stability(trials: Sequence[Trial], pairs: ContactPairs, stuck: StuckSt
     omega = np.array([trial.omega for trial in trials])
     folds = folds_of(omega, [verdict.values for verdict in verdicts])
     doubtful = [verdict.near_one(doubtful_range(point, folds)) for point, verdict in enumerate(verdicts)]
-    positive = sided_counts([each.positive for each in counts], doubtful, folds)
+    near_one = [verdict.near_one(NEAR_FOLD) for verdict in verdicts]
+    positive = sided_counts([each.positive for each in counts], doubtful, near_one, folds)
     counts = [each._replace(positive=number) for each, number in zip(counts, positive, strict=True)]
     table = np.zeros((len(trials), STORED), dtype=complex)
     for row, verdict in zip(table, verdicts, strict=True):
@@ -134,7 +136,7 @@ def curve_stability(trials: Sequence[Trial], pairs: ContactPairs, stuck: StuckSt
         table,
         tuple(_changes(verdicts, counts, omega / (2.0 * np.pi), folds)),
         sum(verdict.undecided for verdict in verdicts),
-        max((fold.error for fold in folds), default=0.0),
+        max((fold.error for fold in folds if _changes_at(fold, positive)), default=0.0),
     )
 
 
@@ -165,6 +167,12 @@ def _verdict(model: StabilityModel, pairs: ContactPairs, trial: Trial) -> _Verdi
 def _distances(values: ComplexArray, others: ComplexArray) -> FloatArray:
     """(k,) the distance of each value from the nearest of the others."""
     return np.asarray(np.abs(values[:, None] - others).min(axis=1, initial=np.inf))
+
+
+def _changes_at(fold: Fold, positive: Sequence[int]) -> bool:
+    """Whether the number of real multipliers above 1 differs beside a fold."""
+    before = int(fold.position)
+    return positive[before] != positive[before + 1]
 
 
 def _changes(
