@@ -38,6 +38,7 @@ _VARYING = (
     (re.compile(r"\bhas [\d.]+ [kM]B\b"), "has <size>"),  # of a file that HDF5 or a compression wrote
     (re.compile(r"(tcp|tls)://[\w.]+:\d+"), r"\1://<address>"),
     (re.compile(r"\btmp[a-z0-9_]{8}\b"), "<name>"),
+    (re.compile(r"_[0-9a-f]{12}\b"), "_<digest>"),  # of a case of a sweep: it contains the code of the package
     (re.compile(r"\b0x[0-9a-f]{8,}"), "<address>"),
     (re.compile(r"\b[0-9a-f]{32,}\b"), "<digest>"),
     (re.compile(r"[\w.+]+ \(code [0-9a-f]{8,}\)"), "<version>"),
