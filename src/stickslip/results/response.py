@@ -27,6 +27,7 @@ from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.results.stability import Bifurcation, BifurcationRows, ComplexNumbers
 from stickslip.results.stored import StoredGroup
 from stickslip.results.sweeps_of_curve import Jump, SlowSweep, one_run, stable_between_folds, sweeps
+from stickslip.results.traction_band import TractionBand
 from stickslip.results.variables import (
     Attribute,
     Coefficients,
@@ -115,6 +116,9 @@ class ForcedResponse(Labelled):
         where a multiplier crosses the unit circle, in the order of the curve.
     stability_message:
         a sentence on the stability of the points.
+    traction_band:
+        curves with extreme residual tractions around the highest peak; None if not asked for
+        (``forced_response(..., traction_band=output)``).
 
     Raises
     ------
@@ -194,6 +198,7 @@ class ForcedResponse(Labelled):
     stability_message: str = field(
         default=NO_STABILITY, metadata=stored(Text("stability of the points of the curve", optional=True))
     )
+    traction_band: TractionBand | None = field(default=None, metadata=stored(InGroup.of(TractionBand, optional=True)))
 
     def __post_init__(self) -> None:
         points = np.shape(self.frequency_hz)
@@ -218,6 +223,12 @@ class ForcedResponse(Labelled):
             "harmonic": self.harmonics,
         }
         self._require_sizes(sizes)
+        if self.traction_band is not None:
+            band = self.traction_band
+            require_shape(
+                "traction_band.displacement", band.displacement[0], (sizes["unknown"], 2 * self.harmonics + 1)
+            )
+            require_shape("traction_band.traction", band.traction[0], (sizes["pair"], 2))
         limit = (self.linear.frequency_hz.size, sizes["unknown"], 2 * self.harmonics + 1)
         require_shape("linear.stuck", self.linear.stuck, limit)
         require_shape("linear.free", self.linear.free, limit)

@@ -25,6 +25,7 @@ from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.setting_up import StageReport, checked_window, prepare_balances
+from stickslip.solve.traction_band import TractionBandSearch, checked_band_output
 from stickslip.structure.superelement import Superelement
 
 
@@ -43,6 +44,7 @@ def forced_response(
     newton: NewtonSettings | None = None,
     continuation: ContinuationSettings | None = None,
     stability: bool = False,
+    traction_band: ArrayLike | None = None,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
 ) -> ForcedResponse:
@@ -76,6 +78,9 @@ def forced_response(
     stability:
         compute the Floquet multipliers of every point too, about as long as the curve takes; without them the folds of
         the curve tell stable from unstable parts.
+    traction_band:
+        row (n,) of an output: compute how far the curve around the peak of this output can move with the residual
+        tractions of its pairs (``response.traction_band``), several times as long as the curve itself takes.
     threads:
         threads of the linear algebra, used where the joint is large enough; None takes the environment variable
         STICKSLIP_THREADS, or else the usable cores, at most 4.
@@ -97,6 +102,7 @@ def forced_response(
     window = checked_window(frequency_hz)
     threads = thread_count(threads)
     excitation = as_excitation(excitation, force_sin, force_cos)
+    band_output = None if traction_band is None else checked_band_output(pairs, traction_band, superelement.size)
     newton = newton or NewtonSettings()
     settings = continuation or ContinuationSettings()
     report = StageReport(progress)
@@ -122,6 +128,12 @@ def forced_response(
         response = response_of(
             branch, balances, curve.balance, window, newton, how, report, stability=stability, peaks=peaks
         )
+        if band_output is not None:
+            search = TractionBandSearch(
+                balances, harmonics, resonances, (start_omega, stop_omega), band_output, newton, settings, report
+            )
+            band = search.band([each.point for each in branch.points])
+            response = replace(response, traction_band=band, warnings=(*response.warnings, *search.warnings))
     return replace(response, provenance={"solve_seconds": f"{time.perf_counter() - began:.2f}"})
 
 

@@ -227,6 +227,10 @@ class Compliance:
         modal[1::2] *= -1.0
         return np.vstack([np.zeros((1, len(self._operator))), -(modal @ self._contact_modes.T)])
 
+    def mean_transposed(self, output: FloatArray) -> FloatArray:
+        """Derivative (m,) of the mean of ``output @ u`` by the mean of the deviation."""
+        return np.asarray(-(self._operator @ self._mean.solve(output)))
+
     def output_modes(self, output: FloatArray) -> FloatArray:
         """The row ``output`` (n,) of the unknowns in modal coordinates, (n,)."""
         return np.asarray(output @ self._modes)

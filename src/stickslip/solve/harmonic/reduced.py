@@ -158,6 +158,16 @@ class BorderedSystem:
             relative -= slope * float(change)
         return Step(relative - system.comply(inner), parameters, system.scatter(inner))
 
+    def solve_transposed(self, deviation: FloatArray, parameters: FloatArray) -> FloatArray:
+        """(size,) multipliers of the Newton equations for weights (2H+1, m) of ``dd`` and (k,) of ``dp``.
+
+        Their product with a right-hand side of these equations is the change of the weighted sum of the solution.
+        """
+        system = self.system
+        self._require_factor()
+        right = np.append(deviation[:, system.active.outputs].ravel(), np.asarray(self._column_scale) * parameters)
+        return np.asarray(scipy.linalg.lu_solve(self._factor, right, trans=1, check_finite=False)[: system.size])
+
     def _apply(self, unknowns: FloatArray) -> FloatArray:
         """The bordered matrix @ unknowns (size + k,)."""
         size = self.system.size
@@ -178,10 +188,16 @@ class BorderedSystem:
         return None if failure else np.asarray(answer)
 
     def _factored(self, right: FloatArray) -> FloatArray:
-        """The solution by a factor of the bordered matrix, which is cached."""
+        """The solution by a factor of the bordered matrix."""
+        self._require_factor()
+        return np.asarray(scipy.linalg.lu_solve(self._factor, right, check_finite=False))
+
+    def _require_factor(self) -> None:
+        """Factor the bordered matrix once."""
         if self._factor is None:
             size = self.system.size
-            bordered = np.empty((right.size, right.size))
+            whole = size + len(self._rows)
+            bordered = np.empty((whole, whole))
             bordered[:size, :size] = self.system.matrix()
             for i, (column, line) in enumerate(zip(self._columns, self._lines, strict=True)):
                 bordered[:size, size + i], bordered[size + i, :size] = column, line
@@ -190,7 +206,6 @@ class BorderedSystem:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", scipy.linalg.LinAlgWarning)
                 self._factor = scipy.linalg.lu_factor(bordered, overwrite_a=True, check_finite=False)
-        return np.asarray(scipy.linalg.lu_solve(self._factor, right, check_finite=False))
 
 
 def _inverse(length: float) -> float:
