@@ -52,6 +52,7 @@ from .formats.meshes.read import register_model_format as register_model_format
 from .formats.profile_file import read_profile as read_profile
 from .model.model import build_model as build_model
 from .results.response import ForcedResponse as ForcedResponse
+from .results.traction_band import TractionBand as TractionBand
 from .solve.controlled import controlled_response as controlled_response
 from .solve.excitation import Excitation as Excitation
 from .solve.forced import forced_response as forced_response

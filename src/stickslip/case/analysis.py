@@ -16,6 +16,10 @@ class ForcedAnalysis(Section):
     """The computed result: forced is the periodic response to the excitation over the frequency range of [solver]."""
 
     kind: Literal["forced"] = Field(default="forced", description="forced")
+    traction_band: bool = Field(
+        default=False,
+        description="compute how far the peak moves with the residual tractions of pairs; takes several curves more",
+    )
 
 
 Analysis = Annotated[ForcedAnalysis, of_kind({"forced": ForcedAnalysis}, "forced")]

@@ -11,6 +11,7 @@ import numpy as np
 from stickslip.core.plain_figure import BLUE, DOWNWARD, GREY, INK, ORANGE, UPWARD, VERMILLION
 from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_list
 from stickslip.reporting.style import MICRO
+from stickslip.reporting.traction_words import traction_lines
 from stickslip.reporting.view import View
 from stickslip.results.peaks import Peak
 from stickslip.results.sweeps_of_curve import Flags, drawn_steps, unstable_steps
@@ -45,6 +46,7 @@ def amplitude_frequency(view: View) -> Figure:
             ),
             *_curve(view),
             *_peaks_of_sweeps(view),
+            *traction_lines(view),
             cursor,
         ],
         440,

@@ -24,6 +24,7 @@ from stickslip.results.groups import read_groups, write_groups
 from stickslip.results.linear_curves import LinearCurves, points_between
 from stickslip.results.pair_variables import pairs_from, pairs_groups
 from stickslip.results.periodic_amplitude import periodic_amplitude
+from stickslip.results.side_curves import SideCurve
 from stickslip.results.stability import Bifurcation, BifurcationRows, ComplexNumbers
 from stickslip.results.stored import StoredGroup
 from stickslip.results.sweeps_of_curve import Jump, SlowSweep, one_run, stable_between_folds, sweeps
@@ -328,7 +329,7 @@ class ForcedResponse(Labelled):
         amplitude, linear_hz = self.amplitude(output), self.linear.frequency_hz
         return AmplitudeCurve(
             self.frequency_hz, amplitude, linear_hz, stuck, free, self.stuck_name, name, self.curve_name,
-            self.stable_points, self.slow_sweeps(output),
+            self.stable_points, self.slow_sweeps(output), self._beside(output),
         ).figure()  # fmt: skip
 
     def slow_sweeps(self, output: ArrayLike) -> tuple[SlowSweep, SlowSweep]:
@@ -341,6 +342,11 @@ class ForcedResponse(Labelled):
         if np.ptp(self.load_factor) > 0.0:
             return one_run(self.frequency_hz, amplitude)
         return sweeps(self.frequency_hz, amplitude, self.stable_points)
+
+    def _beside(self, output: ArrayLike) -> dict[str, tuple[SideCurve, ...]]:
+        """Curves beside this one by the name that a figure gives them."""
+        band = self.traction_band
+        return {} if band is None else {"other residual tractions": band.curves(output)}
 
     def jumps(self, output: ArrayLike) -> tuple[Jump, ...]:
         """Where a slow sweep up and then a slow sweep down jump: frequency, and amplitudes of an output (n,) before and

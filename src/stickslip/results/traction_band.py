@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from stickslip.core.validation import FloatArray, real_number, require_choice
 from stickslip.results.peaks import peaks
 from stickslip.results.side_curves import SideCurve, SideCurves
-from stickslip.results.sweeps_of_curve import Direction, notable_jumps, sweeps
+from stickslip.results.sweeps_of_curve import Direction, largest_jump, notable_jumps, sweeps
 from stickslip.results.variables import Numbers, stored
 
 
@@ -81,8 +81,7 @@ def _jump_hz(curve: SideCurve, direction: Direction) -> float | None:
     """The frequency of the largest jump of a slow sweep on a curve."""
     sweep = sweeps(curve.frequency_hz, curve.amplitude, curve.stable)[0 if direction == "up" else 1]
     jumps = notable_jumps(peaks(curve.frequency_hz, curve.amplitude)[0], sweep.jumps)
-    largest = max(jumps, key=lambda jump: abs(jump.amplitude_to - jump.amplitude_from), default=None)
-    return None if largest is None else largest.frequency_hz
+    return largest_jump(jumps).frequency_hz if jumps else None
 
 
 def _at(curve: SideCurve, frequency_hz: float) -> list[float]:

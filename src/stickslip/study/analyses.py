@@ -28,7 +28,7 @@ def solve(
 
 def _forced(case: Case, model: ReducedModel, listener: Progress, threads: int | None) -> ForcedResponse:
     """The forced response over the window of [solver]."""
-    settings = case.solver
+    settings, analysis = case.solver, case.analysis
     compiling = "preparation; the first run on a machine compiles the friction law in about ten seconds"
     listener.update("Response", 0.0, compiling)
     return forced_response(
@@ -46,6 +46,7 @@ def _forced(case: Case, model: ReducedModel, listener: Progress, threads: int | 
             smallest_step=settings.smallest_step,
             first_step=settings.first_step,
         ),
+        traction_band=next(iter(model.outputs.values())) if analysis.traction_band else None,
         threads=threads,
         progress=lambda fraction, detail: listener.update("Response", fraction, detail),
     )
