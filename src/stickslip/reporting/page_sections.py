@@ -14,6 +14,7 @@ from typing import Any
 from stickslip.reporting import plots
 from stickslip.reporting.curve_plot import amplitude_frequency
 from stickslip.reporting.look import Figure
+from stickslip.reporting.other_words import OTHER_SOLUTIONS
 from stickslip.reporting.section import Section
 from stickslip.reporting.structure_section import STRUCTURE
 from stickslip.reporting.style import MICRO, number, shown_number
@@ -197,6 +198,7 @@ SECTIONS = (
         figures=lambda view: {"loop": plots.hysteresis_loop(view), "signals": plots.pair_signals()},
     ),
     TRACTIONS,
+    OTHER_SOLUTIONS,
     Section(
         "Pressure at rest",
         """\

@@ -10,9 +10,9 @@ from stickslip.reporting.look import PlotMarkup, line_trace
 from stickslip.reporting.section import Section
 from stickslip.reporting.style import MICRO, number, shown_number
 from stickslip.reporting.view import View
+from stickslip.results.curve_figure import TRACTION_CURVES
 from stickslip.results.traction_band import TractionBand
 
-_NAME = "other residual tractions"
 _WHY = (
     "Statics does not determine the tractions of friction at rest, and a pair keeps its own until it slips: this curve "
     "is one of a continuum."
@@ -35,14 +35,16 @@ def traction_lines(view: View) -> Iterator[dict[str, Any]]:
     if band is None:
         return
     for place, curve in enumerate(band.curves(view.output)):
-        words = PlotMarkup("{}: {}<br>%{{x:.2f}} Hz<br>%{{y:.4g}} µm<extra></extra>").format(_NAME, curve.name)
+        words = PlotMarkup("{}: {}<br>%{{x:.2f}} Hz<br>%{{y:.4g}} µm<extra></extra>").format(
+            TRACTION_CURVES, curve.name
+        )
         yield line_trace(
-            _NAME,
+            TRACTION_CURVES,
             curve.frequency_hz,
             MICRO * curve.amplitude,
             GREY,
             width=1.0,
-            legendgroup=_NAME,
+            legendgroup=TRACTION_CURVES,
             showlegend=not place,
             hovertemplate=words,
         )

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _MICRO = 1e6  # m to µm
+# Colour and width of the lines of curves beside the curve, by their common name.
+TRACTION_CURVES, OTHER_CURVES = "other residual tractions", "other solutions"
+_BESIDE = {TRACTION_CURVES: (GREY, 0.8), OTHER_CURVES: (VERMILLION, 1.8)}
 
 
 @dataclass(frozen=True)
@@ -77,8 +80,12 @@ class AmplitudeCurve:
     def _draw_beside(self, axes: Axes) -> None:
         for name, curves in self.beside.items():
             for place, curve in enumerate(curves):
-                label = "_nolegend_" if place else name
-                axes.plot(curve.frequency_hz, _MICRO * curve.amplitude, color=GREY, linewidth=0.8, label=label)
+                height, unstable = _MICRO * curve.amplitude, unstable_steps(curve.stable)
+                colour, width = _BESIDE[name]
+                axes.plot([], [], color=colour, linewidth=width, label="_nolegend_" if place else name)
+                for drawn, dash in ((~unstable, "-"), (unstable, "--")):
+                    x, y = drawn_steps(curve.frequency_hz, drawn), drawn_steps(height, drawn)
+                    axes.plot(x, y, dash, color=colour, linewidth=width)
 
     def _draw_curve(self, axes: Axes) -> None:
         height, unstable = _MICRO * self.amplitude, unstable_steps(self.stable)

@@ -19,9 +19,10 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import FloatArray, finite_array, require_choice
-from stickslip.results.curve_figure import AmplitudeCurve
+from stickslip.results.curve_figure import OTHER_CURVES, TRACTION_CURVES, AmplitudeCurve
 from stickslip.results.groups import read_groups, write_groups
 from stickslip.results.linear_curves import LinearCurves, points_between
+from stickslip.results.other_solutions import OtherSolutions
 from stickslip.results.pair_variables import pairs_from, pairs_groups
 from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.results.side_curves import SideCurve
@@ -120,6 +121,8 @@ class ForcedResponse(Labelled):
     traction_band:
         curves with extreme residual tractions around the highest peak; None if not asked for
         (``forced_response(..., traction_band=output)``).
+    other_solutions:
+        periodic motions that are not on the curve; None without a search (:func:`search_other_solutions`).
 
     Raises
     ------
@@ -200,6 +203,9 @@ class ForcedResponse(Labelled):
         default=NO_STABILITY, metadata=stored(Text("stability of the points of the curve", optional=True))
     )
     traction_band: TractionBand | None = field(default=None, metadata=stored(InGroup.of(TractionBand, optional=True)))
+    other_solutions: OtherSolutions | None = field(
+        default=None, metadata=stored(InGroup.of(OtherSolutions, optional=True))
+    )
 
     def __post_init__(self) -> None:
         points = np.shape(self.frequency_hz)
@@ -345,8 +351,8 @@ class ForcedResponse(Labelled):
 
     def _beside(self, output: ArrayLike) -> dict[str, tuple[SideCurve, ...]]:
         """Curves beside this one by the name that a figure gives them."""
-        band = self.traction_band
-        return {} if band is None else {"other residual tractions": band.curves(output)}
+        named = {TRACTION_CURVES: self.traction_band, OTHER_CURVES: self.other_solutions}
+        return {name: each.curves(output) for name, each in named.items() if each is not None}
 
     def jumps(self, output: ArrayLike) -> tuple[Jump, ...]:
         """Where a slow sweep up and then a slow sweep down jump: frequency, and amplitudes of an output (n,) before and

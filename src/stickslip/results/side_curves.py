@@ -106,6 +106,10 @@ class SideCurves(Labelled):
             "side_curve": len(self.names),
         }
 
+    def _stable(self, part: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """(k,) which points of a curve are stable: here its folds decide."""
+        return stable_between_folds(self.frequency_hz[part])
+
     @property
     def n_curves(self) -> int:
         """Number of curves."""
@@ -140,8 +144,6 @@ class SideCurves(Labelled):
             amplitude = np.hypot(coefficients[:, 2 * harmonic - 1], coefficients[:, 2 * harmonic])
         parts = [self.of(number) for number in range(self.n_curves)]
         return tuple(
-            SideCurve(
-                name, self.frequency_hz[part], amplitude[part], stable_between_folds(self.frequency_hz[part]), complete
-            )
+            SideCurve(name, self.frequency_hz[part], amplitude[part], self._stable(part), complete)
             for name, part, complete in zip(self.names, parts, self.complete.tolist(), strict=True)
         )

@@ -34,6 +34,8 @@ NEAR_PEAK, MARGIN, FALLEN = 0.5, 0.5, 0.7
 # The tractions that move a peak most are selected again about the new curve while that promises this fraction more, at
 # most SELECTIONS times: one was enough on the bench blades.
 WORTHWHILE, SELECTIONS = 0.01, 3
+# chosen: a curve of the band ends after this multiple of the points of the whole curve.
+MOST_POINTS = 4
 # Tractions that give this fraction of the largest linear change serve in place of another curve.
 AS_GOOD = 0.95
 # Tractions are this fraction of the friction limit at most, so that round-off does not exceed it.
@@ -143,8 +145,9 @@ class TractionBandSearch:
     def band(self, points: Sequence[BalancePoint]) -> TractionBand | None:
         """The band around the highest peak of a curve with these points; None without a single curve."""
         span = self._span(points)
+        self._continuation = replace(self._continuation, max_points=MOST_POINTS * (len(points) + 1))
         still = self._follow("no traction at rest", np.zeros((self._limit.size, 2)), span)
-        if still is not None:
+        if still is not None and still.complete:
             self._move_peak(still, "peak raised", span, _highest)
             self._move_peak(still, "peak lowered", span, _lowest)
             for fold in still.folds():
@@ -153,7 +156,8 @@ class TractionBandSearch:
         if early:
             self.warnings.append(
                 f"The band of residual tractions is incomplete: {len(early)} of its curves end early "
-                f"({', '.join(early)}), so the peak can be outside of it."
+                f"({', '.join(early)}), so the peak can be outside of it. Tractions are varied only about a complete "
+                "curve without traction at rest."
             )
         return _stored_band(self._traced) if self._traced else None
 

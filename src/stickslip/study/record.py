@@ -73,7 +73,7 @@ def with_other_tractions(
         return compared_tractions(case, response, model.preload.why, output)
     retained = case.preload.residual_traction != "kept"
     changed = replace(model, pairs=model.preload.pairs_about(other, retained))
-    curve_only = case.replace({"analysis.traction_band": False})
+    curve_only = case.replace({"analysis.traction_band": False, "analysis.search": False})
     try:
         return compared_tractions(case, response, solve(curve_only, changed, progress, threads), output)
     except ConvergenceError as error:
