@@ -265,3 +265,18 @@ def test_a_study_asks_for_the_band_of_residual_tractions(tmp_path: Path) -> None
     assert low < high
     assert "Highest peak over extreme residual tractions" in outcome.message
     assert f"and {band.n_curves} with extreme tractions" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_run_searches_for_other_solutions(tmp_path: Path) -> None:
+    case = Case().replace({**COARSE, "analysis.search_starts": 1, "solver.harmonics": 1})
+    (tmp_path / "study.toml").write_text(case.to_text(), encoding="utf-8")
+    out = tmp_path / "out"
+    command = ["run", str(tmp_path / "study.toml"), "--out", str(out), "--quiet", "--search"]
+    result = CliRunner().invoke(app, command)
+    assert result.exit_code == 0, result.output
+    other = load_results(out / "results.nc").response.other_solutions
+    assert other is not None
+    assert (other.random_starts, other.random_motions, other.seed) == (1, 8, 0)
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "<h2>Other solutions</h2>" in page
+    assert "from 1 random states" in page

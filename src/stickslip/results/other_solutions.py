@@ -23,12 +23,13 @@ class OtherSolutions(SideCurves):
     names, complete, curve, frequency_hz, displacement:
         as in :class:`SideCurves`; a curve is complete if it is closed, or reaches both ends of the frequency range.
     closed:
-        (n_curves,) whether the curve is closed: an isolated curve.
+        (n_curves,) whether the curve is closed: isolated, unless it crosses the computed one where motions branch off.
     stable_points:
         (n_side_points,) whether small disturbances decay, by Floquet multipliers; for contact laws without them, by the
         folds of the curve.
-    random_starts, seed:
-        number of random states from which time integration started, and the seed that they follow from.
+    random_starts, random_motions, seed:
+        numbers of random states from which time integration started, and of random motions from which Newton's method
+        did, and the seed that they follow from.
     without_solution:
         random starts that led to no periodic motion with the period of the excitation.
     changes:
@@ -42,6 +43,7 @@ class OtherSolutions(SideCurves):
         metadata=stored(Flags(("side_point",), "1", "1 if small disturbances decay", name="stable"))
     )
     random_starts: int = field(metadata=stored(Count("random states from which time integration started")))
+    random_motions: int = field(metadata=stored(Count("random motions from which Newton's method started")))
     seed: int = field(metadata=stored(Count("seed of the random states")))
     without_solution: int = field(metadata=stored(Count("random starts without a periodic motion")))
     changes: int = field(metadata=stored(Count("changes of contact states from whose other side Newton started")))
@@ -55,8 +57,8 @@ class OtherSolutions(SideCurves):
     def words(self) -> str:
         """What the search did and found, in one sentence."""
         starts = (
-            f"time integration from {self.random_starts} random states (seed {self.seed}) and Newton's method from "
-            f"{self.changes} changes of contact states"
+            f"time integration from {self.random_starts} random states and Newton's method from {self.random_motions} "
+            f"random motions (seed {self.seed}) and {self.changes} changes of contact states"
         )
         lost = (
             f"; {self.without_solution} random states led to no periodic motion with the period of the excitation"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
@@ -36,6 +37,10 @@ from stickslip.structure.superelement import Superelement
 # chosen: random states move in the stuck modes up to this multiple of the highest frequency, with a mass norm between
 # these multiples of that of the largest motion on the curve.
 NEAR_MODES, SMALLEST_START, LARGEST_START = 3.0, 0.1, 10.0
+# chosen: random motions for each random state. Newton's method from them costs far less than time integration, finds
+# unstable motions too, and finds motions that attract few states: of 200 random motions 28 to 58 led to the subharmonic
+# motion of Duffing's oscillator (tests), of 36 random states with the same damping none or a few.
+MOTIONS = 8
 # chosen: a start is integrated so many periods, or until a period changes by less than this; Newton's method follows.
 PERIODS, SETTLED = 60, 1e-4
 # chosen: steps of a period, and of a period of the highest harmonic; the motion is a first guess only.
@@ -62,9 +67,10 @@ def search_other_solutions(
     """Search for periodic motions off a computed curve: isolated curves, and motions that branch off.
 
     Starts are random states at frequencies spread over the range, from which time integration runs until the motion
-    repeats, and, where contact changes its state between two points of the curve, the piece beyond continued backward.
-    Newton's method makes a solution of each. One that differs from all solutions of the curve at its frequency is
-    followed in both directions, through folds, to the ends of the range or around a closed curve.
+    repeats; several random motions at each of these frequencies; and, where contact changes its state between two
+    points of the curve, the piece beyond continued backward. Newton's method makes a solution of each. One that differs
+    from all solutions of the curve at its frequency is followed in both directions, through folds, to the ends of the
+    range or around a closed curve.
 
     A search that finds nothing proves nothing. It cannot find motions whose period is a multiple of that of the
     excitation, and hardly those that attract few states. The same seed gives the same search.
@@ -76,7 +82,7 @@ def search_other_solutions(
     response:
         a curve of :func:`forced_response`, whose harmonics, samples and update this takes.
     starts, seed:
-        number of random states, 0 or above, and seed of their random numbers.
+        number of frequencies with a random state each, 0 or above, and seed of their random numbers.
     newton, continuation, threads, progress:
         as in :func:`forced_response`.
 
@@ -148,6 +154,9 @@ class _Search:
         self._points = [self._curve.at(each, float(at)) for each, at in zip(relative, omega, strict=True)]
         self._range = float(omega.min()), float(omega.max())
         self._followed: list[_Followed] = []
+        # The force has so many periods in one of the solution; a motion one of them later is the same.
+        excited = np.flatnonzero(self._balance.force.coefficients(self._range[1]).any(axis=1))
+        self._parts = math.gcd(*((row + 1) // 2 for row in excited.tolist())) or 1
 
     def run(self, starts: int, seed: int) -> OtherSolutions:
         """Search from all starts."""
@@ -160,7 +169,9 @@ class _Search:
         for number in range(starts):
             self._report.stage(f"search for other solutions, start {number + 1} of {starts}", number / starts)
             omega = low + (high - low) * (number + float(random.uniform())) / starts
-            solution = self._from_random_state(omega, random)
+            for _ in range(MOTIONS):
+                self._consider(self._near_motion(self._random_state(random), omega))
+            solution = self._from_state(self._random_state(random), omega)
             lost += solution is None
             self._consider(solution)
         return self._result(starts, seed, lost, changes)
@@ -182,14 +193,25 @@ class _Search:
                 if self._range[0] <= omega <= self._range[1]:
                     yield self._curve.at(near.unknowns + chord, omega)
 
-    def _from_random_state(self, omega: float, random: np.random.Generator) -> BalancePoint | None:
-        """The periodic motion to which a random state leads; None without one."""
-        stuck, superelement = self._balances.stuck, self._balances.superelement
+    def _random_state(self, random: np.random.Generator) -> FloatArray:
+        """(2, n) displacement, and velocity over the circular frequency, in the near modes."""
+        stuck = self._balances.stuck
         near = max(1, int(np.searchsorted(stuck.circular_frequency, NEAR_MODES * stuck.highest_omega)))
         largest = max(float(np.linalg.norm(point.measured)) for point in self._points)
         exponent = random.uniform(np.log(SMALLEST_START), np.log(LARGEST_START))
         state = random.normal(size=(2, near))
         state *= largest * np.exp(exponent) / np.linalg.norm(state)
+        return np.asarray(state @ stuck.modes[:, :near].T)
+
+    def _near_motion(self, state: FloatArray, omega: float) -> BalancePoint | None:
+        """The solution near the harmonic motion through a state."""
+        guess = np.zeros((2 * self._balance.harmonics + 1, self._balance.rows))
+        guess[1:3] = state @ self._balances.pairs.operator.T
+        return self._solved(guess, omega)
+
+    def _from_state(self, state: FloatArray, omega: float) -> BalancePoint | None:
+        """The periodic motion to which a state leads; None without one."""
+        stuck, superelement = self._balances.stuck, self._balances.superelement
         force = self._balance.force.coefficients(omega)
         steps = max(STEPS, STEPS_PER_HARMONIC * self._balance.harmonics)
         try:
@@ -202,8 +224,8 @@ class _Search:
                 steps_per_period=steps,
                 max_periods=PERIODS,
                 tolerance=SETTLED,
-                initial_displacement=stuck.modes[:, :near] @ state[0],
-                initial_velocity=omega * (stuck.modes[:, :near] @ state[1]),
+                initial_displacement=state[0],
+                initial_velocity=omega * state[1],
             )
         except ConvergenceError:
             return None
@@ -220,7 +242,18 @@ class _Search:
 
     def _is_on_a_curve(self, solution: BalancePoint) -> bool:
         curves = [self._points, *(each.points for each in self._followed)]
-        return any(self._passes(points, solution, DIFFERENT) for points in curves)
+        later = [solution, *(self._later(solution, part) for part in range(1, self._parts))]
+        return any(self._passes(points, each, DIFFERENT) for points in curves for each in later)
+
+    def _later(self, solution: BalancePoint, part: int) -> BalancePoint:
+        """The same motion ``part`` periods of the force later."""
+        harmonics = self._balance.harmonics
+        angle = 2.0 * np.pi * part / self._parts * np.arange(1, harmonics + 1)[:, None]
+        cosine, sine = solution.unknowns[1::2], solution.unknowns[2::2]
+        unknowns = solution.unknowns.copy()
+        unknowns[1::2] = np.cos(angle) * cosine + np.sin(angle) * sine
+        unknowns[2::2] = np.cos(angle) * sine - np.sin(angle) * cosine
+        return self._curve.at(unknowns, solution.trial.omega)
 
     def _passes(self, points: Sequence[BalancePoint], solution: BalancePoint, allowed: float) -> bool:
         """Whether a curve passes a solution: steps across its frequency are solved there."""
@@ -288,6 +321,7 @@ class _Search:
             np.array([each.closed for each in curves], dtype=bool),
             np.concatenate([np.zeros(0, dtype=bool), *(self._stable(each.points) for each in curves)]),
             starts,
+            MOTIONS * starts,
             seed,
             lost,
             changes,
@@ -295,4 +329,4 @@ class _Search:
 
 
 def _name(followed: _Followed, number: int) -> str:
-    return f"{'isolated' if followed.closed else 'further'} curve {number}"
+    return f"{'closed' if followed.closed else 'open'} curve {number}"
