@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from helpers import benchmark_module
 
 # m = k = 1, f = x + CUBIC x^3, force FORCE cos(3 w t): the motion with the frequency w is isolated from the curve.
 CUBIC, FORCE, DAMPING = 0.05, 12.0, 0.04
 OUTPUT = [1.0]
+BLADE = benchmark_module("blade_problem")
 
 
 def duffing(force: float, damping: float = DAMPING) -> tuple[ss.Superelement, ss.ContactPairs, ss.Excitation]:
@@ -156,3 +158,20 @@ def test_a_search_rejects_what_it_cannot_use() -> None:
     unequal = ss.ContactPairs(pairs.operator, 1e5, np.array([[2e5, 1e5]]), 0.3, 20.0)
     with pytest.raises(ss.InputError, match="equally stiff"):
         ss.search_other_solutions(structure, unequal, force, curve)
+
+
+@pytest.mark.slow
+def test_solutions_beyond_the_points_at_a_fold_are_on_the_curve() -> None:
+    """The bench blade folds at 683.58 Hz, between two points: Newton's method leads to solutions between them."""
+    blade = BLADE.load_blade_problem(10)
+    structure = ss.Superelement(blade.mass, blade.stiffness, blade.damping)
+    pairs = ss.ContactPairs(
+        blade.contact_operator(), blade.normal_stiffness, blade.tangential_stiffness, blade.friction_coefficient,
+        blade.preload,
+    )  # fmt: skip
+    force = ss.Excitation.force(blade.force_cos, blade.force_sin)
+    curve = ss.forced_response(structure, pairs, force, frequency_hz=blade.window_hz, harmonics=3, samples=128)
+    other = ss.search_other_solutions(structure, pairs, force, curve, starts=6).other_solutions
+    assert other is not None
+    assert other.changes > 20
+    assert other.n_curves == 0

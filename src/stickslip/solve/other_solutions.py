@@ -24,6 +24,7 @@ from stickslip.results.sweeps_of_curve import Flags, stable_between_folds
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.forced import as_excitation
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
+from stickslip.solve.harmonic.known_curve import KnownCurve
 from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
@@ -45,8 +46,8 @@ MOTIONS = 8
 PERIODS, SETTLED = 60, 1e-4
 # chosen: steps of a period, and of a period of the highest harmonic; the motion is a first guess only.
 STEPS, STEPS_PER_HARMONIC = 64, 16
-# Two solutions at one frequency are different if they differ by more than this fraction of their size, and a point of a
-# further curve is on the computed one if it differs by less than the smaller fraction from a solution there.
+# A solution is a new one if it is farther than this fraction of its size from every curve, and a point of a followed
+# curve is on the computed one within the smaller fraction.
 DIFFERENT, SAME = 1e-2, 1e-3
 
 
@@ -154,6 +155,7 @@ class _Search:
         self._points = [self._curve.at(each, float(at)) for each, at in zip(relative, omega, strict=True)]
         self._range = float(omega.min()), float(omega.max())
         self._followed: list[_Followed] = []
+        self._known = [self._as_known(self._points)]  # the computed curve, then those that were followed
         # The force has so many periods in one of the solution; a motion one of them later is the same.
         excited = np.flatnonzero(self._balance.force.coefficients(self._range[1]).any(axis=1))
         self._parts = math.gcd(*((row + 1) // 2 for row in excited.tolist())) or 1
@@ -239,11 +241,14 @@ class _Search:
         followed = self._off_the_curve(self._follow(solution))
         if followed is not None:
             self._followed.append(followed)
+            self._known.append(self._as_known(followed.points))
+
+    def _as_known(self, points: Sequence[BalancePoint]) -> KnownCurve:
+        return KnownCurve(self._newton, points, self._range[1] - self._range[0])
 
     def _is_on_a_curve(self, solution: BalancePoint) -> bool:
-        curves = [self._points, *(each.points for each in self._followed)]
         later = [solution, *(self._later(solution, part) for part in range(1, self._parts))]
-        return any(self._passes(points, each, DIFFERENT) for points in curves for each in later)
+        return any(curve.passes(each, DIFFERENT) for curve in self._known for each in later)
 
     def _later(self, solution: BalancePoint, part: int) -> BalancePoint:
         """The same motion ``part`` periods of the force later."""
@@ -254,29 +259,6 @@ class _Search:
         unknowns[1::2] = np.cos(angle) * cosine + np.sin(angle) * sine
         unknowns[2::2] = np.cos(angle) * sine - np.sin(angle) * cosine
         return self._curve.at(unknowns, solution.trial.omega)
-
-    def _passes(self, points: Sequence[BalancePoint], solution: BalancePoint, allowed: float) -> bool:
-        """Whether a curve passes a solution: steps across its frequency are solved there."""
-        omega = np.array([point.trial.omega for point in points]) - solution.trial.omega
-        for place in np.flatnonzero(omega[:-1] * omega[1:] <= 0.0).tolist():
-            before, after = points[place], points[place + 1]
-            span = float(omega[place] - omega[place + 1])
-            share = float(omega[place]) / span if span else 0.0
-            guess = before.unknowns + share * (after.unknowns - before.unknowns)
-            # the curve is no farther from its chord than the length of the chord
-            chord = before.unknowns + solution.unknowns - after.unknowns
-            if self._distance(guess, solution) > DIFFERENT + self._distance(chord, solution):
-                continue
-            there = self._solved(guess, solution.trial.omega)
-            if there is not None and self._distance(there.unknowns, solution) <= allowed:
-                return True
-        return False
-
-    def _distance(self, unknowns: FloatArray, solution: BalancePoint) -> float:
-        """Distance from a solution, over its size."""
-        size = float(np.linalg.norm(self._balance.determined(solution.unknowns)))
-        away = float(np.linalg.norm(self._balance.determined(unknowns - solution.unknowns)))
-        return away / size if size > 0.0 else away
 
     def _follow(self, start: BalancePoint) -> _Followed:
         """The curve through a solution: around it, or to the ends of the range on both sides."""
@@ -294,7 +276,7 @@ class _Search:
 
     def _off_the_curve(self, followed: _Followed) -> _Followed | None:
         """The longest part of a followed curve that is not on the computed one, which it may join; None without one."""
-        off = [not self._passes(self._points, point, SAME) for point in followed.points]
+        off = [not self._known[0].passes(point, SAME) for point in followed.points]
         if all(off) or not any(off):
             return followed if all(off) else None
         edges = np.flatnonzero(np.diff(np.concatenate([[False], off, [False]]).astype(np.int8))).reshape(-1, 2)

@@ -216,7 +216,7 @@ class TractionBandSearch:
             if abs(predicted - top) < WORTHWHILE * top:
                 return
             following = self._follow(name if number == 0 else f"{name}, selection {number + 1}", traction, span)
-            if following is None:
+            if following is None or not following.complete:
                 return
             traced = following
 
