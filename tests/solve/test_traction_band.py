@@ -180,6 +180,15 @@ def test_a_band_survives_its_file(tmp_path: Path) -> None:
     assert "NOT" not in words
 
 
+def test_a_band_whose_curves_end_early_says_so() -> None:
+    response = oscillator(traction_band=[1.0], continuation=ss.ContinuationSettings(max_points=6))
+    band = response.traction_band
+    assert band is not None
+    assert not band.complete.any()
+    assert "NOT complete" in repr(band)
+    assert any("The band of residual tractions is incomplete" in words for words in response.warnings)
+
+
 @pytest.mark.parametrize("row", [[0.0], [1.0, 1.0], [float("nan")]])
 def test_a_wrong_output_of_a_band_is_rejected(row: list[float]) -> None:
     with pytest.raises(ss.InputError, match="traction_band"):

@@ -145,7 +145,8 @@ class TractionBandSearch:
     def band(self, points: Sequence[BalancePoint]) -> TractionBand | None:
         """The band around the highest peak of a curve with these points; None without a single curve."""
         span = self._span(points)
-        self._continuation = replace(self._continuation, max_points=MOST_POINTS * (len(points) + 1))
+        most = min(self._continuation.max_points, MOST_POINTS * (len(points) + 1))
+        self._continuation = replace(self._continuation, max_points=most)
         still = self._follow("no traction at rest", np.zeros((self._limit.size, 2)), span)
         if still is not None and still.complete:
             self._move_peak(still, "peak raised", span, _highest)
@@ -213,7 +214,7 @@ class TractionBandSearch:
             if not self._usable(name, extremes):
                 return
             traction, predicted = select(extremes, traced.traction, self._limit)
-            if abs(predicted - top) < WORTHWHILE * top:
+            if abs(predicted - top) <= WORTHWHILE * top:
                 return
             following = self._follow(name if number == 0 else f"{name}, selection {number + 1}", traction, span)
             if following is None or not following.complete:
