@@ -71,7 +71,8 @@ def test_the_release_of_a_traction_moves_one_slipping_pair_by_its_static_displac
     assert vibration[1] == pytest.approx(vibration[0], rel=1e-6)
 
 
-def test_a_joint_that_never_slips_has_no_band() -> None:
+def test_a_stuck_pair_at_its_limit_releases_the_variation_of_its_traction() -> None:
+    """With mean m and amplitude X it sticks if ``T0 - k m + kt X <= mu N``: ``m = kt X / k`` at ``T0 = mu N``."""
     structure = ss.Superelement(np.eye(1), np.array([[STIFFNESS]]), np.array([[20.0]]))
     pairs = ss.ContactPairs(np.array([[1.0], [0.0], [0.0]]), 1e6, 2e6, 0.2, 1e6)
     response = ss.forced_response(
@@ -79,9 +80,13 @@ def test_a_joint_that_never_slips_has_no_band() -> None:
     )
     band = response.traction_band
     assert band is not None
-    assert band.n_curves == 1
+    assert not (response.contact_state != ss.ContactState.STUCK).any()
+    amplitude = float(response.amplitude([1.0]).max())
     low, high = band.peak_range([1.0])
-    assert low == high == pytest.approx(response.amplitude([1.0]).max(), rel=1e-3)
+    assert low == pytest.approx(amplitude, rel=1e-3)
+    assert high == pytest.approx(amplitude * (1.0 + 2e6 / STIFFNESS), rel=1e-3)
+    vibration = band.peak_range([1.0], harmonic=1)
+    assert vibration[1] == pytest.approx(vibration[0], rel=1e-3)
 
 
 def prepared_blade() -> Balances:
@@ -175,7 +180,7 @@ def test_a_band_survives_its_file(tmp_path: Path) -> None:
     assert again == response
     assert again.traction_band == response.traction_band
     words = repr(again.traction_band)
-    assert words.startswith("TractionBand(5 curves from ")
+    assert words.startswith("TractionBand(4 curves from ")
     assert "peak raised" in words
     assert "NOT" not in words
 

@@ -31,9 +31,9 @@ from stickslip.solve.setting_up import Balances, StageReport
 # that range on both sides; a curve that does not fall to a fraction of its peak at both ends is followed through the
 # whole range.
 NEAR_PEAK, MARGIN, FALLEN = 0.5, 0.5, 0.7
-# The tractions that move a peak most are selected again about the new curve while that promises this fraction more, at
-# most SELECTIONS times: one was enough on the bench blades.
-WORTHWHILE, SELECTIONS = 0.01, 3
+# The tractions that move a peak most are selected again about the new curve while that promises this fraction more and
+# changes a traction by a fraction of the largest limit, at most SELECTIONS times: one was enough on the bench blades.
+WORTHWHILE, UNCHANGED, SELECTIONS = 0.01, 0.01, 3
 # chosen: a curve of the band ends after this multiple of the points of the whole curve.
 MOST_POINTS = 4
 # Tractions that give this fraction of the largest linear change serve in place of another curve.
@@ -214,7 +214,8 @@ class TractionBandSearch:
             if not self._usable(name, extremes):
                 return
             traction, predicted = select(extremes, traced.traction, self._limit)
-            if abs(predicted - top) <= WORTHWHILE * top:
+            same = np.abs(traction - traced.traction).max() <= UNCHANGED * self._limit.max()
+            if same or abs(predicted - top) <= WORTHWHILE * top:
                 return
             following = self._follow(name if number == 0 else f"{name}, selection {number + 1}", traction, span)
             if following is None or not following.complete:

@@ -231,6 +231,10 @@ class Compliance:
         """Derivative (m,) of the mean of ``output @ u`` by the mean of the deviation."""
         return np.asarray(-(self._operator @ self._mean.solve(output)))
 
+    def mean_relative(self, force: FloatArray) -> FloatArray:
+        """(m,) mean relative displacements under mean forces (m,) on the pairs."""
+        return np.asarray(self._mean_contact @ force)
+
     def output_modes(self, output: FloatArray) -> FloatArray:
         """The row ``output`` (n,) of the unknowns in modal coordinates, (n,)."""
         return np.asarray(output @ self._modes)

@@ -6,7 +6,10 @@ of the mean displacement that the law sees: ``R(x; T0) = x - r + A d(x + T0 / k)
     (I + D A) dd + D R_w dw = D dT0 / k,    a row that keeps the place along the curve,
 
 and the derivative of ``c . dd + c_w dw`` is ``D^T z / k``, where z solves the transposed equations with (c, c_w).
-At a pair that sticks throughout, D is zero: its traction is in balance at rest and changes no motion.
+At a pair that sticks throughout, D is zero: its traction is in balance at rest and changes no motion, until the limit
+is reached. Beyond, the pair slips until its traction stays within the limit, and releases at most the largest
+variation of its traction in a period: ``dd = -release`` on the mean. This one-sided effect takes the place of the
+derivative there, in proportion to the traction over the friction limit.
 """
 
 from __future__ import annotations
@@ -27,7 +30,10 @@ INSTANTS = 512
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number of a point, and its derivative by the residual tractions, (n_pairs, 2) per N."""
+    """A number of a point, and its derivative by the residual tractions, (n_pairs, 2) per N.
+
+    For a pair that sticks throughout it is the effect of what the pair releases at its limit, over that limit.
+    """
 
     value: float
     by_traction: FloatArray
@@ -45,6 +51,8 @@ class TractionSensitivity:
         system = NewtonSystem(balance, point.trial)
         along = Row(np.zeros(1), relative=chord / float(np.linalg.norm(chord)))
         self._system = system
+        self._sticks = np.asarray(~point.trial.contact.moves.any(axis=1))
+        self._released_share = released_share(balance, point)
         self._bordered = BorderedSystem(system, [balance.frequency_slope(point.trial)], [along])
 
     def frequency(self) -> Quantity:
@@ -78,8 +86,21 @@ class TractionSensitivity:
         weights = system.scatter(self._bordered.solve_transposed(by_deviation, np.array([by_omega])))
         active = system.active.pairs
         local = weights.T.reshape(self._balance.pairs.n_pairs, 3, -1)[active]
-        answer = np.zeros((self._balance.pairs.n_pairs, 3))
-        answer[active] = np.einsum("iap,iapb->ib", local, system.tangent[:, :, :, :, 0])
+        by_mean = np.zeros((self._balance.pairs.n_pairs, 3))
+        by_mean[active] = np.einsum("iap,iapb->ib", local, system.tangent[:, :, :, :, 0])
         springs = self._balance.pairs.stuck_stiffness().reshape(-1, 3)
-        np.divide(answer, springs, out=answer, where=springs > 0.0)
-        return answer[:, :2]
+        answer = np.divide(by_mean, springs, out=np.zeros_like(by_mean), where=springs > 0.0)
+        by_force = by_deviation[0] - self._balance.compliance.mean_relative(by_mean.ravel())
+        released = -by_force.reshape(-1, 3) * self._released_share[:, None]
+        return np.where(self._sticks[:, None], released, answer)[:, :2]
+
+
+def released_share(balance: Balance, point: BalancePoint) -> FloatArray:
+    """(n_pairs,) what a stuck pair at its limit releases, over the limit: the largest variation of its traction."""
+    pairs = balance.pairs
+    vibration = point.unknowns[1:].T.reshape(pairs.n_pairs, 3, -1)[:, :2]
+    signal = vibration @ synthesis_matrix(balance.harmonics, INSTANTS)[:, 1:].T
+    traction = pairs.stuck_stiffness().reshape(-1, 3)[:, :2, None] * signal
+    variation, limit = np.hypot(traction[:, 0], traction[:, 1]).max(axis=1), pairs.largest_slip_force
+    share = np.divide(variation, limit, out=np.zeros_like(variation), where=limit > 0.0)
+    return np.asarray(np.minimum(share, 1.0))
