@@ -74,7 +74,7 @@ def test_the_release_of_a_traction_moves_one_slipping_pair_by_its_static_displac
 def test_a_stuck_pair_at_its_limit_releases_the_variation_of_its_traction() -> None:
     """With mean m and amplitude X it sticks if ``T0 - k m + kt X <= mu N``: ``m = kt X / k`` at ``T0 = mu N``."""
     structure = ss.Superelement(np.eye(1), np.array([[STIFFNESS]]), np.array([[20.0]]))
-    pairs = ss.ContactPairs(np.array([[1.0], [0.0], [0.0]]), 1e6, 2e6, 0.2, 1e6)
+    pairs = ss.ContactPairs(np.array([[1.0], [0.0], [0.0]]), 1e6, 2e6, 0.2, 1400.0)
     response = ss.forced_response(
         structure, pairs, np.array([4.0]), frequency_hz=(250.0, 300.0), samples=64, traction_band=[1.0]
     )

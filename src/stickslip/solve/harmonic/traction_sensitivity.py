@@ -26,6 +26,9 @@ from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem, Row
 
 # Samples of the period for the instant of the largest displacement; its error enters only to second order.
 INSTANTS = 512
+# chosen: a stuck pair that releases less than this fraction of its limit gets no traction. Many pairs that only creep at
+# their limit make curves that the path follower loses (two-blade model).
+LEAST_SHARE = 0.3
 
 
 @dataclass(frozen=True)
@@ -103,4 +106,4 @@ def released_share(balance: Balance, point: BalancePoint) -> FloatArray:
     traction = pairs.stuck_stiffness().reshape(-1, 3)[:, :2, None] * signal
     variation, limit = np.hypot(traction[:, 0], traction[:, 1]).max(axis=1), pairs.largest_slip_force
     share = np.divide(variation, limit, out=np.zeros_like(variation), where=limit > 0.0)
-    return np.asarray(np.minimum(share, 1.0))
+    return np.where(share >= LEAST_SHARE, np.minimum(share, 1.0), 0.0)
