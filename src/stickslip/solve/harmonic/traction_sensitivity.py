@@ -26,8 +26,8 @@ from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem, Row
 
 # Samples of the period for the instant of the largest displacement; its error enters only to second order.
 INSTANTS = 512
-# chosen: a stuck pair that releases less than this fraction of its limit gets no traction. Many pairs that only creep at
-# their limit make curves that the path follower loses (two-blade model).
+# chosen: a stuck pair that releases less than this fraction of its limit gets no traction. Many pairs that only creep
+# at their limit make curves that the path follower loses (two-blade model).
 LEAST_SHARE = 0.3
 
 
