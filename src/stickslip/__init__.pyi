@@ -51,10 +51,13 @@ from .formats.meshes.read import read_model as read_model
 from .formats.meshes.read import register_model_format as register_model_format
 from .formats.profile_file import read_profile as read_profile
 from .model.model import build_model as build_model
+from .results.other_solutions import OtherSolutions as OtherSolutions
 from .results.response import ForcedResponse as ForcedResponse
+from .results.traction_band import TractionBand as TractionBand
 from .solve.controlled import controlled_response as controlled_response
 from .solve.excitation import Excitation as Excitation
 from .solve.forced import forced_response as forced_response
+from .solve.other_solutions import search_other_solutions as search_other_solutions
 from .solve.path.continuation import Branch as Branch
 from .solve.path.newton import Newton as Newton
 from .solve.path.newton import NewtonSettings as NewtonSettings

@@ -234,3 +234,9 @@ def test_the_kind_of_analysis_is_a_choice() -> None:
     assert Case.from_text('[analysis]\nkind = "forced"\n') == Case()
     with rejects(StudyFileError, "analysis.kind"):
         Case.from_text('[analysis]\nkind = "modes"\n')
+
+
+def test_the_band_of_tractions_is_yes_or_no() -> None:
+    assert Case.from_text("[analysis]\ntraction_band = true\n").analysis.traction_band
+    with rejects(StudyFileError, "analysis.traction_band"):
+        Case.from_text('[analysis]\ntraction_band = "tip"\n')

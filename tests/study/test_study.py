@@ -244,3 +244,35 @@ def test_the_estimate_of_the_room_covers_what_a_run_writes(
     ((whole, largest),) = asked
     assert sum(sizes) < whole < 3 * sum(sizes)
     assert max(sizes) < largest < 3 * max(sizes)
+
+
+def test_a_study_asks_for_the_band_of_residual_tractions(tmp_path: Path) -> None:
+    case = Case().replace({**COARSE, "analysis.traction_band": True, "output.deflected_shape_frames": 0})
+    assert Case.from_text(case.to_text()) == case
+    outcome = study.run(case, tmp_path)
+    saved = load_results(tmp_path / "results.nc")
+    band = saved.response.traction_band
+    assert band is not None
+    assert band == outcome.response.traction_band
+    assert band.complete.all()
+    assert saved.study is not None
+    output = saved.study.outputs[saved.study.response_output]
+    low, high = band.peak_range(output)
+    assert low < high
+    assert "Highest peak over extreme residual tractions" in outcome.message
+    assert f"and {band.n_curves} with extreme tractions" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_run_searches_for_other_solutions(tmp_path: Path) -> None:
+    case = Case().replace({**COARSE, "analysis.search_starts": 1, "solver.harmonics": 1})
+    (tmp_path / "study.toml").write_text(case.to_text(), encoding="utf-8")
+    out = tmp_path / "out"
+    command = ["run", str(tmp_path / "study.toml"), "--out", str(out), "--quiet", "--search"]
+    result = CliRunner().invoke(app, command)
+    assert result.exit_code == 0, result.output
+    other = load_results(out / "results.nc").response.other_solutions
+    assert other is not None
+    assert (other.random_starts, other.random_motions, other.seed) == (1, 8, 0)
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "<h2>Other solutions</h2>" in page
+    assert "from 1 random states" in page

@@ -16,6 +16,16 @@ class ForcedAnalysis(Section):
     """The computed result: forced is the periodic response to the excitation over the frequency range of [solver]."""
 
     kind: Literal["forced"] = Field(default="forced", description="forced")
+    traction_band: bool = Field(
+        default=False,
+        description="compute how far the peak moves with the residual tractions of pairs; takes several curves more",
+    )
+    search: bool = Field(
+        default=False,
+        description="search for periodic motions off the curve by time integration from random states (run --search)",
+    )
+    search_starts: int = Field(default=24, ge=0, description="random states of the search")
+    search_seed: int = Field(default=0, ge=0, description="seed of the random states; the same seed, the same search")
 
 
 Analysis = Annotated[ForcedAnalysis, of_kind({"forced": ForcedAnalysis}, "forced")]

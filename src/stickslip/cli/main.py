@@ -133,12 +133,17 @@ def run(
             show_default=False,
         ),
     ] = None,
+    search: Annotated[
+        bool,
+        typer.Option("--search", help="Search for motions off the curve too, as analysis.search = true in FILE."),
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print only errors.")] = False,
     debug: Debug = False,
 ) -> None:
     """Solve a study and write results, report and figures into DIR."""
     with error_messages(debug, log_folder=out):
         case, places = _load(path, quiet)
+        case = case.replace({"analysis.search": True}) if search else case
         require_folder(out)  # before the packages of the solver are loaded, which takes seconds
         from stickslip.study import run as study
 

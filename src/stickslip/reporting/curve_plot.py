@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from stickslip.core.plain_figure import BLUE, DOWNWARD, GREY, INK, ORANGE, UPWARD, VERMILLION
-from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_list
+from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, broken_line, figure_of, line_trace
+from stickslip.reporting.other_words import other_lines
 from stickslip.reporting.style import MICRO
+from stickslip.reporting.traction_words import traction_lines
 from stickslip.reporting.view import View
 from stickslip.results.peaks import Peak
-from stickslip.results.sweeps_of_curve import Flags, drawn_steps, solid_words, unstable_steps
+from stickslip.results.sweeps_of_curve import Flags, solid_words, unstable_steps
 
 _HOVER = PlotMarkup("%{x:.2f} Hz<br>%{y:.4g} µm")
 
@@ -45,6 +46,8 @@ def amplitude_frequency(view: View) -> Figure:
             ),
             *_curve(view),
             *_peaks_of_sweeps(view),
+            *traction_lines(view),
+            *other_lines(view),
             cursor,
         ],
         440,
@@ -72,12 +75,9 @@ def _curve(view: View) -> Iterator[dict[str, Any]]:
 
 
 def _drawn(name: str, view: View, drawn: Flags, dash: str, width: float) -> dict[str, Any]:
-    """The steps of the curve that are ``drawn``, with gaps between them."""
-    line: dict[str, Any] = line_trace(name, [], [], INK, dash, width, hoverinfo="skip")
-    for axis, values in (("x", view.response.frequency_hz), ("y", view.amplitude_um)):
-        numbers = plain_list(drawn_steps(values, drawn))
-        line[axis] = [None if math.isnan(number) else number for number in numbers]
-    return line
+    """The steps of the curve that are ``drawn``."""
+    options = {"hoverinfo": "skip"}
+    return broken_line(name, view.response.frequency_hz, view.amplitude_um, drawn, INK, dash, width, **options)
 
 
 def _highest_words(view: View) -> str:

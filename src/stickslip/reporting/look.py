@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Self
 
 import markupsafe
@@ -11,6 +12,7 @@ from scipy.spatial import KDTree
 
 from stickslip.core.plain_figure import INK
 from stickslip.core.validation import FloatArray
+from stickslip.results.sweeps_of_curve import Flags, drawn_steps
 
 Figure = dict[str, Any]
 
@@ -86,6 +88,17 @@ def line_trace(name: str, x: Any, y: Any, colour: str, dash: str = "solid", widt
         "y": plain_list(y),
         "line": line,
     } | options
+
+
+def broken_line(
+    name: str, x: FloatArray, y: FloatArray, drawn: Flags, colour: str, dash: str, width: float, **options: Any
+) -> dict[str, Any]:
+    """A line along the steps that are ``drawn`` (n_points - 1,), with gaps between them."""
+    line: dict[str, Any] = line_trace(name, [], [], colour, dash, width, **options)
+    for axis, values in (("x", x), ("y", y)):
+        numbers = plain_list(drawn_steps(values, drawn))
+        line[axis] = [None if math.isnan(number) else number for number in numbers]
+    return line
 
 
 def plain_list(values: Any) -> list[float]:

@@ -14,10 +14,12 @@ from typing import Any
 from stickslip.reporting import plots
 from stickslip.reporting.curve_plot import amplitude_frequency
 from stickslip.reporting.look import Figure
+from stickslip.reporting.other_words import OTHER_SOLUTIONS
 from stickslip.reporting.section import Section
 from stickslip.reporting.structure_section import STRUCTURE
 from stickslip.reporting.style import MICRO, number, shown_number
 from stickslip.reporting.sweep_words import sweep_words
+from stickslip.reporting.traction_words import TRACTIONS
 from stickslip.reporting.view import View
 from stickslip.results.measures import summary_table
 from stickslip.results.record import StudyRecord, compared_model, reference_deviation
@@ -195,6 +197,8 @@ SECTIONS = (
 """,
         figures=lambda view: {"loop": plots.hysteresis_loop(view), "signals": plots.pair_signals()},
     ),
+    TRACTIONS,
+    OTHER_SOLUTIONS,
     Section(
         "Pressure at rest",
         """\

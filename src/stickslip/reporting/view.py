@@ -62,10 +62,15 @@ class View:
         """Frequency range to show: the computed curve and the linear peaks inside their range, with a margin."""
         return window_around(self.response.frequency_hz, [self.summary.stuck_peak, self.summary.free_peak])
 
+    @property
+    def output(self) -> FloatArray:
+        """(n,) row of the output of the curve."""
+        return self.study.outputs[self.study.response_output]
+
     @cached_property
     def slow_sweeps(self) -> tuple[SlowSweep, SlowSweep]:
         """The slow sweep up and the slow sweep down of the output of the curve."""
-        return self.response.slow_sweeps(self.study.outputs[self.study.response_output])
+        return self.response.slow_sweeps(self.output)
 
     @property
     def stuck_words(self) -> str:

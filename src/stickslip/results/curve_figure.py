@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from stickslip.core.plain_figure import BLUE, DOWNWARD, INK, ORANGE, UPWARD, VERMILLION, one_panel
+from stickslip.core.plain_figure import BLUE, DOWNWARD, GREY, INK, ORANGE, UPWARD, VERMILLION, one_panel
 from stickslip.core.validation import FloatArray
 from stickslip.results.peaks import peaks, window_around
+from stickslip.results.side_curves import SideCurve
 from stickslip.results.sweeps_of_curve import (
     Flags,
     SlowSweep,
@@ -22,13 +24,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _MICRO = 1e6  # m to µm
+# Colour and width of the lines of curves beside the curve, by their common name.
+TRACTION_CURVES, OTHER_CURVES = "other residual tractions", "other solutions"
+_BESIDE = {TRACTION_CURVES: (GREY, 0.8), OTHER_CURVES: (VERMILLION, 1.8)}
 
 
 @dataclass(frozen=True)
 class AmplitudeCurve:
     """Data of the figure: frequencies in Hz, 0-to-peak amplitudes in m, and the names of the linear stuck curve,
-    of the output and of the curve itself; which points are drawn as stable, what these are called, and the slow sweeps
-    up and down."""
+    of the output and of the curve itself; which points are drawn as stable, what these are called, the slow sweeps up
+    and down, and curves beside the curve by their common name."""
 
     frequency_hz: FloatArray
     amplitude: FloatArray
@@ -41,6 +46,7 @@ class AmplitudeCurve:
     stable: Flags
     solid_words: str
     slow_sweeps: tuple[SlowSweep, SlowSweep]
+    beside: Mapping[str, Sequence[SideCurve]]
 
     def figure(self) -> Figure:
         """Amplitude against frequency, linear stuck and free beside it: stable parts solid, unstable parts dashed.
@@ -53,6 +59,7 @@ class AmplitudeCurve:
         axes.plot(self.linear_frequency_hz, _MICRO * self.stuck, "--", color=BLUE, label=self.stuck_name)
         (free,) = axes.plot(self.linear_frequency_hz, _MICRO * self.free, ":", color=ORANGE, linewidth=2.0)
         free.set_label("linear, no contact")
+        self._draw_beside(axes)
         self._draw_curve(axes)
         differ = not all(reaches(peak, sweep.peak) for sweep in self.slow_sweeps)
         words = f"{_MICRO * peak.amplitude:.4g} µm at {peak.frequency_hz:.2f} Hz"
@@ -70,6 +77,16 @@ class AmplitudeCurve:
         axes.set_ylabel("\n".join(filter(None, ["Amplitude, 0-to-peak, µm", self.output_name])), parse_math=False)
         axes.legend(frameon=False)
         return figure
+
+    def _draw_beside(self, axes: Axes) -> None:
+        for name, curves in self.beside.items():
+            for place, curve in enumerate(curves):
+                height, unstable = _MICRO * curve.amplitude, unstable_steps(curve.stable)
+                colour, width = _BESIDE[name]
+                axes.plot([], [], color=colour, linewidth=width, label="_nolegend_" if place else name)
+                for drawn, dash in ((~unstable, "-"), (unstable, "--")):
+                    x, y = drawn_steps(curve.frequency_hz, drawn), drawn_steps(height, drawn)
+                    axes.plot(x, y, dash, color=colour, linewidth=width)
 
     def _draw_curve(self, axes: Axes) -> None:
         height, unstable = _MICRO * self.amplitude, unstable_steps(self.stable)

@@ -5,8 +5,9 @@ A new measure is in this module only: a field of the summary, its row of the tab
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,7 +16,7 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.validation import FloatArray
 from stickslip.results.peaks import Peak, half_power_width, peaks
 from stickslip.results.response import ForcedResponse
-from stickslip.results.sweeps_of_curve import Jump, notable_jumps, reaches
+from stickslip.results.sweeps_of_curve import Direction, Jump, largest_jump, notable_jumps, reaches
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,8 @@ class Summary:
     by the code of ContactState, ``state_names`` the names of the states in the laws of the pairs. ``first_harmonic``
     and ``mean`` are those of the output at the point nearest to the peak, m. Energies in J per cycle, ``normal_work``
     an error of sampling; ``energy_imbalance`` relative to the input and the largest on the whole curve.
+    ``traction_peaks`` (m) and ``traction_jumps_up_hz`` and ``_down_hz`` are the ranges over this curve and those with
+    extreme residual tractions (:class:`stickslip.results.traction_band.TractionBand`); None without such curves.
     """
 
     peak: Peak
@@ -57,6 +60,9 @@ class Summary:
     energy_imbalance: float
     peak_energy: float
     peak_energy_frequency_hz: float
+    traction_peaks: tuple[float, float] | None = None
+    traction_jumps_up_hz: tuple[float, float] | None = None
+    traction_jumps_down_hz: tuple[float, float] | None = None
 
     @property
     def sweeps_differ(self) -> bool:
@@ -138,7 +144,27 @@ def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
         energy_imbalance=float(np.abs(energy_imbalance(response)).max()),
         peak_energy=float(energy.max()),
         peak_energy_frequency_hz=float(response.frequency_hz[energy.argmax()]),
+        **_traction_ranges(response, output, peak, (*up.jumps, *down.jumps)),
     )
+
+
+def _traction_ranges(
+    response: ForcedResponse, output: ArrayLike, peak: Peak, jumps: tuple[Jump, ...]
+) -> dict[str, tuple[float, float] | None]:
+    """Ranges of the peak and of the largest jump of each slow sweep over the curve and its band of tractions."""
+    band = response.traction_band
+    if band is None:
+        return {}
+    low, high = band.peak_range(output)
+    ranges: dict[str, tuple[float, float] | None] = {
+        "traction_peaks": (min(low, peak.amplitude), max(high, peak.amplitude))
+    }
+    for direction in get_args(Direction):
+        places = list(band.jump_range_hz(direction, output) or ())
+        own = [jump for jump in notable_jumps(peak, jumps) if jump.direction == direction]
+        places += [largest_jump(own).frequency_hz] if own else []
+        ranges[f"traction_jumps_{direction}_hz"] = (min(places), max(places)) if places else None
+    return ranges
 
 
 def hertz(value: float) -> str:
@@ -169,6 +195,7 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
         *reached("Peak of a slow sweep up", result.upward_peak),
         *reached("Peak of a slow sweep down", result.downward_peak),
         *(_jump_row(jump) for jump in result.notable_jumps),
+        *_traction_rows(result),
         ("First harmonic at the highest peak", number(result.first_harmonic, 1e6), "µm"),
         ("Mean there", number(result.mean, 1e6), "µm"),
         ("Shift from the linear stuck peak", shift(result.shift_from_stuck_hz), "Hz"),
@@ -185,6 +212,15 @@ def summary_table(result: Summary) -> list[tuple[str, str, str]]:
         ("Work of the excitation", number(result.input_energy, 1e6), "µJ per cycle"),
         ("Largest energy imbalance on the curve", number(result.energy_imbalance, digits=2), "of input"),
     ]
+
+
+def _traction_rows(result: Summary) -> Iterator[tuple[str, str, str]]:
+    if result.traction_peaks is not None:
+        low, high = result.traction_peaks
+        yield "Highest peak over extreme residual tractions", f"{1e6 * low:.4g} to {1e6 * high:.4g}", "µm"
+    for direction, places in (("up", result.traction_jumps_up_hz), ("down", result.traction_jumps_down_hz)):
+        if places is not None:
+            yield f"Jump of a slow sweep {direction} over them", f"{hertz(places[0])} to {hertz(places[1])}", "Hz"
 
 
 def _jump_row(jump: Jump) -> tuple[str, str, str]:
@@ -211,6 +247,16 @@ SUMMARY_COLUMNS: dict[str, tuple[str, str, Callable[[Summary], float | bool | No
     "upward_peak_frequency_hz": ("Hz", "its frequency", lambda s: _reached(s.upward_peak, "frequency_hz")),
     "downward_peak_amplitude_m": ("m", "peak of a slow sweep down", lambda s: _reached(s.downward_peak, "amplitude")),
     "downward_peak_frequency_hz": ("Hz", "its frequency", lambda s: _reached(s.downward_peak, "frequency_hz")),
+    "lowest_traction_peak_amplitude_m": (
+        "m",
+        "lowest of the highest peaks over extreme residual tractions",
+        lambda s: s.traction_peaks and s.traction_peaks[0],
+    ),
+    "highest_traction_peak_amplitude_m": (
+        "m",
+        "highest of the highest peaks over extreme residual tractions",
+        lambda s: s.traction_peaks and s.traction_peaks[1],
+    ),
     "peak_bracketed": ("1", "1 if the peak is inside the computed range, 0 at an end", lambda s: s.peak.bracketed),
     "shift_from_stuck_hz": ("Hz", "peak frequency less that of the linear stuck peak", lambda s: s.shift_from_stuck_hz),
     "shift_from_free_hz": ("Hz", "peak frequency less that of the linear free peak", lambda s: s.shift_from_free_hz),

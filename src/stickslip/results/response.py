@@ -18,11 +18,12 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import FloatArray, finite_array, require_choice
-from stickslip.results.curve_figure import AmplitudeCurve
+from stickslip.results.curve_figure import OTHER_CURVES, TRACTION_CURVES, AmplitudeCurve
 from stickslip.results.groups import read_groups, write_groups
 from stickslip.results.linear_curves import points_between
 from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.results.response_data import CURVE, PAIRS, ResponseData
+from stickslip.results.side_curves import SideCurve
 from stickslip.results.sweeps_of_curve import Jump, SlowSweep, one_run, solid_words, stable_between_folds, sweeps
 from stickslip.results.variables import (
     Numbers,
@@ -96,6 +97,11 @@ class ForcedResponse(ResponseData):
         where a multiplier crosses the unit circle, in the order of the curve.
     stability_message:
         a sentence on the stability of the points.
+    traction_band:
+        curves with extreme residual tractions around the highest peak; None if not asked for
+        (``forced_response(..., traction_band=output)``).
+    other_solutions:
+        periodic motions that are not on the curve; None without a search (:func:`search_other_solutions`).
 
     Raises
     ------
@@ -198,7 +204,7 @@ class ForcedResponse(ResponseData):
         amplitude, linear_hz = self.amplitude(output), self.linear.frequency_hz
         return AmplitudeCurve(
             self.frequency_hz, amplitude, linear_hz, stuck, free, self.stuck_name, name, self.curve_name,
-            self.stable_points, solid_words(self.stable), self.slow_sweeps(output),
+            self.stable_points, solid_words(self.stable), self.slow_sweeps(output), self._beside(output),
         ).figure()  # fmt: skip
 
     def slow_sweeps(self, output: ArrayLike) -> tuple[SlowSweep, SlowSweep]:
@@ -211,6 +217,11 @@ class ForcedResponse(ResponseData):
         if np.ptp(self.load_factor) > 0.0:
             return one_run(self.frequency_hz, amplitude)
         return sweeps(self.frequency_hz, amplitude, self.stable_points)
+
+    def _beside(self, output: ArrayLike) -> dict[str, tuple[SideCurve, ...]]:
+        """Curves beside this one by the name that a figure gives them."""
+        named = {TRACTION_CURVES: self.traction_band, OTHER_CURVES: self.other_solutions}
+        return {name: each.curves(output) for name, each in named.items() if each is not None}
 
     def jumps(self, output: ArrayLike) -> tuple[Jump, ...]:
         """Where a slow sweep up and then a slow sweep down jump: frequency, and amplitudes of an output (n,) before and

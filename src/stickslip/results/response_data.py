@@ -13,9 +13,11 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.results.linear_curves import LinearCurves
+from stickslip.results.other_solutions import OtherSolutions
 from stickslip.results.pair_variables import pairs_from, pairs_groups
 from stickslip.results.stability import Bifurcation, BifurcationRows, ComplexNumbers
 from stickslip.results.stored import StoredGroup
+from stickslip.results.traction_band import TractionBand
 from stickslip.results.variables import (
     Attribute,
     Coefficients,
@@ -111,6 +113,10 @@ class ResponseData(Labelled):
     stability_message: str = field(
         default=NO_STABILITY, metadata=stored(Text("stability of the points of the curve", optional=True))
     )
+    traction_band: TractionBand | None = field(default=None, metadata=stored(InGroup.of(TractionBand, optional=True)))
+    other_solutions: OtherSolutions | None = field(
+        default=None, metadata=stored(InGroup.of(OtherSolutions, optional=True))
+    )
 
     def __post_init__(self) -> None:
         points = np.shape(self.frequency_hz)
@@ -135,6 +141,12 @@ class ResponseData(Labelled):
             "harmonic": self.harmonics,
         }
         self._require_sizes(sizes)
+        if self.traction_band is not None:
+            band = self.traction_band
+            require_shape(
+                "traction_band.displacement", band.displacement[0], (sizes["unknown"], 2 * self.harmonics + 1)
+            )
+            require_shape("traction_band.traction", band.traction[0], (sizes["pair"], 2))
         limit = (self.linear.frequency_hz.size, sizes["unknown"], 2 * self.harmonics + 1)
         require_shape("linear.stuck", self.linear.stuck, limit)
         require_shape("linear.free", self.linear.free, limit)

@@ -6,7 +6,7 @@ stable one at the same frequency. A *place* on a curve counts its points: 12.5 i
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -130,6 +130,11 @@ def notable_jumps(highest: Peak, jumps: Iterable[Jump]) -> tuple[Jump, ...]:
     """Jumps by more than SMALLEST_JUMP of the highest peak."""
     least = SMALLEST_JUMP * highest.amplitude
     return tuple(jump for jump in jumps if abs(jump.amplitude_to - jump.amplitude_from) > least)
+
+
+def largest_jump(jumps: Sequence[Jump]) -> Jump:
+    """The jump with the largest change of amplitude."""
+    return max(jumps, key=lambda jump: abs(jump.amplitude_to - jump.amplitude_from))
 
 
 def sweeps(

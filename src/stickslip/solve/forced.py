@@ -26,6 +26,7 @@ from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.setting_up import StageReport, checked_window, prepare_balances
+from stickslip.solve.traction_band import TractionBandSearch, checked_band_output
 from stickslip.structure.superelement import Superelement
 
 
@@ -43,6 +44,7 @@ def forced_response(
     update: Update = "tractrix",
     newton: NewtonSettings | None = None,
     continuation: ContinuationSettings | None = None,
+    traction_band: ArrayLike | None = None,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
 ) -> ForcedResponse:
@@ -73,6 +75,9 @@ def forced_response(
         "tractrix" (second order) or "radial" return of the friction law.
     newton, continuation:
         tolerances and step control.
+    traction_band:
+        row (n,) of an output: compute how far the curve around the peak of this output can move with the residual
+        tractions of its pairs (``response.traction_band``), several times as long as the curve itself takes.
     threads:
         threads of the linear algebra, used where the joint is large enough; None takes the environment variable
         STICKSLIP_THREADS, or else the usable cores, at most 4.
@@ -96,6 +101,7 @@ def forced_response(
     window = checked_window(frequency_hz)
     threads = thread_count(threads)
     excitation = as_excitation(excitation, force_sin, force_cos)
+    band_output = None if traction_band is None else checked_band_output(pairs, traction_band, superelement.size)
     newton = newton or NewtonSettings()
     settings = continuation or ContinuationSettings()
     report = StageReport(progress)
@@ -120,6 +126,12 @@ def forced_response(
         report.stage("search for missed peaks")
         peaks = search_missed_peaks(solver, [each.point for each in branch.points], resonances.seen)
         response = response_of(branch, balances, curve.balance, window, newton, how, report, peaks=peaks)
+        if band_output is not None:
+            search = TractionBandSearch(
+                balances, harmonics, resonances, (start_omega, stop_omega), band_output, newton, settings, report
+            )
+            band = search.band([each.point for each in branch.points])
+            response = replace(response, traction_band=band, warnings=(*response.warnings, *search.warnings))
     seconds = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
     return replace(response, warnings=unbounded + response.warnings, provenance=seconds)
 

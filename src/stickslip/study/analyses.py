@@ -12,8 +12,10 @@ from stickslip.model.model import ReducedModel
 from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
+from stickslip.solve.other_solutions import search_other_solutions
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
+from stickslip.solve.transient.integrate import check_integration
 
 Analyse = Callable[[Case, ReducedModel, Progress, int | None], ForcedResponse]
 
@@ -28,10 +30,16 @@ def solve(
 
 def _forced(case: Case, model: ReducedModel, listener: Progress, threads: int | None) -> ForcedResponse:
     """The forced response over the window of [solver]."""
-    settings = case.solver
+    settings, analysis = case.solver, case.analysis
     compiling = "preparation; the first run on a machine compiles the friction law in about ten seconds"
     listener.update("Response", 0.0, compiling)
-    return forced_response(
+    if analysis.search:
+        check_integration(model.superelement, model.pairs)
+    newton = NewtonSettings(tolerance=settings.tolerance)
+    continuation = ContinuationSettings(
+        largest_step=settings.largest_step, smallest_step=settings.smallest_step, first_step=settings.first_step
+    )
+    response = forced_response(
         model.superelement,
         model.pairs,
         model.excitation,
@@ -40,14 +48,26 @@ def _forced(case: Case, model: ReducedModel, listener: Progress, threads: int | 
         samples=settings.samples,
         modal_damping_ratio=case.damping.modal_damping_ratio,
         update=settings.update,
-        newton=NewtonSettings(tolerance=settings.tolerance),
-        continuation=ContinuationSettings(
-            largest_step=settings.largest_step,
-            smallest_step=settings.smallest_step,
-            first_step=settings.first_step,
-        ),
+        newton=newton,
+        continuation=continuation,
+        traction_band=next(iter(model.outputs.values())) if analysis.traction_band else None,
         threads=threads,
         progress=lambda fraction, detail: listener.update("Response", fraction, detail),
+    )
+    if not analysis.search:
+        return response
+    return search_other_solutions(
+        model.superelement,
+        model.pairs,
+        model.excitation,
+        response,
+        starts=analysis.search_starts,
+        seed=analysis.search_seed,
+        modal_damping_ratio=case.damping.modal_damping_ratio,
+        newton=newton,
+        continuation=continuation,
+        threads=threads,
+        progress=lambda fraction, detail: listener.update("Other solutions", fraction, detail),
     )
 
 

@@ -77,8 +77,9 @@ def with_other_tractions(
         return compared_tractions(case, response, model.preload.why, output)
     retained = case.preload.residual_traction != "kept"
     changed = replace(model, pairs=model.preload.pairs_about(other, retained))
+    curve_only = case.replace({"analysis.traction_band": False, "analysis.search": False})
     try:
-        return compared_tractions(case, response, solve(case, changed, progress, threads), output)
+        return compared_tractions(case, response, solve(curve_only, changed, progress, threads), output)
     except ConvergenceError as error:
         return compared_tractions(case, response, str(error), output)
 

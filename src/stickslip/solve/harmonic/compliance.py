@@ -227,6 +227,14 @@ class Compliance:
         modal[1::2] *= -1.0
         return np.vstack([np.zeros((1, len(self._operator))), -(modal @ self._contact_modes.T)])
 
+    def mean_transposed(self, output: FloatArray) -> FloatArray:
+        """Derivative (m,) of the mean of ``output @ u`` by the mean of the deviation."""
+        return np.asarray(-(self._operator @ self._mean.solve(output)))
+
+    def mean_relative(self, force: FloatArray) -> FloatArray:
+        """(m,) mean relative displacements under mean forces (m,) on the pairs."""
+        return np.asarray(self._mean_contact @ force)
+
     def output_modes(self, output: FloatArray) -> FloatArray:
         """The row ``output`` (n,) of the unknowns in modal coordinates, (n,)."""
         return np.asarray(output @ self._modes)

@@ -201,6 +201,16 @@ class BorderedSystem:
             relative -= slope * float(change)
         return Step(relative - system.comply(inner), parameters, system.scatter(inner))
 
+    def solve_transposed(self, deviation: FloatArray, parameters: FloatArray) -> FloatArray:
+        """(size,) multipliers of the Newton equations for weights (2H+1, m) of ``dd`` and (k,) of ``dp``.
+
+        Their product with a right-hand side of these equations is the change of the weighted sum of the solution.
+        """
+        system = self.system
+        self._require_factor()
+        right = np.append(deviation[:, system.active.outputs].ravel(), np.asarray(self._column_scale) * parameters)
+        return np.asarray(dgetrs(*self._factor, right, trans=1)[0][: system.size])
+
     def _apply(self, unknowns: FloatArray) -> FloatArray:
         """The bordered matrix @ unknowns (size + k,)."""
         size = self.system.size
@@ -237,10 +247,16 @@ class BorderedSystem:
         return None if failure else np.asarray(answer)
 
     def _factored(self, right: FloatArray) -> FloatArray:
-        """The solution by a factor of the bordered matrix, which is cached."""
+        """The solution by a factor of the bordered matrix."""
+        self._require_factor()
+        return np.asarray(dgetrs(*self._factor, right)[0])
+
+    def _require_factor(self) -> None:
+        """Factor the bordered matrix once."""
         if self._factor is None:
             size = self.system.size
-            bordered = np.empty((right.size, right.size))
+            whole = size + len(self._rows)
+            bordered = np.empty((whole, whole))
             bordered[:size, :size] = self.system.matrix()
             for i, (column, line) in enumerate(zip(self._columns, self._lines, strict=True)):
                 bordered[:size, size + i], bordered[size + i, :size] = column, line
@@ -249,7 +265,6 @@ class BorderedSystem:
             self._factor = dgetrf(bordered, overwrite_a=True)[:2]
             if size > DIRECT_SIZE:
                 self._last.store(self._factor, self.keys())
-        return np.asarray(dgetrs(*self._factor, right)[0])
 
 
 class _Matrix(LinearOperator):  # type: ignore[misc]

@@ -63,6 +63,10 @@ class Branch(Generic[PointT]):
     (:mod:`stickslip.solve.path.landmarks`) without a point on it. Afterwards ``complete`` is True if the
     branch ends at the stop, ``message`` describes its end; ``retreats`` and ``corners`` are the parameters of those
     events.
+
+    With ``within``, a range of the parameter that contains start and stop, the branch may turn and pass its start: it
+    is complete where it leaves the range, or where it comes back to its start in the same direction; ``closed`` is then
+    True.
     """
 
     def __init__(
@@ -73,6 +77,7 @@ class Branch(Generic[PointT]):
         settings: ContinuationSettings,
         on_event: Callable[[Accepted[PointT] | Retreat | Corner], None] | None = None,
         landmarks: LandmarkSource[PointT] | None = None,
+        within: tuple[float, float] | None = None,
     ) -> None:
         self._problem = newton.problem
         self._start = start
@@ -84,7 +89,8 @@ class Branch(Generic[PointT]):
         self._landmarks: Sequence[Landmark] = ()  # as seen from the last point
         self._origin = _parameter(start)
         self._direction = math.copysign(1.0, stop - self._origin)
-        self._width = abs(stop - self._origin)
+        self._within = within
+        self._width = abs(stop - self._origin) if within is None else within[1] - within[0]
         self._largest = 0.0
         self._visited: Visited[PointT] = Visited()
         self._back: list[int] = []
@@ -97,7 +103,7 @@ class Branch(Generic[PointT]):
         self.points: list[BranchPoint[PointT]] = []
         self.retreats: list[float] = []
         self.corners: list[float] = []
-        self.complete = False
+        self.complete = self.closed = False
         self.message = "The branch has no points yet."
 
     def follow(self) -> list[BranchPoint[PointT]]:
@@ -125,13 +131,15 @@ class Branch(Generic[PointT]):
             self._pace.advance(length)
             self._effort.cover(length)
             reached = _parameter(correction.point)
-            if (reached - self._stop) * self._direction >= 0.0:
-                landed, iterations = self._land(point, correction.point)
+            end = self._end_passed(reached)
+            if end is not None:
+                landed, iterations = self._land(point, correction.point, end)
                 self.complete = True
                 self.message = "The branch reached the stop."
                 self._accept(BranchPoint(landed, iterations + correction.iterations))
                 return self.points
-            if (self._origin - reached) * self._direction > LONGEST_EXCURSION * min(self._width, abs(self._origin)):
+            beyond = (self._origin - reached) * self._direction
+            if self._within is None and beyond > LONGEST_EXCURSION * min(self._width, abs(self._origin)):
                 self.message = (
                     f"The branch turned back and left the range through its start; at "
                     f"{self._name_of(correction.point)} it had not come back. Start from the other end (swap start and "
@@ -140,6 +148,10 @@ class Branch(Generic[PointT]):
                 return self.points
             self._accept(BranchPoint(correction.point, correction.iterations))
             target = self._retreat_target()
+            if self.closed:
+                self.complete = True
+                self.message = "The branch is a closed curve."
+                return self.points
             if target is None:
                 bend = turned.plus(tangent.times(-1.0)).times(1.0 / length)
                 tangent = turned
@@ -158,6 +170,14 @@ class Branch(Generic[PointT]):
             f"{self._name_of(self.points[-1].point)}. Raise max_points or narrow the range."
         )
         return self.points
+
+    def _end_passed(self, reached: float) -> float | None:
+        """The stop, or the end of the range, if a parameter is beyond it."""
+        if (reached - self._stop) * self._direction >= 0.0:
+            return self._stop
+        if self._within is not None and not self._within[0] <= reached <= self._within[1]:
+            return self._within[0] if reached < self._within[0] else self._within[1]
+        return None
 
     def _name_of(self, point: PointT) -> str:
         return self._problem.named(_parameter(point))
@@ -186,6 +206,7 @@ class Branch(Generic[PointT]):
             if not (correction.converged and self._same(correction.point, earlier, chord)):
                 continue
             if metric.product(chord, chord_between(earlier, points[index + 1])) > 0.0:
+                self.closed = self._within is not None and index <= 1
                 return max(index - 1, 0)
             self._back.append(index)
             return self._back[0] if len(self._back) == POINTS_BACK else None
@@ -397,14 +418,14 @@ class Branch(Generic[PointT]):
         crossed = first_crossed(self._landmarks, start, end - start)
         return crossed is not None and abs(end - crossed.value) > ON_IT * crossed.width
 
-    def _land(self, before: PointT, after: PointT) -> tuple[PointT, int]:
-        """The solution exactly at the stop; the point beyond it if that does not converge."""
-        share = (self._stop - _parameter(before)) / (_parameter(after) - _parameter(before))
+    def _land(self, before: PointT, after: PointT, end: float) -> tuple[PointT, int]:
+        """The solution exactly at an end; the point beyond it if that does not converge."""
+        share = (end - _parameter(before)) / (_parameter(after) - _parameter(before))
         guess = before.unknowns + share * (after.unknowns - before.unknowns)
         parameters = before.parameters + share * (after.parameters - before.parameters)
-        parameters[0] = self._stop
+        parameters[0] = end
         start = self._problem.evaluate(guess, parameters)
-        correction = self._correct(start, Plane.fixed(guess, self._stop))
+        correction = self._correct(start, Plane.fixed(guess, end))
         return (correction.point, correction.iterations) if correction.converged else (after, 0)
 
 

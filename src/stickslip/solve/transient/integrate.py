@@ -118,16 +118,8 @@ def _start_vector(name: str, value: ArrayLike | None, shape: tuple[int, ...]) ->
     return array.copy()
 
 
-def _check_settings(
-    superelement: Superelement,
-    pairs: ContactPairs,
-    frequency_hz: float,
-    steps_per_period: int,
-    max_periods: int,
-    tolerance: float,
-    spectral_radius: float,
-) -> None:
-    """Raise InputError for invalid settings."""
+def check_integration(superelement: Superelement, pairs: ContactPairs) -> None:
+    """Raise InputError for a structure and a joint that time integration does not take."""
     if pairs.operator.shape[1] != superelement.size:
         raise InputError(
             f"the operator of the contact pairs has {pairs.operator.shape[1]} columns, but the superelement has "
@@ -144,6 +136,12 @@ def _check_settings(
             "others, or set both to one value.",
             arguments=["tangential_stiffness"],
         )
+
+
+def _check_settings(
+    frequency_hz: float, steps_per_period: int, max_periods: int, tolerance: float, spectral_radius: float
+) -> None:
+    """Raise InputError for invalid settings."""
     positive_number("frequency_hz", frequency_hz, "Hz")
     positive_number("tolerance", tolerance)
     whole_number("max_periods", max_periods, 1)
@@ -276,7 +274,8 @@ def integrate_to_steady_state(
     ConvergenceError
         if the Newton iteration of a step fails; the message gives the step.
     """
-    _check_settings(superelement, pairs, frequency_hz, steps_per_period, max_periods, tolerance, spectral_radius)
+    check_integration(superelement, pairs)
+    _check_settings(frequency_hz, steps_per_period, max_periods, tolerance, spectral_radius)
     n, n_pairs, operator = superelement.size, pairs.n_pairs, pairs.operator
     load = _periodic_load(force_cos, force_sin, n, steps_per_period)
     time_step = 1.0 / (frequency_hz * steps_per_period)

@@ -1,0 +1,302 @@
+"""How far a frequency curve can move with the residual tractions of its pairs: extreme tractions, and their curves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.optimize
+from numpy.typing import ArrayLike
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb import CoulombLaw
+from stickslip.core.errors import ConvergenceError, InputError
+from stickslip.core.validation import FloatArray, finite_array
+from stickslip.results.periodic_amplitude import periodic_amplitude
+from stickslip.results.traction_band import TractionBand
+from stickslip.solve.harmonic.balance import Balance
+from stickslip.solve.harmonic.compliance import mean_factor
+from stickslip.solve.harmonic.curve_warnings import SMALLEST_FOLD
+from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
+from stickslip.solve.harmonic.start import first_point
+from stickslip.solve.harmonic.traction_sensitivity import Quantity, TractionSensitivity
+from stickslip.solve.path.continuation import Branch
+from stickslip.solve.path.landmarks import LandmarkSource
+from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.stepping import ContinuationSettings
+from stickslip.solve.setting_up import Balances, StageReport
+
+# chosen: the curves cover the frequencies between points with this fraction of the largest motion, and this multiple of
+# that range on both sides; a curve that does not fall to a fraction of its peak at both ends is followed through the
+# whole range.
+NEAR_PEAK, MARGIN, FALLEN = 0.5, 0.5, 0.7
+# The tractions that move a peak most are selected again about the new curve while that promises this fraction more and
+# changes a traction by a fraction of the largest limit, at most SELECTIONS times: one was enough on the bench blades.
+WORTHWHILE, UNCHANGED, SELECTIONS = 0.01, 0.01, 3
+# chosen: a curve of the band ends after this multiple of the points of the whole curve.
+MOST_POINTS = 4
+# Tractions that give this fraction of the largest linear change serve in place of another curve.
+AS_GOOD = 0.95
+# Tractions are this fraction of the friction limit at most, so that round-off does not exceed it.
+WITHIN = 1.0 - 1e-9
+
+
+def checked_band_output(pairs: ContactPairs, output: ArrayLike, n_unknowns: int) -> FloatArray:
+    """The output row of a traction band. Raises InputError if it or the joint does not allow one."""
+    row = finite_array("traction_band", output)
+    if row.shape != (n_unknowns,) or not row.any():
+        raise InputError(
+            f"traction_band must be the row ({n_unknowns},) of an output, with an entry that is not zero, but its "
+            f"shape is {row.shape}.",
+            arguments=["traction_band"],
+        )
+    if not friction_limit(pairs).any():
+        raise InputError(
+            "traction_band requires pairs with Coulomb friction under a normal load: no other pair has residual "
+            "tractions that the solver can vary. Leave it out.",
+            arguments=["traction_band"],
+        )
+    return row
+
+
+def friction_limit(pairs: ContactPairs) -> FloatArray:
+    """(n_pairs,) N, the largest residual traction of each pair; zero for other laws than Coulomb's."""
+    limit = np.zeros(pairs.n_pairs)
+    for law, members in zip(pairs.laws, pairs.members, strict=True):
+        if isinstance(law, CoulombLaw):
+            limit[members] = law.largest_slip_force
+    return limit
+
+
+def with_residual_traction(pairs: ContactPairs, traction: FloatArray) -> ContactPairs:
+    """The pairs with a traction at rest (n_pairs, 2) N, retained by those with Coulomb friction."""
+    laws = [
+        replace(law, residual_traction=traction[members]) if isinstance(law, CoulombLaw) else law
+        for law, members in zip(pairs.laws, pairs.members, strict=True)
+    ]
+    return ContactPairs.with_laws(pairs.operator, laws, pairs.members)
+
+
+@dataclass(frozen=True)
+class _Traced:
+    """A curve with a residual traction: its points, and the amplitude of the output at each."""
+
+    name: str
+    traction: FloatArray
+    balance: Balance
+    points: Sequence[BalancePoint]
+    complete: bool
+    amplitude: FloatArray
+
+    @property
+    def omega(self) -> FloatArray:
+        return np.array([point.trial.omega for point in self.points])
+
+    def sensitivity(self, index: int) -> TractionSensitivity:
+        """The derivatives at a point."""
+        ends = max(index - 1, 0), min(index + 1, len(self.points) - 1)
+        return TractionSensitivity(self.balance, self.points[index], *(self.points[end] for end in ends))
+
+    def folds(self) -> list[int]:
+        """The first and the last point at which the curve turns; none where that is round-off."""
+        omega = self.omega
+        step = np.diff(omega)
+        turns = np.flatnonzero(step[:-1] * step[1:] < 0.0) + 1
+        if turns.size < 2 or np.ptp(omega[turns]) < SMALLEST_FOLD * omega.mean():
+            return []
+        return [int(turns[0]), int(turns[-1])]
+
+
+class TractionBandSearch:
+    """Extreme residual tractions of a finished curve.
+
+    Parameters
+    ----------
+    balances:
+        those of the curve; ``landmarks`` too.
+    window:
+        (start, stop) of the curve in rad/s.
+    output:
+        (n,) row, whose peak the tractions raise and lower.
+    """
+
+    def __init__(
+        self,
+        balances: Balances,
+        harmonics: int,
+        landmarks: LandmarkSource[BalancePoint],
+        window: tuple[float, float],
+        output: FloatArray,
+        newton: NewtonSettings,
+        continuation: ContinuationSettings,
+        report: StageReport,
+    ) -> None:
+        pairs = with_residual_traction(balances.pairs, np.zeros((balances.pairs.n_pairs, 2)))
+        mean, restraint = mean_factor(balances.superelement, pairs)
+        stuck = replace(balances.stuck, pairs=pairs, mean=mean, mean_restraint=restraint)
+        self._balances = replace(balances, pairs=pairs, stuck=stuck)
+        self._harmonics, self._landmarks, self._window = harmonics, landmarks, window
+        self._output, self._newton, self._continuation, self._report = output, newton, continuation, report
+        self._limit = WITHIN * friction_limit(pairs)
+        self._traced: list[_Traced] = []
+        self.warnings: list[str] = []
+
+    def band(self, points: Sequence[BalancePoint]) -> TractionBand | None:
+        """The band around the highest peak of a curve with these points; None without a single curve."""
+        span = self._span(points)
+        most = min(self._continuation.max_points, MOST_POINTS * (len(points) + 1))
+        self._continuation = replace(self._continuation, max_points=most)
+        still = self._follow("no traction at rest", np.zeros((self._limit.size, 2)), span)
+        if still is not None and still.complete:
+            self._move_peak(still, "peak raised", span, _highest)
+            self._move_peak(still, "peak lowered", span, _lowest)
+            for fold in still.folds():
+                self._move_fold(still, fold, span)
+        early = [each.name for each in self._traced if not each.complete]
+        if early:
+            self.warnings.append(
+                f"The band of residual tractions is incomplete: {len(early)} of its curves end early "
+                f"({', '.join(early)}), so the peak can be outside of it. Tractions are varied only about a complete "
+                "curve without traction at rest."
+            )
+        return _stored_band(self._traced) if self._traced else None
+
+    def _span(self, points: Sequence[BalancePoint]) -> tuple[float, float]:
+        """Start and stop (rad/s) of the part of the window around the highest peak."""
+        omega = np.array([point.trial.omega for point in points])
+        size = np.array([np.linalg.norm(point.measured) for point in points])
+        near = omega[size >= NEAR_PEAK * size.max()]
+        margin = MARGIN * float(np.ptp(near)) or MARGIN * abs(self._window[1] - self._window[0])
+        low, high = near.min() - margin, near.max() + margin
+        start, stop = (float(np.clip(end, low, high)) for end in self._window)
+        return start, stop
+
+    def _follow(self, name: str, traction: FloatArray, span: tuple[float, float]) -> _Traced | None:
+        """The curve with a residual traction; None, and a warning, without a first point."""
+        self._report.stage(f"band of residual tractions: {name}")
+        traced = self._attempt(name, traction, span)
+        if traced is not None and span != self._window and not self._covers_peak(traced):
+            traced = self._attempt(name, traction, self._window) or traced
+        if traced is None:
+            self.warnings.append(
+                f'The band of residual tractions is incomplete: the solver found no first point with "{name}", so the '
+                "peak can be outside of the band."
+            )
+            return None
+        self._traced.append(traced)
+        return traced
+
+    def _attempt(self, name: str, traction: FloatArray, span: tuple[float, float]) -> _Traced | None:
+        balances = replace(self._balances, pairs=with_residual_traction(self._balances.pairs, traction))
+        curve = FrequencyCurve(balances.with_harmonics(self._harmonics))
+        newton = Newton(curve, self._newton, self._report.iteration)
+        try:
+            start, _ = first_point(newton, curve, span[0], balances.with_harmonics)
+        except ConvergenceError:
+            return None
+        branch = Branch(newton, start, span[1], self._continuation, landmarks=self._landmarks)
+        points = [each.point for each in branch.follow()]
+        coefficients = curve.balance.displacement([point.trial for point in points]) @ self._output
+        return _Traced(name, traction, curve.balance, points, branch.complete, periodic_amplitude(coefficients))
+
+    @staticmethod
+    def _covers_peak(traced: _Traced) -> bool:
+        """Whether the curve falls at both ends."""
+        return bool(traced.amplitude[[0, -1]].max() < FALLEN * traced.amplitude.max())
+
+    def _move_peak(self, still: _Traced, name: str, span: tuple[float, float], select: _Selection) -> None:
+        """Curves with the tractions that move the peak most."""
+        traced = still
+        for number in range(SELECTIONS):
+            top = float(traced.amplitude.max())
+            extremes = traced.sensitivity(int(traced.amplitude.argmax())).extremes(self._output)
+            if not self._usable(name, extremes):
+                return
+            traction, predicted = select(extremes, traced.traction, self._limit)
+            same = np.abs(traction - traced.traction).max() <= UNCHANGED * self._limit.max()
+            if same or abs(predicted - top) <= WORTHWHILE * top:
+                return
+            following = self._follow(name if number == 0 else f"{name}, selection {number + 1}", traction, span)
+            if following is None or not following.complete:
+                return
+            traced = following
+
+    def _move_fold(self, still: _Traced, fold: int, span: tuple[float, float]) -> None:
+        """Curves with the tractions that move a fold most, unless earlier curves have tractions that are as good."""
+        quantity = still.sensitivity(fold).frequency()
+        place = f"fold at {quantity.value:.2f} Hz moved"
+        if not self._usable(place, [quantity]):
+            return
+        for sign, way in ((1.0, "up"), (-1.0, "down")):
+            traction = sign * _along(quantity.by_traction, self._limit)
+            most = float(np.vdot(quantity.by_traction, traction))
+            if any(
+                sign * float(np.vdot(quantity.by_traction, each.traction)) >= AS_GOOD * abs(most)
+                for each in self._traced
+            ):
+                continue
+            self._follow(f"{place} {way}", traction, span)
+
+    def _usable(self, name: str, quantities: Sequence[Quantity]) -> bool:
+        """Whether derivatives are finite; a warning if not."""
+        finite = all(np.isfinite(each.by_traction).all() for each in quantities)
+        if not finite:
+            self.warnings.append(
+                f'The band of residual tractions is incomplete: the equations are singular where "{name}" is selected.'
+            )
+        return finite
+
+
+_Selection = Callable[[Sequence[Quantity], FloatArray, FloatArray], tuple[FloatArray, float]]
+
+
+def _along(direction: FloatArray, limit: FloatArray) -> FloatArray:
+    """(n_pairs, 2) the admissible traction with the largest product with a direction (n_pairs, 2)."""
+    size = np.hypot(direction[:, 0], direction[:, 1])
+    unit = np.divide(direction, size[:, None], out=np.zeros_like(direction), where=size[:, None] > 0.0)
+    return limit[:, None] * unit
+
+
+def _highest(extremes: Sequence[Quantity], traction: FloatArray, limit: FloatArray) -> tuple[FloatArray, float]:
+    """The traction that raises the larger of the extremes most to first order, and its value."""
+    choices = []
+    for each in extremes:
+        there = _along(each.by_traction, limit)
+        choices.append((there, each.value + float(np.vdot(each.by_traction, there - traction))))
+    return max(choices, key=lambda choice: choice[1])
+
+
+def _lowest(extremes: Sequence[Quantity], traction: FloatArray, limit: FloatArray) -> tuple[FloatArray, float]:
+    """The traction that makes the larger of both extremes smallest to first order, and its value.
+
+    The dual problem has one unknown, the weight of the first extreme: ``max over w of min over T``.
+    """
+    first, second = extremes
+    offsets = [each.value - float(np.vdot(each.by_traction, traction)) for each in extremes]
+
+    def direction(weight: float) -> FloatArray:
+        return weight * first.by_traction + (1.0 - weight) * second.by_traction
+
+    def negative_dual(weight: float) -> float:
+        mixed = direction(weight)
+        least = -float(limit @ np.hypot(mixed[:, 0], mixed[:, 1]))
+        return -(weight * offsets[0] + (1.0 - weight) * offsets[1] + least)
+
+    best = scipy.optimize.minimize_scalar(negative_dual, bounds=(0.0, 1.0), method="bounded")
+    there = -_along(direction(float(best.x)), limit)
+    values = [offset + float(np.vdot(each.by_traction, there)) for each, offset in zip(extremes, offsets, strict=True)]
+    return there, max(values)
+
+
+def _stored_band(traced: Sequence[_Traced]) -> TractionBand:
+    """The curves as a result."""
+    displacement = [each.balance.displacement([point.trial for point in each.points]) for each in traced]
+    return TractionBand(
+        tuple(each.name for each in traced),
+        np.array([each.complete for each in traced]),
+        np.repeat(np.arange(len(traced)), [len(each.points) for each in traced]),
+        np.concatenate([each.omega for each in traced]) / (2.0 * np.pi),
+        np.ascontiguousarray(np.concatenate(displacement).transpose(0, 2, 1)),
+        np.array([each.traction for each in traced]),
+    )
