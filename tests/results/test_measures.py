@@ -97,8 +97,8 @@ def test_summary_of_a_damped_case():
     loss = result.friction_energy + result.viscous_energy
     kinetic = response.kinetic_energy[result.peak.point]
     assert result.equivalent_damping == pytest.approx(loss / (4 * np.pi * kinetic))
-    # the viscous part alone is that of the damping matrix of the model, with 0.1 % in each stuck mode
-    assert result.viscous_energy / (4 * np.pi * kinetic) == pytest.approx(0.001, rel=0.1)
+    # the viscous part alone is that of the damping matrix of the model, with 0.2 % in each stuck mode
+    assert result.viscous_energy / (4 * np.pi * kinetic) == pytest.approx(0.002, rel=0.1)
     earlier = dataclasses.replace(response, kinetic_energy=np.zeros(1))
     assert summary(earlier, study.outputs[study.response_output]).equivalent_damping is None
     alike = (result.upward_peak, result.downward_peak, result.jumps, result.sweeps_differ)
