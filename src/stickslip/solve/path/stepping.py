@@ -9,8 +9,8 @@ from typing import Generic
 from stickslip.solve.path.problem import PointT
 
 # chosen: a curve ends if so many iterations of Newton's method cover less than this part of the plot. Most complete
-# curves of the torture set (benchmarks/torture.py) need fewer than 100, the worst of twelve 250.
-STALL_ITERATIONS, STALL_LENGTH = 500, 0.01
+# curves of the torture set (benchmarks/torture.py) need fewer than 100, but some that are complete need over 500.
+STALL_ITERATIONS, STALL_LENGTH = 1500, 0.01
 # chosen: allowed iterations of a whole curve for each allowed point; complete curves need two to three.
 ITERATIONS_PER_POINT = 4
 # chosen: the shorter limit on the step after a retreat applies for this number of its lengths.
