@@ -10,6 +10,9 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from stickslip.case.section import Section, of_kind
+from stickslip.core.units import LARGEST_INTEGER, Count
+
+MOST_STARTS = 10_000  # chosen: some days of time integration
 
 
 class ForcedAnalysis(Section):
@@ -24,8 +27,12 @@ class ForcedAnalysis(Section):
         default=False,
         description="search for periodic motions off the curve by time integration from random states (run --search)",
     )
-    search_starts: int = Field(default=24, ge=0, description="random states of the search")
-    search_seed: int = Field(default=0, ge=0, description="seed of the random states; the same seed, the same search")
+    search_starts: Annotated[int, Count(at_least=0, at_most=MOST_STARTS)] = Field(
+        default=24, description="random states of the search"
+    )
+    search_seed: Annotated[int, Count(at_least=0, at_most=LARGEST_INTEGER)] = Field(
+        default=0, description="seed of the random states; the same seed, the same search"
+    )
 
 
 Analysis = Annotated[ForcedAnalysis, of_kind({"forced": ForcedAnalysis}, "forced")]
