@@ -113,7 +113,8 @@ def test_progress_counts_the_cases(swept: tuple) -> None:
     assert [stage for stage, fraction, _ in news if fraction == 1.0] == ["Completed cases", "Checks", "Cases"]
     assert news[-1] == ("Cases", 1.0, "4 of 4")
     fractions = [fraction for stage, fraction, _ in news if stage == "Cases"]
-    assert fractions == [0.0, 0.25, 0.5, 0.75, 1.0]
+    assert list(dict.fromkeys(fractions)) == [0.0, 0.25, 0.5, 0.75, 1.0]  # slow cases report in between
+    assert fractions == sorted(fractions)
 
 
 def test_table_files_contain_the_table(swept: tuple) -> None:
