@@ -84,3 +84,14 @@ def test_a_curve_is_complete_or_says_why_it_ends(kind: str, seed: int, outcome: 
 @pytest.mark.parametrize(("kind", "seed", "outcome"), [(*problem, outcome) for problem, outcome in SLOW.items()])
 def test_a_longer_curve_is_complete_or_says_why_it_ends(kind: str, seed: int, outcome: Outcome) -> None:
     assert_outcome(kind, seed, outcome)
+
+
+@pytest.mark.slow
+def test_a_curve_that_leaves_through_its_start_and_comes_back_says_so() -> None:
+    problem = make("beam", 12)
+    response = problem.solve()
+    outside = response.frequency_hz < min(problem.window_hz) - 0.1
+    outside |= response.frequency_hz > max(problem.window_hz) + 0.1
+    assert response.converged
+    assert outside.any()
+    assert sum("leaves the range through its start" in each for each in response.warnings) == 1

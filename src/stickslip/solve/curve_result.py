@@ -12,7 +12,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.checks import ResolutionCheck, check_resolution
-from stickslip.solve.harmonic.curve_warnings import curve_warnings, neighbour_warnings
+from stickslip.solve.harmonic.curve_warnings import curve_warnings, excursion_warning, neighbour_warnings
 from stickslip.solve.harmonic.curves import BalancePoint
 from stickslip.solve.harmonic.energy import measure_curve
 from stickslip.solve.harmonic.linear import linear_curves
@@ -107,6 +107,7 @@ def response_of(
         converged=converged,
         message=f"{how} {'The curve reached the stop frequency.' if converged else message}",
         warnings=warnings
+        + excursion_warning(np.array([trial.omega for trial in trials]) / (2.0 * np.pi), window)
         + neighbour_warnings(*places_hz)
         + (() if peaks is None else peaks.warnings())
         + _stability_warnings(verdict),

@@ -73,6 +73,22 @@ def _folds(trials: list[Trial]) -> tuple[str, ...]:
     )
 
 
+def excursion_warning(frequency_hz: FloatArray, window_hz: tuple[float, float]) -> tuple[str, ...]:
+    """A warning where the curve leaves its range through the start, folds and comes back."""
+    low, high = min(window_hz), max(window_hz)
+    # The last point of a curve may lie beyond the stop by less than a step, where no point exactly at it was found.
+    outside = frequency_hz[:-1][(frequency_hz[:-1] < low) | (frequency_hz[:-1] > high)]
+    outside = outside[np.abs(outside - window_hz[0]) > SMALLEST_FOLD * window_hz[0]]
+    if not outside.size:
+        return ()
+    far = float(outside[np.abs(outside - window_hz[0]).argmax()])
+    return (
+        f"The curve leaves the range through its start, goes to {far:.3f} Hz, folds and comes back; its points outside "
+        "of the range are part of it, and peaks and slow sweeps count them. Start the range beyond that fold for a "
+        "curve without them.",
+    )
+
+
 def neighbour_warnings(retreats_hz: Sequence[float], corners_hz: Sequence[float]) -> tuple[str, ...]:
     """Warnings where the branch came onto other solutions close by, and where it passed corners."""
     sentences = []
