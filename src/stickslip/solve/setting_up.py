@@ -18,6 +18,7 @@ from stickslip.solve.excitation import Excitation, ExcitationForce
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.compliance import StuckStructure, stuck_structure
 from stickslip.solve.harmonic.linear import LinearLimit
+from stickslip.solve.harmonic.support import only_friction_supports
 from stickslip.structure.superelement import Superelement
 
 # Largest ratio of contact stiffness to the stiffness of the structure at the pair. Numbers have 16 digits, and the
@@ -90,6 +91,9 @@ def prepare_balances(
         ratio = real_number("modal_damping_ratio", modal_damping_ratio)
         require_allowed("modal_damping_ratio", ratio, ratio >= 0, "0 or above, for example 0.001")
     pairs = pairs.with_update(update)
+    if only_friction_supports(superelement, pairs):
+        # The stuck pairs of such a body carry its mean load: only they know where it is.
+        pairs = pairs.retaining()
     force = excitation.on(superelement, harmonics)
     _require_comparable(superelement, pairs, highest_omega)
     on_stage(f"modes of the stuck structure, {superelement.size} unknowns")

@@ -16,10 +16,10 @@ from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.results.traction_band import TractionBand
 from stickslip.solve.harmonic.balance import Balance
-from stickslip.solve.harmonic.compliance import mean_factor
 from stickslip.solve.harmonic.curve_warnings import SMALLEST_FOLD
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.start import first_point
+from stickslip.solve.harmonic.support import mean_factor
 from stickslip.solve.harmonic.traction_sensitivity import Quantity, TractionSensitivity
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.landmarks import LandmarkSource

@@ -9,9 +9,10 @@ from helpers import Blade
 from sentences import rejects
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.core.errors import InputError
-from stickslip.solve.harmonic.compliance import MEAN_RESTRAINT, stuck_structure
+from stickslip.solve.harmonic.compliance import stuck_structure
 from stickslip.solve.harmonic.damping import stuck_stiffness_matrix
 from stickslip.solve.harmonic.gain import CoupledGain, DiagonalGain, to_complex
+from stickslip.solve.harmonic.support import MEAN_RESTRAINT
 from stickslip.structure.superelement import Superelement
 
 HARMONICS = 3

@@ -278,6 +278,17 @@ class ContactPairs:
         """(n_pairs, 3) True for mean displacements that no force depends on."""
         return self.collect(lambda law: law.undetermined(), (3,)).astype(bool)
 
+    def walking(self) -> BoolArray:
+        """(n_pairs, 3) True for mean displacements that are the way of many cycles (:meth:`CoulombLaw.walking`)."""
+        return self.collect(
+            lambda law: law.walking() if isinstance(law, CoulombLaw) else np.zeros((law.n_pairs, 3)), (3,)
+        ).astype(bool)
+
+    def retaining(self) -> ContactPairs:
+        """The pairs with the tractions of their Coulomb laws retained; those that are released have none at rest."""
+        laws = tuple(law.retaining() if isinstance(law, CoulombLaw) else law for law in self.laws)
+        return ContactPairs.with_laws(self.operator, laws, self.members)
+
     def period(self, coefficients: FloatArray, samples: int) -> LawPeriod:
         """Force over a period for coefficients (n_pairs, 3, 2H+1); see :class:`ContactLaw`."""
         if len(self.laws) == 1:

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from stickslip.contact.law.coulomb_harmonics import Update, contact_cycle, harmonic_force, harmonic_tangent
 from stickslip.contact.law.coulomb_kernel import OPEN
 from stickslip.contact.law.coulomb_linear import coulomb_linear_steps
+from stickslip.contact.law.coulomb_period import CYCLES
 from stickslip.contact.law.coulomb_step import CoulombMemory, PressedPairs
 from stickslip.contact.law.law import BoolArray, ContactCycle, ContactState, IndexArray, LawPeriod, LawStep
 from stickslip.contact.law.linear_steps import LinearSteps
@@ -199,6 +200,14 @@ class CoulombLaw:
         """(p, 3) True along t1 and t2 if released."""
         return self.frictional() & self.released
 
+    def walking(self) -> BoolArray:
+        """(p, 3) True along t1 and t2 if tractions are retained: the mean is then that which C cycles have reached."""
+        return self.frictional() & (not self.released)
+
+    def retaining(self) -> CoulombLaw:
+        """The law with its traction retained; a released one has none at rest."""
+        return replace(self, residual_traction=self.resting_traction) if self.released else self
+
     def with_update(self, update: Update) -> CoulombLaw:
         """The law with another return."""
         return self if update == self.update else replace(self, update=update)
@@ -227,8 +236,9 @@ class CoulombLaw:
     def linear_steps(self, displacement: FloatArray) -> LinearSteps:
         """See :class:`stickslip.contact.law.linear_steps.SteppedLaw`."""
         traction = self.cycle(displacement).force[:, :, :2]
+        walk = np.zeros((self.n_pairs, 2)) if self.released else displacement[:, :, :2].mean(axis=0) / CYCLES
         return coulomb_linear_steps(
-            displacement, traction, self.tangential_springs, self.friction_coefficient, self.normal_stiffness,
+            displacement, walk, traction, self.tangential_springs, self.friction_coefficient, self.normal_stiffness,
             self.offset_force, self.update == "tractrix",
         )  # fmt: skip
 

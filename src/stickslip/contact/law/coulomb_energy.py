@@ -97,10 +97,11 @@ def dissipate_pairs(
         if states[pair] == STICK:
             continue
         path, limit, force, mode = paths[pair], limits[pair], forces[pair], modes[pair]
-        for j in range(n):
-            i = j - 1 if j > 0 else n - 1
+        for step in range(1, n + 1):
+            i, j = step - 1, step % n
             if mode[j] == SLIP or (mode[j] == OPEN and limit[i] > 0.0):
+                d1, d2 = path[0, step] - path[0, i], path[1, step] - path[1, i]
                 energy[pair] += step_dissipation(
-                    force[0, i], force[1, i], path[0, j] - path[0, i], path[1, j] - path[1, i], limit[i], limit[j],
-                    force[0, j], force[1, j], springs[pair, 0], springs[pair, 1], tractrix,
+                    force[0, i], force[1, i], d1, d2, limit[i], limit[j], force[0, j], force[1, j],
+                    springs[pair, 0], springs[pair, 1], tractrix,
                 )  # fmt: skip

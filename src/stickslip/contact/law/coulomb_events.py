@@ -63,7 +63,7 @@ def corrected_samples(
         i, j = step - 1, step % n
         if mode[j] == SLIP or limit[i] <= 0.0 or limit[j] <= 0.0:
             theta, c1, c2 = event(
-                t1, t2, path[0, j] - path[0, i], path[1, j] - path[1, i], limit[i], limit[j],
+                t1, t2, path[0, step] - path[0, i], path[1, step] - path[1, i], limit[i], limit[j],
                 force[0, j], force[1, j], mode[j],
             )  # fmt: skip
             out[0, i] += (1.0 - theta) * c1

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from stickslip.contact.law.coulomb_energy import dissipate_pairs
 from stickslip.contact.law.coulomb_events import corrected_limits
 from stickslip.contact.law.coulomb_kernel import CodeArray
-from stickslip.contact.law.coulomb_period import settle_pairs
+from stickslip.contact.law.coulomb_period import CYCLES, settle_pairs
 from stickslip.contact.law.coulomb_tangent import Basis, tangent_pairs
 from stickslip.contact.law.law import ContactCycle
 from stickslip.core.errors import InputError
@@ -120,8 +120,8 @@ def harmonic_force(
     displacement = _coefficients(coefficients, pairs.n_pairs, samples)
     width = displacement.shape[2]
     analysis = analysis_matrix(width // 2, samples)
-    paths, limits = _sampled(displacement, pairs, samples)
-    periods = _periods(paths, limits, pairs, update)
+    paths, means, limits = _sampled(displacement, pairs, samples)
+    periods = _periods(paths, means, limits, pairs, update)
     force = np.empty_like(displacement)
     force[:, :2] = (periods.samples.reshape(-1, samples) @ analysis.T).reshape(-1, 2, width)
     deviates = np.where(pairs.closed_at_rest, periods.deviates, (limits > 0.0).any(axis=1))
@@ -163,15 +163,15 @@ def harmonic_tangent(
     require_choice("update", update, get_args(Update))
     chosen = np.arange(pairs.n_pairs)[np.asarray(select)]
     width = displacement.shape[2]
-    paths, limits = _sampled(displacement, pairs, samples)
+    paths, means, limits = _sampled(displacement, pairs, samples)
     springs, normal_stiffness = pairs.tangential_springs[chosen], pairs.normal_stiffness[chosen]
     scales = np.column_stack([springs, pairs.friction_coefficient[chosen] * normal_stiffness])
     if period_start is None:
         period_start = harmonic_force(displacement, pairs, samples, update).period_start
     tangent = np.zeros((len(chosen), 3, width, 3, width))
     tangent_pairs(
-        paths[chosen], limits[chosen], _ratios(springs), scales, normal_stiffness, update == "tractrix", pairs.released,
-        _basis(width // 2, samples), period_start[chosen], tangent,
+        paths[chosen], means[chosen], limits[chosen], _ratios(springs), scales, normal_stiffness,
+        update == "tractrix", pairs.released, _basis(width // 2, samples), period_start[chosen], tangent,
     )  # fmt: skip
     return tangent
 
@@ -204,11 +204,12 @@ def contact_cycle(displacement: ArrayLike, pairs: CoulombConstants, update: Upda
     _check_samples(motion.shape[0], MIN_SAMPLES, "displacement", "has")
     springs = pairs.tangential_springs
     tangential = motion[:, :, :2]
-    origin = tangential.mean(axis=0) if pairs.released else -pairs.resting_traction / springs
-    paths = np.ascontiguousarray(((tangential - origin) * springs).transpose(1, 2, 0))
+    middle = tangential.mean(axis=0)
+    closed = np.concatenate([tangential - middle, tangential[:1] - middle])
+    paths, means = _drifting(np.ascontiguousarray((closed * springs).transpose(1, 2, 0)), springs * middle, pairs)
     load = pairs.offset_force + pairs.normal_stiffness * motion[:, :, 2]
     limits = np.ascontiguousarray((pairs.friction_coefficient * load).T)
-    periods = _periods(paths, limits, pairs, update)
+    periods = _periods(paths, means, limits, pairs, update)
     force = np.empty_like(motion)
     force[:, :, :2] = periods.forces.transpose(2, 0, 1)
     force[:, :, 2] = np.maximum(load, 0.0)
@@ -217,7 +218,9 @@ def contact_cycle(displacement: ArrayLike, pairs: CoulombConstants, update: Upda
     return ContactCycle(force, tangential - force[:, :, :2] / springs, periods.state, energy, periods.closure)
 
 
-def _periods(paths: FloatArray, limits: FloatArray, pairs: CoulombConstants, update: Update) -> _Periods:
+def _periods(
+    paths: FloatArray, means: FloatArray, limits: FloatArray, pairs: CoulombConstants, update: Update
+) -> _Periods:
     """March all pairs to their periodic states."""
     require_choice("update", update, get_args(Update))
     n_pairs, samples = limits.shape
@@ -231,7 +234,7 @@ def _periods(paths: FloatArray, limits: FloatArray, pairs: CoulombConstants, upd
         np.empty((n_pairs, 2)),
     )
     settle_pairs(
-        paths, limits, _ratios(pairs.tangential_springs), update == "tractrix",
+        paths, means, limits, _ratios(pairs.tangential_springs), update == "tractrix",
         periods.forces, periods.samples, periods.modes, periods.state, periods.deviates, periods.closure,
         periods.starts,
     )  # fmt: skip
@@ -239,16 +242,30 @@ def _periods(paths: FloatArray, limits: FloatArray, pairs: CoulombConstants, upd
     return periods
 
 
-def _sampled(displacement: FloatArray, pairs: CoulombConstants, samples: int) -> tuple[FloatArray, FloatArray]:
-    """Tangential paths (n_pairs, 2, n), K (s - mean s) if released, else T0 + K s, and limits mu (N0 + kn n)."""
+def _drifting(paths: FloatArray, means: FloatArray, pairs: CoulombConstants) -> tuple[FloatArray, FloatArray]:
+    """Paths (n_pairs, 2, n + 1) K (s - mean s) and means (n_pairs, 2) K mean s, as the sliders see them.
+
+    A released slider is at the mean. Else the path begins with the traction at rest, and drifts: each cycle adds the
+    same part of the mean displacement.
+    """
+    if pairs.released:
+        return paths, np.zeros_like(means)
+    drift = (means / CYCLES)[:, :, None] * np.linspace(0.0, 1.0, paths.shape[2])
+    return paths + pairs.resting_traction[:, :, None] + drift, means
+
+
+def _sampled(
+    displacement: FloatArray, pairs: CoulombConstants, samples: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Tangential paths and means (:func:`_drifting`), and limits (n_pairs, n) mu (N0 + kn n)."""
     synthesis = synthesis_matrix(displacement.shape[2] // 2, samples)
-    elastic = pairs.tangential_springs[:, :, None] * displacement[:, :2, 1:]
-    paths = (elastic.reshape(-1, elastic.shape[2]) @ synthesis[:, 1:].T).reshape(-1, 2, samples)
-    if not pairs.released:
-        paths += (pairs.resting_traction + pairs.tangential_springs * displacement[:, :2, 0])[:, :, None]
+    elastic = pairs.tangential_springs[:, :, None] * displacement[:, :2]
+    closed = np.vstack([synthesis[:, 1:], synthesis[:1, 1:]])
+    paths = (elastic[:, :, 1:].reshape(-1, elastic.shape[2] - 1) @ closed.T).reshape(-1, 2, samples + 1)
+    paths, means = _drifting(paths, elastic[:, :, 0], pairs)
     load = pairs.normal_stiffness[:, None] * displacement[:, 2]
     load[:, 0] += pairs.offset_force
-    return paths, (pairs.friction_coefficient[:, None] * load) @ synthesis.T
+    return paths, means, (pairs.friction_coefficient[:, None] * load) @ synthesis.T
 
 
 @lru_cache(maxsize=32)
@@ -257,11 +274,13 @@ def _basis(harmonics: int, samples: int) -> Basis:
     synthesis = synthesis_matrix(harmonics, samples)
     analysis = np.ascontiguousarray(analysis_matrix(harmonics, samples).T)
     products = analysis[:, :, None] * synthesis[:, None, :]
+    shares = np.arange(samples) / samples
     return Basis(
         synthesis,
         analysis,
         np.concatenate([np.zeros_like(analysis[:1]), np.cumsum(analysis, axis=0)]),
         np.concatenate([np.zeros_like(products[:1]), np.cumsum(products, axis=0)]),
+        np.concatenate([np.zeros_like(analysis[:1]), np.cumsum(shares[:, None] * analysis, axis=0)]),
     )
 
 

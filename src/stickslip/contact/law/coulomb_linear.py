@@ -18,6 +18,7 @@ TOUCH = 1e-9
 
 def coulomb_linear_steps(
     displacement: FloatArray,
+    walk: FloatArray,
     traction: FloatArray,
     springs: FloatArray,
     friction: FloatArray,
@@ -27,6 +28,7 @@ def coulomb_linear_steps(
 ) -> LinearSteps:
     """The steps along a periodic motion (n, p, 3) m with the tractions (n, p, 2) N of its periodic state.
 
+    ``walk`` (p, 2) m is what each period adds to the tangential displacement.
     ``springs`` (p, 2), ``friction``, ``normal_stiffness`` and ``offset_force`` (p,) are constants of the Coulomb law.
     """
     samples, n_pairs = displacement.shape[:2]
@@ -39,8 +41,8 @@ def coulomb_linear_steps(
     )
     ratios = springs / springs.max(axis=1)[:, None]
     _fill(
-        displacement, traction, limits, springs, friction * normal_stiffness, normal_stiffness, ratios, tractrix,
-        steps.keep, steps.by_end, steps.by_start, steps.normal,
+        displacement, walk / samples, traction, limits, springs, friction * normal_stiffness, normal_stiffness,
+        ratios, tractrix, steps.keep, steps.by_end, steps.by_start, steps.normal,
     )  # fmt: skip
     return steps
 
@@ -60,6 +62,7 @@ def _closed_part(here: float, there: float) -> float:
 @njit(cache=True, nogil=True, error_model="numpy")
 def _fill(
     displacement: FloatArray,
+    walk: FloatArray,
     traction: FloatArray,
     limits: FloatArray,
     springs: FloatArray,
@@ -72,7 +75,7 @@ def _fill(
     by_start: FloatArray,
     normal: FloatArray,
 ) -> None:
-    """Fill the last four arrays."""
+    """Fill the last four arrays; ``walk`` (p, 2) m is that of one step."""
     n = limits.shape[0]
     jacobian = np.zeros((2, 6))
     for j in range(n):
@@ -82,8 +85,8 @@ def _fill(
             start, end = limits[i, pair], limits[j, pair]
             closed = 0.5 * (_closed_part(end, start) + _closed_part(end, limits[k, pair]))
             normal[j, pair] = closed * normal_stiffness[pair]
-            d1 = springs[pair, 0] * (displacement[j, pair, 0] - displacement[i, pair, 0])
-            d2 = springs[pair, 1] * (displacement[j, pair, 1] - displacement[i, pair, 1])
+            d1 = springs[pair, 0] * (displacement[j, pair, 0] - displacement[i, pair, 0] + walk[pair, 0])
+            d2 = springs[pair, 1] * (displacement[j, pair, 1] - displacement[i, pair, 1] + walk[pair, 1])
             t1, t2 = traction[i, pair, 0], traction[i, pair, 1]
             ratio1, ratio2 = ratios[pair, 0], ratios[pair, 1]
             new1, new2, code = advance(t1, t2, d1, d2, start, end, ratio1, ratio2, tractrix)

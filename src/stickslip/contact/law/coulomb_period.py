@@ -52,9 +52,14 @@ SLIP_TOLERANCE = 10.0 / CYCLES
 
 
 class Motion(NamedTuple):
-    """Motion of a pair in a period: path (2, n) N, limit (n,) N with its sign, stiffness ratios, the update."""
+    """Motion of a pair in a period: path (2, n + 1) N, limit (n,) N with its sign, stiffness ratios, the update.
+
+    The path ends where the next period begins: ``mean1 / C``, ``mean2 / C`` beyond its start.
+    """
 
     path: FloatArray
+    mean1: float  # N, force of the mean displacement that all cycles together have reached
+    mean2: float
     limit: FloatArray
     ratio1: float
     ratio2: float
@@ -68,7 +73,7 @@ def march(motion: Motion, t1: float, t2: float, force: FloatArray, mode: CodeArr
     n = limit.shape[0]
     for step in range(1, n + 1):
         i, j = step - 1, step % n
-        d1, d2 = path[0, j] - path[0, i], path[1, j] - path[1, i]
+        d1, d2 = path[0, step] - path[0, i], path[1, step] - path[1, i]
         t1, t2, code = advance(t1, t2, d1, d2, limit[i], limit[j], ratio1, ratio2, tractrix)
         force[0, j], force[1, j], mode[j] = t1, t2, code
 
@@ -91,7 +96,7 @@ def transfer(
         i = step - 1
         if mode[j] == SLIP:
             slip_jacobian(
-                t1, t2, path[0, j] - path[0, i], path[1, j] - path[1, i], limit[i], limit[j],
+                t1, t2, path[0, step] - path[0, i], path[1, step] - path[1, i], limit[i], limit[j],
                 force[0, j], force[1, j], ratio1, ratio2, tractrix, jacobian,
             )  # fmt: skip
             a11, a12, a21, a22 = jacobian[0, 0], jacobian[0, 1], jacobian[1, 0], jacobian[1, 1]
@@ -102,10 +107,18 @@ def transfer(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def sticks_throughout(path: FloatArray, limit: FloatArray) -> bool:
-    """True if the pair stays closed and the path within its limit all period: the force is then the path itself."""
-    for j in range(limit.shape[0]):
-        if limit[j] <= 0.0 or path[0, j] ** 2 + path[1, j] ** 2 > limit[j] ** 2:
+def sticks_throughout(motion: Motion) -> bool:
+    """True if the pair stays closed and path and mean within its limit, in the last cycle and in the period after it.
+
+    The force is then the path, without its drift, and the mean.
+    """
+    path, limit = motion.path, motion.limit
+    n = limit.shape[0]
+    drift1, drift2 = path[0, n] - path[0, 0], path[1, n] - path[1, 0]
+    for step in range(n + 1):
+        most = limit[step % n]
+        force1, force2 = path[0, step] + motion.mean1, path[1, step] + motion.mean2
+        if most <= 0.0 or force1**2 + force2**2 > most**2 or (force1 + drift1) ** 2 + (force2 + drift2) ** 2 > most**2:
             return False
     return True
 
@@ -205,7 +218,7 @@ def settle(motion: Motion, force: FloatArray, mode: CodeArray) -> tuple[float, f
         largest = max(largest, motion.limit[j])
         if motion.limit[j] <= 0.0:
             opens = True
-    t1, t2 = start_force(motion, motion.path[0, 0], motion.path[1, 0])
+    t1, t2 = start_force(motion, motion.path[0, 0] + motion.mean1, motion.path[1, 0] + motion.mean2)
     march(motion, t1, t2, force, mode)
     y1, y2 = force[0, 0], force[1, 0]
     if opens:
@@ -235,7 +248,8 @@ def pair_state(motion: Motion, t1: float, t2: float, force: FloatArray, mode: Co
             return OPEN
         largest = max(largest, motion.limit[j])
         if mode[j] == SLIP:
-            slip += math.hypot(path[0, j] - path[0, i] - force[0, j] + t1, path[1, j] - path[1, i] - force[1, j] + t2)
+            slip1, slip2 = path[0, step] - path[0, i] - force[0, j] + t1, path[1, step] - path[1, i] - force[1, j] + t2
+            slip += math.hypot(slip1, slip2)
         t1, t2 = force[0, j], force[1, j]
     return SLIP if slip > SLIP_TOLERANCE * largest else STICK
 
@@ -243,6 +257,7 @@ def pair_state(motion: Motion, t1: float, t2: float, force: FloatArray, mode: Co
 @njit(cache=True, nogil=True, error_model="numpy")
 def settle_pairs(
     paths: FloatArray,
+    means: FloatArray,
     limits: FloatArray,
     ratios: FloatArray,
     tractrix: bool,
@@ -262,15 +277,24 @@ def settle_pairs(
     """
     for pair in range(limits.shape[0]):
         path, limit, force, mode = paths[pair], limits[pair], forces[pair], modes[pair]
-        if sticks_throughout(path, limit):
-            for j in range(limit.shape[0]):
-                force[0, j], force[1, j], mode[j] = path[0, j], path[1, j], STICK
-                samples[pair, 0, j], samples[pair, 1, j] = path[0, j], path[1, j]
+        mean1, mean2 = means[pair, 0], means[pair, 1]
+        motion = Motion(path, mean1, mean2, limit, ratios[pair, 0], ratios[pair, 1], tractrix)
+        n = limit.shape[0]
+        if sticks_throughout(motion):
+            for j in range(n):
+                share = j / n
+                force[0, j] = path[0, j] - share * (path[0, n] - path[0, 0]) + mean1
+                force[1, j] = path[1, j] - share * (path[1, n] - path[1, 0]) + mean2
+                samples[pair, 0, j], samples[pair, 1, j], mode[j] = force[0, j], force[1, j], STICK
             states[pair], deviates[pair], closures[pair] = STICK, False, 0.0
-            starts[pair, 0], starts[pair, 1] = path[0, 0], path[1, 0]
+            starts[pair, 0], starts[pair, 1] = path[0, 0] + mean1, path[1, 0] + mean2
             continue
-        motion = Motion(path, limit, ratios[pair, 0], ratios[pair, 1], tractrix)
         starts[pair, 0], starts[pair, 1], t1, t2 = settle(motion, force, mode)
         corrected_samples(path, limit, t1, t2, force, mode, samples[pair])
-        closures[pair] = math.hypot(force[0, 0] - t1, force[1, 0] - t2)
+        change1, change2 = force[0, 0] - t1, force[1, 0] - t2
+        for j in range(n):  # sample 0 is that of the end
+            share = 2.0 if j == 0 else 1.0 + j / n
+            samples[pair, 0, j] -= share * change1
+            samples[pair, 1, j] -= share * change2
+        closures[pair] = math.hypot(change1, change2)
         states[pair], deviates[pair] = pair_state(motion, t1, t2, force, mode), True

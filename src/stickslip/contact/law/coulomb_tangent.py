@@ -25,13 +25,15 @@ class Basis(NamedTuple):
     """Sampled Fourier basis, width = 2 H + 1: synthesis and analysis (n, width), and running sums over the samples.
 
     ``weights[j]`` (n + 1, width) sums the analysis of the samples before j, ``products[j]`` (n + 1, width, width) its
-    products with the synthesis: what a linear law gives over any run of samples.
+    products with the synthesis: what a linear law gives over any run of samples. ``ramps`` (n + 1, width) does so for a
+    drift that grows from 0 to 1 over the period, which takes the place of the mean.
     """
 
     synthesis: FloatArray
     analysis: FloatArray
     weights: FloatArray
     products: FloatArray
+    ramps: FloatArray
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -48,7 +50,7 @@ def gather_stick(
     There the derivative is that at the anchor plus ``k (synthesis[j] - synthesis[anchor])``, so its Fourier analysis
     follows from running sums. ``last <= anchor`` runs through the end of the period; no ``coefficients``, no gathering.
     """
-    synthesis, weights, products = basis.synthesis, basis.weights, basis.products
+    synthesis, weights, products, ramps = basis.synthesis, basis.weights, basis.products, basis.ramps
     n, width = synthesis.shape
     for p in range(coefficients.shape[0]):
         weight = weights[last + 1, p] - weights[anchor + 1, p]
@@ -62,10 +64,16 @@ def gather_stick(
             if last <= anchor:
                 product += products[n, p, q]
             product -= weight * synthesis[anchor, q]
+            if q == 0:
+                product = ramps[last + 1, p] - ramps[anchor + 1, p] - weight * anchor / n
+                if last <= anchor:  # the end of the period, where the drift is 1, is the sample 0
+                    product += ramps[n, p] + basis.analysis[0, p]
             coefficients[p, 0, q] += scale[0] * product
             coefficients[p, 1, width + q] += scale[1] * product
     for q in range(width):
         change = synthesis[last, q] - synthesis[anchor, q]
+        if q == 0:
+            change = ((last - anchor) if last > anchor else (n + last - anchor)) / n
         derivative[0, q] += scale[0] * change
         derivative[1, width + q] += scale[1] * change
 
@@ -97,7 +105,7 @@ def march_tangent(
     anchor = np.int64(-1)
     for step in range(1, n + 1):
         i, j = np.int64(step - 1), np.int64(step % n)
-        d1, d2 = path[0, j] - path[0, i], path[1, j] - path[1, i]
+        d1, d2 = path[0, step] - path[0, i], path[1, step] - path[1, i]
         new1, new2, code = advance(t1, t2, d1, d2, limit[i], limit[j], ratio1, ratio2, tractrix)
         if code == STICK and limit[i] > 0.0:
             if anchor < 0:
@@ -158,7 +166,8 @@ def gather_event(
             rows[k, c] = local[k, 0] * derivative[0, c] + local[k, 1] * derivative[1, c]
         for axis in range(2):
             factor = local[k, 2 + axis] * scale[axis]
-            for q in range(width):
+            rows[k, axis * width] += factor / synthesis.shape[0]
+            for q in range(1, width):
                 rows[k, axis * width + q] += factor * (synthesis[j, q] - synthesis[i, q])
         before, after = local[k, 4] * scale[2], local[k, 5] * scale[2]
         for q in range(width):
@@ -198,7 +207,8 @@ def carry(
     for row in range(2):
         for axis in range(2):
             factor = jacobian[row, 2 + axis] * scale[axis]
-            for q in range(width):
+            derivative[row, axis * width] += factor / synthesis.shape[0]
+            for q in range(1, width):
                 derivative[row, axis * width + q] += factor * (synthesis[j, q] - synthesis[previous, q])
         before, after = jacobian[row, 4] * scale[2], jacobian[row, 5] * scale[2]
         for q in range(width):
@@ -229,13 +239,20 @@ def pair_tangent(
     s11, s12, s21, s22 = p11 * r11 + p12 * r21, p11 * r12 + p12 * r22, p21 * r11 + p22 * r21, p21 * r12 + p22 * r22
     j11, j12, j21, j22 = 1.0 + CYCLES * (1.0 - s11), -CYCLES * s12, -CYCLES * s21, 1.0 + CYCLES * (1.0 - s22)
     determinant = j11 * j22 - j12 * j21
+    # The columns of the tangential means are those of the drift in one of the cycles that reached them.
+    for c in (0, width):
+        share = 0.0 if released else 1.0 / CYCLES
+        for row in range(2):
+            derivative[row, c] *= share
+            for p in range(width):
+                fourier[p, row, c] *= share
     for c in range(columns - 2):
         b1, b2 = derivative[0, c], derivative[1, c]
         a1, a2 = 0.0, 0.0  # of the slider at its initial position: the path at sample 0, released without its mean
         if c < width:
-            a1 = scale[0] * basis.synthesis[0, c] if c > 0 or not released else 0.0
+            a1 = scale[0] * basis.synthesis[0, c] if c > 0 else 0.0
         elif c < 2 * width:
-            a2 = scale[1] * basis.synthesis[0, c - width] if c > width or not released else 0.0
+            a2 = scale[1] * basis.synthesis[0, c - width] if c > width else 0.0
         else:
             by_limit = scale[2] * basis.synthesis[0, c - 2 * width]
             b1 += (p11 * l1 + p12 * l2) * by_limit
@@ -302,6 +319,7 @@ def gather_opening(
 @njit(cache=True, nogil=True, error_model="numpy")
 def tangent_pairs(
     paths: FloatArray,
+    means: FloatArray,
     limits: FloatArray,
     ratios: FloatArray,
     scales: FloatArray,
@@ -317,12 +335,13 @@ def tangent_pairs(
     tangential = np.empty((2, width, 3 * width))
     for pair in range(limits.shape[0]):
         normal_tangent(limits[pair], normal_stiffness[pair], basis, tangents[pair, 2, :, 2, :])
-        if sticks_throughout(paths[pair], limits[pair]):
+        ratio1, ratio2 = ratios[pair, 0], ratios[pair, 1]
+        motion = Motion(paths[pair], means[pair, 0], means[pair, 1], limits[pair], ratio1, ratio2, tractrix)
+        if sticks_throughout(motion):
             for q in range(1 if released else 0, width):
                 tangents[pair, 0, q, 0, q] = scales[pair, 0]
                 tangents[pair, 1, q, 1, q] = scales[pair, 1]
             continue
-        motion = Motion(paths[pair], limits[pair], ratios[pair, 0], ratios[pair, 1], tractrix)
         pair_tangent(motion, basis, scales[pair], released, starts[pair], tangential)
         for row in range(2):
             for p in range(width):

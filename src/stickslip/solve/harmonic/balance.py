@@ -96,6 +96,7 @@ class Balance:
         springs = pairs.resting_stiffness().reshape(-1, 3)
         undetermined = pairs.undetermined()
         self._free = np.flatnonzero(undetermined)  # rows whose mean no force depends on
+        self._walking = np.flatnonzero(pairs.frictional())  # rows whose mean may be the way of many cycles
         self._springs = np.repeat(springs.reshape(1, -1), 2 * self.harmonics + 1, axis=0)
         self._springs[0] = (springs * ~undetermined).ravel()
         self._terms = [(power, compliance.external(array)) for power, array in force.terms]
@@ -134,7 +135,8 @@ class Balance:
         external = self._external(omega, load)
         amplitude = self.compliance.amplitude(omega, external, deviation)
         answer = self.compliance.relative(amplitude, deviation)
-        residual = self.determined(relative - answer)
+        residual = relative - answer
+        residual[0, self._free] = 0.0
         if self._free.size:
             relative = relative.copy()
             relative[0, self._free] = answer[0, self._free]
@@ -155,14 +157,14 @@ class Balance:
         return relative_norm(force, contact.force)
 
     def determined(self, relative: FloatArray) -> FloatArray:
-        """A copy (2H+1, m) without the means that no contact force depends on (:meth:`ContactPairs.undetermined`).
+        """A copy (2H+1, m) without the mean tangential displacements of pairs with friction.
 
-        The slider of a released pair starts at the mean of its motion, so its mean tangential displacement only follows
-        from the forces. Where friction alone supports a body it is huge and without meaning; no norm and no constraint
-        may contain it.
+        The slider of a released pair starts at the mean of its motion, so its mean only follows from the forces. Where
+        friction alone supports a body that walks, it is the way of many cycles. No norm and no constraint may contain
+        it.
         """
         part = relative.copy()
-        part[0, self._free] = 0.0
+        part[0, self._walking] = 0.0
         return part
 
     def displacement(self, trials: Sequence[Trial]) -> FloatArray:

@@ -11,10 +11,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from stickslip.contact.law.contact_pairs import ContactPairs
@@ -28,17 +26,11 @@ from stickslip.solve.harmonic.damping import (
     stuck_stiffness_matrix,
 )
 from stickslip.solve.harmonic.gain import ComplexArray, CoupledGain, DiagonalGain, ModalGain, times_gain
+from stickslip.solve.harmonic.support import StaticFactor, mean_factor, require_support_at_rest, restrained
 from stickslip.structure.superelement import Superelement
 
 IndexArray = NDArray[np.int64]
 
-# A body that only friction supports (a free damper along its axis) has no unique mean position. A spring of this
-# fraction of the tangential contact stiffness, on the mean alone, restrains it; results do not depend on it
-# (docs/theory.md).
-MEAN_RESTRAINT = 1e-6
-# Reciprocal condition number below which the scaled mean system counts as singular; chosen: five digits below
-# MEAN_RESTRAINT.
-SINGULAR_MEAN = 1e-11
 # In Newton's matrix, modes above this multiple of the highest harmonic are springs: an error of 1/30^2 of their part of
 # the matrix alone, which costs no accuracy (all modes are exact in the residual) and hardly an iteration.
 NEAR_RANGE = 30.0
@@ -57,75 +49,6 @@ class ExternalForce:
     def plus(self, other: ExternalForce) -> ExternalForce:
         """The sum of two forces."""
         return ExternalForce(self.modal + other.modal)
-
-
-@dataclass(frozen=True)
-class StaticFactor:
-    """Static response of the structure with springs on its pairs: a Cholesky factor of ``K + B^T k B``, scaled."""
-
-    _scale: FloatArray
-    _factor: Any
-
-    @classmethod
-    def build(cls, superelement: Superelement, pairs: ContactPairs, springs: FloatArray) -> StaticFactor:
-        """The factor with ``springs`` (n_pairs, 3) N/m along t1, t2, n. Raises InputError where it is singular."""
-        factor = cls.attempt(superelement, pairs, springs)
-        if factor is None:
-            raise InputError(
-                "the structure with all contacts closed and stuck is singular to working accuracy: some body can move "
-                "freely, or the contact is many orders stiffer than the structure. Constrain the body, check that the "
-                "contact operator couples it to the other bodies, or lower the contact stiffness: a joint a thousand "
-                "times stiffer than the parts that it connects is rigid."
-            )
-        return factor
-
-    @classmethod
-    def attempt(cls, superelement: Superelement, pairs: ContactPairs, springs: FloatArray) -> StaticFactor | None:
-        """As :meth:`build`, or None where the structure is singular to working accuracy."""
-        matrix = superelement.stiffness + pairs.operator.T @ (springs.reshape(-1, 1) * pairs.operator)
-        scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-        matrix *= scale
-        matrix *= scale[:, None]
-        norm = float(np.abs(matrix).sum(axis=0).max())
-        factor, failure = scipy.linalg.lapack.dpotrf(matrix, lower=1, clean=0)
-        if failure or scipy.linalg.lapack.dpocon(factor, norm, uplo="L")[0] <= SINGULAR_MEAN:
-            return None
-        return cls(scale, (factor, True))
-
-    def solve(self, force: FloatArray) -> FloatArray:
-        """Static displacement under forces (n,) or (n, k)."""
-        scale = self._scale if force.ndim == 1 else self._scale[:, None]
-        return np.asarray(scale * scipy.linalg.cho_solve(self._factor, scale * force))
-
-
-def mean_factor(superelement: Superelement, pairs: ContactPairs) -> tuple[StaticFactor, float]:
-    """The response to mean forces, and its restraint; springs without a mean do not act here.
-
-    A body that only friction supports has ``MEAN_RESTRAINT`` on the mean, also with residual tractions: they vanish
-    when all its pairs slip. Raises InputError if the structure stays singular.
-    """
-    springs, frictional = pairs.resting_stiffness().reshape(-1, 3), pairs.frictional()
-    undetermined = pairs.undetermined()
-    without_friction = StaticFactor.attempt(superelement, pairs, springs * ~frictional)
-    restraint = MEAN_RESTRAINT if without_friction is None else 0.0
-    if without_friction is not None and (undetermined == frictional).all():
-        return without_friction, restraint
-    return StaticFactor.build(superelement, pairs, springs * (~undetermined + restraint * frictional)), restraint
-
-
-def _require_support_at_rest(superelement: Superelement, pairs: ContactPairs) -> None:
-    """Raise InputError for a body that only pairs with a gap could support: it has no state at rest."""
-    closed = pairs.closed_at_rest
-    if closed.all():
-        return
-    springs = pairs.resting_stiffness().reshape(-1, 3)
-    if StaticFactor.attempt(superelement, pairs, springs) is None:
-        raise InputError(
-            f"preload is zero or negative (a gap) at {int((~closed).sum())} of {closed.size} pairs, and the others do "
-            "not support each body: displacements are relative to a state at rest, which does not exist. Press at "
-            "least some pairs of each body together, or constrain the body.",
-            ("preload",),
-        )
 
 
 @dataclass(frozen=True)
@@ -177,7 +100,7 @@ class Compliance:
 
     def __init__(self, stuck: StuckStructure, gain: ModalGain) -> None:
         self.harmonics = gain.harmonics
-        springs = stuck.pairs.resting_stiffness().reshape(-1, 3) * stuck.pairs.frictional()
+        springs = stuck.pairs.resting_stiffness().reshape(-1, 3) * restrained(stuck.pairs)
         self._restraint = stuck.mean_restraint * springs[:, :2]
         self.gain = gain
         self._modes = stuck.modes
@@ -312,7 +235,7 @@ def stuck_structure(
             "give either a damping matrix in the superelement or modal_damping_ratio, not both.",
             arguments=["modal_damping_ratio"],
         )
-    _require_support_at_rest(superelement, pairs)
+    require_support_at_rest(superelement, pairs)
     mean, restraint = mean_factor(superelement, pairs)
     frequency, modes = modal_basis(superelement.mass, stuck_stiffness_matrix(superelement, pairs))
     modal: FloatArray | None

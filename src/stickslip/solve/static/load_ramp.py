@@ -18,7 +18,7 @@ from stickslip.contact.law.law import CodeArray, ContactState
 from stickslip.contact.law.normal_law import NormalLaw
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
-from stickslip.solve.harmonic.compliance import StaticFactor
+from stickslip.solve.harmonic.support import StaticFactor
 from stickslip.solve.joint_step import StepPoint
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.static.state import StaticState

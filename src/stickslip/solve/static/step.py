@@ -20,7 +20,7 @@ from stickslip.contact.law.coulomb_step import PressedPairs
 from stickslip.contact.law.law import BoolArray, ContactState, LawStep
 from stickslip.contact.law.normal_law import NormalLaw, SpringLaw
 from stickslip.core.validation import FloatArray
-from stickslip.solve.harmonic.compliance import MEAN_RESTRAINT, StaticFactor
+from stickslip.solve.harmonic.support import MEAN_RESTRAINT, StaticFactor
 from stickslip.solve.joint_step import JointStep
 from stickslip.structure.superelement import Superelement
 

@@ -1,0 +1,106 @@
+"""What supports the bodies of a structure: their static response to mean forces, and their support at rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray
+from stickslip.structure.superelement import Superelement
+
+# A body that only friction supports (a free damper along its axis) has no unique mean position where its pairs follow a
+# law without a walk (docs/theory.md). A spring of this fraction of the tangential contact stiffness, on the mean alone,
+# restrains it there; results do not depend on it.
+MEAN_RESTRAINT = 1e-6
+# Reciprocal condition number below which the scaled mean system counts as singular; chosen: five digits below
+# MEAN_RESTRAINT.
+SINGULAR_MEAN = 1e-11
+
+
+@dataclass(frozen=True)
+class StaticFactor:
+    """Static response of the structure with springs on its pairs: a Cholesky factor of ``K + B^T k B``, scaled."""
+
+    _scale: FloatArray
+    _factor: Any
+
+    @classmethod
+    def build(cls, superelement: Superelement, pairs: ContactPairs, springs: FloatArray) -> StaticFactor:
+        """The factor with ``springs`` (n_pairs, 3) N/m along t1, t2, n. Raises InputError where it is singular."""
+        factor = cls.attempt(superelement, pairs, springs)
+        if factor is None:
+            raise InputError(
+                "the structure with all contacts closed and stuck is singular to working accuracy: some body can move "
+                "freely, or the contact is many orders stiffer than the structure. Constrain the body, check that the "
+                "contact operator couples it to the other bodies, or lower the contact stiffness: a joint a thousand "
+                "times stiffer than the parts that it connects is rigid."
+            )
+        return factor
+
+    @classmethod
+    def attempt(cls, superelement: Superelement, pairs: ContactPairs, springs: FloatArray) -> StaticFactor | None:
+        """As :meth:`build`, or None where the structure is singular to working accuracy."""
+        matrix = superelement.stiffness + pairs.operator.T @ (springs.reshape(-1, 1) * pairs.operator)
+        scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+        matrix *= scale
+        matrix *= scale[:, None]
+        norm = float(np.abs(matrix).sum(axis=0).max())
+        factor, failure = scipy.linalg.lapack.dpotrf(matrix, lower=1, clean=0)
+        if failure or scipy.linalg.lapack.dpocon(factor, norm, uplo="L")[0] <= SINGULAR_MEAN:
+            return None
+        return cls(scale, (factor, True))
+
+    def solve(self, force: FloatArray) -> FloatArray:
+        """Static displacement under forces (n,) or (n, k)."""
+        scale = self._scale if force.ndim == 1 else self._scale[:, None]
+        return np.asarray(scale * scipy.linalg.cho_solve(self._factor, scale * force))
+
+
+def only_friction_supports(superelement: Superelement, pairs: ContactPairs) -> bool:
+    """Whether some body would move freely without friction, to working accuracy."""
+    return _without_friction(superelement, pairs) is None
+
+
+def restrained(pairs: ContactPairs) -> NDArray[np.bool_]:
+    """(n_pairs, 3) True where the restraint of the mean acts if friction alone supports a body."""
+    return np.asarray(pairs.frictional() & ~pairs.walking())
+
+
+def mean_factor(superelement: Superelement, pairs: ContactPairs) -> tuple[StaticFactor, float]:
+    """The response to mean forces, and its restraint; springs without a mean do not act here.
+
+    A body that only friction supports has ``MEAN_RESTRAINT`` on the mean, also with residual tractions, which vanish
+    when all its pairs slip; pairs that may walk need none. Raises InputError if the structure stays singular.
+    """
+    springs, undetermined, held = pairs.resting_stiffness().reshape(-1, 3), pairs.undetermined(), restrained(pairs)
+    without_friction = _without_friction(superelement, pairs)
+    restraint = MEAN_RESTRAINT if without_friction is None and held.any() else 0.0
+    if without_friction is not None and (undetermined == pairs.frictional()).all():
+        return without_friction, restraint
+    return StaticFactor.build(superelement, pairs, springs * (~undetermined + restraint * held)), restraint
+
+
+def _without_friction(superelement: Superelement, pairs: ContactPairs) -> StaticFactor | None:
+    springs = pairs.resting_stiffness().reshape(-1, 3)
+    return StaticFactor.attempt(superelement, pairs, springs * ~pairs.frictional())
+
+
+def require_support_at_rest(superelement: Superelement, pairs: ContactPairs) -> None:
+    """Raise InputError for a body that only pairs with a gap could support: it has no state at rest."""
+    closed = pairs.closed_at_rest
+    if closed.all():
+        return
+    springs = pairs.resting_stiffness().reshape(-1, 3)
+    if StaticFactor.attempt(superelement, pairs, springs) is None:
+        raise InputError(
+            f"preload is zero or negative (a gap) at {int((~closed).sum())} of {closed.size} pairs, and the others do "
+            "not support each body: displacements are relative to a state at rest, which does not exist. Press at "
+            "least some pairs of each body together, or constrain the body.",
+            ("preload",),
+        )
