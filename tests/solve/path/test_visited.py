@@ -13,8 +13,9 @@ from stickslip.model.model import build_model, load_joint, set_up
 from stickslip.results.measures import summary
 from stickslip.results.peaks import Peak
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.path.continuation import POINTS_BACK, Branch
+from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Correction, Newton, NewtonSettings
+from stickslip.solve.path.retreats import POINTS_BACK
 from stickslip.solve.path.stepping import Accepted, ContinuationSettings, Corner, Retreat
 from stickslip.solve.path.visited import Visited
 from stickslip.study.analyses import solve
@@ -143,9 +144,9 @@ class Astray(Branch[PlanePoint]):
         if not self.astray and point.y > 10.47:
             self.astray = True
             low = line_beside_an_ellipse().at(1.0 + 0.021 - 0.02, 10.5)
-            system = self._problem.linearised(low, self._plane(low, tangent, 0.0))
-            turned = self._direction_of(low, system, 1.0)
-            return Correction(low, True, 1, None), self._measure(low).unit(turned), 0.01, 0.01
+            system = self._problem.linearised(low, self._corrector.plane(low, tangent, 0.0))
+            turned = self._corrector.direction_of(low, system, 1.0)
+            return Correction(low, True, 1, None), self._corrector.measure(low).unit(turned), 0.01, 0.01
         return super()._advance(point, tangent, bend, step, landmark)
 
 

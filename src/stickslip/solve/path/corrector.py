@@ -1,0 +1,80 @@
+"""Tangents, planes and corrections along a branch, and the scales that measure them."""
+
+from __future__ import annotations
+
+from typing import Generic
+
+import numpy as np
+
+from stickslip.solve.path.arc_length import Metric, Tangent
+from stickslip.solve.path.newton import Correction, Newton
+from stickslip.solve.path.problem import Linearised, Plane, Point, PointT
+from stickslip.solve.path.stepping import Effort
+
+# Relative accuracy of a tangent, which is only a prediction.
+TANGENT_TOLERANCE = 1e-4
+# Floor of the scale of the motion, whose square must not underflow.
+SMALLEST_MOTION = 1e-150
+
+
+class Corrector(Generic[PointT]):
+    """Predicts points of a branch along its tangent and corrects them with Newton's method.
+
+    ``width`` is the range of the parameter; ``effort`` counts the iterations.
+    """
+
+    def __init__(self, newton: Newton[PointT], width: float, effort: Effort) -> None:
+        self.problem = newton.problem
+        self._newton = newton
+        self._width = width
+        self._effort = effort
+        self._largest = 0.0
+
+    def measure(self, point: PointT) -> Metric:
+        """The metric after ``point``."""
+        self._largest = max(self._largest, float(np.linalg.norm(point.measured)), SMALLEST_MOTION)
+        return Metric(self._largest, self._width)
+
+    def direction_of(self, point: PointT, system: Linearised, along: float) -> Tangent:
+        """Tangent at ``point`` from a Newton system; ``along``, its component across the plane, orients it."""
+        step = system.solve(np.zeros_like(point.unknowns), np.zeros_like(point.conditions), -along, TANGENT_TOLERANCE)
+        return Tangent(step.unknowns, self.problem.measured_change(point, step), step.parameters)
+
+    def first_tangent(self, start: PointT, direction: float, first_step: float) -> Tangent | None:
+        """Unit tangent at the start of a branch; None where the equations determine no direction."""
+        plane = Plane.fixed(start.unknowns, parameter_of(start))
+        tangent = self.direction_of(start, self.problem.linearised(start, plane), direction)
+        if not (np.isfinite(tangent.parameters).all() and np.isfinite(tangent.measured).all()):
+            return None
+        if not start.measured.any():
+            # A curve that starts at rest: the motion of its first steps is the scale.
+            self._largest = first_step * self._width * float(np.linalg.norm(tangent.measured))
+        return self.measure(start).unit(tangent)
+
+    def plane(self, point: PointT, tangent: Tangent, step: float) -> Plane:
+        """The plane across the tangent at its end; the unknowns are scaled so that both parts of the normal count."""
+        normal = self.problem.determined(tangent.unknowns)
+        size = max(float(np.linalg.norm(normal)), 1e-150)  # whose square is above zero: unknowns may be constant
+        return Plane(
+            normal / size**2,
+            tangent.parameter / self._width**2,
+            point.unknowns + step * tangent.unknowns,
+            parameter_of(point) + step * tangent.parameter,
+        )
+
+    def guess(self, point: PointT, tangent: Tangent, bend: Tangent, step: float) -> tuple[PointT, Plane]:
+        """The predicted end of a step, and the plane of its correction."""
+        ahead = tangent.times(step).plus(bend.times(0.5 * step**2))
+        guess = self.problem.evaluate(point.unknowns + ahead.unknowns, point.parameters + ahead.parameters)
+        return guess, self.plane(point, tangent, step)
+
+    def correct(self, start: PointT, plane: Plane) -> Correction[PointT]:
+        """Newton's method, with its iterations counted."""
+        correction = self._newton.correct(start, plane)
+        self._effort.spend(correction.iterations)
+        return correction
+
+
+def parameter_of(point: Point) -> float:
+    """The parameter of the curve at a point."""
+    return float(point.parameters[0])

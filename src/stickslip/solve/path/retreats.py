@@ -1,0 +1,149 @@
+"""What a branch does about a step that went wrong: retreat from one that came back, step around a corner."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Generic
+
+import numpy as np
+
+from stickslip.core.validation import FloatArray
+from stickslip.solve.path.arc_length import Metric, Tangent, chord_between
+from stickslip.solve.path.corrector import Corrector, parameter_of
+from stickslip.solve.path.newton import Correction
+from stickslip.solve.path.problem import PointT
+from stickslip.solve.path.stepping import ContinuationSettings, Pace, growing_lengths
+from stickslip.solve.path.visited import Visited
+
+# Two solutions are the same point of a curve within this fraction of the chord that came near, or of their size: the
+# legs of a sharp corner, where the branch turns by 180 degrees, are that close only at the tip.
+SAME_POINT, SAME_POINT_OF_SIZE = 0.02, 1e-8
+# chosen: the factor of the step after a retreat, and that after a second retreat to the same point.
+SHORTER, LONGER = 0.25, 4.0
+# A step beyond a corner differs from the direction in which the branch came by at least this angle.
+LEAST_TURN_DEG = 2.0
+# A branch counts as reversed after this number of points on its old path: at first the legs of a sharp corner are too
+# close to each other for Newton to distinguish them.
+POINTS_BACK = 4
+
+
+@dataclass(frozen=True)
+class CameBack:
+    """The last step came back to the branch: ``target``, the index of the last point before the loop or reversal.
+
+    ``same_direction`` is True where a second round of a loop begins, False after a reversal.
+    """
+
+    target: int
+    same_direction: bool
+
+
+class Retreats(Generic[PointT]):
+    """Finds steps of a branch that came back to its ``visited`` points, and goes back to where they left it."""
+
+    def __init__(
+        self, corrector: Corrector[PointT], visited: Visited[PointT], settings: ContinuationSettings, pace: Pace
+    ) -> None:
+        self._corrector = corrector
+        self._visited = visited
+        self._settings = settings
+        self._pace = pace
+        self._back: list[int] = []  # points of the branch to which the last points came back, against its direction
+        # Target of the last retreat, and the number of earlier ones with this target.
+        self._last_target: PointT | None = None
+        self._again = 0
+
+    def came_back(self) -> CameBack | None:
+        """Whether the last step came back to the branch; None if its point is new.
+
+        On a second round of a loop in the same direction the target is the point before the first of the loop; after a
+        reversal, the point that the branch came back to first. Newton, constrained to the plane through the earlier
+        point and started on the chord, decides whether that point is on the present curve or on one beside it.
+        """
+        corrector, points = self._corrector, self._visited.points
+        metric = corrector.measure(points[-1])
+        chord = chord_between(points[-2], points[-1])
+        for index, share in self._visited.near_last_chord(metric.motion_scale, metric.parameter_scale):
+            before, earlier = points[-2], points[index]
+            guess = corrector.problem.evaluate(
+                before.unknowns + share * chord.unknowns, before.parameters + share * chord.parameters
+            )
+            correction = corrector.correct(guess, corrector.plane(earlier, chord, 0.0))
+            if not (correction.converged and self._same(correction.point, earlier, chord)):
+                continue
+            if metric.product(chord, chord_between(earlier, points[index + 1])) > 0.0:
+                return CameBack(max(index - 1, 0), same_direction=True)
+            self._back.append(index)
+            return CameBack(self._back[0], same_direction=False) if len(self._back) == POINTS_BACK else None
+        self._back.clear()
+        return None
+
+    def go_back(self, last: int) -> tuple[Tangent, float]:
+        """Remove the visited points after ``last``; returns the tangent there and the next step.
+
+        It is shorter than the step that left the branch; where shorter steps came back to the same point, it is longer,
+        to pass it.
+        """
+        corrector, points = self._corrector, self._visited.points
+        metric = corrector.measure(points[-1])
+        onward = chord_between(points[last], points[last + 1])
+        length = math.sqrt(metric.product(onward, onward))
+        self._again = self._again + 1 if self._retreated_near(points[last], length, metric) else 0
+        self._last_target = points[last]
+        if self._again == 0:
+            step = max(SHORTER * length, self._settings.smallest_step)
+            self._pace.slow_down(step)
+        else:
+            step = min(LONGER**self._again * length, self._settings.first_step)
+            self._pace.relax()
+        self._visited.truncate(last + 1)
+        self._back.clear()
+        system = corrector.problem.linearised(points[last], corrector.plane(points[last], onward, 0.0))
+        return metric.unit(corrector.direction_of(points[last], system, 1.0)), step
+
+    def _same(self, first: PointT, second: PointT, chord: Tangent) -> bool:
+        """Whether two solutions are one point of a curve with the direction ``chord``."""
+
+        def size(unknowns: FloatArray) -> float:
+            return float(np.linalg.norm(self._corrector.problem.determined(unknowns)))
+
+        allowed = SAME_POINT * size(chord.unknowns) + SAME_POINT_OF_SIZE * size(second.unknowns)
+        allowed_parameter = SAME_POINT * abs(chord.parameter) + SAME_POINT_OF_SIZE * abs(parameter_of(second))
+        away = size(first.unknowns - second.unknowns)
+        return away <= allowed and abs(parameter_of(first) - parameter_of(second)) <= allowed_parameter
+
+    def _retreated_near(self, point: PointT, length: float, metric: Metric) -> bool:
+        """Whether the last retreat went to a point within a few steps of this one."""
+        if self._last_target is None:
+            return False
+        away = chord_between(self._last_target, point)
+        return metric.product(away, away) <= (LONGER * length) ** 2
+
+
+def around_corner(
+    corrector: Corrector[PointT], point: PointT, tangent: Tangent, settings: ContinuationSettings
+) -> tuple[Correction[PointT], Tangent, float, float] | None:
+    """A step in the direction that the equations have beyond a corner; None if there is none.
+
+    Where every step along the tangent fails, the equations change just ahead, and the branch continues along the
+    tangent of the piece beyond, in the one of its two directions that does not lead back. Returns point, tangent,
+    length, and next length.
+    """
+    for length in growing_lengths(4.0 * settings.smallest_step, settings.first_step):
+        beyond, plane = corrector.guess(point, tangent, tangent.times(0.0), length)
+        metric = corrector.measure(point)
+        ahead = corrector.direction_of(beyond, corrector.problem.linearised(beyond, plane), 1.0)
+        if not np.isfinite(ahead.measured).all():
+            continue
+        for side in (1.0, -1.0):
+            direction = metric.unit(ahead).times(side)
+            correction = corrector.correct(*corrector.guess(point, direction, direction.times(0.0), length))
+            if not correction.converged or correction.system is None:
+                continue
+            turned = metric.unit(corrector.direction_of(correction.point, correction.system, 1.0))
+            chord = chord_between(point, correction.point)
+            back = metric.angle_deg(chord, tangent.times(-1.0))
+            if back > LEAST_TURN_DEG and metric.angle_deg(chord, turned) <= settings.largest_angle_deg:
+                return correction, turned, length, length
+    return None
