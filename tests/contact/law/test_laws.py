@@ -12,6 +12,7 @@ import pytest
 
 import stickslip as ss
 from sentences import rejects
+from stickslip.contact.law.coulomb_period import CYCLES
 from stickslip.contact.law.law import ContactLaw
 from stickslip.contact.law.registry import contact_law, contact_law_names, law_constants
 from stickslip.results.storage import load_results, save_results
@@ -241,7 +242,10 @@ def path(samples: int = 300) -> np.ndarray:
 
 @pytest.mark.parametrize("name", ALL)
 def test_steps_along_a_period_end_in_the_periodic_state_of_the_cycle(name: str) -> None:
-    """To round-off, Iwan too: its steps and its cycle are two programs of one continuous distribution."""
+    """To round-off, Iwan too: its steps and its cycle are two programs of one continuous distribution.
+
+    A cycle of Coulomb pairs walks a millionth of the mean, which these steps reach at once.
+    """
     law, displacement = ALL[name], path()
     origin = np.where(law.undetermined(), displacement.mean(axis=0), 0.0)  # a slider that is released starts there
     memory = at(law, *(displacement - origin))
@@ -251,7 +255,9 @@ def test_steps_along_a_period_end_in_the_periodic_state_of_the_cycle(name: str) 
         force[sample], memory = step.force, step.memory
     pairs = ss.ContactPairs.with_laws(np.eye(6), [law])
     whole = force + np.column_stack([pairs.resting_traction, law.normal_load])
-    assert whole == pytest.approx(law.cycle(displacement).force, abs=1e-10 * np.abs(whole).max())
+    walk = np.abs(np.where(law.undetermined(), 0.0, law.resting_springs() * displacement.mean(axis=0))).max() / CYCLES
+    allowed = 1e-10 * np.abs(whole).max() + (2.0 * walk if name.startswith("coulomb") else 0.0)
+    assert whole == pytest.approx(law.cycle(displacement).force, abs=allowed)
 
 
 @pytest.mark.parametrize("name", ALL)

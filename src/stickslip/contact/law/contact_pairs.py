@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.coulomb_harmonics import Update
+from stickslip.contact.law.coulomb_period import CYCLES
 from stickslip.contact.law.law import BoolArray, ContactCycle, ContactLaw, ContactState, IndexArray, LawPeriod, LawStep
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, per_pair
@@ -283,6 +284,10 @@ class ContactPairs:
         return self.collect(
             lambda law: law.walking() if isinstance(law, CoulombLaw) else np.zeros((law.n_pairs, 3)), (3,)
         ).astype(bool)
+
+    def walk(self, mean: FloatArray) -> FloatArray:
+        """(..., n_pairs, 3) m that a body goes on in each cycle, where the mean (..., 3 n_pairs) is that of many."""
+        return np.asarray(mean.reshape(*mean.shape[:-1], -1, 3) * self.walking() / CYCLES)
 
     def retaining(self) -> ContactPairs:
         """The pairs with the tractions of their Coulomb laws retained; those that are released have none at rest."""

@@ -149,6 +149,16 @@ def start_jacobian(motion: Motion, y1: float, y2: float) -> tuple[float, float, 
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def initial_force(motion: Motion, cycles: float) -> tuple[float, float]:
+    """Force a at sample 0 of the slider at its initial position, and the part of the mean that comes before the cycles.
+
+    All cycles together walk the whole mean; with fewer of them, each as long, the rest of it lies before them.
+    """
+    before = 1.0 - cycles / CYCLES
+    return motion.path[0, 0] + before * motion.mean1, motion.path[1, 0] + before * motion.mean2
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def solve_stage(
     motion: Motion, y1: float, y2: float, cycles: float, enough: float, force: FloatArray, mode: CodeArray
 ) -> tuple[float, float, bool]:
@@ -157,7 +167,7 @@ def solve_stage(
     ``force`` and ``mode`` are then those of the march from y. A y outside of the limit at sample 0 starts on it
     (:func:`start_force`).
     """
-    a1, a2 = motion.path[0, 0], motion.path[1, 0]
+    a1, a2 = initial_force(motion, cycles)
     best, since = math.inf, 0
     for _ in range(MOST_MARCHES):
         t1, t2 = start_force(motion, y1, y2)
@@ -189,7 +199,7 @@ def staged(motion: Motion, largest: float, force: FloatArray, mode: CodeArray) -
     For one cycle the right side of ``y = (a + c P(y)) / (1 + c)`` halves distances, so its iteration converges from
     anywhere. Where no stage with more cycles converges, the state is that of the last stage; the closure shows it.
     """
-    a1, a2 = motion.path[0, 0], motion.path[1, 0]
+    a1, a2 = initial_force(motion, 1.0)
     y1, y2 = a1, a2
     for _ in range(HALVINGS):
         t1, t2 = start_force(motion, y1, y2)
@@ -218,7 +228,8 @@ def settle(motion: Motion, force: FloatArray, mode: CodeArray) -> tuple[float, f
         largest = max(largest, motion.limit[j])
         if motion.limit[j] <= 0.0:
             opens = True
-    t1, t2 = start_force(motion, motion.path[0, 0] + motion.mean1, motion.path[1, 0] + motion.mean2)
+    a1, a2 = initial_force(motion, 1.0)
+    t1, t2 = start_force(motion, a1, a2)
     march(motion, t1, t2, force, mode)
     y1, y2 = force[0, 0], force[1, 0]
     if opens:

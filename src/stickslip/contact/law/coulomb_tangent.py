@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,9 @@ from stickslip.contact.law.coulomb_kernel import (
 from stickslip.contact.law.coulomb_period import CYCLES, Motion, start_force, start_jacobian, sticks_throughout
 from stickslip.core.compiled import njit
 from stickslip.core.validation import FloatArray
+
+# Two cycles are the same if the force at their start differs by less than this fraction, round-off.
+SAME_CYCLE = 1e-11
 
 
 class Basis(NamedTuple):
@@ -87,8 +91,8 @@ def march_tangent(
     scale: FloatArray,
     derivative: FloatArray,
     coefficients: FloatArray,
-) -> None:
-    """March one period from sample 0 with the derivatives of the force.
+) -> tuple[float, float]:
+    """March one period from sample 0 with the derivatives of the force; returns the force at the end.
 
     ``derivative`` (2, 3 * width + 2), width = 2 H + 1: by the coefficients of t1, t2, n and, last, by the two
     components of the start; the start's on entry, the end's on return. ``scale`` = (k1, k2, mu kn).
@@ -139,6 +143,7 @@ def march_tangent(
             for row in range(2):
                 for c in range(columns):
                     coefficients[p, row, c] += product[p, row * columns + c]
+    return t1, t2
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -216,6 +221,39 @@ def carry(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def creeping_tangent(
+    motion: Motion,
+    t1: float,
+    t2: float,
+    basis: Basis,
+    scale: FloatArray,
+    released: bool,
+    ends: FloatArray,
+    tangent: FloatArray,
+) -> None:
+    """Fill ``tangent`` (2, width, 3 * width) where the period after the cycles is not their last one again.
+
+    A pair that has shaken down still creeps by 1 / C a cycle, which can decide whether a sample slips. The period
+    starts with (t1, t2), whose derivatives are ``ends`` (2, 3 * width), and does not contain the creep itself.
+    """
+    n, width = basis.synthesis.shape
+    derivative, fourier = ends.copy(), np.zeros((width, 2, 3 * width))
+    for c in (0, width):
+        for row in range(2):
+            derivative[row, c] *= CYCLES  # by the drift of one cycle
+    march_tangent(motion, t1, t2, basis, scale, derivative, fourier)
+    for c in range(3 * width):
+        share = 1.0
+        if c == 0 or c == width:
+            share = 0.0 if released else 1.0 / CYCLES
+        for row in range(2):
+            creep = share * derivative[row, c] - ends[row, c]
+            for p in range(width):
+                creeping = basis.weights[n, p] + basis.ramps[n, p] + basis.analysis[0, p]
+                tangent[row, p, c] = share * fourier[p, row, c] - creep * creeping
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def pair_tangent(
     motion: Motion, basis: Basis, scale: FloatArray, released: bool, start: FloatArray, tangent: FloatArray
 ) -> None:
@@ -232,13 +270,14 @@ def pair_tangent(
     derivative[0, columns - 2] = derivative[1, columns - 1] = 1.0
     fourier = np.zeros((width, 2, columns))
     t1, t2 = start_force(motion, start[0], start[1])
-    march_tangent(motion, t1, t2, basis, scale, derivative, fourier)
+    t1, t2 = march_tangent(motion, t1, t2, basis, scale, derivative, fourier)
     r11, r12, r21, r22, l1, l2 = start_jacobian(motion, start[0], start[1])
     p11, p12 = derivative[0, columns - 2], derivative[0, columns - 1]
     p21, p22 = derivative[1, columns - 2], derivative[1, columns - 1]
     s11, s12, s21, s22 = p11 * r11 + p12 * r21, p11 * r12 + p12 * r22, p21 * r11 + p22 * r21, p21 * r12 + p22 * r22
     j11, j12, j21, j22 = 1.0 + CYCLES * (1.0 - s11), -CYCLES * s12, -CYCLES * s21, 1.0 + CYCLES * (1.0 - s22)
     determinant = j11 * j22 - j12 * j21
+    ends = np.empty((2, columns - 2))
     # The columns of the tangential means are those of the drift in one of the cycles that reached them.
     for c in (0, width):
         share = 0.0 if released else 1.0 / CYCLES
@@ -259,12 +298,13 @@ def pair_tangent(
             b2 += (p21 * l1 + p22 * l2) * by_limit
         y1, y2 = a1 + CYCLES * b1, a2 + CYCLES * b2
         y1, y2 = (j22 * y1 - j12 * y2) / determinant, (j11 * y2 - j21 * y1) / determinant
-        end1, end2 = b1 + s11 * y1 + s12 * y2, b2 + s21 * y1 + s22 * y2
+        ends[0, c], ends[1, c] = b1 + s11 * y1 + s12 * y2, b2 + s21 * y1 + s22 * y2
         for row in range(2):
             for p in range(width):
-                tangent[row, p, c] = (
-                    fourier[p, row, c] + fourier[p, row, columns - 2] * end1 + fourier[p, row, columns - 1] * end2
-                )
+                by1, by2 = fourier[p, row, columns - 2], fourier[p, row, columns - 1]
+                tangent[row, p, c] = fourier[p, row, c] + by1 * ends[0, c] + by2 * ends[1, c]
+    if math.hypot(t1 - start[0], t2 - start[1]) > SAME_CYCLE * math.hypot(t1, t2):
+        creeping_tangent(motion, t1, t2, basis, scale, released, ends, tangent)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

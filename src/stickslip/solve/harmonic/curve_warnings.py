@@ -21,6 +21,9 @@ LARGEST_CLOSURE = 1e-5
 NOTABLE_DAMPING = 1.2
 # chosen: force of the restraint on the mean, over the sum of the friction limits, above which there is a warning.
 LARGEST_RESTRAINT = 1e-3
+# chosen: way of a body in one cycle, over the largest motion of a pair, above which there is a warning: the mean
+# displacement of pairs that stick is no larger than their motion, and counts as a millionth of it.
+LARGEST_WALK = 1e-5
 # Folds closer together than this fraction of their frequency are round-off of a vertical tangent.
 SMALLEST_FOLD = 1e-4
 
@@ -56,7 +59,7 @@ def curve_warnings(
             f"The damping ratio of {100 * wanted_ratio:.3g} % applies to the stuck modes; the free modes in the "
             f"frequency range have up to {100 * free_ratio:.3g} % from the same matrix, part of it across the joint."
         )
-    return (*sentences, *_drift(balance, trials), *_folds(trials))
+    return (*sentences, *_drift(balance, trials), *_walk(balance, trials), *_folds(trials))
 
 
 def _folds(trials: list[Trial]) -> tuple[str, ...]:
@@ -155,4 +158,23 @@ def _drift(balance: Balance, trials: list[Trial]) -> tuple[str, ...]:
         f"A body that only friction supports tends to drift: a mean force of {traction:.2e} N (friction limit "
         f"{limit:.2e} N) acts on it in a direction without support, and an artificial restraint carries this force. "
         "Constrain that body along its free direction.",
+    )
+
+
+def _walk(balance: Balance, trials: list[Trial]) -> tuple[str, ...]:
+    """A warning where a body slides on from cycle to cycle, so that the motion is periodic but for this way."""
+    means = np.array([trial.relative[0] for trial in trials])
+    ways = np.linalg.norm(balance.pairs.walk(means), axis=2).max(axis=1)
+    motions = np.array([np.abs(trial.relative[1:]).max() for trial in trials])
+    walking = np.flatnonzero(ways > LARGEST_WALK * motions)
+    if not walking.size:
+        return ()
+    hertz = np.array([trials[point].omega for point in walking]) / (2.0 * np.pi)
+    most = int(ways.argmax())
+    return (
+        f"A body that only friction supports does not stay in its place: at {walking.size} of {len(trials)} points, "
+        f"{hertz.min():.2f} to {hertz.max():.2f} Hz, it slides on by up to {1e6 * ways[most]:.3g} um in each cycle (at "
+        f"{trials[most].omega / (2.0 * np.pi):.2f} Hz). No periodic motion exists there; the curve shows the motion of "
+        "the body that walks on faces without end. Constrain it along its free direction, press it harder, or lower "
+        "the force.",
     )

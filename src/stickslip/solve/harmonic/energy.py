@@ -64,6 +64,9 @@ def _measure(
     contact = np.array([trial.contact.force.reshape(balance.rows, -1).T for trial in trials])
     # Work of a force on a motion in one period: pi * sum_h h (s_h . fc_h - c_h . fs_h).
     by_direction = _work(order, np.array([trial.relative for trial in trials]), contact).reshape(len(trials), -1, 3)
+    means = np.array([trial.relative[0] for trial in trials])
+    traction = contact[:, 0].reshape(len(trials), -1, 3)[:, :, :2] + balance.pairs.resting_traction
+    by_direction[:, :, :2] += traction * balance.pairs.walk(means)[:, :, :2]
     by_direction[np.array([trial.contact.state for trial in trials]) == ContactState.STUCK] = 0.0
     quadratic = balance.compliance.gain.viscous_form(np.array([trial.amplitude for trial in trials]))
     viscous = np.pi * omega * ((quadratic[:, 0::2] + quadratic[:, 1::2]) * order[:, 0] ** 2).sum(axis=1)

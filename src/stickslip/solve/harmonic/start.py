@@ -96,7 +96,10 @@ def _amplitude_ramp(
     branch.follow()
     if not branch.complete:
         return None, branch.message
-    return curve.at(branch.points[-1].point.unknowns, omega), branch.message
+    full = _at_frequency(newton, curve, branch.points[-1].point.unknowns, omega)
+    if not full.converged:
+        return None, f"near the full force, but there Newton stopped at a relative residual of {full.point.error:.1e}"
+    return full.point, branch.message
 
 
 def _few_harmonics(

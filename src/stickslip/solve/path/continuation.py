@@ -114,7 +114,7 @@ class Branch(Generic[PointT]):
             reached = parameter_of(correction.point)
             end = self._end_passed(reached)
             if end is not None:
-                landed, iterations = self._land(point, correction.point, end)
+                landed, iterations = self._corrector.land(point, correction.point, end)
                 self.complete = True
                 self.message = "The branch reached the stop."
                 self._accept(BranchPoint(landed, iterations + correction.iterations))
@@ -279,13 +279,3 @@ class Branch(Generic[PointT]):
         start, end = parameter_of(before), parameter_of(after)
         crossed = first_crossed(self._landmarks, start, end - start)
         return crossed is not None and abs(end - crossed.value) > ON_IT * crossed.width
-
-    def _land(self, before: PointT, after: PointT, end: float) -> tuple[PointT, int]:
-        """The solution exactly at an end; the point beyond it if that does not converge."""
-        share = (end - parameter_of(before)) / (parameter_of(after) - parameter_of(before))
-        guess = before.unknowns + share * (after.unknowns - before.unknowns)
-        parameters = before.parameters + share * (after.parameters - before.parameters)
-        parameters[0] = end
-        start = self._problem.evaluate(guess, parameters)
-        correction = self._corrector.correct(start, Plane.fixed(guess, end))
-        return (correction.point, correction.iterations) if correction.converged else (after, 0)
