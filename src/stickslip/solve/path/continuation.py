@@ -36,6 +36,8 @@ from stickslip.solve.path.visited import Visited
 
 # chosen: the largest number of retreats from steps that came back to the branch.
 MOST_RETREATS = 6
+# chosen: how often a step that passes the end, but from which Newton does not land on it, is halved.
+MOST_LANDINGS = 8
 # chosen: how far the branch may go beyond its start, as a fraction of the range and of the start, before it folds and
 # comes back: a range often begins between two folds.
 LONGEST_EXCURSION = 0.5
@@ -98,6 +100,7 @@ class Branch(Generic[PointT]):
             )
             return self.points
         bend, step = tangent.times(0.0), self._settings.first_step
+        landings = MOST_LANDINGS
         for _ in range(self._settings.max_points - 1):
             point = self.points[-1].point
             if self._effort.stall:
@@ -114,10 +117,14 @@ class Branch(Generic[PointT]):
             reached = parameter_of(correction.point)
             end = self._end_passed(reached)
             if end is not None:
-                landed, iterations = self._corrector.land(point, correction.point, end)
+                landed = self._corrector.land(point, correction.point, end)
+                if not landed.converged and landings > 0:
+                    landings, step = landings - 1, 0.5 * length  # the end is nearer from the next points
+                    continue
                 self.complete = True
                 self.message = "The branch reached the stop."
-                self._accept(BranchPoint(landed, iterations + correction.iterations))
+                last = landed if landed.converged else correction  # else one beyond the stop
+                self._accept(BranchPoint(last.point, landed.iterations + correction.iterations))
                 return self.points
             beyond = (self._origin - reached) * self._direction
             if self._within is None and beyond > LONGEST_EXCURSION * min(self._width, abs(self._origin)):

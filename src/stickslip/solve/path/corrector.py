@@ -13,8 +13,6 @@ from stickslip.solve.path.stepping import Effort
 
 # Relative accuracy of a tangent, which is only a prediction.
 TANGENT_TOLERANCE = 1e-4
-# chosen: attempts to land on the end of a branch; each halves the distance.
-MOST_LANDINGS = 6
 # Floor of the scale of the motion, whose square must not underflow.
 SMALLEST_MOTION = 1e-150
 
@@ -76,31 +74,14 @@ class Corrector(Generic[PointT]):
         self._effort.spend(correction.iterations)
         return correction
 
-    def land(self, before: PointT, after: PointT, end: float) -> tuple[PointT, int]:
-        """The solution exactly at an end between two points, and the iterations; one beyond it if that fails.
-
-        Where Newton does not converge there, a point halfway along the chord brings the two closer.
-        """
-        iterations = 0
-        for _ in range(MOST_LANDINGS):
-            chord = chord_between(before, after)
-            share = (end - parameter_of(before)) / chord.parameter
-            parameters = before.parameters + share * chord.parameters
-            parameters[0] = end
-            guess = before.unknowns + share * chord.unknowns
-            landed = self.correct(self.problem.evaluate(guess, parameters), Plane.fixed(guess, end))
-            iterations += landed.iterations
-            if landed.converged:
-                return landed.point, iterations
-            middle = self.correct(*self.guess(before, chord, chord.times(0.0), 0.5))
-            iterations += middle.iterations
-            if not middle.converged:
-                break
-            if (parameter_of(middle.point) - end) * (parameter_of(after) - end) > 0.0:
-                after = middle.point
-            else:
-                before = middle.point
-        return after, iterations
+    def land(self, before: PointT, after: PointT, end: float) -> Correction[PointT]:
+        """Newton's method exactly at an end between two points."""
+        chord = chord_between(before, after)
+        share = (end - parameter_of(before)) / chord.parameter
+        parameters = before.parameters + share * chord.parameters
+        parameters[0] = end
+        guess = before.unknowns + share * chord.unknowns
+        return self.correct(self.problem.evaluate(guess, parameters), Plane.fixed(guess, end))
 
 
 def parameter_of(point: Point) -> float:
