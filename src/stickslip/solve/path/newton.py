@@ -14,6 +14,8 @@ from stickslip.solve.path.problem import Linearised, Plane, PointT, Problem, Ste
 # quadratic convergence uses no more digits.
 FAR_STEP_TOLERANCE = 1e-3
 FINEST_STEP_TOLERANCE = 1e-8
+# chosen: relative size of a step above which the error is not round-off.
+ROUND_OFF_STEP = 1e-5
 # chosen: a step that leaves more than this fraction of the residual had too few digits.
 POOR_STEP = 0.1
 
@@ -96,13 +98,18 @@ class Newton(Generic[PointT]):
                 break
             improved = self._best_along(point, step)
             near = point.error <= settings.round_off_factor * settings.tolerance
-            if near and improved.error > 0.5 * point.error:
+            if near and improved.error > 0.5 * point.error and self._is_round_off(point, step):
                 best = improved if improved.error < point.error else point
                 return Correction(best, True, iteration + 1, system)
             if improved.error > POOR_STEP * point.error:
                 sharper *= FAR_STEP_TOLERANCE
             point = improved
         return Correction(point, False, settings.max_iterations, system)
+
+    def _is_round_off(self, point: PointT, step: Step) -> bool:
+        """Whether the step is too small to matter: a larger one says that the solution is elsewhere."""
+        size, whole = (float(np.linalg.norm(self.problem.determined(each))) for each in (step.unknowns, point.unknowns))
+        return size <= ROUND_OFF_STEP * whole
 
     def _best_along(self, point: PointT, step: Step) -> PointT:
         """The point after a full step, or the best of shortened ones where the full step enlarges the error."""
