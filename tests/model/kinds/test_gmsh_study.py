@@ -92,7 +92,6 @@ def quick(folder: Path, changes: dict[str, str]) -> Path:
     changes = changes | {
         "harmonics = 3": "harmonics = 1",
         "samples = 128": "samples = 64",
-        "modes = 20": "modes = 10",
         'frequency_start = "430 Hz"': 'frequency_start = "442 Hz"',
         'frequency_stop = "470 Hz"': 'frequency_stop = "446 Hz"',
         'figure_formats = ["png"]': "figure_formats = []",
