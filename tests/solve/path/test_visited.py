@@ -234,9 +234,10 @@ def test_a_curve_of_two_blades_with_loops_beside_it_is_complete() -> None:
             "roughness.fractal_dimension": 2.35,
             "roughness.fractal_roughness": "1e-9 m",
             "friction.coefficient": 0.5,
+            "solver.harmonics": 3,
         }
     )
     response, actual = solved(case)
     assert response.frequency_hz.size < 400
-    assert actual.amplitude == pytest.approx(59.87e-6, rel=1e-3)  # with 512 and 1024 samples, which meet no loop
-    assert actual.frequency_hz == pytest.approx(430.86, abs=0.02)
+    assert actual.amplitude == pytest.approx(61.40e-6, rel=1e-3)  # with 512 and 1024 samples, which meet no loop
+    assert actual.frequency_hz == pytest.approx(430.74, abs=0.02)
