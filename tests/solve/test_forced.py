@@ -203,6 +203,7 @@ def test_no_viscous_damping_is_solved_and_reported() -> None:
     assert np.isfinite(response.linear.stuck).all()
 
 
+@pytest.mark.slow
 def test_a_joint_too_stiff_for_the_arithmetic_is_reported() -> None:
     superelement, pairs = two_bodies(1e9, 0.01)
     response = forced_response(superelement, pairs, [50.0, 0, 0, 0, 0, 0], frequency_hz=(150.0, 175.0), harmonics=3)
@@ -280,6 +281,7 @@ def test_no_first_point_raises_with_every_attempt(blade: Blade) -> None:
             harmonics=3,
             samples=64,
             newton=NewtonSettings(tolerance=1e-9, max_iterations=0),
+            continuation=ContinuationSettings(max_points=100),
         )
 
 

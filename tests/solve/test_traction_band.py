@@ -58,6 +58,7 @@ def blade_with_band() -> ss.ForcedResponse:
     return blade_curve(traction_band=BLADE.output)
 
 
+@pytest.mark.slow
 def test_the_release_of_a_traction_moves_one_slipping_pair_by_its_static_displacement() -> None:
     """Under a constant normal load slip only releases T0: the vibration is the same, the mean is T0 / k."""
     band = oscillator(traction_band=[1.0]).traction_band
@@ -72,6 +73,7 @@ def test_the_release_of_a_traction_moves_one_slipping_pair_by_its_static_displac
     assert vibration[1] == pytest.approx(vibration[0], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_stuck_pair_at_its_limit_releases_the_variation_of_its_traction() -> None:
     """With mean m and amplitude X it sticks if ``T0 - k m + kt X <= mu N``: ``m = kt X / k`` at ``T0 = mu N``."""
     structure = ss.Superelement(np.eye(1), np.array([[STIFFNESS]]), np.array([[20.0]]))
