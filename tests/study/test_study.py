@@ -190,7 +190,7 @@ def test_a_folder_that_is_removed_while_the_case_is_solved_loses_no_curve(
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr(solution, "solve", solve_and_remove)
     with rejects(ResultsFileError) as error:
-        study.run(Case().replace(COARSE), tmp_path / "out")
+        study.run(quick_case(), tmp_path / "out")
     (retained,) = (tmp_path / "cache").rglob("results.nc")
     assert str(retained) in str(error.value)
     assert load_results(retained).response.converged
@@ -219,7 +219,7 @@ def test_a_disk_that_fills_up_after_the_results_keeps_them(tmp_path: Path, monke
 
     monkeypatch.setattr(study, "_page", full)
     with rejects(InputError):
-        study.run(Case().replace(COARSE), tmp_path)
+        study.run(quick_case(), tmp_path)
     assert load_results(tmp_path / "results.nc").response.converged
 
 
