@@ -40,12 +40,14 @@ lint: $(INSTALLED)
 # share what they prepared, so a file stays in one process. The processes that tests start find the package compiled, also
 # where the environment forbids to store that.
 PYTEST = OMP_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
+# Slow tests that wait for a browser or for another process leave their core to one more process of tests.
+ONE_MORE = $$($(BIN)/python -c 'import os; print(1 + (os.cpu_count() or 1))')
 
 check: lint
 	$(PYTEST) -m "not slow"
 
 test: lint
-	$(PYTEST) --cov --cov-report=term
+	$(PYTEST) --numprocesses $(ONE_MORE) --cov --cov-report=term
 
 # The site asks no server for anything: neither while it is built nor in the browser.
 docs: $(INSTALLED)

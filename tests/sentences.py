@@ -2,7 +2,8 @@
 
 ``with rejects(InputError, "interfaces.joint.normal_load"):`` fails unless exactly this type of error comes, about
 exactly these keys, with the sentence that the snapshot has for the test. ``printed_sentence(text)`` compares what a
-command prints. ``pytest --update-sentences`` writes the sentences of the tests that ran; a reviewer reads the diff.
+command prints, and warnings and messages of results. ``pytest --update-sentences`` writes the sentences of the tests
+that ran; a reviewer reads the diff.
 """
 
 from __future__ import annotations
@@ -74,17 +75,21 @@ class _Rejects(Generic[Rejection]):
             what = f"{type(came).__name__} about {_listed(found)}"
             pytest.fail(f"{what} came instead of {self._kind.__name__} about {_listed(self._keys)}: {came}")
         text = _without_words_of_others(came)
-        _running().compare(_NUMBER.sub("<number>", text) if isinstance(came, ConvergenceError) else text)
+        _running().compare(text, numbers=not isinstance(came, ConvergenceError))
         return True
 
 
-def printed_sentence(text: str, *keys: str) -> None:
-    """A command printed ``text``, which names each of ``keys`` and is the one of the snapshot."""
+def printed_sentence(text: str, *keys: str, numbers: bool = True) -> None:
+    """A command printed ``text``, or a result has it; it names each of ``keys`` and is the one of the snapshot.
+
+    ``numbers=False`` compares the words only: the numbers differ from machine to machine, as round-off does, or from
+    run to run.
+    """
     __tracebackhide__ = True
     missing = [key for key in keys if key not in text]
     if missing:
         pytest.fail(f"the sentence does not name {_listed(missing)}: {text}")
-    _running().compare(text)
+    _running().compare(text, numbers)
 
 
 def _listed(keys: Sequence[str]) -> str:
@@ -128,10 +133,12 @@ class _Test:
     updates: bool
     found: list[str] = field(default_factory=list)
 
-    def compare(self, text: str) -> None:
-        """The next sentence of the test."""
+    def compare(self, text: str, numbers: bool = True) -> None:
+        """The next sentence of the test; its words only, without ``numbers``."""
         __tracebackhide__ = True
         sentence = normalised(text, self.folder)
+        if not numbers:
+            sentence = _NUMBER.sub("<number>", sentence)
         if self.found and same(self.found[-1], sentence):
             return  # tests that try every byte of a file have one entry
         place = len(self.found)

@@ -120,6 +120,20 @@ def test_another_sentence_fails_its_tests_alone_until_it_is_written(project: Pro
     project.run().assert_outcomes(passed=6)
 
 
+def test_without_numbers_the_words_are_compared_alone(project: Project) -> None:
+    text = 'printed_sentence("Error: the gap must be 0 m or above.", "gap")'
+    new = 'printed_sentence("The residual is 3.1e-07 after 17 steps.", "17", numbers=False)'
+    project.change("test_joint.py", text, new)
+    project.run("--update-sentences").assert_outcomes(passed=6)
+    assert project.snapshot()["tests/test_joint.py::test_command"] == ["The residual is <number> after <number> steps."]
+    project.change("test_joint.py", "3.1e-07", "-8")
+    project.run().assert_outcomes(passed=6)
+    project.change("test_joint.py", "after 17", "after 18")  # the key is compared with the numbers
+    project.run().assert_outcomes(passed=5, failed=1)
+    project.change("test_joint.py", "after 18", "before 17")
+    project.run().assert_outcomes(passed=5, failed=1)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "came"),
     [

@@ -26,6 +26,7 @@ def case_of(*interfaces: str) -> Case:
 
 IWAN = case_of(interface_text("joint", "iwan"))
 TABLE = {"pressure": ["1 MPa", "4 MPa"], "normal_stiffness": ["2e4 N/mm^3", 4e13], "tangential_stiffness": [1e13, 2e13]}
+TABLE_KEYS = " ".join(f"stiffness_constants.{key}" for key in TABLE)
 MEASURED: dict[str, Any] = {
     "interfaces.joint.law": "coulomb",
     "interfaces.joint.constants": {},
@@ -64,61 +65,53 @@ def test_values_are_in_si_and_come_back_from_mapping_text_and_pickle() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "key", "words"),
+    ("changes", "keys"),
     [
-        ({"interfaces.joint.law": "iwann"}, "law", "is no contact law; there are: coulomb, cubic, elastic-stop, iwan"),
-        ({"interfaces.joint.constants.beta": 0.3}, "constants.beta", "slip_force (N), exponent, ratio"),
-        ({"interfaces.joint.constants.ratio": None}, "constants.ratio", "is missing"),
-        ({"interfaces.joint.constants.slip_force": "3 mm"}, "constants.slip_force", "a unit of length"),
-        ({"interfaces.joint.constants.slip_force": [1, 2, 3]}, "constants.slip_force", "a list of 2"),
-        ({"interfaces.joint.constants.exponent": 0.5}, "constants.exponent", "from -0.99 to 0"),
-        ({"interfaces.joint.constants.slip_force": "-1 N"}, "constants.slip_force", "must be above 0"),
-        ({"interfaces.joint.constants.slip_force": "1e13 N"}, "constants.slip_force", "at most 1e12 N"),
-        ({"interfaces.joint.constants": "iwan"}, "constants", "a section of its own"),
-        ({"interfaces.joint.friction": 0.2}, "friction", 'has no effect on the law "iwan"'),
-        ({"interfaces.joint.gap": "1 mm"}, "gap", 'has no effect on the law "iwan"'),
-        ({"interfaces.joint.normal_load": "3 N"}, "normal_load", "has no effect"),
-        ({"interfaces.joint.tangential_stiffness": None}, "normal_load", "is missing"),  # roughness follows from it
-        ({"interfaces.joint.constants.normal_stiffness": 1.0}, "constants.normal_stiffness", "The joint defines it"),
-        ({"interfaces.joint.law": None}, "constants", 'another law than "coulomb"'),
-        ({"interfaces.joint.stiffness_law": "measured"}, "stiffness_constants.pressure", "or file with all tables"),
-        ({"interfaces.joint.stiffness_law": "fractal"}, "stiffness_law", "is the law of [roughness]"),
-        ({"interfaces.joint.stiffness_law": "tabel"}, "stiffness_law", "is no stiffness law; there are: measured"),
-        ({"interfaces.joint.stiffness_constants": TABLE}, "stiffness_constants", "belongs to stiffness_law"),
-        ({"interfaces.joint.allocation": "area"}, "allocation", "belongs to stiffness_law"),
+        ({"interfaces.joint.law": "iwann"}, "law"),
+        ({"interfaces.joint.constants.beta": 0.3}, "constants.beta"),
+        ({"interfaces.joint.constants.ratio": None}, "constants.ratio"),
+        ({"interfaces.joint.constants.slip_force": "3 mm"}, "constants.slip_force"),
+        ({"interfaces.joint.constants.slip_force": [1, 2, 3]}, "constants.slip_force"),
+        ({"interfaces.joint.constants.exponent": 0.5}, "constants.exponent"),
+        ({"interfaces.joint.constants.slip_force": "-1 N"}, "constants.slip_force"),
+        ({"interfaces.joint.constants.slip_force": "1e13 N"}, "constants.slip_force"),
+        ({"interfaces.joint.constants": "iwan"}, "constants"),
+        ({"interfaces.joint.friction": 0.2}, "friction"),
+        ({"interfaces.joint.gap": "1 mm"}, "gap"),
+        ({"interfaces.joint.normal_load": "3 N"}, "normal_load"),
+        ({"interfaces.joint.tangential_stiffness": None}, "normal_load"),  # roughness follows from it
+        ({"interfaces.joint.constants.normal_stiffness": 1.0}, "constants.normal_stiffness"),
+        ({"interfaces.joint.law": None}, "constants"),
+        ({"interfaces.joint.stiffness_law": "measured"}, TABLE_KEYS),
+        ({"interfaces.joint.stiffness_law": "fractal"}, "stiffness_law"),
+        ({"interfaces.joint.stiffness_law": "tabel"}, "stiffness_law"),
+        ({"interfaces.joint.stiffness_constants": TABLE}, "stiffness_constants"),
+        ({"interfaces.joint.allocation": "area"}, "allocation"),
         (
             {"interfaces.joint.stiffness_law": "measured", "interfaces.joint.stiffness_constants": TABLE},
             "tangential_stiffness",
-            "and stiffness_law are both given",
         ),
         (
             MEASURED | {"interfaces.joint.stiffness_constants": TABLE | {"pressure": ["4 MPa", "1 MPa"]}},
             "stiffness_constants.pressure",
-            "not above the one before",
         ),
         (
             MEASURED | {"interfaces.joint.stiffness_constants": TABLE | {"tangential_stiffness": [0.0, 1e13]}},
             "stiffness_constants.tangential_stiffness",
-            "must be above 0",
         ),
         (
             MEASURED | {"interfaces.joint.stiffness_constants": TABLE | {"file": "a.csv"}},
-            "stiffness_constants.pressure",
-            "and file are both given",
+            TABLE_KEYS,
         ),
         (
             MEASURED | {"interfaces.joint.stiffness_constants": TABLE | {"pressure": "1 MPa"}},
             "stiffness_constants.pressure",
-            "must be a list of values",
         ),
     ],
 )  # fmt: skip
-def test_what_does_not_fit_is_rejected_by_its_key(changes: dict[str, Any], key: str, words: str) -> None:
-    with pytest.raises(ss.StudyFileError) as error:
+def test_what_does_not_fit_is_rejected_by_its_key(changes: dict[str, Any], keys: str) -> None:
+    with rejects(ss.StudyFileError, *(f"interfaces.joint.{key}" for key in keys.split())):
         changed(changes)
-    sentences = [line for line in str(error.value).splitlines() if line.startswith(f"  interfaces.joint.{key} ")]
-    assert len(sentences) == 1, str(error.value)
-    assert words in sentences[0]
 
 
 def test_each_kind_of_useless_stiffness_is_rejected() -> None:

@@ -15,16 +15,20 @@ def run(*words):
     return CliRunner().invoke(app, ["import", *map(str, words)])
 
 
+def sentences_of(output):
+    """What the command prints after its tables; lines end where the terminal does."""
+    return " ".join(output.rpartition("┘")[2].split())
+
+
 def test_what_is_in_a_model():
     result = run(MODELS / "cubes.inp", "--length-unit", "mm")
     assert result.exit_code == 0, result.output
-    for words in ("Abaqus/CalculiX", "lower", "0.00785", "contact", "base", "mm-t-s", "has 6 rigid-body motions"):
+    for words in ("Abaqus/CalculiX", "lower", "0.00785", "contact", "base", "free faces"):
         assert words in result.output
-    assert "free faces" in result.output
+    printed_sentence(sentences_of(result.output), "mm-t-s", "upper")
+    assert "Warning" not in result.output
     (contact,) = [line for line in result.output.splitlines() if line.startswith("│ contact")]
     assert [word.strip() for word in contact.split("│")[1:-1]] == ["contact", "1", "4", "100", "lower"]
-    assert "(lower) has" not in result.output, "the clamped body has no rigid-body motions"
-    assert "Warning" not in result.output
 
 
 def test_a_deck_as_abaqus_cae_writes_it():
@@ -36,15 +40,8 @@ def test_a_deck_as_abaqus_cae_writes_it():
     assert ["Cube-2.Top", "1", "4", "100", "Cube-2"] in table
     assert ["Skin", "3", "10", "300", "Cube-1, Cube-2"] in table
     assert ["x", "-10", "10", "20"] in table
-    output = " ".join(result.output.split())
-    for words in (
-        "instance 'Cube-1' as in the deck, instance 'Cube-2' + 1000",
-        "(Cube-2) has 4 rigid-body motions",
-        "The file sets 14 displacements of 6 nodes to zero.",
-        "Forces act on 5 nodes; their sum is (2, 0, -2.5) N.",
-    ):
-        assert words in output
-    assert "Warning" not in output
+    printed_sentence(sentences_of(result.output), "'Cube-2' + 1000", "(2, 0, -2.5) N")
+    assert "Warning" not in result.output
 
 
 def test_a_bad_part_ends_with_2(tmp_path):

@@ -82,6 +82,7 @@ def test_energy_balance_of_a_solved_case_and_of_a_spoiled_one():
     assert np.isinf(energy_imbalance(still)).all()
 
 
+@pytest.mark.slow
 def test_summary_of_a_damped_case():
     response, study = synthetic_response(), synthetic_study()
     result = summary(response, study.outputs[study.response_output])

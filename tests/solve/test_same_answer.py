@@ -49,6 +49,7 @@ def test_the_ranges_of_folds_are_where_a_curve_goes_back(sign: float) -> None:
     assert same_answer.outside(np.array([2.3, 3.2]), ranges).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("factor", "verdict"), [(1.005, "same"), (1.03, "different")])
 def test_a_curve_that_is_three_per_cent_higher_is_another_one(factor: float, verdict: str) -> None:
     problem = make("sdof", 4)
@@ -59,6 +60,7 @@ def test_a_curve_that_is_three_per_cent_higher_is_another_one(factor: float, ver
     assert compared.distance == pytest.approx(factor - 1.0, rel=0.5)
 
 
+@pytest.mark.slow
 def test_only_stuck_pairs_with_other_retained_tractions_excuse_a_difference() -> None:
     """A mean displacement of all pairs that stick is another member of the continuum, if tractions are kept."""
     problem = make("sdof", 4)

@@ -19,17 +19,17 @@ Outcome = Literal["complete", "ends"]
 
 QUICK: dict[tuple[str, int], Outcome] = {
     ("sdof", 4): "complete",
-    ("chain", 0): "complete",
     ("plate", 0): "complete",
     ("stiff", 3): "complete",
     ("aniso", 1): "complete",
     ("aniso", 3): "complete",
     ("gaps", 2): "complete",
-    ("close", 2): "complete",
     ("high", 3): "complete",
     ("low", 0): "complete",
 }
 SLOW: dict[tuple[str, int], Outcome] = {
+    ("close", 2): "complete",
+    ("chain", 0): "complete",
     ("sdof", 3): "complete",
     ("sdof", 11): "complete",
     ("beam", 0): "complete",

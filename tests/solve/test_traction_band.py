@@ -12,6 +12,7 @@ import pytest
 
 import stickslip as ss
 from helpers import benchmark_module
+from sentences import printed_sentence, rejects
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.harmonic.traction_sensitivity import TractionSensitivity
@@ -57,6 +58,7 @@ def blade_with_band() -> ss.ForcedResponse:
     return blade_curve(traction_band=BLADE.output)
 
 
+@pytest.mark.slow
 def test_the_release_of_a_traction_moves_one_slipping_pair_by_its_static_displacement() -> None:
     """Under a constant normal load slip only releases T0: the vibration is the same, the mean is T0 / k."""
     band = oscillator(traction_band=[1.0]).traction_band
@@ -71,6 +73,7 @@ def test_the_release_of_a_traction_moves_one_slipping_pair_by_its_static_displac
     assert vibration[1] == pytest.approx(vibration[0], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_stuck_pair_at_its_limit_releases_the_variation_of_its_traction() -> None:
     """With mean m and amplitude X it sticks if ``T0 - k m + kt X <= mu N``: ``m = kt X / k`` at ``T0 = mu N``."""
     structure = ss.Superelement(np.eye(1), np.array([[STIFFNESS]]), np.array([[20.0]]))
@@ -191,12 +194,12 @@ def test_a_band_whose_curves_end_early_says_so() -> None:
     assert band is not None
     assert not band.complete.any()
     assert "NOT complete" in repr(band)
-    assert any("The band of residual tractions is incomplete" in words for words in response.warnings)
+    printed_sentence("\n".join(response.warnings))
 
 
 @pytest.mark.parametrize("row", [[0.0], [1.0, 1.0], [float("nan")]])
 def test_a_wrong_output_of_a_band_is_rejected(row: list[float]) -> None:
-    with pytest.raises(ss.InputError, match="traction_band"):
+    with rejects(ss.InputError, "traction_band"):
         oscillator(traction_band=row)
 
 
@@ -204,6 +207,5 @@ def test_a_band_requires_pairs_with_friction() -> None:
     structure = ss.Superelement(np.eye(1), np.array([[STIFFNESS]]), np.array([[5.0]]))
     stop = ss.ElasticStop(np.array([1e6]), np.array([1e-6]))
     pairs = ss.ContactPairs.with_laws(np.array([[0.0], [0.0], [1.0]]), [stop])
-    with pytest.raises(ss.InputError, match="Coulomb friction under a normal load") as error:
+    with rejects(ss.InputError, "traction_band"):
         ss.forced_response(structure, pairs, np.array([4.0]), frequency_hz=(100.0, 200.0), traction_band=[1.0])
-    assert error.value.keys == ("traction_band",)

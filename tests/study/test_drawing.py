@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from helpers import unmeasured
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
 from stickslip.core.errors import InputError
 from stickslip.model.model import load_joint, set_up
@@ -88,8 +88,11 @@ def test_a_folder_that_cannot_be_made_is_reported(tmp_path: Path) -> None:
 def test_a_fault_of_the_drawing_comes_with_its_traceback(tmp_path: Path) -> None:
     with SecondProcess(Drawing(tmp_path, CASE)) as artist:
         artist.start("no response", synthetic_study())  # type: ignore[arg-type]
-        with pytest.raises(RuntimeError, match=r"(?s)could not be created:.*AttributeError"):
+        with pytest.raises(RuntimeError) as caught:
             artist.files()
+    sentence, *traceback = str(caught.value).splitlines()
+    printed_sentence(sentence)
+    assert traceback[-1].startswith("AttributeError")  # of Python, for a text in place of a response
 
 
 def test_a_process_that_died_is_reported(tmp_path: Path) -> None:
@@ -97,8 +100,9 @@ def test_a_process_that_died_is_reported(tmp_path: Path) -> None:
         artist._process.kill()
         artist._process.wait()
         artist.start(synthetic_response(), synthetic_study())
-        with pytest.raises(RuntimeError, match="stopped with code -9 and without an answer"):
+        with pytest.raises(RuntimeError) as caught:
             artist.files()
+    printed_sentence(str(caught.value))
 
 
 def test_a_study_without_a_response_ends_the_process(tmp_path: Path) -> None:

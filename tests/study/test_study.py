@@ -25,7 +25,7 @@ from stickslip.study import places as run_places
 from stickslip.study import run as study
 from stickslip.study.check import check
 from stickslip.study.figure_process import PAGE_GRID, rough_patch
-from sweep_cases import COARSE_MESH
+from sweep_cases import COARSE_MESH, quick_case
 
 pytestmark = pytest.mark.slow
 
@@ -190,7 +190,7 @@ def test_a_folder_that_is_removed_while_the_case_is_solved_loses_no_curve(
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr(solution, "solve", solve_and_remove)
     with rejects(ResultsFileError) as error:
-        study.run(Case().replace(COARSE), tmp_path / "out")
+        study.run(quick_case(), tmp_path / "out")
     (retained,) = (tmp_path / "cache").rglob("results.nc")
     assert str(retained) in str(error.value)
     assert load_results(retained).response.converged
@@ -219,7 +219,7 @@ def test_a_disk_that_fills_up_after_the_results_keeps_them(tmp_path: Path, monke
 
     monkeypatch.setattr(study, "_page", full)
     with rejects(InputError):
-        study.run(Case().replace(COARSE), tmp_path)
+        study.run(quick_case(), tmp_path)
     assert load_results(tmp_path / "results.nc").response.converged
 
 
@@ -247,7 +247,7 @@ def test_the_estimate_of_the_room_covers_what_a_run_writes(
 
 
 def test_a_study_asks_for_the_band_of_residual_tractions(tmp_path: Path) -> None:
-    case = Case().replace({**COARSE, "analysis.traction_band": True, "output.deflected_shape_frames": 0})
+    case = quick_case().replace({"analysis.traction_band": True, "output.figure_formats": ["png"]})
     assert Case.from_text(case.to_text()) == case
     outcome = study.run(case, tmp_path)
     saved = load_results(tmp_path / "results.nc")
@@ -264,7 +264,7 @@ def test_a_study_asks_for_the_band_of_residual_tractions(tmp_path: Path) -> None
 
 
 def test_run_searches_for_other_solutions(tmp_path: Path) -> None:
-    case = Case().replace({**COARSE, "analysis.search_starts": 1, "solver.harmonics": 1})
+    case = quick_case().replace({"analysis.search_starts": 1, "output.figure_formats": ["png"]})
     (tmp_path / "study.toml").write_text(case.to_text(), encoding="utf-8")
     out = tmp_path / "out"
     command = ["run", str(tmp_path / "study.toml"), "--out", str(out), "--quiet", "--search"]

@@ -26,7 +26,7 @@ from dask_processes import (
     wait_until,
     worker_arguments,
 )
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.core.errors import InputError, WorkersError
 from stickslip.sweeps import cluster, schedule
 from stickslip.sweeps.cluster import ClusterExecutor, cluster_executor
@@ -104,9 +104,8 @@ def test_one_worker_with_other_code_among_others_is_named_before_anything_is_sol
         with started_sweep(study, out, LOADS, address) as sweep:
             _, complained = sweep.communicate(timeout=PATIENCE_SECONDS)
     assert sweep.returncode == 2, complained
-    assert f"Error: the sweep runs stickslip {worker_version()}, but of its Dask workers tcp://127.0.0.1:" in complained
+    printed_sentence(complained[complained.index("Error: ") :], worker_version())
     assert complained.count(" runs stickslip ") == 1 + 1
-    assert "Install the same version there" in complained
     assert "Traceback" not in complained
     assert not list(out.glob("cases/*"))
 
@@ -122,8 +121,7 @@ def test_a_worker_with_other_code_that_comes_later_solves_nothing(
     with started(*worker_arguments(folder), extra=other_code) as late:
         error = executor.submit(open_parcel, parcel(pow, 2, 5)).exception(PATIENCE_SECONDS)
     assert isinstance(error, WorkersError)
-    assert f"(process {late.pid}) runs stickslip " in str(error)
-    assert f"but the sweep runs {worker_version()}. Install the same version there" in str(error)
+    printed_sentence(str(error), f"process {late.pid}", worker_version())
 
 
 def without_stickslip(arguments: tuple[str, ...]) -> tuple[str, ...]:
@@ -168,8 +166,7 @@ def test_a_scheduler_that_dies_ends_the_sweep_and_keeps_what_is_finished(tmp_pat
         _, complained = sweep.communicate(timeout=PATIENCE_SECONDS)
     assert sweep.returncode == 2, complained
     assert 1 <= finished() < 6
-    assert f'Error: the Dask scheduler at "{address}" no longer responds: it stopped, or the net' in complained
-    assert f"{finished()} of 6 cases are completed and stored; the same command resumes with the others." in complained
+    printed_sentence(complained[complained.index("Error: ") :], address, f"{finished()} of 6", numbers=False)
     assert "Traceback" not in complained
 
 
@@ -199,7 +196,7 @@ def test_without_workers_the_wait_is_reported_and_ends(own_cluster: tuple, monke
         Schedule(
             executor, lambda: executor.tasks_at_a_time, lambda *_: None, lambda *_: None, waiting=reported.append
         ).run([group()])
-    assert any(words.startswith("no worker is available; waiting for ") for words in reported)
+    printed_sentence(reported[0], numbers=False)
 
 
 @pytest.mark.slow
@@ -207,7 +204,7 @@ def test_a_task_whose_workers_die_is_given_up(own_cluster: tuple) -> None:
     _, _, executor = own_cluster
     error = executor.submit(os._exit, 1).exception(PATIENCE_SECONDS)
     assert isinstance(executor.meaning(error), BrokenExecutor)
-    assert "workers died while running it" in str(executor.meaning(error))
+    assert "workers died while running it" in str(executor.meaning(error))  # words of Dask
 
 
 @pytest.mark.slow

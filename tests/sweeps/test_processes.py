@@ -86,8 +86,9 @@ def test_an_executor_that_is_broken_fails_its_cases(tmp_path: Path) -> None:
 
 def test_answers_that_cannot_travel_and_processes_that_are_ended(tmp_path: Path) -> None:
     pool = LocalProcesses(1)
-    with pytest.raises(RuntimeError, match="cannot be sent"):
+    with pytest.raises(RuntimeError) as caught:
         pool.submit(sweep_deaths.unpicklable).result()
+    printed_sentence(str(caught.value).partition(" (")[0])  # before the words of Python
     # The words are Python's own: "Can't pickle local object" until 3.11, "Can't get local object" later.
     with pytest.raises((AttributeError, TypeError), match="local object"):
         pool.submit(lambda: 1).result()
@@ -181,7 +182,7 @@ def test_an_interrupted_and_a_killed_sweep_continue_without_solving_again(tmp_pa
         os.killpg(process.pid, signal.SIGINT)
         _, printed = process.communicate(timeout=60)
         assert process.returncode == 130, printed
-        assert "Completed cases are stored; the same command resumes" in printed
+        printed_sentence(printed.splitlines()[-1])
         assert "Traceback" not in printed
         require_end(workers)
     before = len(list(out.glob("cases/*/results.nc")))
@@ -201,7 +202,7 @@ def test_an_interrupted_and_a_killed_sweep_continue_without_solving_again(tmp_pa
     assert [row.converged for row in result.table.rows] == [True] * 6
     # The kill may hit between the row of a case and its results, which are written after it.
     assert len(result.notices) <= 1
-    assert all(notice.endswith('results.nc" is missing. This case is solved again.') for notice in result.notices)
+    assert all("results.nc" in notice for notice in result.notices)
 
 
 def test_a_task_checks_the_code_before_it_reads_its_arguments() -> None:
@@ -210,8 +211,8 @@ def test_a_task_checks_the_code_before_it_reads_its_arguments() -> None:
     for version in ("0.0.9 (code 0123456789ab)", sent.version[:-2] + ")", ""):
         with rejects(WorkersError) as caught:
             work.open_parcel(work.Parcel(version, b"pickled by other code"))
-        here = f"{socket.gethostname()} (process {os.getpid()}) runs stickslip {work.worker_version()}"
-        assert str(caught.value).startswith(f"the worker on {here}, but the sweep runs {version}.")
+        for part in (socket.gethostname(), f"process {os.getpid()}", work.worker_version(), f" {version}."):
+            assert part in str(caught.value)
 
 
 @pytest.mark.slow

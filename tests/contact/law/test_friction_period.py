@@ -32,14 +32,15 @@ def test_every_pair_closes_its_period(update: Update) -> None:
 
 def nearest_feasible_start(path: FloatArray, limit: FloatArray) -> FloatArray:
     """The shift c (2,) nearest to zero with |path - c| <= limit at all samples, by Dykstra's projections on discs."""
-    shift, parts = np.zeros(2), np.zeros((len(limit), 2))
+    centres, radii = [complex(*place) for place in path], limit.tolist()  # numbers of Python: quicker one by one
+    shift, parts = 0j, [0j] * len(radii)
     for _ in range(3000):
-        for j in range(len(limit)):
+        for j, (centre, radius) in enumerate(zip(centres, radii, strict=True)):
             trial = shift + parts[j]
-            away = trial - path[j]
-            shift = path[j] + away * min(1.0, limit[j] / max(np.hypot(*away), 1e-300))
+            away = abs(trial - centre)
+            shift = trial if away <= radius else centre + (trial - centre) * (radius / away)
             parts[j] = trial - shift
-    return shift
+    return np.array([shift.real, shift.imag])
 
 
 @pytest.mark.slow

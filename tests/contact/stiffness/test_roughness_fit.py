@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.contact.stiffness import roughness_fit
 from stickslip.contact.stiffness.roughness_warnings import Evidence, warnings_of
 from stickslip.contact.stiffness.surface import draw_phases, frequency_count
@@ -33,9 +33,10 @@ def few_simulations(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(roughness_fit, "SIMULATIONS", 60)
 
 
-def worded(fit: ss.RoughnessFit, words: str) -> bool:
-    """Whether a warning starts with ``words``."""
-    return any(sentence.startswith(words) for sentence in fit.warnings)
+def warned(fit: ss.RoughnessFit) -> None:
+    """The fit has warnings, which are those of the snapshot; their numbers are those of simulated surfaces."""
+    assert fit.warnings
+    printed_sentence("\n".join(fit.warnings), numbers=False)
 
 
 @pytest.mark.slow
@@ -76,7 +77,7 @@ def test_a_tilt_changes_nothing_and_is_named() -> None:
     first, second = ss.fit_roughness(heights, SPACING), ss.fit_roughness(tilted, SPACING)
     assert second.fractal_dimension == pytest.approx(first.fractal_dimension, abs=1e-6)
     assert second.rms_height == pytest.approx(first.rms_height, rel=1e-9)
-    assert worded(second, "Trend removed")
+    warned(second)
 
 
 @pytest.mark.slow
@@ -86,10 +87,10 @@ def test_noise_is_found_and_left_out() -> None:
     noise = 0.8 * np.sqrt(np.mean(np.diff(heights) ** 2))
     noisy = heights + noise * np.random.default_rng(3).normal(size=heights.size)
     fit = ss.fit_roughness(noisy, SPACING)
-    assert worded(fit, "Noise")
+    warned(fit)
     assert fit.noise_height == pytest.approx(noise, rel=0.25)
     assert fit.fractal_dimension_interval[0] < 2.3 < fit.fractal_dimension_interval[1]
-    assert not worded(ss.fit_roughness(heights, SPACING), "Noise")
+    warned(ss.fit_roughness(heights, SPACING))  # of its trend only
 
 
 @pytest.mark.slow
@@ -97,7 +98,7 @@ def test_noise_is_found_and_left_out() -> None:
 def test_missing_short_waves_raise_the_first_scale() -> None:
     heights = np.convolve(profile(2.5, 1e-9, points=4000), np.full(20, 0.05), "valid")
     fit = ss.fit_roughness(heights, SPACING)
-    assert worded(fit, "Short waves are missing")
+    warned(fit)
     assert fit.scale_range[0] > 5 * SPACING
     assert fit.fractal_dimension_interval[0] < 2.5 < fit.fractal_dimension_interval[1]
 
@@ -106,7 +107,7 @@ def test_missing_short_waves_raise_the_first_scale() -> None:
 @pytest.mark.usefixtures("few_simulations")
 def test_a_sine_is_not_fractal() -> None:
     heights = 1e-6 * np.sin(2 * np.pi * np.arange(1000) / 60)
-    assert worded(ss.fit_roughness(heights, SPACING), "Not fractal")
+    warned(ss.fit_roughness(heights, SPACING))
 
 
 @pytest.mark.slow
@@ -115,7 +116,7 @@ def test_a_smooth_curve_is_out_of_range() -> None:
     steps = np.random.default_rng(1).normal(size=1000)
     fit = ss.fit_roughness(1e-9 * np.cumsum(np.cumsum(steps)), SPACING)
     assert not fit.usable
-    assert worded(fit, "D out of 2..3")
+    warned(fit)
 
 
 @pytest.mark.slow
@@ -129,9 +130,9 @@ def test_map_with_and_without_direction() -> None:
     assert fit.fractal_dimension_interval[0] < 2.4 < fit.fractal_dimension_interval[1]
     assert 0 < fit.points_along_x < fit.lag.size
     assert fit.lag[fit.points_along_x] == pytest.approx(2e-6)
-    assert not worded(fit, "Not isotropic")
+    warned(fit)  # of its few points only
     stretched = ss.fit_roughness(heights, (SPACING, 4 * SPACING))
-    assert worded(stretched, "Not isotropic: the heights change more along y")
+    warned(stretched)
 
 
 @pytest.mark.slow
@@ -140,7 +141,7 @@ def test_scales_and_longest_wave_are_used() -> None:
     heights = profile(2.4, 1e-9)
     fit = ss.fit_roughness(heights, SPACING, scales=(5e-6, 4e-5), longest_wave=1e-3)
     assert fit.scale_range == pytest.approx((5e-6, 4e-5))
-    assert worded(fit, "Range below a decade")
+    warned(fit)
 
 
 @pytest.mark.parametrize(
@@ -182,24 +183,24 @@ GOOD = Evidence(
 
 
 @pytest.mark.parametrize(
-    ("change", "words"),
+    "change",
     [
-        ({"usable": False, "dimension": 2.02}, "limit 2"),
-        ({"usable": False, "dimension": 2.98}, "limit 3"),
-        ({"probability": 0.0}, "Not fractal"),
-        ({"direction_deviation": 4.0}, "along x"),
-        ({"scale_range": (1e-6, 5e-6)}, "below a decade"),
-        ({"points": 200}, "200 on a line"),
-        ({"noise_fraction": 0.3, "noise_height": 1e-9}, "30 %"),
-        ({"raised": True}, "Short waves"),
-        ({"trend_fraction": 0.9}, "90 %"),
-        ({"dimension_interval": (2.02, 2.5)}, "poorly determined"),
-        ({"dimension": 2.97}, "near its limit"),
-        ({"roughness": 1e-5}, "steeper than 1"),
+        {"usable": False, "dimension": 2.02},
+        {"usable": False, "dimension": 2.98},
+        {"probability": 0.0},
+        {"direction_deviation": 4.0},
+        {"scale_range": (1e-6, 5e-6)},
+        {"points": 200},
+        {"noise_fraction": 0.3, "noise_height": 1e-9},
+        {"raised": True},
+        {"trend_fraction": 0.9},
+        {"dimension_interval": (2.02, 2.5)},
+        {"dimension": 2.97},
+        {"roughness": 1e-5},
     ],
 )
-def test_each_warning_has_its_cause(change: dict[str, Any], words: str) -> None:
+def test_each_warning_has_its_cause(change: dict[str, Any]) -> None:
     assert warnings_of(GOOD) == ()
     actual = warnings_of(dataclasses.replace(GOOD, **change))
     assert len(actual) == 1
-    assert words in actual[0]
+    printed_sentence(actual[0])

@@ -155,7 +155,7 @@ def test_numbers_that_do_not_collide_stay(tmp_path):
     assert model.node_labels[model.mesh.node_set("B.even")].tolist() == [12, 24]
     assert model.mesh.body_names == ("A", "B"), "a deck without sections has a body for each instance"
     np.testing.assert_allclose(model.mesh.points[4:] - model.mesh.points[:4], [[5.0, 0.0, 0.0]] * 4)
-    assert model.messages == ("the part 'c' (line 21) has no instance; it is ignored.",)
+    printed_sentence("\n".join(model.messages), "'c'", "line 21")
 
 
 def test_rotation_comes_after_translation_about_an_axis_through_space(tmp_path):

@@ -7,6 +7,7 @@ import math
 import pytest
 from plane_curves import PlaneCurve, s_curve
 
+from sentences import printed_sentence
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import (
@@ -41,7 +42,7 @@ def test_a_branch_that_hardly_advances_ends_with_a_sentence() -> None:
     branch = Branch(newton, curve.at(1.0, 0.0), 1.0, ContinuationSettings(max_points=100_000))
     points = branch.follow()
     assert not branch.complete
-    assert "makes no progress at y = 0.5" in branch.message
+    printed_sentence(branch.message, "y = 0.5", numbers=False)
     assert points[-1].point.y > 0.5
     assert count[0] < 2 * STALL_ITERATIONS
 

