@@ -105,6 +105,10 @@ class ForcedResponse(Labelled):
         (n_points,) J, largest kinetic energy that the first harmonic would have with all unknowns in phase:
         ``w^2 / 2 (c_1 . M c_1 + s_1 . M s_1)``, twice its mean over the period. It does not depend on the phases
         between the unknowns. 0 in files of earlier versions, which do not contain it.
+    point_harmonics, estimated_error:
+        (n_points,) with an accuracy: harmonics of each point, whose coefficients are zero in the others, and its
+        estimated error by neglected harmonics: the distance to the curve with more of them, over the motion of the
+        structure (mass norm). None with a fixed number of harmonics.
     stable:
         (n_points,) whether small disturbances of the motion decay under the constant force; None if the stability was
         not computed, and ``stability_message`` then gives the reason.
@@ -182,6 +186,14 @@ class ForcedResponse(Labelled):
     kinetic_energy: FloatArray = field(
         default_factory=lambda: np.zeros(1),
         metadata=stored(Numbers(_CURVE, "J", "twice the mean kinetic energy of the first harmonic", optional=True)),
+    )
+    point_harmonics: NDArray[np.int64] | None = field(
+        default=None,
+        metadata=stored(WholeNumbers(_CURVE, "1", "harmonics of the solution at the point", optional=True)),
+    )
+    estimated_error: FloatArray | None = field(
+        default=None,
+        metadata=stored(Numbers(_CURVE, "1", "estimated error by neglected harmonics, over the motion", optional=True)),
     )
     stable: NDArray[np.bool_] | None = field(
         default=None, metadata=stored(Flags(_CURVE, "1", "1 if small disturbances decay", optional=True))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,18 +14,32 @@ from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.core.errors import InputError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.threads import blas_threads, thread_count
+from stickslip.core.validation import real_number, require_allowed, whole_number
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.curve_result import follower, response_of
 from stickslip.solve.excitation import Excitation
-from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
+from stickslip.solve.harmonic.balance import Balance
+from stickslip.solve.harmonic.curves import BalancePoint, BalancePointT, FrequencyCurve
 from stickslip.solve.harmonic.missed_peaks import search_missed_peaks
+from stickslip.solve.harmonic.neglected import CurveAccuracy
 from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.start import first_point
+from stickslip.solve.harmonic.varying_harmonics import (
+    LEAST_HARMONICS,
+    SAMPLES_PER_HARMONIC,
+    HarmonicsByAccuracy,
+)
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
-from stickslip.solve.setting_up import StageReport, checked_window, prepare_balances
+from stickslip.solve.setting_up import Balances, StageReport, checked_window, prepare_balances
 from stickslip.structure.superelement import Superelement
+
+# The number of harmonics if neither it nor an accuracy is given.
+DEFAULT_HARMONICS = 5
+# chosen: beyond these an accuracy has no meaning: sampling has errors of 1e-4 and more, and above a tenth the estimate,
+# which is linear, is no estimate. LEAST_SAMPLES resolve friction to the coarsest accuracy.
+FINEST_ACCURACY, COARSEST_ACCURACY, LEAST_SAMPLES = 1e-5, 0.1, 64
 
 
 def forced_response(
@@ -36,7 +50,8 @@ def forced_response(
     *,
     force_cos: ArrayLike | None = None,
     frequency_hz: tuple[float, float],
-    harmonics: int = 5,
+    harmonics: int | None = None,
+    accuracy: float | None = None,
     samples: int = 256,
     modal_damping_ratio: float | None = None,
     update: Update = "tractrix",
@@ -48,9 +63,9 @@ def forced_response(
 ) -> ForcedResponse:
     """Follow the periodic response to a harmonic excitation along the frequency.
 
-    Solves ``M u'' + C u' + K u + B^T f(B u) = p(t)`` by harmonic balance (mean and ``harmonics`` harmonics), with the
-    friction force of ``pairs`` sampled ``samples`` times a period in its periodic state, along the frequency by
-    pseudo-arc length. Theory: docs/theory.md.
+    Solves ``M u'' + C u' + K u + B^T f(B u) = p(t)`` by harmonic balance (a mean and harmonics), with the friction
+    force of ``pairs`` sampled ``samples`` times a period in its periodic state, along the frequency by pseudo-arc
+    length. Theory: docs/theory.md.
 
     Parameters
     ----------
@@ -64,9 +79,14 @@ def forced_response(
         (n, n_harmonics) for several. ``force_sin`` None means zero.
     frequency_hz:
         (start, stop) of the first harmonic; start above stop sweeps downward.
-    harmonics, samples:
-        harmonics of the solution and time samples; ``samples >= 2 * harmonics + 1``, 256 for smooth curves, 512 with
-        much separation.
+    harmonics:
+        harmonics of the solution, 5 if neither they nor ``accuracy`` are given.
+    accuracy:
+        instead of ``harmonics``: each point has as many as it requires, so that its estimated error by neglected
+        harmonics is below this fraction of its motion, for example 0.005 (``response.estimated_error``).
+    samples:
+        time samples of a period; ``samples >= 2 * harmonics + 1``, and at least 64 with ``accuracy``; 256 for smooth
+        curves, 512 with much separation.
     modal_damping_ratio:
         the same ratio for every mode of the stuck structure, instead of a damping matrix in ``superelement``.
     update:
@@ -101,12 +121,13 @@ def forced_response(
     settings = continuation or ContinuationSettings()
     report = StageReport(progress)
     start_omega, stop_omega = (2.0 * np.pi * f for f in window)
+    least = _least_harmonics(harmonics, accuracy, samples, excitation)
     with threadpool_limits(limits=blas_threads(3 * pairs.n_pairs, threads)):
         balances = prepare_balances(
-            superelement, pairs, excitation, max(start_omega, stop_omega), harmonics, samples, modal_damping_ratio,
+            superelement, pairs, excitation, max(start_omega, stop_omega), least, samples, modal_damping_ratio,
             update, report.stage,
         )  # fmt: skip
-        curve = FrequencyCurve(balances.with_harmonics(harmonics))
+        curve = FrequencyCurve(balances.with_harmonics(least))
         solver = Newton(curve, newton, report.iteration)
         resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
 
@@ -115,14 +136,70 @@ def forced_response(
 
         report.stage("first point")
         start, how = first_point(solver, curve, start_omega, balances.with_harmonics, walk)
-        branch = Branch(solver, start, stop_omega, settings, follower(window, report), resonances)
-        branch.follow()
-        report.stage("search for missed peaks")
-        peaks = search_missed_peaks(solver, [each.point for each in branch.points], resonances.seen)
-        response = response_of(
-            branch, balances, curve.balance, window, newton, how, report, stability=stability, peaks=peaks
-        )
+        listen = follower(window, report)
+        finish = _Finish(balances, window, newton, how, report, resonances, stability)
+        if accuracy is None:
+            branch = Branch(solver, start, stop_omega, settings, listen, resonances)
+            branch.follow()
+            response = finish.response(branch, solver, curve.balance)
+        else:
+            varying = HarmonicsByAccuracy(balances.with_harmonics, accuracy, least, samples, newton, report.iteration)
+            accurate = varying.follow(start, stop_omega, settings, listen, resonances)
+            response = finish.response(accurate, varying.newton, varying.widest, varying.reached(accurate))
     return replace(response, provenance={"solve_seconds": f"{time.perf_counter() - began:.2f}"})
+
+
+@dataclass(frozen=True)
+class _Finish:
+    """What follows a branch: the search for missed peaks, and the response."""
+
+    balances: Balances
+    window: tuple[float, float]
+    newton: NewtonSettings
+    how: str
+    report: StageReport
+    resonances: Resonances
+    stability: bool
+
+    def response(
+        self,
+        branch: Branch[BalancePointT],
+        solver: Newton[BalancePointT],
+        balance: Balance,
+        accuracy: CurveAccuracy | None = None,
+    ) -> ForcedResponse:
+        self.report.stage("search for missed peaks")
+        peaks = search_missed_peaks(solver, [each.point for each in branch.points], self.resonances.seen)
+        return response_of(
+            branch, self.balances, balance, self.window, self.newton, self.how, self.report,
+            stability=self.stability, peaks=peaks, accuracy=accuracy,
+        )  # fmt: skip
+
+
+def _least_harmonics(harmonics: int | None, accuracy: float | None, samples: int, excitation: Excitation) -> int:
+    """The harmonics of the solution, or the fewest of it with an accuracy. Raises InputError."""
+    if accuracy is None:
+        return DEFAULT_HARMONICS if harmonics is None else harmonics
+    if harmonics is not None:
+        raise InputError(
+            "harmonics and accuracy cannot both be given: a fixed number of harmonics has the accuracy that it has. "
+            "Remove one of them.",
+            arguments=["harmonics", "accuracy"],
+        )
+    value = real_number("accuracy", accuracy)
+    is_possible = FINEST_ACCURACY <= value <= COARSEST_ACCURACY
+    require_allowed(
+        "accuracy", value, is_possible, f"a fraction from {FINEST_ACCURACY:g} to {COARSEST_ACCURACY:g}, such as 0.005"
+    )
+    whole_number("samples", samples, 1)
+    least = max(LEAST_HARMONICS, excitation.harmonics)
+    if samples < max(LEAST_SAMPLES, SAMPLES_PER_HARMONIC * least):
+        raise InputError(
+            f"samples is {samples}, but accuracy requires at least {max(LEAST_SAMPLES, SAMPLES_PER_HARMONIC * least)} "
+            "samples per period, which resolve the harmonics that it may choose. Use 256.",
+            arguments=["samples"],
+        )
+    return least
 
 
 def as_excitation(

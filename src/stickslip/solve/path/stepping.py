@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Generic
 
-from stickslip.solve.path.problem import PointT
+from stickslip.solve.path.problem import Linearised, PointT
 
 # chosen: the shorter limit on the step after a retreat applies for this number of its lengths.
 SLOW_STEPS = 16
@@ -49,6 +49,14 @@ class BranchPoint(Generic[PointT]):
 
     point: PointT
     iterations: int
+
+
+@dataclass(frozen=True)
+class Revision(Generic[PointT]):
+    """A point in place of a new one of the branch, on the same plane; ``system`` are its equations if it moved."""
+
+    point: PointT
+    system: Linearised | None = None
 
 
 @dataclass(frozen=True)
