@@ -119,11 +119,11 @@ def response_of(
         pairs=balances.pairs,
         linear=linear,
         force=_mean_force(trials, balance).T,
-        settings=_settings(window, balances, balance, newton, check)
+        settings=_settings(window, balances, balance, newton, check, accuracy)
         | ({} if peaks is None else {"search_for_missed_peaks": peaks.words()}),
         point_harmonics=None if accuracy is None else accuracy.harmonics[: len(trials)],
         estimated_error=None if accuracy is None else accuracy.errors[: len(trials)],
-        provenance={},
+        provenance={} if accuracy is None else {"accuracy": accuracy.words()},
         load_factor=np.array([trial.load for trial in trials]),
         kinetic_energy=measures.kinetic_energy,
         stable=None if verdict is None else verdict.stable,
@@ -192,6 +192,7 @@ def _settings(
     balance: Balance,
     newton: NewtonSettings,
     check: ResolutionCheck,
+    accuracy: CurveAccuracy | None,
 ) -> dict[str, str | float | int]:
     settings: dict[str, str | float | int] = {
         "frequency_start_hz": window[0],
@@ -206,8 +207,9 @@ def _settings(
     }
     if check.last_harmonic_fraction is not None:
         settings["energy_share_of_last_harmonics"] = check.last_harmonic_fraction
-    if check.accuracy is not None:
-        settings["accuracy"] = check.accuracy
+    if accuracy is not None:
+        settings["accuracy"] = accuracy.accuracy
+        settings["estimated_error_of_the_peak"] = accuracy.at_peak
     if balances.modal_damping_ratio is not None:
         settings["modal_damping_ratio"] = balances.modal_damping_ratio
     return settings

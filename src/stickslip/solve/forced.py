@@ -13,6 +13,7 @@ from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.core.errors import InputError
 from stickslip.core.progress import ProgressCallback
+from stickslip.core.resolution import COARSEST_ACCURACY, FINEST_ACCURACY, LEAST_SAMPLES, SAMPLES_PER_HARMONIC
 from stickslip.core.threads import blas_threads, thread_count
 from stickslip.core.validation import real_number, require_allowed, whole_number
 from stickslip.results.response import ForcedResponse
@@ -24,11 +25,7 @@ from stickslip.solve.harmonic.missed_peaks import search_missed_peaks
 from stickslip.solve.harmonic.neglected import CurveAccuracy
 from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.start import first_point
-from stickslip.solve.harmonic.varying_harmonics import (
-    LEAST_HARMONICS,
-    SAMPLES_PER_HARMONIC,
-    HarmonicsByAccuracy,
-)
+from stickslip.solve.harmonic.varying_harmonics import LEAST_HARMONICS, HarmonicsByAccuracy
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
@@ -37,9 +34,6 @@ from stickslip.structure.superelement import Superelement
 
 # The number of harmonics if neither it nor an accuracy is given.
 DEFAULT_HARMONICS = 5
-# chosen: beyond these an accuracy has no meaning: sampling has errors of 1e-4 and more, and above a tenth the estimate,
-# which is linear, is no estimate. LEAST_SAMPLES resolve friction to the coarsest accuracy.
-FINEST_ACCURACY, COARSEST_ACCURACY, LEAST_SAMPLES = 1e-5, 0.1, 64
 
 
 def forced_response(
@@ -146,7 +140,7 @@ def forced_response(
             varying = HarmonicsByAccuracy(balances.with_harmonics, accuracy, least, samples, newton, report.iteration)
             accurate = varying.follow(start, stop_omega, settings, listen, resonances)
             response = finish.response(accurate, varying.newton, varying.widest, varying.reached(accurate))
-    return replace(response, provenance={"solve_seconds": f"{time.perf_counter() - began:.2f}"})
+    return replace(response, provenance=response.provenance | {"solve_seconds": f"{time.perf_counter() - began:.2f}"})
 
 
 @dataclass(frozen=True)

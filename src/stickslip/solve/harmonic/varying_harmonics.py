@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from stickslip.core.fourier import with_rows
+from stickslip.core.resolution import SAMPLES_PER_HARMONIC
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
@@ -38,14 +39,13 @@ BranchEvent = Accepted[Any] | Retreat | Corner
 # symmetric, where even harmonics are small, so the first ones are odd.
 LADDER = (1, 3, 5, 7, 9, 12, 15, 19, 24, 30, 38, 48)
 LEAST_HARMONICS = 3
-# A period has at least this number of samples for each harmonic, so that the estimate can have twice the harmonics.
-SAMPLES_PER_HARMONIC = 4
-# Fractions of the accuracy: more harmonics are chosen for the first one, fewer below the second one if the error is
-# then below the third one. chosen: apart enough that the number does not change back at the next points.
-AIM, LOW, AIM_OF_FEWER = 0.5, 0.15, 0.4
+# Fractions of the accuracy: the errors that are expected with more and with fewer harmonics. chosen: far enough below 1
+# that the number does not change back at the next points.
+AIM_OF_MORE, AIM_OF_FEWER = 0.5, 0.4
 # chosen: an estimate with the tangent at every EVERY-th point, and wherever the rough error, with the ratio of both at
-# the last such point, is above this fraction of the accuracy.
-EVERY, NEAR = 4, 0.6
+# the last such point, is above the fraction NEAR of the accuracy. While it is below CALM every second point has none at
+# first, and then the larger one of its neighbours.
+EVERY, NEAR, CALM = 8, 0.6, 0.3
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,8 @@ class HarmonicsByAccuracy:
         self._ladder = sorted({first, *(each for each in LADDER if first < each <= most)})
         self._accepted: list[int] = []
         self._ratio: float | None = None  # of the error and the rough one
-        self._age = self._low = 0  # points since the last estimate with the tangent, and such estimates that were low
+        self._is_calm = False  # the next point needs no estimate
+        self._age = 0  # points since the last estimate with the tangent
         self.curve = VaryingCurve(balance_of, first)
         self.newton = Newton[VaryingPoint](self.curve, settings, on_iteration)
 
@@ -200,7 +201,8 @@ class HarmonicsByAccuracy:
         """Harmonics and errors of the points of a branch that :meth:`follow` followed."""
         points = [each.point for each in branch.points]
         errors = [np.inf if each.neglected is None else each.neglected for each in points]
-        return CurveAccuracy(self._accuracy, np.array([each.harmonics for each in points]), np.array(errors))
+        harmonics = np.array([each.harmonics for each in points])
+        return CurveAccuracy(self._accuracy, harmonics, np.array(errors), errors[_highest(points)])
 
     def _remember(self, event: BranchEvent) -> None:
         """A branch that returns to one of its points goes on with the harmonics of this point."""
@@ -216,28 +218,37 @@ class HarmonicsByAccuracy:
             # Linear: harmonics that no force excites are zero.
             self._use(self._ladder[0])
             return Revision(replace(point, neglected=0.0))
-        rough = rough_error(point.trial, self._fine(point))
         self._age += 1
+        if self._is_calm:
+            self._is_calm = False
+            return Revision(point)
+        rough = rough_error(point.trial, self._fine(point))
         expected = None if self._ratio is None else self._ratio * rough
         if expected is not None and self._age < EVERY and expected < NEAR * self._accuracy:
+            self._is_calm = expected < CALM * self._accuracy
             return Revision(replace(point, neglected=expected))
         return self._resolved(point, plane, rough)
 
     def _complete(self, points: list[BranchPoint[VaryingPoint]]) -> None:
-        """Give an estimate with the tangent to the highest point of a curve, and to those that have none."""
-        top = int(np.argmax([np.linalg.norm(each.point.trial.amplitude) for each in points]))
-        for index in {top, *(i for i, each in enumerate(points) if each.point.neglected is None)}:
-            point = points[index].point
+        """Give an estimate with the tangent to the highest point of a curve, and one to all that have none."""
+        top = _highest([each.point for each in points])
+        for index, each in enumerate(points):
+            point = each.point
             before, after = (points[min(max(i, 0), len(points) - 1)].point for i in (index - 1, index + 1))
-            self._use(point.harmonics)
-            self._ratio, self._low = None, 0
-            revision = self.revised(point, plane_across(before.trial, point.trial, after.trial))
-            points[index] = replace(points[index], point=revision.point)
+            beside = [other.neglected for other in (before, after) if other.harmonics == point.harmonics]
+            errors = [error for error in beside if error is not None]
+            if index != top and point.neglected is None and len(errors) == 2 and max(errors) < NEAR * self._accuracy:
+                points[index] = replace(each, point=replace(point, neglected=max(errors)))
+            elif index == top or point.neglected is None:
+                self._use(point.harmonics)
+                self._ratio, self._is_calm = None, False
+                revision = self.revised(point, plane_across(before.trial, point.trial, after.trial))
+                points[index] = replace(each, point=revision.point)
 
     def _use(self, harmonics: int) -> None:
         if harmonics != self.curve.harmonics:
             self.curve.use(harmonics)
-            self._ratio, self._age, self._low = None, 0, 0
+            self._ratio, self._age, self._is_calm = None, 0, False
 
     def _fine(self, point: VaryingPoint) -> Balance:
         return self.curve.with_harmonics(more_harmonics(point.harmonics, self._samples)).balance
@@ -257,8 +268,7 @@ class HarmonicsByAccuracy:
             estimate = self._estimate(point, plane)
             rough = rough_error(point.trial, self._fine(point))
         self._ratio, self._age = estimate.error / rough if rough > 0.0 else None, 0
-        self._low = self._low + 1 if estimate.error < LOW * self._accuracy else 0
-        fewer = self._fewer(point, estimate) if self._low >= 2 else point.harmonics
+        fewer = self._fewer(point, estimate)
         if fewer < point.harmonics:
             solved = self._solved(point, plane, estimate, fewer)
             after = solved and self._estimate(solved[0], plane)
@@ -276,7 +286,7 @@ class HarmonicsByAccuracy:
         self._use(harmonics)
         wide, rows = resized_plane(plane, self.curve.rows), self.curve.rows
         starts = [(point.unknowns, point.parameters)]
-        if harmonics > point.harmonics and np.isfinite(estimate.error):
+        if harmonics > point.harmonics and estimate.step is not None:
             corrected = point.unknowns + with_rows(estimate.step.unknowns, rows)
             starts.insert(0, (corrected, point.parameters + estimate.step.parameters))
         for start in starts:
@@ -288,7 +298,7 @@ class HarmonicsByAccuracy:
 
     def _more(self, point: VaryingPoint, estimate: Neglected) -> int:
         """More harmonics, by the motion that the estimate has in them."""
-        return self._expected(point, estimate, AIM, [each for each in self._ladder if each > point.harmonics])
+        return self._expected(point, estimate, AIM_OF_MORE, [each for each in self._ladder if each > point.harmonics])
 
     def _fewer(self, point: VaryingPoint, estimate: Neglected) -> int:
         """Fewer harmonics, or the same number, by the motion of the point in them."""
@@ -297,14 +307,17 @@ class HarmonicsByAccuracy:
     def _expected(self, point: VaryingPoint, estimate: Neglected, aim: float, numbers: Sequence[int]) -> int:
         """The first of some numbers for which the error, in proportion to the neglected motion, is below ``aim``."""
         whole = estimate.tail(point.trial.relative, point.harmonics)
+        resolved = more_harmonics(point.harmonics, self._samples)  # by the estimate
         for harmonics in numbers:
             share = estimate.tail(point.trial.relative, harmonics) / max(whole, 1e-300)
-            fine = 2 * harmonics + 1 < len(estimate.step.unknowns)
-            if fine and estimate.error * share <= aim * self._accuracy:
-                return harmonics
-            if not fine:
+            if harmonics >= resolved or estimate.error * share <= aim * self._accuracy:
                 return harmonics
         return numbers[-1]
+
+
+def _highest(points: Sequence[VaryingPoint]) -> int:
+    """The point with the largest motion."""
+    return int(np.argmax([np.linalg.norm(each.trial.amplitude) for each in points]))
 
 
 def widened(trial: Trial, harmonics: int) -> Trial:
