@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
-from stickslip.solve.harmonic.neglected import CurveAccuracy, neglected, plane_across, rough_error
+from stickslip.solve.harmonic.neglected import CurveAccuracy, neglected, plane_across
 
 LARGEST_SAMPLE_RESIDUAL = 2e-3  # chosen: 0.2 % of the relative displacement, below what a plot shows
 LARGEST_NEGLECTED = 1e-2  # chosen: 1 % of the motion of the structure, with the margin of the estimate
-# The error by neglected harmonics is estimated at the highest point and at this number of points where it is likely to
-# be largest.
-ESTIMATES = 6
+# chosen: the error by neglected harmonics is estimated at the highest point and at this number of others.
+ESTIMATES = 8
 # chosen: work of the normal forces over the input of the same point, and the fraction of the largest input below which
 # the work does not count; an error of the work is about twice that of the amplitude.
 LARGEST_NORMAL_WORK, SMALLEST_INPUT = 1e-2, 1e-3
@@ -120,7 +119,7 @@ def check_resolution(
     chosen = sorted({*spread.tolist(), int(np.argmax(size))})
     samples = np.array([_sample_residual(fine, trials[i]) for i in chosen])
     if reached is None:
-        errors = _estimated_errors(balance, fine, trials, chosen, int(np.argmax(size)))
+        errors = _estimated_errors(balance, fine, trials, int(np.argmax(size)))
     else:
         errors = dict(enumerate(reached.errors[: len(trials)].tolist()))
     worst = max(errors, key=lambda i: errors[i])
@@ -138,17 +137,16 @@ def check_resolution(
     )
 
 
-def _estimated_errors(
-    balance: Balance, fine: Balance, trials: Sequence[Trial], chosen: Sequence[int], highest: int
-) -> dict[int, float]:
-    """Estimated error by neglected harmonics of the highest point and of those where it is likely to be largest."""
+def _estimated_errors(balance: Balance, fine: Balance, trials: Sequence[Trial], highest: int) -> dict[int, float]:
+    """Estimated error by neglected harmonics of the highest point, and of points spread over those where pairs move."""
     more = fine
     if balance.samples > 2 * fine.harmonics:
         more = Balance(fine.compliance, fine.pairs, fine.force, balance.samples)
-    rough = np.array([rough_error(trials[i], more) for i in chosen])
-    # Where no pair moves no force has neglected harmonics.
-    likely = {chosen[i] for i in np.argsort(-rough)[:ESTIMATES] if rough[i] > 0.0}
-    return {i: _estimated(balance, more, trials, i) for i in {*likely, highest}}
+    moving = [i for i, trial in enumerate(trials) if trial.contact.moves.any()]
+    if not moving:
+        return {highest: 0.0}
+    spread = np.linspace(0, len(moving) - 1, min(ESTIMATES, len(moving))).round().astype(int)
+    return {i: _estimated(balance, more, trials, i) for i in {*(moving[place] for place in spread), highest}}
 
 
 def _estimated(balance: Balance, more: Balance, trials: Sequence[Trial], index: int) -> float:

@@ -35,7 +35,7 @@ MARGIN = 1.5
 TOLERANCE = 1e-3
 # chosen: a step that leaves less than this fraction of the residual is enough; usually that is the first one. Contact
 # that changes its state within the step requires more, at most this number.
-ENOUGH, MOST_STEPS = 0.2, 3
+ENOUGH, MOST_STEPS = 0.2, 10
 # Floor of the width of a resonance without damping, over its frequency.
 LEAST_WIDTH = 1e-6
 
@@ -106,12 +106,6 @@ def plane_across(before: Trial, trial: Trial, after: Trial) -> Plane:
     return Plane(chord / size**2, rise / reach**2, trial.relative, trial.omega)
 
 
-def rough_error(trial: Trial, fine: Balance) -> float:
-    """Motion by the neglected harmonics of the contact force of a trial alone, over its motion."""
-    widened = fine.evaluate(with_rows(trial.relative, 2 * fine.harmonics + 1), trial.omega, trial.load)
-    return _relative(widened.amplitude[len(trial.amplitude) :], trial.amplitude)
-
-
 def neglected(trial: Trial, own: Balance, fine: Balance, plane: Plane) -> Neglected:
     """The estimate for a trial of the balance ``own``, with the harmonics of ``fine``.
 
@@ -170,8 +164,3 @@ def damping_ratio(trial: Trial, balance: Balance) -> float:
     work = np.pi * float((order * (amplitude[1::2] * force[0::2] - amplitude[0::2] * force[1::2])).sum())
     energy = 0.5 * trial.omega**2 * float((amplitude[:2] ** 2).sum())
     return work / (4.0 * np.pi * energy) if energy > 0.0 else 0.0
-
-
-def _relative(part: FloatArray, whole: FloatArray) -> float:
-    size = float(np.linalg.norm(part))
-    return size / max(float(np.linalg.norm(whole)), 1e-300) if size > 0.0 else 0.0

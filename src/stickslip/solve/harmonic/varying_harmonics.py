@@ -25,7 +25,6 @@ from stickslip.solve.harmonic.neglected import (
     neglected,
     plane_across,
     resized_plane,
-    rough_error,
 )
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.landmarks import LandmarkSource
@@ -42,10 +41,9 @@ LEAST_HARMONICS = 3
 # Fractions of the accuracy: the errors that are expected with more and with fewer harmonics. chosen: far enough below 1
 # that the number does not change back at the next points.
 AIM_OF_MORE, AIM_OF_FEWER = 0.5, 0.4
-# chosen: an estimate with the tangent at every EVERY-th point, and wherever the rough error, with the ratio of both at
-# the last such point, is above the fraction NEAR of the accuracy. While it is below CALM every second point has none at
-# first, and then the larger one of its neighbours.
-EVERY, NEAR, CALM = 8, 0.6, 0.3
+# chosen: where the last estimate is below the first (second) fraction of the accuracy the next three points (one point)
+# have none at first, and then the larger one of their neighbours, if this is below LOW.
+VERY_CALM, CALM, LOW = 0.1, 0.5, 0.6
 
 
 @dataclass(frozen=True)
@@ -165,9 +163,7 @@ class HarmonicsByAccuracy:
         most = samples // SAMPLES_PER_HARMONIC
         self._ladder = sorted({first, *(each for each in LADDER if first < each <= most)})
         self._accepted: list[int] = []
-        self._ratio: float | None = None  # of the error and the rough one
-        self._is_calm = False  # the next point needs no estimate
-        self._age = 0  # points since the last estimate with the tangent
+        self._skip = 0  # points that have no estimate at first
         self.curve = VaryingCurve(balance_of, first)
         self.newton = Newton[VaryingPoint](self.curve, settings, on_iteration)
 
@@ -217,38 +213,42 @@ class HarmonicsByAccuracy:
         if not point.trial.contact.moves.any():
             # Linear: harmonics that no force excites are zero.
             self._use(self._ladder[0])
+            self._skip = 0
             return Revision(replace(point, neglected=0.0))
-        self._age += 1
-        if self._is_calm:
-            self._is_calm = False
+        if self._skip:
+            self._skip -= 1
             return Revision(point)
-        rough = rough_error(point.trial, self._fine(point))
-        expected = None if self._ratio is None else self._ratio * rough
-        if expected is not None and self._age < EVERY and expected < NEAR * self._accuracy:
-            self._is_calm = expected < CALM * self._accuracy
-            return Revision(replace(point, neglected=expected))
-        return self._resolved(point, plane, rough)
+        revision = self._resolved(point, plane)
+        error = revision.point.neglected or 0.0
+        self._skip = 3 if error < VERY_CALM * self._accuracy else 1 if error < CALM * self._accuracy else 0
+        return revision
 
     def _complete(self, points: list[BranchPoint[VaryingPoint]]) -> None:
-        """Give an estimate with the tangent to the highest point of a curve, and one to all that have none."""
-        top = _highest([each.point for each in points])
+        """Give an estimate to all points of a curve, one of its own to the highest point."""
+        top, last = _highest([each.point for each in points]), len(points) - 1
+        before = [each.point.neglected for each in points]
         for index, each in enumerate(points):
             point = each.point
-            before, after = (points[min(max(i, 0), len(points) - 1)].point for i in (index - 1, index + 1))
-            beside = [other.neglected for other in (before, after) if other.harmonics == point.harmonics]
+            beside = [
+                next((error for error in side if error is not None), None)
+                for side in (before[:index][::-1], before[index:])
+            ]
             errors = [error for error in beside if error is not None]
-            if index != top and point.neglected is None and len(errors) == 2 and max(errors) < NEAR * self._accuracy:
+            is_low = len(errors) == 2 and max(errors) < LOW * self._accuracy
+            if index != top and point.neglected is None and is_low:
                 points[index] = replace(each, point=replace(point, neglected=max(errors)))
             elif index == top or point.neglected is None:
                 self._use(point.harmonics)
-                self._ratio, self._is_calm = None, False
-                revision = self.revised(point, plane_across(before.trial, point.trial, after.trial))
+                self._skip = 0
+                sides = (points[min(max(i, 0), last)].point.trial for i in (index - 1, index + 1))
+                first, second = sides
+                revision = self.revised(point, plane_across(first, point.trial, second))
                 points[index] = replace(each, point=revision.point)
 
     def _use(self, harmonics: int) -> None:
         if harmonics != self.curve.harmonics:
             self.curve.use(harmonics)
-            self._ratio, self._age, self._is_calm = None, 0, False
+            self._skip = 0
 
     def _fine(self, point: VaryingPoint) -> Balance:
         return self.curve.with_harmonics(more_harmonics(point.harmonics, self._samples)).balance
@@ -257,8 +257,8 @@ class HarmonicsByAccuracy:
         own = self.curve.with_harmonics(point.harmonics).balance
         return neglected(point.trial, own, self._fine(point), plane)
 
-    def _resolved(self, point: VaryingPoint, plane: Plane, rough: float) -> Revision[VaryingPoint]:
-        """The point with an estimate with the tangent, and again with more or fewer harmonics until that fits."""
+    def _resolved(self, point: VaryingPoint, plane: Plane) -> Revision[VaryingPoint]:
+        """The point with an estimate, and again with more or fewer harmonics until that fits."""
         estimate, system = self._estimate(point, plane), None
         while estimate.error > self._accuracy and point.harmonics < self._ladder[-1]:
             solved = self._solved(point, plane, estimate, self._more(point, estimate))
@@ -266,8 +266,6 @@ class HarmonicsByAccuracy:
                 break
             point, system = solved
             estimate = self._estimate(point, plane)
-            rough = rough_error(point.trial, self._fine(point))
-        self._ratio, self._age = estimate.error / rough if rough > 0.0 else None, 0
         fewer = self._fewer(point, estimate)
         if fewer < point.harmonics:
             solved = self._solved(point, plane, estimate, fewer)
@@ -282,7 +280,7 @@ class HarmonicsByAccuracy:
         self, point: VaryingPoint, plane: Plane, estimate: Neglected, harmonics: int
     ) -> tuple[VaryingPoint, Linearised] | None:
         """The point on the plane with another number of harmonics, and its equations; None where Newton fails."""
-        before = self.curve.harmonics
+        before, widest = self.curve.harmonics, self.curve.widest
         self._use(harmonics)
         wide, rows = resized_plane(plane, self.curve.rows), self.curve.rows
         starts = [(point.unknowns, point.parameters)]
@@ -294,6 +292,7 @@ class HarmonicsByAccuracy:
             if correction.converged:
                 return correction.point, self.curve.linearised(correction.point, wide)
         self._use(before)
+        self.curve.widest = widest  # the directions of the path have no more rows
         return None
 
     def _more(self, point: VaryingPoint, estimate: Neglected) -> int:
