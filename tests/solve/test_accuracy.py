@@ -9,7 +9,9 @@ import pytest
 
 from helpers import Blade, benchmark_module
 from sentences import rejects
+from stickslip.case.case import Case
 from stickslip.core.errors import InputError
+from stickslip.model.model import build_model
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
 
@@ -100,3 +102,21 @@ def test_wrong_accuracies_are_rejected(blade: Blade) -> None:
             solve(accuracy=value)
     with rejects(InputError, "samples"):
         solve(accuracy=0.005, samples=32)
+
+
+@pytest.mark.slow
+def test_resonances_without_damping_are_no_false_alarm() -> None:
+    """The default case with 15 harmonics: the stuck modes above 20 times the excitation have no damping, but the
+    amplitude is that with 9 harmonics to 0.1 %."""
+    model = build_model(Case())
+    (many, few) = (
+        forced_response(
+            model.superelement, model.pairs, model.excitation, frequency_hz=(451.0, 457.0), harmonics=harmonics,
+            modal_damping_ratio=0.001,
+        )
+        for harmonics in (15, 9)
+    )  # fmt: skip
+    output = next(iter(model.outputs.values()))
+    assert many.amplitude(output).max() == pytest.approx(few.amplitude(output).max(), rel=1e-3)
+    assert not [sentence for sentence in many.warnings if "Too few harmonics" in sentence]
+    assert float(many.settings["error_by_neglected_harmonics"]) < 0.01
