@@ -37,8 +37,8 @@ POINTS = 12  # of a curve that are solved again, and its peak and its largest es
 NEGLIGIBLE = 1 / 50
 SAMPLES = 128
 PROBLEMS = (
-    "sdof:1,sdof:4,chain:0,chain:1,beam:1,beam:2,plate:0,plate:1,twins:1,twins:2,light:0,stiff:3,aniso:1,aniso:3,"
-    "gaps:1,gaps:3,multi:1,close:2,high:3,low:1"
+    "sdof:1,sdof:4,chain:0,chain:1,plate:0,plate:1,twins:1,twins:2,light:0,stiff:3,aniso:1,aniso:3,gaps:1,gaps:2,"
+    "gaps:3,multi:1,multi:3,close:2,high:3,low:0"
 )
 
 

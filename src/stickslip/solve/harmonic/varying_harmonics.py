@@ -42,8 +42,8 @@ LEAST_HARMONICS = 3
 # that the number does not change back at the next points.
 AIM_OF_MORE, AIM_OF_FEWER = 0.5, 0.4
 # chosen: where the last estimate is below the first (second) fraction of the accuracy the next three points (one point)
-# have none at first, and then the larger one of their neighbours, if this is below LOW.
-VERY_CALM, CALM, LOW = 0.1, 0.5, 0.6
+# have none at first, and then the larger one of their neighbours, unless this is above the accuracy.
+VERY_CALM, CALM = 0.2, 0.7
 
 
 @dataclass(frozen=True)
@@ -234,7 +234,7 @@ class HarmonicsByAccuracy:
                 for side in (before[:index][::-1], before[index:])
             ]
             errors = [error for error in beside if error is not None]
-            is_low = len(errors) == 2 and max(errors) < LOW * self._accuracy
+            is_low = len(errors) == 2 and max(errors) <= self._accuracy
             if index != top and point.neglected is None and is_low:
                 points[index] = replace(each, point=replace(point, neglected=max(errors)))
             elif index == top or point.neglected is None:
