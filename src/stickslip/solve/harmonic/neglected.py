@@ -23,6 +23,7 @@ from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.curves import FrequencyCurve
+from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane, Step
 
 # The estimate takes account of twice the harmonics, and at least this number more: two odd and two even ones.
@@ -30,7 +31,7 @@ LEAST_MORE = 4
 # chosen: factor for harmonics beyond these and for the linearisation. Without it the estimate is 0.5 to 1.1 of the true
 # error in 9 of 10 points (benchmarks/accuracy.py).
 MARGIN = 1.5
-# Relative accuracy of linear solutions; an estimate needs no more.
+# Relative accuracy of the direction of the curve; an estimate needs no more.
 TOLERANCE = 2e-2
 # chosen: a step that leaves less than this fraction of the residual is enough; usually that is the first one. Contact
 # that changes its state within the step requires more, at most this number.
@@ -113,15 +114,9 @@ def neglected(trial: Trial, own: Balance, fine: Balance, plane: Plane) -> Neglec
     rows = 2 * fine.harmonics + 1
     curve, wide = FrequencyCurve(fine, trial.load), resized_plane(plane, rows)
     start = curve.at(with_rows(trial.relative, rows), trial.omega)
-    point = start
-    for _ in range(MOST_STEPS):
-        system = curve.linearised(point, wide)
-        step = system.solve(point.residual, point.conditions, wide.defect(point), TOLERANCE)
-        if not np.isfinite(step.unknowns).all():
-            return Neglected(np.inf, None)
-        point = curve.evaluate(point.unknowns + step.unknowns, point.parameters + step.parameters)
-        if point.error <= ENOUGH * start.error:
-            break
+    settings = NewtonSettings(tolerance=ENOUGH * start.error, max_iterations=MOST_STEPS, round_off_factor=1.0)
+    correction = Newton(curve, settings).correct(start, wide)
+    point, system = correction.point, correction.system or curve.linearised(start, wide)
     along = system.solve(np.zeros_like(start.residual), start.conditions, -1.0, TOLERANCE)
     if not np.isfinite(along.unknowns).all():
         return Neglected(np.inf, None)
