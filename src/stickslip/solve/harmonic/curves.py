@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 
@@ -43,6 +43,9 @@ class BalancePoint:
     def measured(self) -> FloatArray:
         """(2H, n) modal amplitudes, whose norm is the mass norm of the vibration."""
         return self.trial.amplitude
+
+
+BalancePointT = TypeVar("BalancePointT", bound=BalancePoint)
 
 
 class _Linearised:

@@ -29,6 +29,7 @@ from stickslip.solve.path.stepping import (
     Effort,
     Pace,
     Retreat,
+    Revision,
     growing_lengths,
     lengths_to_try,
 )
@@ -62,7 +63,7 @@ class Branch(Generic[PointT]):
     removed because they are on another curve), and corners. No step crosses one of the ``landmarks``
     (:mod:`stickslip.solve.path.landmarks`) without a point on it. Afterwards ``complete`` is True if the
     branch ends at the stop, ``message`` describes its end; ``retreats`` and ``corners`` are the parameters of those
-    events.
+    events. ``revise`` may solve each new point again, with other equations, before the branch goes on from there.
 
     With ``within``, a range of the parameter that contains start and stop, the branch may turn and pass its start: it
     is complete where it leaves the range, or where it comes back to its start in the same direction; ``closed`` is then
@@ -78,6 +79,7 @@ class Branch(Generic[PointT]):
         on_event: Callable[[Accepted[PointT] | Retreat | Corner], None] | None = None,
         landmarks: LandmarkSource[PointT] | None = None,
         within: tuple[float, float] | None = None,
+        revise: Callable[[PointT, Plane], Revision[PointT]] | None = None,
     ) -> None:
         self._problem = newton.problem
         self._start = start
@@ -86,6 +88,7 @@ class Branch(Generic[PointT]):
         self._settings = settings
         self._on_event = on_event or (lambda event: None)
         self._source = landmarks
+        self._revise = revise or (lambda point, plane: Revision(point))
         self._landmarks: Sequence[Landmark] = ()  # as seen from the last point
         self._origin = _parameter(start)
         self._direction = math.copysign(1.0, stop - self._origin)
@@ -146,12 +149,18 @@ class Branch(Generic[PointT]):
                     "stop), or widen the range."
                 )
                 return self.points
-            self._accept(BranchPoint(correction.point, correction.iterations))
+            revision = self._revise(correction.point, self._plane(correction.point, turned, 0.0))
+            self._accept(BranchPoint(revision.point, correction.iterations))
             target = self._retreat_target()
             if self.closed:
                 self.complete = True
                 self.message = "The branch is a closed curve."
                 return self.points
+            if target is None and revision.system is not None:
+                direction = self._direction_of(revision.point, revision.system, 1.0)
+                tangent = self._measure(revision.point).unit(direction)
+                bend = tangent.times(0.0)
+                continue
             if target is None:
                 bend = turned.plus(tangent.times(-1.0)).times(1.0 / length)
                 tangent = turned

@@ -1,0 +1,165 @@
+"""The error of a point by the harmonics that it neglects, from one step of Newton's method with more harmonics.
+
+The point is evaluated with more harmonics, and Newton's equations are solved, usually once, with the tangent of the
+contact in all of them: what the neglected harmonics of the force move, what their motion changes in the others, and how
+slip limits it. (The residual of the neglected harmonics alone is no estimate: it is the motion of the structure with
+all contacts stuck, whose high modes may have a resonance there, and no damping.)
+
+The error is the distance between the point and the curve with more harmonics, up to a shift in time: the change of the
+motion of the structure over that motion (mass norm), and the change of the frequency over the half-power width ``2 zeta
+w`` of a resonance with the equivalent damping ratio ``zeta`` of the point. On the sides of a resonance this is nearly
+the relative change of the amplitude at the same frequency; at a fold, where that has no bound, it stays finite. The
+phase against the force does not count: it changes by 90 degrees over the half-power width.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.core.fourier import with_rows
+from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.curves import FrequencyCurve
+from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.problem import Plane, Step
+
+# The estimate takes account of twice the harmonics, and at least this number more: two odd and two even ones.
+LEAST_MORE = 4
+# chosen: factor for harmonics beyond these and for the linearisation. Without it the estimate is 0.5 to 1.1 of the true
+# error in 9 of 10 points (benchmarks/accuracy.py).
+MARGIN = 1.5
+# Relative accuracy of the direction of the curve; an estimate needs no more.
+TOLERANCE = 2e-2
+# chosen: a step that leaves less than this fraction of the residual is enough; usually that is the first one. Contact
+# that changes its state within the step requires more, at most this number.
+ENOUGH, MOST_STEPS = 0.2, 10
+# Floor of the width of a resonance without damping, over its frequency.
+LEAST_WIDTH = 1e-6
+
+
+@dataclass(frozen=True)
+class Neglected:
+    """What the neglected harmonics would change at a point.
+
+    error:
+        distance to the curve with more harmonics, relative.
+    step:
+        the correction: relative displacements (2H+1, m) with more harmonics, and the frequency; None where the
+        equations are singular.
+    """
+
+    error: float
+    step: Step | None
+
+    def tail(self, relative: FloatArray, harmonics: int) -> float:
+        """Norm of the relative displacements in the harmonics above ``harmonics``, of a point (2H+1, m) and its
+        correction."""
+        if self.step is None:
+            return 0.0
+        first = 2 * harmonics + 1
+        corrected = self.step.unknowns.copy()
+        corrected[: len(relative)] += relative
+        return float(np.linalg.norm(corrected[first:]))
+
+
+@dataclass(frozen=True)
+class CurveAccuracy:
+    """What a curve of varying harmonics has: the wanted accuracy, and harmonics and errors of its points."""
+
+    accuracy: float
+    harmonics: NDArray[np.int64]  # (n_points,)
+    errors: FloatArray  # (n_points,) estimated, relative
+    at_peak: float  # that of the point with the largest motion
+
+    def words(self) -> str:
+        """For the provenance."""
+        return (
+            f"{100.0 * self.accuracy:g} %, up to {self.harmonics.max()} harmonics, estimated error of the peak "
+            f"{100.0 * self.at_peak:.2g} %"
+        )
+
+
+def more_harmonics(harmonics: int, samples: int) -> int:
+    """The number of harmonics of an estimate; ``samples`` of a period resolve no more than their half."""
+    return min(harmonics + max(harmonics, LEAST_MORE), (samples - 1) // 2)
+
+
+def resized_plane(plane: Plane, rows: int) -> Plane:
+    """The same plane among unknowns with another number of harmonics."""
+    return Plane(
+        with_rows(plane.weights, rows),
+        plane.parameter_weight,
+        with_rows(plane.unknowns_target, rows),
+        plane.parameter_target,
+    )
+
+
+def plane_across(before: Trial, trial: Trial, after: Trial) -> Plane:
+    """The plane through a trial across the chord of its neighbours on a curve, with the harmonics of the trial."""
+    rows = len(trial.relative)
+    chord = with_rows(after.relative, rows) - with_rows(before.relative, rows)
+    rise = after.omega - before.omega
+    size, reach = max(float(np.linalg.norm(chord)), 1e-150), max(abs(rise), LEAST_WIDTH * trial.omega)
+    return Plane(chord / size**2, rise / reach**2, trial.relative, trial.omega)
+
+
+def neglected(trial: Trial, own: Balance, fine: Balance, plane: Plane) -> Neglected:
+    """The estimate for a trial of the balance ``own``, with the harmonics of ``fine``.
+
+    ``plane`` goes through the trial, across the curve. The error is infinite where the equations are singular.
+    """
+    rows = 2 * fine.harmonics + 1
+    curve, wide = FrequencyCurve(fine, trial.load), resized_plane(plane, rows)
+    start = curve.at(with_rows(trial.relative, rows), trial.omega)
+    settings = NewtonSettings(tolerance=ENOUGH * start.error, max_iterations=MOST_STEPS, round_off_factor=1.0)
+    correction = Newton(curve, settings).correct(start, wide)
+    point, system = correction.point, correction.system or curve.linearised(start, wide)
+    along = system.solve(np.zeros_like(start.residual), start.conditions, -1.0, TOLERANCE)
+    if not np.isfinite(along.unknowns).all():
+        return Neglected(np.inf, None)
+    change = point.measured - with_rows(trial.amplitude, rows - 1)
+    rise = point.trial.omega - trial.omega
+    error = distance(trial, own, (change, rise), (curve.measured_change(point, along), float(along.parameters[0])))
+    return Neglected(MARGIN * error, Step(point.unknowns - start.unknowns, np.array([rise])))
+
+
+def distance(trial: Trial, own: Balance, away: tuple[FloatArray, float], along: tuple[FloatArray, float]) -> float:
+    """The distance of a trial of the balance ``own`` to a curve, relative.
+
+    ``away`` leads to a point of the curve, ``along`` is the direction of the curve there: changes of the modal
+    amplitudes (2H, n), with any number of harmonics, and of the circular frequency.
+    """
+    width = max(2.0 * damping_ratio(trial, own), LEAST_WIDTH) * trial.omega
+    size = max(float(np.linalg.norm(trial.amplitude)), 1e-300)
+
+    def scaled(motion: FloatArray, omega: float) -> FloatArray:
+        return np.append(motion.ravel() / size, omega / width)
+
+    later = with_rows(_later(trial.amplitude), len(away[0]))
+    directions = np.linalg.qr(np.column_stack([scaled(*along), scaled(later, 0.0)])).Q
+    straight = scaled(*away)
+    return float(np.linalg.norm(straight - directions @ (directions.T @ straight)))
+
+
+def _later(amplitude: FloatArray) -> FloatArray:
+    """Derivative (2H, n) of coefficients by the phase of the first harmonic."""
+    order = np.arange(1, len(amplitude) // 2 + 1)[:, None]
+    shifted = np.empty_like(amplitude)
+    shifted[0::2], shifted[1::2] = order * amplitude[1::2], -order * amplitude[0::2]
+    return shifted
+
+
+def damping_ratio(trial: Trial, balance: Balance) -> float:
+    """Equivalent viscous damping ratio ``W / (4 pi E)`` of a trial.
+
+    ``W`` is the work of the force per cycle, ``E = w^2 |q_1|^2 / 2`` twice the mean kinetic energy of the first
+    harmonic.
+    """
+    force, amplitude = balance.modal_force(trial), trial.amplitude
+    order = np.arange(1, balance.harmonics + 1)[:, None]
+    work = np.pi * float((order * (amplitude[1::2] * force[0::2] - amplitude[0::2] * force[1::2])).sum())
+    energy = 0.5 * trial.omega**2 * float((amplitude[:2] ** 2).sum())
+    return work / (4.0 * np.pi * energy) if energy > 0.0 else 0.0
