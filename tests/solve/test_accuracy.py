@@ -76,7 +76,7 @@ def test_a_fixed_number_of_harmonics_has_no_errors_of_points(blade: Blade) -> No
 @pytest.mark.slow
 def test_the_estimate_is_never_below_half_of_the_true_error(kind: str, seed: int, accuracy: float) -> None:
     """Against 25 harmonics; benchmarks/accuracy.py does the same with 20 problems."""
-    row = benchmark.measure(kind, seed, accuracy, with_cost=False)
+    row = benchmark.measure(f"{kind}:{seed}", accuracy, with_cost=False)
     assert row.estimate <= accuracy
     assert row.true <= accuracy
     assert row.peak_true <= 2.0 * row.peak_estimate + benchmark.NEGLIGIBLE * accuracy

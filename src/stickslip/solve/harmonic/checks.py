@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
-from stickslip.solve.harmonic.neglected import CurveAccuracy, neglected, plane_across
+from stickslip.solve.harmonic.neglected import CurveAccuracy, chord_of, neglected
+from stickslip.solve.harmonic.reduced import LastFactor
 
 LARGEST_SAMPLE_RESIDUAL = 2e-3  # chosen: 0.2 % of the relative displacement, below what a plot shows
 LARGEST_NEGLECTED = 1e-2  # chosen: 1 % of the motion of the structure, with the margin of the estimate
@@ -146,13 +147,11 @@ def _estimated_errors(balance: Balance, fine: Balance, trials: Sequence[Trial], 
     if not moving:
         return {highest: 0.0}
     spread = np.linspace(0, len(moving) - 1, min(ESTIMATES, len(moving))).round().astype(int)
-    return {i: _estimated(balance, more, trials, i) for i in {*(moving[place] for place in spread), highest}}
-
-
-def _estimated(balance: Balance, more: Balance, trials: Sequence[Trial], index: int) -> float:
-    """The estimated error by neglected harmonics at a point."""
-    before, after = trials[max(index - 1, 0)], trials[min(index + 1, len(trials) - 1)]
-    return neglected(trials[index], balance, more, plane_across(before, trials[index], after)).error
+    errors, last, end = {}, LastFactor(), len(trials) - 1
+    for i in sorted({*(moving[place] for place in spread), highest}):
+        along = chord_of(trials[max(i - 1, 0)], trials[min(i + 1, end)])
+        errors[i] = neglected(trials[i], balance, more, along, last).error
+    return errors
 
 
 def _sample_residual(fine: Balance, trial: Trial) -> float:

@@ -1,9 +1,9 @@
 """The error of a point by the harmonics that it neglects, from one step of Newton's method with more harmonics.
 
-The point is evaluated with more harmonics, and Newton's equations are solved, usually once, with the tangent of the
-contact in all of them: what the neglected harmonics of the force move, what their motion changes in the others, and how
-slip limits it. (The residual of the neglected harmonics alone is no estimate: it is the motion of the structure with
-all contacts stuck, whose high modes may have a resonance there, and no damping.)
+The point is evaluated with more harmonics, and Newton's equations are solved, usually once and to few digits, with the
+tangent of the contact in all of them: what the neglected harmonics of the force move, what their motion changes in the
+others, and how slip limits it. (The residual of the neglected harmonics alone is no estimate: it is the motion of the
+structure with all contacts stuck, whose high modes may have a resonance there, and no damping.)
 
 The error is the distance between the point and the curve with more harmonics, up to a shift in time: the change of the
 motion of the structure over that motion (mass norm), and the change of the frequency over the half-power width ``2 zeta
@@ -22,7 +22,9 @@ from numpy.typing import NDArray
 from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
-from stickslip.solve.harmonic.curves import FrequencyCurve
+from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
+from stickslip.solve.harmonic.reduced import LastFactor
+from stickslip.solve.path.arc_length import Tangent
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane, Step
 
@@ -31,11 +33,13 @@ LEAST_MORE = 4
 # chosen: factor for harmonics beyond these and for the linearisation. Without it the estimate is 0.5 to 1.1 of the true
 # error in 9 of 10 points (benchmarks/accuracy.py).
 MARGIN = 1.5
-# Relative accuracy of the direction of the curve; an estimate needs no more.
+# Relative accuracy of the first step; an estimate needs no more.
 TOLERANCE = 2e-2
 # chosen: a step that leaves less than this fraction of the residual is enough; usually that is the first one. Contact
 # that changes its state within the step requires more, at most this number.
 ENOUGH, MOST_STEPS = 0.2, 10
+# A residual below that of converged points (NewtonSettings) is round-off, which no step lowers.
+ROUND_OFF = 1e-8
 # Floor of the width of a resonance without damping, over its frequency.
 LEAST_WIDTH = 1e-6
 
@@ -97,33 +101,56 @@ def resized_plane(plane: Plane, rows: int) -> Plane:
     )
 
 
-def plane_across(before: Trial, trial: Trial, after: Trial) -> Plane:
-    """The plane through a trial across the chord of its neighbours on a curve, with the harmonics of the trial."""
-    rows = len(trial.relative)
-    chord = with_rows(after.relative, rows) - with_rows(before.relative, rows)
-    rise = after.omega - before.omega
-    size, reach = max(float(np.linalg.norm(chord)), 1e-150), max(abs(rise), LEAST_WIDTH * trial.omega)
-    return Plane(chord / size**2, rise / reach**2, trial.relative, trial.omega)
+def plane_across(trial: Trial, own: Balance, along: Tangent) -> Plane:
+    """The plane through a trial of the balance ``own`` across a direction of its curve, with the harmonics of the
+    trial.
+
+    Displacements and frequency have the scales of :func:`distance`: beside a fold, where the direction has almost no
+    change of the frequency, the plane lets the frequency vary.
+    """
+    normal = own.determined(with_rows(along.unknowns, len(trial.relative)))
+    size = max(float(np.linalg.norm(own.determined(trial.relative))), 1e-150)
+    return Plane(normal / size**2, along.parameter / _width(trial, own) ** 2, trial.relative, trial.omega)
 
 
-def neglected(trial: Trial, own: Balance, fine: Balance, plane: Plane) -> Neglected:
+def chord_of(before: Trial, after: Trial) -> Tangent:
+    """The direction from one trial of a curve to another one."""
+    rows = max(len(before.relative), len(after.relative))
+    return Tangent(
+        with_rows(after.relative, rows) - with_rows(before.relative, rows),
+        with_rows(after.amplitude, rows - 1) - with_rows(before.amplitude, rows - 1),
+        np.array([after.omega - before.omega]),
+    )
+
+
+def neglected(trial: Trial, own: Balance, fine: Balance, along: Tangent, last: LastFactor | None = None) -> Neglected:
     """The estimate for a trial of the balance ``own``, with the harmonics of ``fine``.
 
-    ``plane`` goes through the trial, across the curve. The error is infinite where the equations are singular.
+    ``along`` is the direction of the curve at the trial, ``last`` a factor for large systems. The error is infinite
+    where the equations are singular.
     """
     rows = 2 * fine.harmonics + 1
-    curve, wide = FrequencyCurve(fine, trial.load), resized_plane(plane, rows)
+    curve, plane = FrequencyCurve(fine, trial.load, last), resized_plane(plane_across(trial, own, along), rows)
     start = curve.at(with_rows(trial.relative, rows), trial.omega)
-    settings = NewtonSettings(tolerance=ENOUGH * start.error, max_iterations=MOST_STEPS, round_off_factor=1.0)
-    correction = Newton(curve, settings).correct(start, wide)
-    point, system = correction.point, correction.system or curve.linearised(start, wide)
-    along = system.solve(np.zeros_like(start.residual), start.conditions, -1.0, TOLERANCE)
-    if not np.isfinite(along.unknowns).all():
+    point = _corrected(curve, start, plane)
+    if point is None:
         return Neglected(np.inf, None)
-    change = point.measured - with_rows(trial.amplitude, rows - 1)
-    rise = point.trial.omega - trial.omega
-    error = distance(trial, own, (change, rise), (curve.measured_change(point, along), float(along.parameters[0])))
-    return Neglected(MARGIN * error, Step(point.unknowns - start.unknowns, np.array([rise])))
+    away = point.measured - with_rows(trial.amplitude, rows - 1), point.trial.omega - trial.omega
+    error = distance(trial, own, away, (with_rows(along.measured, rows - 1), along.parameter))
+    return Neglected(MARGIN * error, Step(point.unknowns - start.unknowns, point.parameters - start.parameters))
+
+
+def _corrected(curve: FrequencyCurve, start: BalancePoint, plane: Plane) -> BalancePoint | None:
+    """A point on the plane that has only a fraction of the residual of ``start``; None for singular equations."""
+    step = curve.linearised(start, plane).solve(start.residual, start.conditions, 0.0, TOLERANCE)
+    if not (np.isfinite(step.unknowns).all() and np.isfinite(step.parameters).all()):
+        return None
+    first = curve.evaluate(start.unknowns + step.unknowns, start.parameters + step.parameters)
+    enough = max(ENOUGH * start.error, ROUND_OFF)
+    if first.error <= enough:
+        return first
+    settings = NewtonSettings(tolerance=enough, max_iterations=MOST_STEPS, round_off_factor=1.0)
+    return Newton(curve, settings).correct(min(first, start, key=lambda point: point.error), plane).point
 
 
 def distance(trial: Trial, own: Balance, away: tuple[FloatArray, float], along: tuple[FloatArray, float]) -> float:
@@ -132,7 +159,7 @@ def distance(trial: Trial, own: Balance, away: tuple[FloatArray, float], along: 
     ``away`` leads to a point of the curve, ``along`` is the direction of the curve there: changes of the modal
     amplitudes (2H, n), with any number of harmonics, and of the circular frequency.
     """
-    width = max(2.0 * damping_ratio(trial, own), LEAST_WIDTH) * trial.omega
+    width = _width(trial, own)
     size = max(float(np.linalg.norm(trial.amplitude)), 1e-300)
 
     def scaled(motion: FloatArray, omega: float) -> FloatArray:
@@ -142,6 +169,11 @@ def distance(trial: Trial, own: Balance, away: tuple[FloatArray, float], along: 
     directions = np.linalg.qr(np.column_stack([scaled(*along), scaled(later, 0.0)])).Q
     straight = scaled(*away)
     return float(np.linalg.norm(straight - directions @ (directions.T @ straight)))
+
+
+def _width(trial: Trial, own: Balance) -> float:
+    """Half-power width in rad/s of a resonance with the equivalent damping of a trial."""
+    return max(2.0 * damping_ratio(trial, own), LEAST_WIDTH) * trial.omega
 
 
 def _later(amplitude: FloatArray) -> FloatArray:

@@ -26,6 +26,8 @@ from stickslip.solve.harmonic.neglected import (
     plane_across,
     resized_plane,
 )
+from stickslip.solve.harmonic.reduced import LastFactor
+from stickslip.solve.path.arc_length import Tangent, chord_between
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.landmarks import LandmarkSource
 from stickslip.solve.path.newton import Newton, NewtonSettings
@@ -34,13 +36,14 @@ from stickslip.solve.path.stepping import Accepted, BranchPoint, ContinuationSet
 
 BranchEvent = Accepted[Any] | Retreat | Corner
 
-# chosen: the numbers of harmonics, each about a quarter above the one before; motions are often nearly half-wave
-# symmetric, where even harmonics are small, so the first ones are odd.
-LADDER = (1, 3, 5, 7, 9, 12, 15, 19, 24, 30, 38, 48)
+# chosen: the numbers of harmonics, odd ones, because motions are often nearly half-wave symmetric, where even harmonics
+# are small.
+LADDER = (1, 3, 5, 7, 9, 11, 13, 15, 19, 23, 29, 37, 47)
 LEAST_HARMONICS = 3
-# Fractions of the accuracy: the errors that are expected with more and with fewer harmonics. chosen: far enough below 1
-# that the number does not change back at the next points.
-AIM_OF_MORE, AIM_OF_FEWER = 0.5, 0.4
+# Fractions of the accuracy: the errors that are expected with more and with fewer harmonics. chosen: the latter far
+# enough below 1 that the number does not change back at the next points. More harmonics come in at most two steps of
+# the ladder at once: the next estimate is better than what one with few harmonics expects of many.
+AIM_OF_MORE, AIM_OF_FEWER, STEPS_OF_MORE = 0.9, 0.4, 2
 # chosen: where the last estimate is below the first (second) fraction of the accuracy the next three points (one point)
 # have none at first, and then the larger one of their neighbours, unless this is above the accuracy.
 VERY_CALM, CALM = 0.2, 0.7
@@ -94,6 +97,7 @@ class VaryingCurve:
     def __init__(self, balance_of: Callable[[int], Balance], harmonics: int) -> None:
         self._balance_of = balance_of
         self._curves: dict[int, FrequencyCurve] = {}
+        self.last_factor = LastFactor()  # of all numbers of harmonics
         self.harmonics = self.widest = harmonics
 
     def use(self, harmonics: int) -> None:
@@ -108,7 +112,7 @@ class VaryingCurve:
     def with_harmonics(self, harmonics: int) -> FrequencyCurve:
         """The curve with a fixed number of harmonics."""
         if harmonics not in self._curves:
-            self._curves[harmonics] = FrequencyCurve(self._balance_of(harmonics))
+            self._curves[harmonics] = FrequencyCurve(self._balance_of(harmonics), last=self.last_factor)
         return self._curves[harmonics]
 
     def lifted(self, point: BalancePoint) -> VaryingPoint:
@@ -182,7 +186,8 @@ class HarmonicsByAccuracy:
     ) -> Branch[VaryingPoint]:
         """The branch from ``start`` to ``stop`` (rad/s), with estimated errors of all points."""
         lifted = self.curve.lifted(start)
-        first = self.revised(lifted, Plane.fixed(lifted.unknowns, lifted.trial.omega))
+        at_one_frequency = Tangent(np.zeros_like(lifted.unknowns), np.zeros_like(lifted.measured), np.ones(1))
+        first = self.revised(lifted, at_one_frequency)
 
         def listen(event: BranchEvent) -> None:
             self._remember(event)
@@ -208,8 +213,9 @@ class HarmonicsByAccuracy:
             del self._accepted[event.count :]
             self._use(self._accepted[-1])
 
-    def revised(self, point: VaryingPoint, plane: Plane) -> Revision[VaryingPoint]:
-        """The point with its estimated error and with as many harmonics as it requires."""
+    def revised(self, point: VaryingPoint, along: Tangent) -> Revision[VaryingPoint]:
+        """The point with its estimated error and with as many harmonics as it requires; ``along`` is the direction of
+        the curve."""
         if not point.trial.contact.moves.any():
             # Linear: harmonics that no force excites are zero.
             self._use(self._ladder[0])
@@ -218,7 +224,7 @@ class HarmonicsByAccuracy:
         if self._skip:
             self._skip -= 1
             return Revision(point)
-        revision = self._resolved(point, plane)
+        revision = self._resolved(point, along)
         error = revision.point.neglected or 0.0
         self._skip = 3 if error < VERY_CALM * self._accuracy else 1 if error < CALM * self._accuracy else 0
         return revision
@@ -240,9 +246,8 @@ class HarmonicsByAccuracy:
             elif index == top or point.neglected is None:
                 self._use(point.harmonics)
                 self._skip = 0
-                sides = (points[min(max(i, 0), last)].point.trial for i in (index - 1, index + 1))
-                first, second = sides
-                revision = self.revised(point, plane_across(first, point.trial, second))
+                sides = (points[min(max(i, 0), last)].point for i in (index - 1, index + 1))
+                revision = self.revised(point, chord_between(*sides))
                 points[index] = replace(each, point=revision.point)
 
     def _use(self, harmonics: int) -> None:
@@ -253,23 +258,26 @@ class HarmonicsByAccuracy:
     def _fine(self, point: VaryingPoint) -> Balance:
         return self.curve.with_harmonics(more_harmonics(point.harmonics, self._samples)).balance
 
-    def _estimate(self, point: VaryingPoint, plane: Plane) -> Neglected:
-        own = self.curve.with_harmonics(point.harmonics).balance
-        return neglected(point.trial, own, self._fine(point), plane)
+    def _own(self, point: VaryingPoint) -> Balance:
+        return self.curve.with_harmonics(point.harmonics).balance
 
-    def _resolved(self, point: VaryingPoint, plane: Plane) -> Revision[VaryingPoint]:
+    def _estimate(self, point: VaryingPoint, along: Tangent) -> Neglected:
+        return neglected(point.trial, self._own(point), self._fine(point), along, self.curve.last_factor)
+
+    def _resolved(self, point: VaryingPoint, along: Tangent) -> Revision[VaryingPoint]:
         """The point with an estimate, and again with more or fewer harmonics until that fits."""
-        estimate, system = self._estimate(point, plane), None
+        estimate, system = self._estimate(point, along), None
+        plane = plane_across(point.trial, self._own(point), along)
         while estimate.error > self._accuracy and point.harmonics < self._ladder[-1]:
             solved = self._solved(point, plane, estimate, self._more(point, estimate))
             if solved is None:
                 break
             point, system = solved
-            estimate = self._estimate(point, plane)
+            estimate = self._estimate(point, along)
         fewer = self._fewer(point, estimate)
         if fewer < point.harmonics:
             solved = self._solved(point, plane, estimate, fewer)
-            after = solved and self._estimate(solved[0], plane)
+            after = solved and self._estimate(solved[0], along)
             if solved and after and after.error <= self._accuracy:
                 (point, system), estimate = solved, after
             else:
@@ -297,7 +305,8 @@ class HarmonicsByAccuracy:
 
     def _more(self, point: VaryingPoint, estimate: Neglected) -> int:
         """More harmonics, by the motion that the estimate has in them."""
-        return self._expected(point, estimate, AIM_OF_MORE, [each for each in self._ladder if each > point.harmonics])
+        above = [each for each in self._ladder if each > point.harmonics]
+        return self._expected(point, estimate, AIM_OF_MORE, above[:STEPS_OF_MORE])
 
     def _fewer(self, point: VaryingPoint, estimate: Neglected) -> int:
         """Fewer harmonics, or the same number, by the motion of the point in them."""

@@ -79,7 +79,7 @@ class Branch(Generic[PointT]):
         on_event: Callable[[Accepted[PointT] | Retreat | Corner], None] | None = None,
         landmarks: LandmarkSource[PointT] | None = None,
         within: tuple[float, float] | None = None,
-        revise: Callable[[PointT, Plane], Revision[PointT]] | None = None,
+        revise: Callable[[PointT, Tangent], Revision[PointT]] | None = None,
     ) -> None:
         self._problem = newton.problem
         self._start = start
@@ -88,7 +88,7 @@ class Branch(Generic[PointT]):
         self._settings = settings
         self._on_event = on_event or (lambda event: None)
         self._source = landmarks
-        self._revise = revise or (lambda point, plane: Revision(point))
+        self._revise = revise or (lambda point, along: Revision(point))
         self._landmarks: Sequence[Landmark] = ()  # as seen from the last point
         self._origin = _parameter(start)
         self._direction = math.copysign(1.0, stop - self._origin)
@@ -149,7 +149,7 @@ class Branch(Generic[PointT]):
                     "stop), or widen the range."
                 )
                 return self.points
-            revision = self._revise(correction.point, self._plane(correction.point, turned, 0.0))
+            revision = self._revise(correction.point, turned)
             self._accept(BranchPoint(revision.point, correction.iterations))
             target = self._retreat_target()
             if self.closed:
