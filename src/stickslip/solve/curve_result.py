@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,6 @@ from stickslip.solve.harmonic.energy import measure_curve
 from stickslip.solve.harmonic.linear import linear_curves
 from stickslip.solve.harmonic.missed_peaks import PeakCheck
 from stickslip.solve.harmonic.neglected import CurveAccuracy
-from stickslip.solve.harmonic.varying_harmonics import widened
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import Accepted, Corner, Retreat
@@ -76,9 +76,12 @@ def response_of(
     """
     superelement, stuck, harmonics = balances.superelement, balances.stuck, balance.harmonics
     report.stage("energies and checks of the curve")
-    own_trials = [point.point.trial for point in branch.points]
-    trials = own_trials if accuracy is None else [widened(trial, harmonics) for trial in own_trials]
-    measures = measure_curve(trials, balance, superelement, stuck)
+    trials = [point.point.trial for point in branch.points]
+
+    def balance_of(number: int) -> Balance:
+        return balance if number == harmonics else balances.with_harmonics(number)
+
+    measures = measure_curve(trials, cache(balance_of), superelement, stuck)
     converged, message = branch.complete, branch.message
     wrong = np.flatnonzero(~(measures.residual <= LARGEST_UNBALANCE))
     if wrong.size:
@@ -88,10 +91,10 @@ def response_of(
             raise ConvergenceError(message)
         converged, trials, measures = False, trials[:end], measures.first(end)
     fine = balances.with_harmonics(harmonics + max(harmonics, LEAST_CUT_OFF), 2 * balances.samples)
-    check = check_resolution(balance, fine, own_trials[: len(trials)], accuracy)
+    check = check_resolution(balance, fine, trials, accuracy)
     report.stage("stability of the points")
     reason = no_stability or reason_without(balance.pairs)
-    verdict, stability_message = _stability(own_trials[: len(trials)], balance, balances, reason)
+    verdict, stability_message = _stability(trials, balance, balances, reason)
     report.stage("linear limits")
     linear = linear_curves(balances.closed, balances.free, balances.force.with_harmonics(harmonics), window)
     damped, free_ratio = bool(stuck.damping.any()), balances.free.damping_ratio(window)

@@ -16,7 +16,7 @@ import numpy as np
 from stickslip.core.fourier import with_rows
 from stickslip.core.resolution import SAMPLES_PER_HARMONIC
 from stickslip.core.validation import FloatArray
-from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.neglected import (
     CurveAccuracy,
@@ -40,13 +40,12 @@ BranchEvent = Accepted[Any] | Retreat | Corner
 # are small.
 LADDER = (1, 3, 5, 7, 9, 11, 13, 15, 19, 23, 29, 37, 47)
 LEAST_HARMONICS = 3
-# Fractions of the accuracy: the errors that are expected with more and with fewer harmonics. chosen: the latter far
-# enough below 1 that the number does not change back at the next points. More harmonics come in at most two steps of
-# the ladder at once: the next estimate is better than what one with few harmonics expects of many.
-AIM_OF_MORE, AIM_OF_FEWER, STEPS_OF_MORE = 0.9, 0.4, 2
-# chosen: where the last estimate is below the first (second) fraction of the accuracy the next three points (one point)
-# have none at first, and then the larger one of their neighbours, unless this is above the accuracy.
-VERY_CALM, CALM = 0.2, 0.7
+# The error that is expected with fewer harmonics, over the accuracy. chosen: far enough below 1 that the number does
+# not change back at the next points.
+AIM_OF_FEWER = 0.5
+# chosen: where the last estimate is below a fraction of the accuracy so many next points have none at first, and then
+# the larger one of their neighbours, unless this is above the accuracy.
+CALM = ((0.2, 4), (0.5, 2), (0.8, 1))
 
 
 @dataclass(frozen=True)
@@ -225,8 +224,8 @@ class HarmonicsByAccuracy:
             self._skip -= 1
             return Revision(point)
         revision = self._resolved(point, along)
-        error = revision.point.neglected or 0.0
-        self._skip = 3 if error < VERY_CALM * self._accuracy else 1 if error < CALM * self._accuracy else 0
+        share = (revision.point.neglected or 0.0) / self._accuracy
+        self._skip = next((count for limit, count in CALM if share < limit), 0)
         return revision
 
     def _complete(self, points: list[BranchPoint[VaryingPoint]]) -> None:
@@ -269,13 +268,13 @@ class HarmonicsByAccuracy:
         estimate, system = self._estimate(point, along), None
         plane = plane_across(point.trial, self._own(point), along)
         while estimate.error > self._accuracy and point.harmonics < self._ladder[-1]:
-            solved = self._solved(point, plane, estimate, self._more(point, estimate))
+            solved = self._solved(point, plane, estimate, self._more(point))
             if solved is None:
                 break
             point, system = solved
             estimate = self._estimate(point, along)
         fewer = self._fewer(point, estimate)
-        if fewer < point.harmonics:
+        if system is None and fewer < point.harmonics:
             solved = self._solved(point, plane, estimate, fewer)
             after = solved and self._estimate(solved[0], along)
             if solved and after and after.error <= self._accuracy:
@@ -303,40 +302,20 @@ class HarmonicsByAccuracy:
         self.curve.widest = widest  # the directions of the path have no more rows
         return None
 
-    def _more(self, point: VaryingPoint, estimate: Neglected) -> int:
-        """More harmonics, by the motion that the estimate has in them."""
-        above = [each for each in self._ladder if each > point.harmonics]
-        return self._expected(point, estimate, AIM_OF_MORE, above[:STEPS_OF_MORE])
+    def _more(self, point: VaryingPoint) -> int:
+        """The next larger number: what an estimate with few harmonics expects of many is worse than the next one."""
+        return next(each for each in self._ladder if each > point.harmonics)
 
     def _fewer(self, point: VaryingPoint, estimate: Neglected) -> int:
-        """Fewer harmonics, or the same number, by the motion of the point in them."""
-        return self._expected(point, estimate, AIM_OF_FEWER, [each for each in self._ladder if each <= point.harmonics])
-
-    def _expected(self, point: VaryingPoint, estimate: Neglected, aim: float, numbers: Sequence[int]) -> int:
-        """The first of some numbers for which the error, in proportion to the neglected motion, is below ``aim``."""
-        whole = estimate.tail(point.trial.relative, point.harmonics)
-        resolved = more_harmonics(point.harmonics, self._samples)  # by the estimate
-        for harmonics in numbers:
-            share = estimate.tail(point.trial.relative, harmonics) / max(whole, 1e-300)
-            if harmonics >= resolved or estimate.error * share <= aim * self._accuracy:
+        """The fewest harmonics for which the error, in proportion to the neglected motion, is low."""
+        whole = max(estimate.tail(point.trial.relative, point.harmonics), 1e-300)
+        for harmonics in self._ladder:
+            share = estimate.tail(point.trial.relative, harmonics) / whole
+            if harmonics >= point.harmonics or estimate.error * share <= AIM_OF_FEWER * self._accuracy:
                 return harmonics
-        return numbers[-1]
+        return point.harmonics
 
 
 def _highest(points: Sequence[VaryingPoint]) -> int:
     """The point with the largest motion."""
     return int(np.argmax([np.linalg.norm(each.trial.amplitude) for each in points]))
-
-
-def widened(trial: Trial, harmonics: int) -> Trial:
-    """A trial with further harmonics that are zero."""
-    rows = 2 * harmonics + 1
-    force: Any = np.moveaxis(with_rows(np.moveaxis(trial.contact.force, 2, 0), rows), 0, 2)
-    return replace(
-        trial,
-        relative=with_rows(trial.relative, rows),
-        deviation=with_rows(trial.deviation, rows),
-        amplitude=with_rows(trial.amplitude, rows - 1),
-        residual=with_rows(trial.residual, rows),
-        contact=replace(trial.contact, force=force),
-    )
