@@ -61,6 +61,36 @@ def test_a_file_contains_harmonics_and_errors_of_the_points(gaps: ForcedResponse
     assert ForcedResponse.load(tmp_path / "results.nc") == gaps
 
 
+def test_points_with_different_harmonics_have_the_multipliers_of_one_number(gaps: ForcedResponse) -> None:
+    fixed = make("gaps", 1).solve(harmonics=gaps.harmonics)
+    assert gaps.stable is not None
+    assert gaps.multipliers is not None
+    assert gaps.stable.all()
+    assert (np.diff(fixed.frequency_hz) > 0.0).all()
+    sizes = np.interp(gaps.frequency_hz, fixed.frequency_hz, np.abs(fixed.multipliers[:, 0]))
+    away = np.abs(np.abs(gaps.multipliers[:, 0]) - sizes)
+    assert away.max() < 0.05
+    assert away.mean() < 0.002
+
+
+def test_folds_where_the_harmonics_vary(blade: Blade) -> None:
+    """The same folds as with a fixed number; the points between are unstable.
+
+    Folds are 0.03 of their distance uncertain by the distance of the points.
+    """
+    window = {"frequency_hz": (675.0, 700.0), "samples": 128}
+    varying, fixed = blade.response(accuracy=0.001, **window), blade.response(harmonics=7, **window)
+    assert varying.point_harmonics is not None
+    assert varying.point_harmonics.min() == 3
+    assert varying.harmonics >= 5
+    assert [each.kind for each in varying.bifurcations] == ["fold", "fold"] == [e.kind for e in fixed.bifurcations]
+    actual, expected = (np.array([each.frequency_hz for each in r.bifurcations]) for r in (varying, fixed))
+    assert actual == pytest.approx(expected, abs=0.03 * np.ptp(expected))
+    assert varying.stable is not None
+    between = np.diff(varying.frequency_hz) < 0.0
+    assert not varying.stable[1:-1][between[:-1] & between[1:]].any()
+
+
 def test_a_fixed_number_of_harmonics_has_no_errors_of_points(blade: Blade) -> None:
     """The default is five harmonics, exactly."""
     five, default = (blade.response(frequency_hz=(690.0, 735.0), samples=64, **more) for more in ({"harmonics": 5}, {}))
@@ -71,7 +101,7 @@ def test_a_fixed_number_of_harmonics_has_no_errors_of_points(blade: Blade) -> No
 
 
 @pytest.mark.parametrize(
-    ("kind", "seed", "accuracy"), [("gaps", 1, 0.005), ("sdof", 4, 0.0005), ("close", 2, 0.005), ("chain", 0, 0.0005)]
+    ("kind", "seed", "accuracy"), [("gaps", 1, 0.005), ("sdof", 4, 0.0005), ("close", 2, 0.0005), ("chain", 0, 0.0005)]
 )
 @pytest.mark.slow
 def test_the_estimate_is_never_below_half_of_the_true_error(kind: str, seed: int, accuracy: float) -> None:

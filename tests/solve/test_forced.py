@@ -165,7 +165,7 @@ def test_too_few_harmonics_and_samples_are_reported(blade: Blade) -> None:
     )
     text = " ".join(coarse.warnings)
     assert "Too few samples: with 32 instead of 16" in text
-    assert "Too few harmonics: those above 3 would change the motion by" in text
+    assert "Too few harmonics: those above 3 would move the curve by" in text
 
 
 def test_one_harmonic_is_not_enough_and_is_reported(blade: Blade) -> None:

@@ -163,14 +163,14 @@ def _stability_warnings(stability: CurveStability | None) -> tuple[str, ...]:
         places = ", ".join(f"{each.kind} {each.frequency_hz:.3f} Hz" for each in changes)
         warnings.append(
             f"Stability changes without a fold ({places}). Multipliers have errors by samples and harmonics, up to "
-            "some percent where many pairs slip and separate: run again with more harmonics before you trust it, or "
-            "the jumps of slow sweeps there."
+            "some percent where many pairs slip and separate: run again with more harmonics, or a finer accuracy, "
+            "before you trust it, or the jumps of slow sweeps there."
         )
     if stability.error_at_folds > LARGEST_ERROR_AT_FOLDS:
         warnings.append(
             f"At a fold a multiplier is {stability.error_at_folds:.2f} from 1, where it belongs: the solution neglects "
             "harmonics that its small disturbances contain. Near the folds the verdicts follow from them; elsewhere "
-            "real multipliers have an error of this size. Run again with more harmonics."
+            "real multipliers have an error of this size. Run again with more harmonics, or with a finer accuracy."
         )
     return tuple(warnings)
 

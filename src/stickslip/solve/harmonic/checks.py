@@ -73,8 +73,9 @@ class ResolutionCheck:
             )
             more = 2 if self.neglected_error < 5.0 * LARGEST_NEGLECTED else harmonics
             sentences.append(
-                f"Too few harmonics: those above {harmonics} would change the motion by about "
-                f"{100 * self.neglected_error:.1f} % at {self.neglected_omega / (2 * np.pi):.2f} Hz (required: below "
+                f"Too few harmonics: those above {harmonics} would move the curve by about "
+                f"{100 * self.neglected_error:.3g} % of its motion at {self.neglected_omega / (2 * np.pi):.2f} Hz "
+                f"(required: below "
                 f"{100 * LARGEST_NEGLECTED:.0f} %){energy_words}. Run again with harmonics = "
                 f"{harmonics + max(2, more)}, or with an accuracy."
             )
