@@ -43,6 +43,9 @@ LEAST_HARMONICS = 3
 # The error that is expected with fewer harmonics, over the accuracy. chosen: far enough below 1 that the number does
 # not change back at the next points.
 AIM_OF_FEWER = 0.5
+# A smaller estimate, over the accuracy, counts as this: harmonics above those of the estimate can be as large (a true
+# error of 0.11 of the accuracy where the estimate was 0.05, in the default two-blade case).
+LEAST_ESTIMATE = 0.1
 # chosen: where the last estimate is below a fraction of the accuracy so many next points have none at first, and then
 # the larger one of their neighbours, unless this is above the accuracy.
 CALM = ((0.2, 4), (0.5, 2), (0.8, 1))
@@ -281,7 +284,7 @@ class HarmonicsByAccuracy:
                 (point, system), estimate = solved, after
             else:
                 self._use(point.harmonics)
-        return Revision(replace(point, neglected=estimate.error), system)
+        return Revision(replace(point, neglected=max(estimate.error, LEAST_ESTIMATE * self._accuracy)), system)
 
     def _solved(
         self, point: VaryingPoint, plane: Plane, estimate: Neglected, harmonics: int
