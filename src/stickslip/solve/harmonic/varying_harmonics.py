@@ -48,7 +48,7 @@ AIM_OF_FEWER = 0.5
 LEAST_ESTIMATE = 0.1
 # chosen: where the last estimate is below a fraction of the accuracy so many next points have none at first, and then
 # the larger one of their neighbours, unless this is above the accuracy.
-CALM = ((0.2, 4), (0.5, 2), (0.8, 1))
+CALM = ((0.15, 8), (0.2, 4), (0.5, 2), (0.8, 1))
 
 
 @dataclass(frozen=True)
@@ -234,23 +234,25 @@ class HarmonicsByAccuracy:
     def _complete(self, points: list[BranchPoint[VaryingPoint]]) -> None:
         """Give an estimate to all points of a curve, one of its own to the highest point."""
         top, last = _highest([each.point for each in points]), len(points) - 1
-        before = [each.point.neglected for each in points]
         for index, each in enumerate(points):
-            point = each.point
-            beside = [
-                next((error for error in side if error is not None), None)
-                for side in (before[:index][::-1], before[index:])
-            ]
-            errors = [error for error in beside if error is not None]
-            is_low = len(errors) == 2 and max(errors) <= self._accuracy
-            if index != top and point.neglected is None and is_low:
-                points[index] = replace(each, point=replace(point, neglected=max(errors)))
+            point, beside = each.point, self._beside(points, index)
+            if index != top and point.neglected is None and beside is not None:
+                points[index] = replace(each, point=replace(point, neglected=beside))
             elif index == top or point.neglected is None:
                 self._use(point.harmonics)
                 self._skip = 0
                 sides = (points[min(max(i, 0), last)].point for i in (index - 1, index + 1))
                 revision = self.revised(point, chord_between(*sides))
                 points[index] = replace(each, point=revision.point)
+
+    def _beside(self, points: Sequence[BranchPoint[VaryingPoint]], index: int) -> float | None:
+        """The larger estimate of the nearest points with one on both sides; None where it is no bound: if it is above
+        the accuracy, or if one of them required more harmonics."""
+        sides = (points[:index][::-1], points[index + 1 :])
+        nearest = [next((each.point for each in side if each.point.neglected is not None), None) for side in sides]
+        errors = [each.neglected for each in nearest if each and each.harmonics <= points[index].point.harmonics]
+        known = [error for error in errors if error is not None and error <= self._accuracy]
+        return max(known) if len(known) == len(sides) else None
 
     def _use(self, harmonics: int) -> None:
         if harmonics != self.curve.harmonics:
