@@ -40,6 +40,22 @@ def test_each_point_has_as_many_harmonics_as_it_requires(gaps: ForcedResponse) -
     assert not [sentence for sentence in gaps.warnings if "harmonics" in sentence]
 
 
+def test_points_before_a_rise_have_an_estimate_of_their_own(gaps: ForcedResponse) -> None:
+    """That of a neighbour with more harmonics says nothing about them."""
+    assert gaps.point_harmonics is not None
+    assert gaps.estimated_error is not None
+    rises = np.flatnonzero(np.diff(gaps.point_harmonics) > 0)
+    assert rises.size
+    assert (gaps.estimated_error[rises] != gaps.estimated_error[rises + 1]).all()
+
+
+def test_no_estimate_is_below_a_tenth_of_the_accuracy(gaps: ForcedResponse) -> None:
+    assert gaps.estimated_error is not None
+    moving = gaps.moving_pairs > 0
+    assert gaps.estimated_error[moving].min() >= 0.1 * 0.002
+    assert not gaps.estimated_error[~moving].any()
+
+
 def test_harmonics_rise_and_fall_along_the_curve(gaps: ForcedResponse) -> None:
     assert gaps.point_harmonics is not None
     change = np.diff(gaps.point_harmonics)
