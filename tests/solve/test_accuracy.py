@@ -40,20 +40,21 @@ def test_each_point_has_as_many_harmonics_as_it_requires(gaps: ForcedResponse) -
     assert not [sentence for sentence in gaps.warnings if "harmonics" in sentence]
 
 
-def test_points_before_a_rise_have_an_estimate_of_their_own(gaps: ForcedResponse) -> None:
+def test_points_before_a_rise_have_an_estimate_of_their_own() -> None:
     """That of a neighbour with more harmonics says nothing about them."""
-    assert gaps.point_harmonics is not None
-    assert gaps.estimated_error is not None
-    rises = np.flatnonzero(np.diff(gaps.point_harmonics) > 0)
+    response = make("sdof", 4).solve(harmonics=None, accuracy=0.001)
+    rises = np.flatnonzero(np.diff(response.point_harmonics) > 0)
     assert rises.size
-    assert (gaps.estimated_error[rises] != gaps.estimated_error[rises + 1]).all()
+    assert (response.estimated_error[rises] != response.estimated_error[rises + 1]).all()
 
 
 def test_no_estimate_is_below_a_tenth_of_the_accuracy(gaps: ForcedResponse) -> None:
     assert gaps.estimated_error is not None
-    moving = gaps.moving_pairs > 0
-    assert gaps.estimated_error[moving].min() >= 0.1 * 0.002
-    assert not gaps.estimated_error[~moving].any()
+    linear = gaps.moving_pairs == 0
+    assert not gaps.estimated_error[linear].any()
+    errors = gaps.estimated_error[gaps.estimated_error > 0.0]
+    assert errors.size > gaps.n_points / 3
+    assert errors.min() >= 0.1 * 0.002
 
 
 def test_harmonics_rise_and_fall_along_the_curve(gaps: ForcedResponse) -> None:
