@@ -90,6 +90,16 @@ def test_points_with_different_harmonics_have_the_multipliers_of_one_number(gaps
     assert away.mean() < 0.002
 
 
+@pytest.mark.slow
+def test_a_traction_band_of_a_curve_with_different_harmonics_has_the_most_of_them(blade: Blade) -> None:
+    response = blade.response(frequency_hz=(675.0, 700.0), samples=64, accuracy=0.002, traction_band=blade.tip)
+    assert response.point_harmonics is not None
+    assert response.point_harmonics.min() < response.harmonics
+    assert response.traction_band is not None
+    assert response.traction_band.complete.all()
+    assert response.traction_band.displacement.shape[2] == 2 * response.harmonics + 1
+
+
 def test_folds_where_the_harmonics_vary(blade: Blade) -> None:
     """The same folds as with a fixed number; the points between are unstable.
 
