@@ -223,14 +223,14 @@ class Count:
             raise InputError(f"is not allowed: {allowed} is needed.")
         return value
 
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        """Let pydantic call ``parse``."""
+        return core_schema.no_info_plain_validator_function(self.parse)
+
 
 @dataclass(frozen=True)
 class NodeNumber(Count):
     """The number of a node in a file: a name, which counts nothing."""
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
-        """Let pydantic call ``parse``."""
-        return core_schema.no_info_plain_validator_function(self.parse)
 
 
 @dataclass(frozen=True)
