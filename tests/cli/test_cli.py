@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 import stickslip
 from sentences import printed_sentence
 from stickslip.case.case import Case
+from stickslip.case.examples import EXAMPLES
 from stickslip.cli import errors as cli_errors
 from stickslip.cli import main as cli
 from stickslip.core.errors import ConvergenceError, ResultsFileError, RoughnessError
@@ -87,7 +88,7 @@ def invoke(*arguments: object) -> Any:
 def test_new_writes_a_file_that_check_accepts(study: Study, tmp_path: Path) -> None:
     path = tmp_path / "folder" / "blade.toml"
     assert invoke("new", path).exit_code == 0
-    assert path.read_text(encoding="utf-8") == Case().to_text()
+    assert path.read_text(encoding="utf-8") == Case.from_mapping(EXAMPLES["two-blade"]).to_text()
     assert invoke("check", path).exit_code == 0
 
 
@@ -98,7 +99,7 @@ def test_new_rejects_to_overwrite_unless_forced(study_file: Path) -> None:
     printed_sentence(result.stderr, "--force")
     assert study_file.read_text(encoding="utf-8") == "precious"
     assert invoke("new", study_file, "--force").exit_code == 0
-    assert study_file.read_text(encoding="utf-8") == Case().to_text()
+    assert study_file.read_text(encoding="utf-8") == Case.from_mapping(EXAMPLES["two-blade"]).to_text()
 
 
 def test_new_into_a_place_that_cannot_be_written(study_file: Path) -> None:

@@ -66,6 +66,21 @@ def test_page_says_what_the_reader_must_know(text):
     assert 'class="notice' not in text
 
 
+def test_an_accuracy_is_on_the_page_with_the_error_of_the_peak(case, text):
+    response, study = case
+    errors = np.full(response.n_points, 0.0012)
+    errors[0] = 0.004
+    accurate = dataclasses.replace(
+        response,
+        settings=response.settings | {"accuracy": 0.005},
+        point_harmonics=np.full(response.n_points, response.harmonics),
+        estimated_error=errors,
+    )
+    words = f"accuracy 0.5 % (up to {response.harmonics} harmonics, estimated error of the peak 0.12 %)"
+    assert words in page(accurate, study)
+    assert "estimated error" not in text
+
+
 def test_failure_and_warnings_are_prominent(case):
     response, study = case
     failed = dataclasses.replace(response, converged=False, message="Stopped at 420 Hz <fold>.", warnings=("Too few.",))

@@ -300,7 +300,7 @@ class OwnCase(PressedInterfaces, Case):
         yield from preload_errors(self.preload, loads, bool(self.pressed_interfaces))
         yield from joint_errors(self.interfaces, self.preload, self.pressed_interfaces)
         harmonics = {name: force.harmonic for name, force in self.forces.items()}
-        yield from excitation_errors(excitations, harmonics, self.solver.harmonics)
+        yield from excitation_errors(excitations, harmonics, self.solver)
         if not self.responses:
             yield EntryError(("responses",), "has no entry. Give at least one section [responses.NAME].")
         for section in ("forces", "responses", "static_loads", "unbalance"):

@@ -7,10 +7,11 @@ from typing import Any
 
 from stickslip.case.interface_sections import InterfaceSection, MeshInterfaceSection
 from stickslip.case.own_sections import OwnPreloadSection, PlaceSection
-from stickslip.case.sections import PreloadSection
+from stickslip.case.sections import PreloadSection, SolverSection
 from stickslip.case.two_blade_sections import WedgePreloadSection
 from stickslip.contact.constants import FRICTION, GAP, NORMAL_LOAD, STIFFNESSES
 from stickslip.core.errors import InputError
+from stickslip.core.resolution import SAMPLES_PER_HARMONIC
 
 
 class EntryError(InputError):
@@ -159,17 +160,20 @@ def place_errors(section: str, places: Mapping[str, PlaceSection], has_areas: bo
 
 
 def excitation_errors(
-    excitations: Mapping[str, Any], harmonics: Mapping[str, int], analysis_harmonics: int
+    excitations: Mapping[str, Any], harmonics: Mapping[str, int], solver: SolverSection
 ) -> Iterator[EntryError]:
-    """A missing excitation, and forces in harmonics above ``analysis_harmonics``.
+    """A missing excitation, and forces in harmonics that the solver does not have.
 
     ``excitations`` are the sections that can excite the structure, ``harmonics`` those of the forces.
     """
     if not any(excitations.values()):
         yield EntryError(("forces",), "has no entry. Give at least one section [forces.NAME].")
+    if solver.harmonics is None:
+        most = solver.samples // SAMPLES_PER_HARMONIC
+        limit = f"solver.accuracy allows only {most} harmonics with solver.samples = {solver.samples}. Raise samples."
+    else:
+        most = solver.harmonics
+        limit = f"the solver uses only solver.harmonics = {most}. Raise it."
     for name, harmonic in harmonics.items():
-        if harmonic > analysis_harmonics:
-            yield EntryError(
-                ("forces", name, "harmonic"),
-                f"is {harmonic}, but the solver uses only solver.harmonics = {analysis_harmonics}. Raise it.",
-            )
+        if harmonic > most:
+            yield EntryError(("forces", name, "harmonic"), f"is {harmonic}, but {limit}")

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 _BODY = {"young_modulus": "210 GPa", "poisson_ratio": 0.3, "density": "7850 kg/m^3"}
-_SOLVER = {"frequency_start": "100 Hz", "frequency_stop": "1000 Hz"}
+_RESOLUTION = {"accuracy": "0.5 %"}
+_SOLVER = {"frequency_start": "100 Hz", "frequency_stop": "1000 Hz", **_RESOLUTION}
 EXAMPLES: dict[str, dict[str, Any]] = {
-    "two-blade": {},
+    "two-blade": {"solver": _RESOLUTION},
     "mesh": {
         "study": {"title": "My structure"},
         "structure": {"kind": "mesh", "file": "model.inp", "length_unit": "mm", "fixed": ["root"]},

@@ -25,7 +25,7 @@ from stickslip.case.quantities import (
 from stickslip.case.section import Required, Section, chosen_by, has_value, of_kind
 from stickslip.case.sections import PreloadSection, StructureSection
 from stickslip.core.errors import InputError
-from stickslip.core.units import LARGEST_INTEGER, Count, Quantity
+from stickslip.core.units import LARGEST_INTEGER, Count, NodeNumber, Quantity
 
 _OF_MESH_STRUCTURE = 'does not belong to a structure of kind "matrices". Remove it.'
 _IN_FILE = "is in the superelement of file. Remove it."
@@ -178,7 +178,7 @@ class PlaceSection(Section):
     point: Place | None = Field(
         default=None, description="position; stickslip uses the nearest node", examples=[["0 mm", "0 mm", "145 mm"]]
     )
-    node: Annotated[int, Count(at_least=-LARGEST_INTEGER, at_most=LARGEST_INTEGER)] | None = Field(
+    node: Annotated[int, NodeNumber(at_least=-LARGEST_INTEGER, at_most=LARGEST_INTEGER)] | None = Field(
         default=None, description="number of a node in the file", examples=[1017]
     )
     spread: Literal["equal", "area"] | None = Field(

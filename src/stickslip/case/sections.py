@@ -12,6 +12,7 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 from stickslip.case.quantities import Area, Frequency, FrictionCoefficient, Length, PairForce, Step, Stiffness
 from stickslip.case.section import Section, instead_of, without_default
 from stickslip.core.errors import InputError
+from stickslip.core.resolution import COARSEST_ACCURACY, FINEST_ACCURACY, LEAST_SAMPLES
 from stickslip.core.units import LARGEST_INTEGER, NEGLIGIBLE, Count, Quantity, Respelled
 
 
@@ -182,8 +183,19 @@ class SolverSection(Section):
 
     frequency_start: Frequency = Field(default=400.0, description="a start above the stop sweeps downwards")
     frequency_stop: Frequency = Field(default=530.0)
-    harmonics: Annotated[int, Count(at_least=1, at_most=200)] = Field(
-        default=5, description="number of harmonics, in addition to the mean"
+    harmonics: Annotated[int, Count(at_least=1, at_most=200)] | None = Field(
+        default=5, description="in addition to the mean, fixed, instead of accuracy; 5 without either"
+    )
+    accuracy: (
+        Annotated[
+            float,
+            Quantity("pure number", shown="%", at_least=FINEST_ACCURACY, at_most=COARSEST_ACCURACY, example='"0.5 %"'),
+        ]
+        | None
+    ) = Field(
+        default=None,
+        description="of each point and of the peak; harmonics follow from it along the curve",
+        examples=["0.5 %"],
     )
     samples: Annotated[int, Count(at_least=8, at_most=100_000)] = Field(
         default=256, description="per period; 512 with much separation", validate_default=True
@@ -201,6 +213,25 @@ class SolverSection(Section):
         default="tractrix", description="return of a slipping pair to the friction limit"
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _accuracy_replaces_the_default(cls, data: Any) -> Any:
+        return without_default(data, ("accuracy",), "harmonics")
+
+    @field_validator("accuracy")
+    @classmethod
+    def _one_resolution(cls, value: Any, info: ValidationInfo) -> Any:
+        if value is None and "harmonics" in info.data and info.data["harmonics"] is None:
+            raise InputError("or harmonics must be given. Give exactly one of them.")
+        return instead_of(value, info, "harmonics")
+
+    @property
+    def resolution(self) -> str:
+        """The harmonics in words."""
+        if self.accuracy is None:
+            return f"{self.harmonics} harmonics"
+        return f"harmonics by an accuracy of {100.0 * self.accuracy:g} %"
+
     @field_validator("frequency_stop")
     @classmethod
     def _window_has_a_width(cls, value: float, info: ValidationInfo) -> float:
@@ -215,6 +246,11 @@ class SolverSection(Section):
     @classmethod
     def _enough_samples(cls, value: int, info: ValidationInfo) -> int:
         harmonics = info.data.get("harmonics")
+        if info.data.get("accuracy") is not None and value < LEAST_SAMPLES:
+            raise InputError(
+                f"is too few: accuracy requires at least {LEAST_SAMPLES} samples in a period, which resolve the "
+                "harmonics that it may choose. Use 256."
+            )
         if harmonics is not None and value < 2 * harmonics + 1:
             advice = next(2**k for k in range(8, 20) if 2**k >= 16 * harmonics)
             raise InputError(

@@ -58,9 +58,14 @@ def section_types(annotation: Any) -> tuple[type[BaseModel], ...]:
 
 def quantity_of(section: type[BaseModel], key: str) -> Quantity | None:
     """The ``Quantity`` that annotates a key (also an optional one), or None for a key that is not a quantity."""
+    return next((entry for entry in metadata_of(section, key) if isinstance(entry, Quantity)), None)
+
+
+def metadata_of(section: type[BaseModel], key: str) -> list[Any]:
+    """What annotates the values of a key, also of an optional one."""
     field = section.model_fields[key]
     inner = [entry for kind in get_args(field.annotation) for entry in getattr(kind, "__metadata__", ())]
-    return next((entry for entry in (*field.metadata, *inner) if isinstance(entry, Quantity)), None)
+    return [*field.metadata, *inner]
 
 
 def _section_text(name: str, kinds: Sequence[type[BaseModel]], values: BaseModel | None) -> str:

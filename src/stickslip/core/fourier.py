@@ -35,3 +35,11 @@ def analysis_matrix(harmonics: int, samples: int) -> FloatArray:
     matrix[0] *= 0.5
     matrix.setflags(write=False)
     return matrix
+
+
+def with_rows(coefficients: FloatArray, rows: int) -> FloatArray:
+    """A copy (rows, ...) of coefficients (count, ...): the first ones, or all and zeros of further harmonics."""
+    result = np.zeros((rows, *coefficients.shape[1:]))
+    count = min(rows, len(coefficients))
+    result[:count] = coefficients[:count]
+    return result

@@ -123,7 +123,7 @@ class Quantity:
 
     def text(self, value: float) -> str:
         """``value`` (SI) as a study file shows it: a TOML string with the shown unit, or a plain number."""
-        if not self.si_unit:
+        if not self.si_unit and not self.shown:
             return _short(value)
         shown = self.shown or self.si_unit
         factor = 1.0 if shown == self.si_unit else _factor_to_si(shown)
@@ -195,9 +195,8 @@ class Quantity:
         unit = f" {self.si_unit}" if self.si_unit else ""
         hint = ""
         if plain and self.shown and value > 0:
-            hint = (
-                f' A plain number is in {self.si_unit}; write "{_short(value)} {self.shown}" if you mean {self.shown}.'
-            )
+            plainly = f"in {self.si_unit}" if self.si_unit else "a fraction"
+            hint = f' A plain number is {plainly}; write "{_short(value)} {self.shown}" if you mean {self.shown}.'
         raise InputError(f"is not allowed: a value {allowed}{unit} is needed.{hint}")
 
     def _example(self) -> str:
@@ -227,6 +226,11 @@ class Count:
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
         """Let pydantic call ``parse``."""
         return core_schema.no_info_plain_validator_function(self.parse)
+
+
+@dataclass(frozen=True)
+class NodeNumber(Count):
+    """The number of a node in a file: a name, which counts nothing."""
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ def write_page(path: str | PathLike[str], response: ForcedResponse, study: Study
 def page(response: ForcedResponse, study: StudyRecord) -> str:
     """The report of one run as HTML. Raises InputError if the study does not belong to the response."""
     view = View.of(response, study)
-    harmonics, ended = f"{response.harmonics} harmonics", "converged" if response.converged else "NOT converged"
+    ended = "converged" if response.converged else "NOT converged"
     sections = [CURVE, *(section for section in SECTIONS if section.applies(view))]
     contents = [section.on_page(view) for section in sections]
     figures = {name: figure for section in sections for name, figure in section.figures(view).items()}
@@ -44,7 +44,7 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
     values = {
         "title": study.title,
         "description": study.description,
-        "byline": " · ".join([when(response.provenance), f"{response.n_points} points", harmonics, ended]),
+        "byline": " · ".join([when(response.provenance), f"{response.n_points} points", _resolution(view), ended]),
         "notices": list(_notices(view)),
         "tiles": _tiles(view),
         "point": view.point,
@@ -63,6 +63,18 @@ def page(response: ForcedResponse, study: StudyRecord) -> str:
         data={"page-data": numbers, "page-figures": plain_figures(figures)}
         | {name: value for content in contents for name, value in content.data.items()},
     )
+
+
+def _resolution(view: View) -> str:
+    """The harmonics and, with an accuracy, the estimated error of the peak."""
+    response = view.response
+    if response.estimated_error is None:
+        return f"{response.harmonics} harmonics"
+    wanted, reached = (
+        number(100.0 * float(value), 2)
+        for value in (response.settings["accuracy"], response.estimated_error[view.summary.peak.point])
+    )
+    return f"accuracy {wanted} % (up to {response.harmonics} harmonics, estimated error of the peak {reached} %)"
 
 
 def _notices(view: View) -> Iterator[Notice]:

@@ -87,6 +87,10 @@ class ForcedResponse(ResponseData):
         (n_points,) J, largest kinetic energy that the first harmonic would have with all unknowns in phase:
         ``w^2 / 2 (c_1 . M c_1 + s_1 . M s_1)``, twice its mean over the period. It does not depend on the phases
         between the unknowns. 0 in files of earlier versions, which do not contain it.
+    point_harmonics, estimated_error:
+        (n_points,) with an accuracy: harmonics of each point, whose coefficients are zero in the others, and its
+        estimated error by neglected harmonics: the distance to the curve with more of them, over the motion of the
+        structure (mass norm). None with a fixed number of harmonics.
     stable:
         (n_points,) whether small disturbances of the motion decay under the constant force; None if the stability was
         not computed, and ``stability_message`` then gives the reason.

@@ -102,6 +102,14 @@ class ResponseData(Labelled):
         default_factory=lambda: np.zeros(1),
         metadata=stored(Numbers(CURVE, "J", "twice the mean kinetic energy of the first harmonic", optional=True)),
     )
+    point_harmonics: NDArray[np.int64] | None = field(
+        default=None,
+        metadata=stored(WholeNumbers(CURVE, "1", "harmonics of the solution at the point", optional=True)),
+    )
+    estimated_error: FloatArray | None = field(
+        default=None,
+        metadata=stored(Numbers(CURVE, "1", "estimated error by neglected harmonics, over the motion", optional=True)),
+    )
     stable: NDArray[np.bool_] | None = field(
         default=None, metadata=stored(Flags(CURVE, "1", "1 if small disturbances decay", optional=True))
     )

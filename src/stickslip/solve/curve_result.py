@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -13,10 +15,11 @@ from stickslip.results.response import ForcedResponse
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.checks import ResolutionCheck, check_resolution
 from stickslip.solve.harmonic.curve_warnings import curve_warnings, excursion_warning, neighbour_warnings
-from stickslip.solve.harmonic.curves import BalancePoint
+from stickslip.solve.harmonic.curves import BalancePointT
 from stickslip.solve.harmonic.energy import measure_curve
 from stickslip.solve.harmonic.linear import linear_curves
 from stickslip.solve.harmonic.missed_peaks import PeakCheck
+from stickslip.solve.harmonic.neglected import CurveAccuracy
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import Accepted, Corner, Retreat
@@ -34,12 +37,10 @@ LARGEST_UNBALANCE = 1e-3
 LARGEST_ERROR_AT_FOLDS = 0.05
 
 
-def follower(
-    window: tuple[float, float], report: StageReport
-) -> Callable[[Accepted[BalancePoint] | Retreat | Corner], None]:
+def follower(window: tuple[float, float], report: StageReport) -> Callable[[Accepted[Any] | Retreat | Corner], None]:
     """A listener that reports the progress of a branch through ``window`` (Hz)."""
 
-    def on_event(event: Accepted[BalancePoint] | Retreat | Corner) -> None:
+    def on_event(event: Accepted[Any] | Retreat | Corner) -> None:
         if not isinstance(event, Accepted):
             return
         trial = event.point.trial
@@ -53,7 +54,7 @@ def follower(
 
 
 def response_of(
-    branch: Branch[BalancePoint],
+    branch: Branch[BalancePointT],
     balances: Balances,
     balance: Balance,
     window: tuple[float, float],
@@ -63,10 +64,12 @@ def response_of(
     *,
     peaks: PeakCheck | None = None,
     no_stability: str = "",
+    accuracy: CurveAccuracy | None = None,
 ) -> ForcedResponse:
     """The response along a branch through ``window`` (Hz); ``how`` describes its first point.
 
-    ``peaks`` is the search for peaks that the branch missed; ``no_stability`` says why its points get no multipliers.
+    ``peaks`` is the search for peaks that the branch missed; ``no_stability`` says why its points get no multipliers;
+    ``accuracy`` are harmonics and errors of its points, if they differ: ``balance`` then has the most of them.
 
     It ends before the first point that does not satisfy the equation of motion. Raises ConvergenceError if that is the
     first point of all.
@@ -74,7 +77,11 @@ def response_of(
     superelement, stuck, harmonics = balances.superelement, balances.stuck, balance.harmonics
     report.stage("energies and checks of the curve")
     trials = [point.point.trial for point in branch.points]
-    measures = measure_curve(trials, balance, superelement, stuck)
+
+    def balance_of(number: int) -> Balance:
+        return balance if number == harmonics else balances.with_harmonics(number)
+
+    measures = measure_curve(trials, cache(balance_of), superelement, stuck)
     converged, message = branch.complete, branch.message
     wrong = np.flatnonzero(~(measures.residual <= LARGEST_UNBALANCE))
     if wrong.size:
@@ -84,11 +91,12 @@ def response_of(
             raise ConvergenceError(message)
         converged, trials, measures = False, trials[:end], measures.first(end)
     fine = balances.with_harmonics(harmonics + max(harmonics, LEAST_CUT_OFF), 2 * balances.samples)
-    check = check_resolution(fine, trials)
+    check = check_resolution(balance, fine, trials, accuracy)
     report.stage("stability of the points")
-    verdict, stability_message = _stability(trials, balance, balances, no_stability or reason_without(balance.pairs))
+    reason = no_stability or reason_without(balance.pairs)
+    verdict, stability_message = _stability(trials, balance, balances, reason)
     report.stage("linear limits")
-    linear = linear_curves(balances.closed, balances.free, balances.force, window)
+    linear = linear_curves(balances.closed, balances.free, balances.force.with_harmonics(harmonics), window)
     damped, free_ratio = bool(stuck.damping.any()), balances.free.damping_ratio(window)
     warnings = curve_warnings(check, balance, trials, measures, damped, free_ratio, balances.modal_damping_ratio)
     places_hz = [[omega / (2.0 * np.pi) for omega in each] for each in (branch.retreats, branch.corners)]
@@ -116,9 +124,11 @@ def response_of(
         pairs=balances.pairs,
         linear=linear,
         force=_mean_force(trials, balance).T,
-        settings=_settings(window, balances, balance, newton, check)
+        settings=_settings(window, balances, balance, newton, check, accuracy)
         | ({} if peaks is None else {"search_for_missed_peaks": peaks.words()}),
-        provenance={},
+        point_harmonics=None if accuracy is None else accuracy.harmonics[: len(trials)],
+        estimated_error=None if accuracy is None else accuracy.errors[: len(trials)],
+        provenance={} if accuracy is None else {"accuracy": accuracy.words()},
         load_factor=np.array([trial.load for trial in trials]),
         kinetic_energy=measures.kinetic_energy,
         stable=None if verdict is None else verdict.stable,
@@ -153,14 +163,14 @@ def _stability_warnings(stability: CurveStability | None) -> tuple[str, ...]:
         places = ", ".join(f"{each.kind} {each.frequency_hz:.3f} Hz" for each in changes)
         warnings.append(
             f"Stability changes without a fold ({places}). Multipliers have errors by samples and harmonics, up to "
-            "some percent where many pairs slip and separate: run again with more harmonics before you trust it, or "
-            "the jumps of slow sweeps there."
+            "some percent where many pairs slip and separate: run again with more harmonics, or a finer accuracy, "
+            "before you trust it, or the jumps of slow sweeps there."
         )
     if stability.error_at_folds > LARGEST_ERROR_AT_FOLDS:
         warnings.append(
             f"At a fold a multiplier is {stability.error_at_folds:.2f} from 1, where it belongs: the solution neglects "
             "harmonics that its small disturbances contain. Near the folds the verdicts follow from them; elsewhere "
-            "real multipliers have an error of this size. Run again with more harmonics."
+            "real multipliers have an error of this size. Run again with more harmonics, or with a finer accuracy."
         )
     return tuple(warnings)
 
@@ -197,6 +207,7 @@ def _settings(
     balance: Balance,
     newton: NewtonSettings,
     check: ResolutionCheck,
+    accuracy: CurveAccuracy | None,
 ) -> dict[str, str | float | int]:
     settings: dict[str, str | float | int] = {
         "frequency_start_hz": window[0],
@@ -207,10 +218,13 @@ def _settings(
         "excitation": balances.excitation.describe(),
         "newton_tolerance": newton.tolerance,
         "residual_with_doubled_samples": check.sample_residual,
-        "neglected_harmonics_motion": check.neglected_motion,
+        "error_by_neglected_harmonics": check.neglected_error,
     }
     if check.last_harmonic_fraction is not None:
         settings["energy_share_of_last_harmonics"] = check.last_harmonic_fraction
+    if accuracy is not None:
+        settings["accuracy"] = accuracy.accuracy
+        settings["estimated_error_of_the_peak"] = accuracy.at_peak
     if balances.modal_damping_ratio is not None:
         settings["modal_damping_ratio"] = balances.modal_damping_ratio
     return settings

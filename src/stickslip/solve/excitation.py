@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stickslip.core.errors import InputError
+from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray, argument_error, finite_array, positive_number, require_choice
 from stickslip.structure.superelement import Superelement
 
@@ -62,13 +63,7 @@ class ExcitationForce:
     def with_harmonics(self, harmonics: int) -> ExcitationForce:
         """The same force with fewer harmonics, or with more that are zero."""
 
-        def resized(array: FloatArray) -> FloatArray:
-            result = np.zeros((2 * harmonics + 1, array.shape[1]))
-            count = min(len(result), len(array))
-            result[:count] = array[:count]
-            return result
-
-        return ExcitationForce(tuple((power, resized(array)) for power, array in self.terms))
+        return ExcitationForce(tuple((power, with_rows(array, 2 * harmonics + 1)) for power, array in self.terms))
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,6 +139,11 @@ class Excitation:
 
     def __add__(self, other: Excitation) -> Excitation:
         return Excitation(self.parts + other.parts)
+
+    @property
+    def harmonics(self) -> int:
+        """The highest harmonic of the force."""
+        return max(int(array.shape[1]) for part in self.parts for array in (part.cos, part.sin))
 
     def __repr__(self) -> str:
         return f"Excitation({self.describe()})"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,21 +14,29 @@ from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.core.errors import InputError
 from stickslip.core.progress import ProgressCallback
+from stickslip.core.resolution import COARSEST_ACCURACY, FINEST_ACCURACY, LEAST_SAMPLES, SAMPLES_PER_HARMONIC
 from stickslip.core.threads import blas_threads, thread_count
+from stickslip.core.validation import real_number, require_allowed, whole_number
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.curve_result import follower, response_of
 from stickslip.solve.excitation import Excitation
-from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
+from stickslip.solve.harmonic.balance import Balance
+from stickslip.solve.harmonic.curves import BalancePoint, BalancePointT, FrequencyCurve
 from stickslip.solve.harmonic.missed_peaks import search_missed_peaks
+from stickslip.solve.harmonic.neglected import CurveAccuracy
 from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.harmonic.unbounded import unbounded_motions
+from stickslip.solve.harmonic.varying_harmonics import LEAST_HARMONICS, HarmonicsByAccuracy
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.setting_up import StageReport, checked_window, prepare_balances
 from stickslip.solve.traction_band import TractionBandSearch, checked_band_output
 from stickslip.structure.superelement import Superelement
+
+# The number of harmonics if neither it nor an accuracy is given.
+DEFAULT_HARMONICS = 5
 
 
 def forced_response(
@@ -38,7 +47,8 @@ def forced_response(
     *,
     force_cos: ArrayLike | None = None,
     frequency_hz: tuple[float, float],
-    harmonics: int = 5,
+    harmonics: int | None = None,
+    accuracy: float | None = None,
     samples: int = 256,
     modal_damping_ratio: float | None = None,
     update: Update = "tractrix",
@@ -50,9 +60,9 @@ def forced_response(
 ) -> ForcedResponse:
     """Follow the periodic response to a harmonic excitation along the frequency.
 
-    Solves ``M u'' + C u' + K u + B^T f(B u) = p(t)`` by harmonic balance (mean and ``harmonics`` harmonics), with the
-    friction force of ``pairs`` sampled ``samples`` times a period in its periodic state, along the frequency by
-    pseudo-arc length. Theory: docs/theory.md.
+    Solves ``M u'' + C u' + K u + B^T f(B u) = p(t)`` by harmonic balance (a mean and harmonics), with the friction
+    force of ``pairs`` sampled ``samples`` times a period in its periodic state, along the frequency by pseudo-arc
+    length. Theory: docs/theory.md.
 
     Parameters
     ----------
@@ -66,9 +76,14 @@ def forced_response(
         (n, n_harmonics) for several. ``force_sin`` None means zero.
     frequency_hz:
         (start, stop) of the first harmonic; start above stop sweeps downward.
-    harmonics, samples:
-        harmonics of the solution and time samples; ``samples >= 2 * harmonics + 1``, 256 for smooth curves, 512 with
-        much separation.
+    harmonics:
+        harmonics of the solution, 5 if neither they nor ``accuracy`` are given.
+    accuracy:
+        instead of ``harmonics``: each point has as many as it requires, so that its estimated error by neglected
+        harmonics is below this fraction of its motion, for example 0.005 (``response.estimated_error``).
+    samples:
+        time samples of a period; ``samples >= 2 * harmonics + 1``, and at least 64 with ``accuracy``; 256 for smooth
+        curves, 512 with much separation.
     modal_damping_ratio:
         the same ratio for every mode of the stuck structure, instead of a damping matrix in ``superelement``.
     update:
@@ -106,13 +121,14 @@ def forced_response(
     settings = continuation or ContinuationSettings()
     report = StageReport(progress)
     start_omega, stop_omega = (2.0 * np.pi * f for f in window)
+    least = _least_harmonics(harmonics, accuracy, samples, excitation)
     with threadpool_limits(limits=blas_threads(3 * pairs.n_pairs, threads)):
         balances = prepare_balances(
-            superelement, pairs, excitation, max(start_omega, stop_omega), harmonics, samples, modal_damping_ratio,
+            superelement, pairs, excitation, max(start_omega, stop_omega), least, samples, modal_damping_ratio,
             update, report.stage,
         )  # fmt: skip
         unbounded = unbounded_motions(balances.free, balances.closed, pairs, balances.force, window)
-        curve = FrequencyCurve(balances.with_harmonics(harmonics))
+        curve = FrequencyCurve(balances.with_harmonics(least))
         solver = Newton(curve, newton, report.iteration)
         resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
 
@@ -121,19 +137,62 @@ def forced_response(
 
         report.stage("first point")
         start, how = first_point(solver, curve, start_omega, balances.with_harmonics, walk)
-        branch = Branch(solver, start, stop_omega, settings, follower(window, report), resonances)
-        branch.follow()
-        report.stage("search for missed peaks")
-        peaks = search_missed_peaks(solver, [each.point for each in branch.points], resonances.seen)
-        response = response_of(branch, balances, curve.balance, window, newton, how, report, peaks=peaks)
+        listen = follower(window, report)
+
+        def finished(
+            branch: Branch[BalancePointT],
+            solver: Newton[BalancePointT],
+            balance: Balance,
+            reached: CurveAccuracy | None = None,
+        ) -> ForcedResponse:
+            report.stage("search for missed peaks")
+            peaks = search_missed_peaks(solver, [each.point for each in branch.points], resonances.seen)
+            return response_of(branch, balances, balance, window, newton, how, report, peaks=peaks, accuracy=reached)
+
+        if accuracy is None:
+            branch = Branch(solver, start, stop_omega, settings, listen, resonances)
+            points: Sequence[BalancePoint] = [each.point for each in branch.follow()]
+            response = finished(branch, solver, curve.balance)
+        else:
+            varying = HarmonicsByAccuracy(balances.with_harmonics, accuracy, least, samples, newton, report.iteration)
+            accurate = varying.follow(start, stop_omega, settings, listen, resonances)
+            points = [each.point for each in accurate.points]
+            response = finished(accurate, varying.newton, varying.widest, varying.reached(accurate))
         if band_output is not None:
             search = TractionBandSearch(
-                balances, harmonics, resonances, (start_omega, stop_omega), band_output, newton, settings, report
-            )
-            band = search.band([each.point for each in branch.points])
-            response = replace(response, traction_band=band, warnings=(*response.warnings, *search.warnings))
+                balances, response.harmonics, resonances, (start_omega, stop_omega), band_output, newton, settings,
+                report,
+            )  # fmt: skip
+            response = replace(response, traction_band=search.band(points))
+            response = replace(response, warnings=(*response.warnings, *search.warnings))
     seconds = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
-    return replace(response, warnings=unbounded + response.warnings, provenance=seconds)
+    return replace(response, warnings=unbounded + response.warnings, provenance=response.provenance | seconds)
+
+
+def _least_harmonics(harmonics: int | None, accuracy: float | None, samples: int, excitation: Excitation) -> int:
+    """The harmonics of the solution, or the fewest of it with an accuracy. Raises InputError."""
+    if accuracy is None:
+        return DEFAULT_HARMONICS if harmonics is None else harmonics
+    if harmonics is not None:
+        raise InputError(
+            "harmonics and accuracy cannot both be given: a fixed number of harmonics has the accuracy that it has. "
+            "Remove one of them.",
+            arguments=["harmonics", "accuracy"],
+        )
+    value = real_number("accuracy", accuracy)
+    is_possible = FINEST_ACCURACY <= value <= COARSEST_ACCURACY
+    require_allowed(
+        "accuracy", value, is_possible, f"a fraction from {FINEST_ACCURACY:g} to {COARSEST_ACCURACY:g}, such as 0.005"
+    )
+    whole_number("samples", samples, 1)
+    least = max(LEAST_HARMONICS, excitation.harmonics)
+    if samples < max(LEAST_SAMPLES, SAMPLES_PER_HARMONIC * least):
+        raise InputError(
+            f"samples is {samples}, but accuracy requires at least {max(LEAST_SAMPLES, SAMPLES_PER_HARMONIC * least)} "
+            "samples per period, which resolve the harmonics that it may choose. Use 256.",
+            arguments=["samples"],
+        )
+    return least
 
 
 def as_excitation(

@@ -45,6 +45,7 @@ def _forced(case: Case, model: ReducedModel, listener: Progress, threads: int | 
         model.excitation,
         frequency_hz=(settings.frequency_start, settings.frequency_stop),
         harmonics=settings.harmonics,
+        accuracy=settings.accuracy,
         samples=settings.samples,
         modal_damping_ratio=case.damping.modal_damping_ratio,
         update=settings.update,

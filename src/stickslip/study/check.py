@@ -49,7 +49,7 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
                 ("sweep", f"{solver.frequency_start:g} to {solver.frequency_stop:g} Hz"),
                 (f"first natural frequencies, contact stuck{constraint}", ", ".join(map(hertz, stuck_hz)) + " Hz"),
                 ("excitation", kind_of(case).description(case)),
-                ("resolution", f"{solver.harmonics} harmonics, {solver.samples} samples"),
+                ("resolution", f"{solver.resolution}, {solver.samples} samples"),
             ],
         ),
     ]

@@ -198,7 +198,9 @@ def study_warnings(case: Case, joint: Joint) -> tuple[str, ...]:
 def sizes(case: Case, setup: Setup, structure: Structure | Superelement, joint: Joint) -> tuple[tuple[str, str], ...]:
     """Sizes of the model: elements, nodes, unknowns before and after reduction, pairs, and unknowns of the balance."""
     pairs, faces = joint.face_pairs, len(joint.face_names)
-    columns = 2 * case.solver.harmonics + 1
+    harmonics = case.solver.harmonics
+    rows = 3 * pairs.area.size
+    unknowns_of_balance = f"{rows} for each coefficient" if harmonics is None else f"up to {rows * (2 * harmonics + 1)}"
     if isinstance(structure, Superelement):
         unknowns = [("unknowns", f"{structure.size}")]
     else:
@@ -211,5 +213,5 @@ def sizes(case: Case, setup: Setup, structure: Structure | Superelement, joint: 
         *setup.sizes(),
         *unknowns,
         ("contact pairs", f"{pairs.area.size} on {faces} face{'s' if faces > 1 else ''}"),
-        ("unknowns of the balance", f"up to {3 * pairs.area.size * columns} ({case.solver.harmonics} harmonics)"),
+        ("unknowns of the balance", f"{unknowns_of_balance} ({case.solver.resolution})"),
     )

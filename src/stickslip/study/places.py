@@ -25,6 +25,7 @@ REPORT_BYTES = 11_000_000  # plotly.js and the data of the page
 FIGURES_BYTES = 1_500_000
 _BYTES_OF_NODE = 45  # in one field of a compressed file for ParaView
 _POINTS = 200  # of a curve; the linear limits have about as many of two coefficients each
+_HARMONICS = 24  # with an accuracy: more than curves usually require
 _BYTES = 8  # of a number; those of a curve can hardly be compressed
 
 
@@ -40,7 +41,7 @@ def require_places(out: Path) -> None:
 
 def require_space_for(case: Case, model: Model, out: Path) -> None:
     """Raise OutputError unless the disk has space for the estimated size of all files of a run of this model."""
-    coefficients = 2 * case.solver.harmonics + 1
+    coefficients = 2 * (case.solver.harmonics or _HARMONICS) + 1
     results = _BYTES * _POINTS * model.superelement.size * coefficients
     fields = case.output.mode_shapes + case.output.deflected_shape_frames
     nodes = 0 if isinstance(model.structure, Superelement) else model.structure.mesh.n_nodes

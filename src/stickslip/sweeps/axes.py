@@ -16,9 +16,9 @@ import numpy as np
 
 from stickslip.case.case import Case, parts_of_key
 from stickslip.case.law_constants import LawConstants
-from stickslip.case.template import quantity_of
+from stickslip.case.template import metadata_of, quantity_of
 from stickslip.core.errors import InputError
-from stickslip.core.units import Count, Quantity, Respelled
+from stickslip.core.units import Count, NodeNumber, Quantity, Respelled
 from stickslip.results.sweep_table import SweptKey, Value
 
 # These change the files beside the results of a single run, never a result.
@@ -94,8 +94,9 @@ def _kind(name: str, case: Case | None) -> Quantity | Count | tuple[str, ...]:
     if section in UNSWEPT_SECTIONS:
         raise InputError(f"{name} does not change the result of a case. Remove it.", arguments=[name])
     model, field = Case.field_of(section, key)
-    quantity, annotation, metadata = quantity_of(model, key), field.annotation, field.metadata
-    count = next((entry for entry in metadata if isinstance(entry, Count)), None)
+    quantity, annotation = quantity_of(model, key), field.annotation
+    counts = [entry for entry in metadata_of(model, key) if isinstance(entry, Count)]
+    count = next((entry for entry in counts if not isinstance(entry, NodeNumber)), None)
     value_type = next(kind for kind in (annotation, *get_args(annotation)) if kind is not None and not _is_union(kind))
     value_type = get_args(value_type)[0] if get_origin(value_type) is Annotated else value_type
     if get_origin(value_type) is Literal:

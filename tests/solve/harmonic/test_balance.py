@@ -7,6 +7,7 @@ import pytest
 
 from helpers import Blade
 from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.core.fourier import with_rows
 from stickslip.solve.excitation import ExcitationForce
 from stickslip.solve.harmonic import reduced
 from stickslip.solve.harmonic.balance import ActiveRows, Balance, Trial
@@ -21,11 +22,11 @@ HARMONICS, SAMPLES = 3, 128
 HIGHEST_OMEGA = 2 * np.pi * 1100.0
 
 
-def balance_of(blade: Blade, load: float = 1.0) -> Balance:
-    force = np.zeros((2 * HARMONICS + 1, blade.superelement.size))
+def balance_of(blade: Blade, load: float = 1.0, harmonics: int = HARMONICS) -> Balance:
+    force = np.zeros((2 * harmonics + 1, blade.superelement.size))
     force[1], force[2] = load * blade.force_cos, load * blade.force_sin
     stuck = stuck_structure(blade.superelement, blade.pairs, HIGHEST_OMEGA, None)
-    return Balance(stuck.compliance(HARMONICS), blade.pairs, ExcitationForce(((0, force),)), SAMPLES)
+    return Balance(stuck.compliance(harmonics), blade.pairs, ExcitationForce(((0, force),)), SAMPLES)
 
 
 def moving_trial(blade: Blade, share: float) -> tuple[Balance, Trial]:
@@ -97,6 +98,26 @@ def test_a_factor_helps_with_the_next_systems(blade: Blade, monkeypatch: pytest.
     bordered = BorderedSystem(system, [balance.frequency_slope(trial)], [Row(np.ones(1))], LastFactor())
     bordered.solve(trial.residual, np.zeros(1), 1e-9)
     assert factored[0] == 2  # without a factor
+
+
+def test_a_factor_helps_with_systems_of_more_harmonics(blade: Blade, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rows in common have the same number, so that the factor of few harmonics and the border fit more of them."""
+    few, trial = moving_trial(blade, 0.6)
+    more = balance_of(blade, harmonics=5)
+    wide = more.evaluate(with_rows(trial.relative, 11), trial.omega)
+
+    def bordered(balance: Balance, trial: Trial, last: LastFactor | None) -> BorderedSystem:
+        slope = balance.frequency_slope(trial)
+        return BorderedSystem(NewtonSystem(balance, trial), [slope], [Row(np.ones(1), relative=slope)], last)
+
+    exact = bordered(more, wide, None).solve(wide.residual, np.ones(1), 1e-9)
+    monkeypatch.setattr(reduced, "DIRECT_SIZE", -1)
+    monkeypatch.setattr(reduced, "MAX_ITERATIONS", 1)
+    last = LastFactor()
+    bordered(few, trial, last).solve(trial.residual, np.ones(1), 1e-9)
+    monkeypatch.setattr(BorderedSystem, "_require_factor", lambda system: pytest.fail("a second factor"))
+    step = bordered(more, wide, last).solve(wide.residual, np.ones(1), 1e-9)
+    assert np.linalg.norm(step.unknowns - exact.unknowns) < 1e-6 * np.linalg.norm(exact.unknowns)
 
 
 def test_active_rows_contain_only_moving_pairs(blade: Blade) -> None:

@@ -114,6 +114,10 @@ class Balance:
             external = external.plus(term.times(load * omega**power))
         return external
 
+    def modal_force(self, trial: Trial) -> FloatArray:
+        """(2H, n) the external force of a trial in the modes of the stuck structure."""
+        return self._external(trial.omega, trial.load).modal
+
     def applied(self, trials: Sequence[Trial]) -> FloatArray:
         """(n_trials, 2H+1, n) N, the external force at each trial."""
         omega, load = (np.array([getattr(trial, name) for trial in trials]) for name in ("omega", "load"))

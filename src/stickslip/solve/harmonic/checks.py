@@ -8,11 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.neglected import CurveAccuracy, chord_of, neglected
+from stickslip.solve.harmonic.reduced import LastFactor
 
 LARGEST_SAMPLE_RESIDUAL = 2e-3  # chosen: 0.2 % of the relative displacement, below what a plot shows
-LARGEST_NEGLECTED_MOTION = 2e-2  # chosen: 2 % of the motion of the joint; that of the structure is far less
+LARGEST_NEGLECTED = 1e-2  # chosen: 1 % of the motion of the structure, with the margin of the estimate
+# chosen: the error by neglected harmonics is estimated at the highest point and at this number of others.
+ESTIMATES = 8
 # chosen: work of the normal forces over the input of the same point, and the fraction of the largest input below which
 # the work does not count; an error of the work is about twice that of the amplitude.
 LARGEST_NORMAL_WORK, SMALLEST_INPUT = 1e-2, 1e-3
@@ -25,43 +30,54 @@ class ResolutionCheck:
     sample_residual:
         relative residual of the harmonics of the solution with twice the samples; about the relative error of the
         relative displacements by sampling.
-    neglected_motion:
-        relative displacement by the contact force in neglected harmonics (as many as in the solution, at least four),
-        over that of the solution.
+    neglected_error:
+        estimated error by neglected harmonics (:mod:`stickslip.solve.harmonic.neglected`).
     last_harmonic_fraction:
         fraction of the kinetic energy in the two highest harmonics that are not excited (two, because one may be zero
         by symmetry); None if all harmonics are excited.
+    accuracy:
+        wanted accuracy, where it determines the harmonics.
     """
 
     sample_residual: float
     sample_omega: float
-    neglected_motion: float
+    neglected_error: float
     neglected_omega: float
     last_harmonic_fraction: float | None
+    accuracy: float | None = None
 
     def warnings(self, harmonics: int, samples: int) -> tuple[str, ...]:
         """A warning for each number above its limit."""
         sentences = []
-        if self.sample_residual > LARGEST_SAMPLE_RESIDUAL:
+        largest_residual = min(LARGEST_SAMPLE_RESIDUAL, self.accuracy or LARGEST_SAMPLE_RESIDUAL)
+        if self.sample_residual > largest_residual:
             sentences.append(
                 f"Too few samples: with {2 * samples} instead of {samples} samples the residual is "
                 f"{100 * self.sample_residual:.2f} % of the relative displacement at "
-                f"{self.sample_omega / (2 * np.pi):.2f} Hz (required: below {100 * LARGEST_SAMPLE_RESIDUAL:.1f} %). "
+                f"{self.sample_omega / (2 * np.pi):.2f} Hz (required: below {100 * largest_residual:.3g} %). "
                 f"Run again with samples = {2 * samples}."
             )
-        if self.neglected_motion > LARGEST_NEGLECTED_MOTION:
+        if self.accuracy is not None and self.neglected_error > self.accuracy:
+            sentences.append(
+                f"The accuracy of {100 * self.accuracy:.3g} % is not reached: the estimated error by neglected "
+                f"harmonics is {100 * self.neglected_error:.2g} % of the motion at "
+                f"{self.neglected_omega / (2 * np.pi):.2f} Hz, with up to {harmonics} harmonics. Run again with "
+                f"samples = {2 * samples}, which allow more harmonics, or with a coarser accuracy."
+            )
+        if self.accuracy is None and self.neglected_error > LARGEST_NEGLECTED:
             last = self.last_harmonic_fraction
             energy_words = (
                 ""
                 if last is None
                 else f"; the highest ones of the solution have {100 * last:.2g} % of the kinetic energy"
             )
-            more = 2 if self.neglected_motion < 5.0 * LARGEST_NEGLECTED_MOTION else harmonics
+            more = 2 if self.neglected_error < 5.0 * LARGEST_NEGLECTED else harmonics
             sentences.append(
-                f"Too few harmonics: those above {harmonics} would move the joint by {100 * self.neglected_motion:.1f} "
-                f"% of its motion at {self.neglected_omega / (2 * np.pi):.2f} Hz (required: below "
-                f"{100 * LARGEST_NEGLECTED_MOTION:.0f} %){energy_words}. Run again with harmonics = "
-                f"{harmonics + max(2, more)}."
+                f"Too few harmonics: those above {harmonics} would move the curve by about "
+                f"{100 * self.neglected_error:.3g} % of its motion at {self.neglected_omega / (2 * np.pi):.2f} Hz "
+                f"(required: below "
+                f"{100 * LARGEST_NEGLECTED:.0f} %){energy_words}. Run again with harmonics = "
+                f"{harmonics + max(2, more)}, or with an accuracy."
             )
         return tuple(sentences)
 
@@ -89,40 +105,62 @@ def normal_work_warnings(
 
 
 def check_resolution(
+    balance: Balance,
     fine: Balance,
     trials: Sequence[Trial],
+    reached: CurveAccuracy | None = None,
     limit: int = 24,
 ) -> ResolutionCheck:
     """Check up to ``limit`` points spread over the curve, always including that of largest relative displacement.
 
-    ``fine`` is the same balance with more harmonics and twice the samples.
+    ``balance`` is that of the trials; ``fine`` the same with more harmonics and twice the samples. With a wanted
+    accuracy, where trials have different numbers of harmonics, the points have ``reached`` estimated errors.
     """
     size = [float(np.linalg.norm(trial.relative[1:])) for trial in trials]
     spread = np.linspace(0, len(trials) - 1, min(limit, len(trials))).round().astype(int)
-    chosen = [trials[i] for i in sorted({*spread.tolist(), int(np.argmax(size))})]
-    residuals = np.array([_fine_residuals(fine, trial) for trial in chosen])
-    excited: NDArray[np.bool_] = np.abs(fine.applied(chosen)).max(axis=(0, 2)) > 0
-    shares = [last_harmonic_fraction(trial.amplitude, excited) for trial in chosen]
+    chosen = sorted({*spread.tolist(), int(np.argmax(size))})
+    samples = np.array([_sample_residual(fine, trials[i]) for i in chosen])
+    if reached is None:
+        errors = _estimated_errors(balance, fine, trials, int(np.argmax(size)))
+    else:
+        errors = dict(enumerate(reached.errors[: len(trials)].tolist()))
+    worst = max(errors, key=lambda i: errors[i])
+    excited: NDArray[np.bool_] = np.abs(fine.applied([trials[i] for i in chosen])).max(axis=(0, 2)) > 0
+    shares = [last_harmonic_fraction(trials[i].amplitude, excited) for i in chosen]
     valid = [share for share in shares if share is not None]
-    sample, neglected = residuals.argmax(axis=0)
+    sample = int(samples.argmax())
     return ResolutionCheck(
-        float(residuals[sample, 0]),
-        chosen[sample].omega,
-        float(residuals[neglected, 1]),
-        chosen[neglected].omega,
+        float(samples[sample]),
+        trials[chosen[sample]].omega,
+        errors[worst],
+        trials[worst].omega,
         max(valid) if valid else None,
+        None if reached is None else reached.accuracy,
     )
 
 
-def _fine_residuals(fine: Balance, trial: Trial) -> tuple[float, float]:
-    """Residuals of a trial in the finer balance, in its own and in neglected harmonics, over the relative
-    displacement."""
-    width = trial.relative.shape[0]
-    padded = np.zeros((2 * fine.harmonics + 1, trial.relative.shape[1]))
-    padded[:width] = trial.relative
-    residual = fine.evaluate(padded, trial.omega, trial.load).residual
-    scale = max(float(np.linalg.norm(trial.relative)), 1e-300)
-    return float(np.linalg.norm(residual[:width])) / scale, float(np.linalg.norm(residual[width:])) / scale
+def _estimated_errors(balance: Balance, fine: Balance, trials: Sequence[Trial], highest: int) -> dict[int, float]:
+    """Estimated error by neglected harmonics of the highest point, and of points spread over those where pairs move."""
+    more = fine
+    if balance.samples > 2 * fine.harmonics:
+        more = Balance(fine.compliance, fine.pairs, fine.force, balance.samples)
+    moving = [i for i, trial in enumerate(trials) if trial.contact.moves.any()]
+    if not moving:
+        return {highest: 0.0}
+    spread = np.linspace(0, len(moving) - 1, min(ESTIMATES, len(moving))).round().astype(int)
+    errors, last, end = {}, LastFactor(), len(trials) - 1
+    for i in sorted({*(moving[place] for place in spread), highest}):
+        along = chord_of(trials[max(i - 1, 0)], trials[min(i + 1, end)])
+        errors[i] = neglected(trials[i], balance, more, along, last).error
+    return errors
+
+
+def _sample_residual(fine: Balance, trial: Trial) -> float:
+    """Residual of a trial with the samples of ``fine``, in its own harmonics, over the relative displacement."""
+    width = len(trial.relative)
+    padded = with_rows(trial.relative, 2 * fine.harmonics + 1)
+    residual = fine.evaluate(padded, trial.omega, trial.load).residual[:width]
+    return float(np.linalg.norm(residual)) / max(float(np.linalg.norm(trial.relative)), 1e-300)
 
 
 def last_harmonic_fraction(amplitude: FloatArray, excited: NDArray[np.bool_]) -> float | None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 
@@ -45,6 +45,9 @@ class BalancePoint:
         return self.trial.amplitude
 
 
+BalancePointT = TypeVar("BalancePointT", bound=BalancePoint)
+
+
 class _Linearised:
     """A bordered Newton system whose last row is the plane of the path, after those of the conditions."""
 
@@ -66,9 +69,9 @@ def _plane_row(plane: Plane | None, count: int) -> Row:
 class _BalanceCurve:
     """Common parts of all curves of a balance."""
 
-    def __init__(self, balance: Balance) -> None:
+    def __init__(self, balance: Balance, last: LastFactor | None = None) -> None:
         self.balance = balance
-        self._last_factor = LastFactor()
+        self._last_factor = last or LastFactor()
 
     def determined(self, unknowns: FloatArray) -> FloatArray:
         """The relative displacements that some contact force depends on."""
@@ -85,10 +88,13 @@ class _BalanceCurve:
 
 
 class FrequencyCurve(_BalanceCurve):
-    """The response along the frequency under a constant force; the parameter is the circular frequency."""
+    """The response along the frequency under a constant force; the parameter is the circular frequency.
 
-    def __init__(self, balance: Balance, load: float = 1.0) -> None:
-        super().__init__(balance)
+    Curves that differ in their harmonics may share the ``last`` factor.
+    """
+
+    def __init__(self, balance: Balance, load: float = 1.0, last: LastFactor | None = None) -> None:
+        super().__init__(balance, last)
         self.load = load
 
     def at(self, unknowns: FloatArray, omega: float) -> BalancePoint:

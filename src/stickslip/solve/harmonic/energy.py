@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stickslip.contact.law.law import ContactState
+from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.compliance import StuckStructure
@@ -38,14 +39,21 @@ class CurveMeasures:
 
 
 def measure_curve(
-    trials: Sequence[Trial], balance: Balance, superelement: Superelement, stuck: StuckStructure
+    trials: Sequence[Trial],
+    balance_of: Callable[[int], Balance],
+    superelement: Superelement,
+    stuck: StuckStructure,
 ) -> CurveMeasures:
-    """Displacement, energies per cycle, and the residual of the equation of motion itself, of points."""
-    parts = [
-        _measure(trials[first : first + CHUNK], balance, superelement, stuck) for first in range(0, len(trials), CHUNK)
-    ]
+    """Displacement, energies per cycle, and the residual of the equation of motion itself, of points.
+
+    ``balance_of(h)`` is the balance of the points with ``h`` harmonics; the displacement has zeros in those that a
+    point lacks.
+    """
+    parts = [_measure(chunk, balance_of(_harmonics(chunk[0])), superelement, stuck) for chunk in _chunks(trials)]
+    rows = max(2 * _harmonics(trial) + 1 for trial in trials)
+    widened = [with_rows(part.displacement.swapaxes(0, 1), rows).swapaxes(0, 1) for part in parts]
     return CurveMeasures(
-        np.concatenate([part.displacement for part in parts]),
+        np.concatenate(widened),
         np.concatenate([part.dissipated_energy for part in parts]),
         np.concatenate([part.normal_work for part in parts]),
         np.concatenate([part.input_energy for part in parts]),
@@ -53,6 +61,19 @@ def measure_curve(
         np.concatenate([part.kinetic_energy for part in parts]),
         np.concatenate([part.residual for part in parts]),
     )
+
+
+def _harmonics(trial: Trial) -> int:
+    return len(trial.amplitude) // 2
+
+
+def _chunks(trials: Sequence[Trial]) -> Iterator[Sequence[Trial]]:
+    """Successive points with one number of harmonics."""
+    first = 0
+    for end in range(1, len(trials) + 1):
+        if end == len(trials) or end - first == CHUNK or _harmonics(trials[end]) != _harmonics(trials[first]):
+            yield trials[first:end]
+            first = end
 
 
 def _measure(

@@ -80,8 +80,12 @@ class LinearLimit:
 
     def response_to(self, omega: FloatArray, force: ExcitationForce) -> FloatArray:
         """Displacement coefficients (n_frequencies, n, 2H+1) under an excitation; the mean is zero."""
-        parts = [(omega**power)[:, None, None] * self.response(omega, array) for power, array in force.terms]
-        return np.asarray(sum(parts))
+        answer = np.zeros((omega.size, self.modes.shape[0], 2 * force.harmonics + 1))
+        for power, array in force.terms:
+            highest = (int(np.flatnonzero(array.any(axis=1)).max(initial=0)) + 1) // 2
+            rows = 2 * highest + 1
+            answer[:, :, :rows] += (omega**power)[:, None, None] * self.response(omega, array[:rows])
+        return answer
 
     def response(self, omega: FloatArray, force: FloatArray) -> FloatArray:
         """Displacement coefficients (n_frequencies, n, 2H+1) under ``force`` (2H+1, n); the mean is zero."""
@@ -124,6 +128,9 @@ def linear_curves(
     frequency_hz = _refined_grid(window_hz, natural_hz)
     # Not a resonance itself, also of a higher harmonic: without damping the response has no bound there.
     resonances_hz = np.divide.outer(natural_hz, np.arange(1, force.harmonics + 1)).ravel()
+    low, high = min(window_hz), max(window_hz)
+    near = (resonances_hz > (1.0 - 2.0 * ON_RESONANCE) * low) & (resonances_hz < (1.0 + 2.0 * ON_RESONANCE) * high)
+    resonances_hz = np.append(resonances_hz[near], np.inf)
     distance = np.abs(np.subtract.outer(frequency_hz, resonances_hz)).min(axis=1)
     frequency_hz = frequency_hz[distance > ON_RESONANCE * frequency_hz]
     omega = 2.0 * np.pi * frequency_hz

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stickslip.core.validation import FloatArray
-from stickslip.solve.harmonic.curves import BalancePoint
+from stickslip.solve.harmonic.curves import BalancePointT
 from stickslip.solve.path.landmarks import Landmark
 from stickslip.solve.path.newton import Newton
 from stickslip.solve.path.problem import Plane
@@ -81,7 +81,7 @@ class PeakCheck:
 
 
 def search_missed_peaks(
-    newton: Newton[BalancePoint], points: Sequence[BalancePoint], landmarks: Sequence[Landmark]
+    newton: Newton[BalancePointT], points: Sequence[BalancePointT], landmarks: Sequence[Landmark]
 ) -> PeakCheck:
     """Solve at and beside each natural frequency (rad/s) in the range where a curve has no point.
 
@@ -118,7 +118,7 @@ def _distinct(landmarks: Iterable[Landmark]) -> list[Landmark]:
     return answer
 
 
-def _size_at(newton: Newton[BalancePoint], before: BalancePoint, after: BalancePoint, omega: float) -> float | None:
+def _size_at(newton: Newton[BalancePointT], before: BalancePointT, after: BalancePointT, omega: float) -> float | None:
     """Mass norm of the solution at a frequency between two points of a curve; None if there is none."""
     share = (omega - before.trial.omega) / (after.trial.omega - before.trial.omega)
     guess: FloatArray = before.unknowns + share * (after.unknowns - before.unknowns)

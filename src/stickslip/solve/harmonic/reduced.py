@@ -110,7 +110,7 @@ class LastFactor:
         self._keys = np.empty(0, dtype=np.int64)
 
     def store(self, factor: Any, keys: NDArray[np.int64]) -> None:
-        """The factor of a system with rows ``keys``, ascending (see :meth:`BorderedSystem.keys`)."""
+        """The factor of a system with rows ``keys``, in their order (see :meth:`BorderedSystem.keys`)."""
         self._factor, self._keys = factor, keys
 
     def forget(self) -> None:
@@ -221,10 +221,13 @@ class BorderedSystem:
         return answer
 
     def keys(self) -> NDArray[np.int64]:
-        """A number for each row, ascending: that of its coefficient and contact row, then the borders."""
+        """A number for each row: that of its coefficient and contact row, then negative ones of the borders.
+
+        Systems with other harmonics have the same numbers for what they have in common.
+        """
         system = self.system
         inner = np.arange(system.columns)[:, None] * system.rows + system.active.outputs
-        return np.append(inner.ravel(), system.columns * system.rows + np.arange(len(self._rows)))
+        return np.append(inner.ravel(), -1 - np.arange(len(self._rows)))
 
     def _iterated(self, right: FloatArray, tolerance: float) -> FloatArray | None:
         """The solution by GMRES, with the last factor if there is one; None if it did not converge."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-import numpy as np
-
 from stickslip.core.errors import ConvergenceError
+from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve, LoadCurve
@@ -109,8 +108,7 @@ def _few_harmonics(
     few = FrequencyCurve(simple, curve.load)
     few_newton = Newton(few, newton.settings, newton.on_iteration)
     coarse = _at_frequency(few_newton, few, simple.linear(omega, curve.load), omega).point
-    guess = np.zeros((2 * curve.balance.harmonics + 1, curve.balance.rows))
-    guess[: coarse.unknowns.shape[0]] = coarse.unknowns
+    guess = with_rows(coarse.unknowns, 2 * curve.balance.harmonics + 1)
     return _at_frequency(newton, curve, guess, omega)
 
 

@@ -30,6 +30,7 @@ from stickslip.solve.path.stepping import (
     Effort,
     Pace,
     Retreat,
+    Revision,
     lengths_to_try,
 )
 from stickslip.solve.path.visited import Visited
@@ -50,7 +51,7 @@ class Branch(Generic[PointT]):
     removed because they are on another curve), and corners. No step crosses one of the ``landmarks``
     (:mod:`stickslip.solve.path.landmarks`) without a point on it. Afterwards ``complete`` is True if the
     branch ends at the stop, ``message`` describes its end; ``retreats`` and ``corners`` are the parameters of those
-    events.
+    events. ``revise`` may solve each new point again, with other equations, before the branch goes on from there.
 
     With ``within``, a range of the parameter that contains start and stop, the branch may turn and pass its start: it
     is complete where it leaves the range, or where it comes back to its start in the same direction; ``closed`` is then
@@ -66,6 +67,7 @@ class Branch(Generic[PointT]):
         on_event: Callable[[Accepted[PointT] | Retreat | Corner], None] | None = None,
         landmarks: LandmarkSource[PointT] | None = None,
         within: tuple[float, float] | None = None,
+        revise: Callable[[PointT, Tangent], Revision[PointT]] | None = None,
     ) -> None:
         self._problem = newton.problem
         self._start = start
@@ -73,6 +75,7 @@ class Branch(Generic[PointT]):
         self._settings = settings
         self._on_event = on_event or (lambda event: None)
         self._source = landmarks
+        self._revise = revise or (lambda point, along: Revision(point))
         self._landmarks: Sequence[Landmark] = ()  # as seen from the last point
         self._origin = parameter_of(start)
         self._direction = math.copysign(1.0, stop - self._origin)
@@ -134,12 +137,18 @@ class Branch(Generic[PointT]):
                     "stop), or widen the range."
                 )
                 return self.points
-            self._accept(BranchPoint(correction.point, correction.iterations))
+            revision = self._revise(correction.point, turned)
+            self._accept(BranchPoint(revision.point, correction.iterations))
             came_back = self._retreats.came_back()
             if came_back is not None and self._is_closed_by(came_back):
                 self.closed = self.complete = True
                 self.message = "The branch is a closed curve."
                 return self.points
+            if came_back is None and revision.system is not None:
+                direction = self._corrector.direction_of(revision.point, revision.system, 1.0)
+                tangent = self._corrector.measure(revision.point).unit(direction)
+                bend = tangent.times(0.0)
+                continue
             if came_back is None:
                 bend = turned.plus(tangent.times(-1.0)).times(1.0 / length)
                 tangent = turned

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Generic
 
-from stickslip.solve.path.problem import PointT
+from stickslip.solve.path.problem import Linearised, PointT
 
 # chosen: a curve ends if so many iterations of Newton's method cover less than this part of the plot. Most complete
 # curves of the torture set (benchmarks/torture.py) need fewer than 100, but some that are complete need over 500.
@@ -54,6 +54,14 @@ class BranchPoint(Generic[PointT]):
 
     point: PointT
     iterations: int
+
+
+@dataclass(frozen=True)
+class Revision(Generic[PointT]):
+    """A point in place of a new one of the branch, on the same plane; ``system`` are its equations if it moved."""
+
+    point: PointT
+    system: Linearised | None = None
 
 
 @dataclass(frozen=True)
