@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, ClassVar, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stickslip.contact.law.coulomb_period import CYCLES
 from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import synthesis_matrix
@@ -87,6 +88,10 @@ class ForcedResponse(ResponseData):
         (n_points,) J, largest kinetic energy that the first harmonic would have with all unknowns in phase:
         ``w^2 / 2 (c_1 . M c_1 + s_1 . M s_1)``, twice its mean over the period. It does not depend on the phases
         between the unknowns. 0 in files of earlier versions, which do not contain it.
+    walk:
+        (n_points, n) m that a body which friction alone supports slides on in one cycle, zero where none does; None if
+        none does at all. The mean of ``displacement`` contains a million times as much, which amplitudes and signals
+        leave out.
     point_harmonics, estimated_error:
         (n_points,) with an accuracy: harmonics of each point, whose coefficients are zero in the others, and its
         estimated error by neglected harmonics: the distance to the curve with more of them, over the motion of the
@@ -257,13 +262,15 @@ class ForcedResponse(ResponseData):
 
     def coefficients(self, output: ArrayLike) -> FloatArray:
         """(n_points, 2 * harmonics + 1) Fourier coefficients of ``output @ u(t)``. Raises InputError."""
-        coefficients: FloatArray = np.einsum("pic,i->pc", self.displacement, self._row(output))
+        row = self._row(output)
+        coefficients: FloatArray = np.einsum("pic,i->pc", self.displacement, row)
+        if self.walk is not None:
+            coefficients[:, 0] -= CYCLES * (self.walk @ row)
         return coefficients
 
     def signal(self, output: ArrayLike, point: int, n_samples: int) -> FloatArray:
         """(n_samples,) ``output @ u(t)`` at one point, ``t_j = j / (n_samples f)``. Raises InputError."""
-        row = self._row(output)
-        signal: FloatArray = synthesis_matrix(self.harmonics, n_samples) @ (row @ self.displacement[self._point(point)])
+        signal: FloatArray = synthesis_matrix(self.harmonics, n_samples) @ self.coefficients(output)[self._point(point)]
         return signal
 
     def pair_coefficients(self, point: int) -> FloatArray:

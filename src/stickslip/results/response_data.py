@@ -102,6 +102,12 @@ class ResponseData(Labelled):
         default_factory=lambda: np.zeros(1),
         metadata=stored(Numbers(CURVE, "J", "twice the mean kinetic energy of the first harmonic", optional=True)),
     )
+    walk: FloatArray | None = field(
+        default=None,
+        metadata=stored(
+            Numbers(("point", "unknown"), "m", "way of the unknown in one cycle, where a body walks", optional=True)
+        ),
+    )
     point_harmonics: NDArray[np.int64] | None = field(
         default=None,
         metadata=stored(WholeNumbers(CURVE, "1", "harmonics of the solution at the point", optional=True)),

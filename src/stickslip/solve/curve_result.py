@@ -20,6 +20,7 @@ from stickslip.solve.harmonic.energy import measure_curve
 from stickslip.solve.harmonic.linear import linear_curves
 from stickslip.solve.harmonic.missed_peaks import PeakCheck
 from stickslip.solve.harmonic.neglected import CurveAccuracy
+from stickslip.solve.harmonic.walk import walk_of
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import Accepted, Corner, Retreat
@@ -131,6 +132,7 @@ def response_of(
         provenance={} if accuracy is None else {"accuracy": accuracy.words()},
         load_factor=np.array([trial.load for trial in trials]),
         kinetic_energy=measures.kinetic_energy,
+        walk=walk_of(superelement, balances.pairs, trials, measures.displacement[:, 0]),
         stable=None if verdict is None else verdict.stable,
         multipliers=None if verdict is None else verdict.multipliers,
         bifurcations=() if verdict is None else verdict.bifurcations,

@@ -60,8 +60,10 @@ def test_a_singular_system_ends_without_a_number() -> None:
 def test_the_round_off_is_accepted_only_near_the_tolerance() -> None:
     """A residual that stays at 5e-9 whatever the step is."""
     curve = PlaneCurve(lambda x, y: 5e-9, lambda x, y: (1.0, 0.0))
-    start = curve.at(0.0, 0.0)
+    start = curve.at(1.0, 0.0)
     plane = Plane.fixed(start.unknowns, 0.0)
     assert Newton(curve, NewtonSettings(1e-9)).correct(start, plane).converged
+    flat = PlaneCurve(lambda x, y: 5e-9, lambda x, y: (1e-5, 0.0))  # each step is 5e-4: the solution is elsewhere
+    assert not Newton(flat, NewtonSettings(1e-9)).correct(flat.at(1.0, 0.0), plane).converged
     assert not Newton(curve, NewtonSettings(1e-11)).correct(start, plane).converged
     assert not Newton(curve, NewtonSettings(1e-9, round_off_factor=0.0)).correct(start, plane).converged

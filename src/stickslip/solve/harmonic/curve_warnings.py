@@ -10,6 +10,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.checks import ResolutionCheck, normal_work_warnings
 from stickslip.solve.harmonic.energy import CurveMeasures
+from stickslip.solve.harmonic.walk import walk_warnings
 
 # chosen: residual of the equation of motion, relative to its forces, above which a curve has a warning; converged
 # points have 1e-9 or less (NewtonSettings.tolerance) unless a drift or round-off dominates.
@@ -21,9 +22,6 @@ LARGEST_CLOSURE = 1e-5
 NOTABLE_DAMPING = 1.2
 # chosen: force of the restraint on the mean, over the sum of the friction limits, above which there is a warning.
 LARGEST_RESTRAINT = 1e-3
-# chosen: way of a body in one cycle, over the largest motion of a pair, above which there is a warning: the mean
-# displacement of pairs that stick is no larger than their motion, and counts as a millionth of it.
-LARGEST_WALK = 1e-5
 # Folds closer together than this fraction of their frequency are round-off of a vertical tangent.
 SMALLEST_FOLD = 1e-4
 
@@ -48,7 +46,7 @@ def curve_warnings(
             f"The slider of at least one pair did not reach a periodic state (closure error {closure:.1e} of the "
             "friction limit); the force of that pair is uncertain by about this fraction."
         )
-    sentences.extend(_residual(balance, trials, measures.residual))
+    sentences.extend(_residual(measures.residual))
     if not damped:
         sentences.append(
             "There is no viscous damping: the linear curves have no finite peaks (their heights in the figures have no "
@@ -59,7 +57,7 @@ def curve_warnings(
             f"The damping ratio of {100 * wanted_ratio:.3g} % applies to the stuck modes; the free modes in the "
             f"frequency range have up to {100 * free_ratio:.3g} % from the same matrix, part of it across the joint."
         )
-    return (*sentences, *_drift(balance, trials), *_walk(balance, trials), *_folds(trials))
+    return (*sentences, *_drift(balance, trials), *walk_warnings(balance.pairs, trials), *_folds(trials))
 
 
 def _folds(trials: list[Trial]) -> tuple[str, ...]:
@@ -116,35 +114,14 @@ def _places(frequencies_hz: Iterable[float]) -> str:
     return ", ".join(words[:4] + (["..."] if len(words) > 4 else []))
 
 
-def _residual(balance: Balance, trials: list[Trial], residuals: FloatArray) -> tuple[str, ...]:
-    """A warning where the solution does not satisfy the equation of motion, with the cause.
-
-    The tolerance of the balance is relative to the norm of all relative displacements. Where a drift that only the
-    artificial restraint of the mean bounds dominates this norm, the motion itself has fewer digits, by the ratio of the
-    motion to the norm. The drift is the cause if the residual times this ratio is small enough.
-    """
-    worst = int(residuals.argmax())
-    residual, relative = float(residuals[worst]), trials[worst].relative
-    if residual <= LARGEST_RESIDUAL:
+def _residual(residuals: FloatArray) -> tuple[str, ...]:
+    """A warning where the solution does not satisfy the equation of motion."""
+    if residuals.max() <= LARGEST_RESIDUAL:
         return ()
-    restrained = float(np.abs(balance.compliance.restraint_force(relative[0])).sum())
-    means = relative[0].reshape(-1, 3)[:, :2]
-    motion = relative.copy()
-    motion[0].reshape(-1, 3)[:, :2] = 0.0
-    share = float(np.linalg.norm(motion) / np.linalg.norm(relative))
-    cause = (
-        "Contact many orders stiffer than the structure loses digits; a lower contact stiffness that is still rigid in "
-        "effect gives the same motion more exactly."
-    )
-    if restrained > 0.0 and residual * share <= LARGEST_RESIDUAL:
-        cause = (
-            "The cause is a body that drifts: where the residual is largest an artificial restraint carries "
-            f"{restrained:.2e} N and lets the mean slip by {float(np.linalg.norm(means, axis=1).max()):.2e} m, and the "
-            "accuracy of the solution is relative to this displacement. Constrain the body along its free direction."
-        )
     return (
-        f"The equation of motion is satisfied only to {residual:.1e} of its forces (required: {LARGEST_RESIDUAL:.0e}). "
-        f"{cause}",
+        f"The equation of motion is satisfied only to {residuals.max():.1e} of its forces (required: "
+        f"{LARGEST_RESIDUAL:.0e}). Contact many orders stiffer than the structure loses digits; a lower contact "
+        "stiffness that is still rigid in effect gives the same motion more exactly.",
     )
 
 
@@ -158,23 +135,4 @@ def _drift(balance: Balance, trials: list[Trial]) -> tuple[str, ...]:
         f"A body that only friction supports tends to drift: a mean force of {traction:.2e} N (friction limit "
         f"{limit:.2e} N) acts on it in a direction without support, and an artificial restraint carries this force. "
         "Constrain that body along its free direction.",
-    )
-
-
-def _walk(balance: Balance, trials: list[Trial]) -> tuple[str, ...]:
-    """A warning where a body slides on from cycle to cycle, so that the motion is periodic but for this way."""
-    means = np.array([trial.relative[0] for trial in trials])
-    ways = np.linalg.norm(balance.pairs.walk(means), axis=2).max(axis=1)
-    motions = np.array([np.abs(trial.relative[1:]).max() for trial in trials])
-    walking = np.flatnonzero(ways > LARGEST_WALK * motions)
-    if not walking.size:
-        return ()
-    hertz = np.array([trials[point].omega for point in walking]) / (2.0 * np.pi)
-    most = int(ways.argmax())
-    return (
-        f"A body that only friction supports does not stay in its place: at {walking.size} of {len(trials)} points, "
-        f"{hertz.min():.2f} to {hertz.max():.2f} Hz, it slides on by up to {1e6 * ways[most]:.3g} um in each cycle (at "
-        f"{trials[most].omega / (2.0 * np.pi):.2f} Hz). No periodic motion exists there; the curve shows the motion of "
-        "the body that walks on faces without end. Constrain it along its free direction, press it harder, or lower "
-        "the force.",
     )

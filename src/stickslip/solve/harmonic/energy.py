@@ -86,15 +86,17 @@ def _measure(
     # Work of a force on a motion in one period: pi * sum_h h (s_h . fc_h - c_h . fs_h).
     by_direction = _work(order, np.array([trial.relative for trial in trials]), contact).reshape(len(trials), -1, 3)
     means = np.array([trial.relative[0] for trial in trials])
-    traction = contact[:, 0].reshape(len(trials), -1, 3)[:, :, :2] + balance.pairs.resting_traction
-    by_direction[:, :, :2] += traction * balance.pairs.walk(means)[:, :, :2]
+    # A body that walks slides on against the mean traction; the static load, which the tractions at rest balance, works
+    # on this way too.
+    walk, at_rest = balance.pairs.walk(means)[:, :, :2], balance.pairs.resting_traction
+    by_direction[:, :, :2] += (contact[:, 0].reshape(len(trials), -1, 3)[:, :, :2] + at_rest) * walk
     by_direction[np.array([trial.contact.state for trial in trials]) == ContactState.STUCK] = 0.0
     quadratic = balance.compliance.gain.viscous_form(np.array([trial.amplitude for trial in trials]))
     viscous = np.pi * omega * ((quadratic[:, 0::2] + quadratic[:, 1::2]) * order[:, 0] ** 2).sum(axis=1)
     applied = balance.applied(trials)
     residual = _equation_residuals(trials, displacement, contact, applied, balance, superelement, stuck)
     # The input is the work of the force; its sign convention makes it positive where energy goes in.
-    work_of_force = _work(order, displacement, applied).sum(axis=1)
+    work_of_force = _work(order, displacement, applied).sum(axis=1) + (at_rest * walk).sum(axis=(1, 2))
     kinetic = _kinetic_energy(displacement, omega, superelement)
     return CurveMeasures(
         displacement, by_direction.sum(axis=2), by_direction[:, :, 2], work_of_force, viscous, kinetic, residual

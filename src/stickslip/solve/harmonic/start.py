@@ -70,7 +70,8 @@ def first_point(
     raise ConvergenceError(
         f"the solver found no solution at the first frequency, {_hz(omega):.3f} Hz ({'; '.join(attempts)}). Start "
         "farther from the resonance, use more samples or fewer harmonics, or lower the force: contact that opens and "
-        "closes abruptly may have no simple periodic motion."
+        "closes abruptly may have no simple periodic motion, and contact many orders stiffer than the structure leaves "
+        "no digits."
     )
 
 

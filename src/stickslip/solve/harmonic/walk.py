@@ -1,0 +1,78 @@
+"""Bodies that friction alone supports and that slide on from cycle to cycle.
+
+The mean displacement of a joint that retains its tractions is the way of many cycles (docs/theory_friction.md), so that
+of a body that walks says nothing of a place. What belongs to the motion is the way of one cycle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb_period import CYCLES
+from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.balance import Trial
+from stickslip.structure.superelement import Superelement
+
+# chosen: way of a body in one cycle, over the largest motion of a pair, above which it walks: the mean displacement of
+# pairs that stick is no larger than their motion, and counts as a millionth of it.
+LARGEST_WALK = 1e-5
+# Stiffness of a shape without friction, over that of the joint, below which it is a rigid motion: round-off.
+NO_STIFFNESS = 1e-10
+
+
+def walking_points(pairs: ContactPairs, trials: Sequence[Trial]) -> tuple[NDArray[np.int64], FloatArray]:
+    """The points at which a body walks, and the largest way (n_points,) of a pair in one cycle, m."""
+    ways = np.linalg.norm(pairs.walk(np.array([trial.relative[0] for trial in trials])), axis=2).max(axis=1)
+    motions = np.array([np.abs(trial.relative[1:]).max() for trial in trials])
+    return np.flatnonzero(ways > LARGEST_WALK * motions), ways
+
+
+def walk_of(
+    superelement: Superelement, pairs: ContactPairs, trials: Sequence[Trial], mean: FloatArray
+) -> FloatArray | None:
+    """(n_points, n) m that the unknowns go on in one cycle, from their means (n_points, n); None if no body walks."""
+    points, _ = walking_points(pairs, trials)
+    if not points.size:
+        return None
+    shapes = _rigid_shapes(superelement, pairs)
+    walk = np.zeros_like(mean)
+    walk[points] = (mean[points] @ superelement.mass @ shapes) @ shapes.T / CYCLES
+    return walk
+
+
+def walk_warnings(pairs: ContactPairs, trials: Sequence[Trial]) -> tuple[str, ...]:
+    """A warning where a body slides on from cycle to cycle, so that the motion is periodic but for this way."""
+    points, ways = walking_points(pairs, trials)
+    if not points.size:
+        return ()
+    hertz = np.array([trials[point].omega for point in points]) / (2.0 * np.pi)
+    most = int(ways.argmax())
+    return (
+        f"A body that only friction supports does not stay in its place: at {points.size} of {len(trials)} points, "
+        f"{hertz.min():.2f} to {hertz.max():.2f} Hz, it slides on by up to {1e6 * ways[most]:.3g} um in each cycle (at "
+        f"{trials[most].omega / (2.0 * np.pi):.2f} Hz). No periodic motion exists there; the curve shows the motion of "
+        "the body that walks on faces without end. Constrain it along its free direction, press it harder, or lower "
+        "the force.",
+    )
+
+
+def _rigid_shapes(superelement: Superelement, pairs: ContactPairs) -> FloatArray:
+    """(n, r) mass-normalised motions that nothing but friction resists."""
+    springs = pairs.resting_stiffness().reshape(-1, 3)
+    held, free = (
+        superelement.stiffness + pairs.operator.T @ (each.reshape(-1, 1) * pairs.operator)
+        for each in (springs, springs * ~pairs.frictional())
+    )
+    scale = 1.0 / np.sqrt(np.diag(held))
+    values, vectors = scipy.linalg.eigh(scale[:, None] * free * scale)
+    shapes = scale[:, None] * vectors[:, values <= NO_STIFFNESS * values[-1]]
+    return np.asarray(
+        scipy.linalg.solve_triangular(
+            scipy.linalg.cholesky(shapes.T @ superelement.mass @ shapes, lower=True), shapes.T, lower=True
+        )
+    ).T
