@@ -49,6 +49,7 @@ class ContactPairs:
         None (released): the slider of a pair starts each period at the mean of its motion, so the traction at rest has
         no effect. Or (n_pairs, 2) N along t1, t2 (retained): the traction of friction at rest, in equilibrium with the
         static state of the structure; it stays in a pair that never slips. It must not exceed ``mu * normal_load``.
+        Where friction alone supports a body, an analysis retains tractions in any case, with None from zero.
 
     Raises
     ------
