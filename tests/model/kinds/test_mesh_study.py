@@ -49,7 +49,7 @@ def test_run_writes_report_results_and_shapes(solved: tuple[Path, str]) -> None:
     assert saved.study is not None
     assert saved.study.face_names == ("sole", "lid")
     assert list(saved.study.outputs) == ["tip", "block"]
-    # Creep of pairs that keep their traction, 1e-6 of their mean motion in a cycle, dissipates in those that slip alone.
+    # Pairs that keep their traction creep by 1e-6 of their mean a cycle, which dissipates only in those that slip.
     assert np.abs(energy_imbalance(saved.response)).max() < 1e-5
     assert (saved.response.contact_state > 0).any(), "nothing moves: raise the force of this test"
     page = (folder / "report.html").read_text(encoding="utf-8")
