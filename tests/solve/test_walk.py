@@ -62,6 +62,8 @@ def test_a_mass_walks_as_in_time_integration(static: float) -> None:
     assert response.walk is not None
     assert response.walk[point] == pytest.approx([way, 0.0, 0.0], rel=2e-3)
     assert response.displacement[point, 0, 0] == pytest.approx(CYCLES * way, rel=2e-3)
+    assert response.motion(point)[:, 1:] == pytest.approx(response.displacement[point][:, 1:], abs=0.0)
+    assert abs(response.motion(point)[0, 0]) < 2.0 * motion[0]
     signals = [response.signal(axis, point, 1000) for axis in np.eye(3)[[0, 2]]]
     assert [0.5 * np.ptp(signal) for signal in signals] == pytest.approx(motion[[0, 2]], rel=2e-3)
     assert response.amplitude(np.eye(3)[0])[point] < 2.0 * motion[0]

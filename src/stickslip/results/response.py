@@ -268,6 +268,16 @@ class ForcedResponse(ResponseData):
             coefficients[:, 0] -= CYCLES * (self.walk @ row)
         return coefficients
 
+    def motion(self, point: int) -> FloatArray:
+        """(n, 2 * harmonics + 1) m, ``displacement`` at a point without the way of bodies that walk (``walk``).
+
+        Raises InputError.
+        """
+        motion = self.displacement[self._point(point)].copy()
+        if self.walk is not None:
+            motion[:, 0] -= CYCLES * self.walk[point]
+        return motion
+
     def signal(self, output: ArrayLike, point: int, n_samples: int) -> FloatArray:
         """(n_samples,) ``output @ u(t)`` at one point, ``t_j = j / (n_samples f)``. Raises InputError."""
         signal: FloatArray = synthesis_matrix(self.harmonics, n_samples) @ self.coefficients(output)[self._point(point)]
