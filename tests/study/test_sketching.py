@@ -117,7 +117,7 @@ def shaken() -> tuple[Sketch, Case, Model, FloatArray]:
     rng = np.random.default_rng(3)
     displacement = rng.normal(size=(3, model.superelement.size, 5)) * np.array([1.0, 3.0, 2.0])[:, None, None]
     response = SimpleNamespace(
-        displacement=displacement,
+        motion=lambda point: displacement[point],
         frequency_hz=np.array([400.0, 410.0, 420.0]),
         amplitude=lambda row: np.array([1.0, 3.0, 2.0]),
     )

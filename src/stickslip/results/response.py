@@ -273,7 +273,7 @@ class ForcedResponse(ResponseData):
 
         Raises InputError.
         """
-        motion = self.displacement[self._point(point)].copy()
+        motion: FloatArray = self.displacement[self._point(point)].copy()
         if self.walk is not None:
             motion[:, 0] -= CYCLES * self.walk[point]
         return motion

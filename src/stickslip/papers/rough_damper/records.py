@@ -268,7 +268,7 @@ def _damper_motion(
 ) -> NDArray[np.complex128]:
     """(n_pairs, 3) first harmonic of the damper's contact nodes."""
     rows = np.array([superelement.unknowns_of(int(node)) for node in face_pairs.first_node])
-    coefficients = response.motion(point)[rows]
+    coefficients = response.displacement[point][rows]
     motion: NDArray[np.complex128] = coefficients[..., 1] - 1j * coefficients[..., 2]
     return motion
 
