@@ -15,6 +15,8 @@ from stickslip.model.model import build_model
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
 
+pytestmark = pytest.mark.slow
+
 make = benchmark_module("torture_problems").make
 benchmark = benchmark_module("accuracy")
 
@@ -90,7 +92,6 @@ def test_points_with_different_harmonics_have_the_multipliers_of_one_number(gaps
     assert away.mean() < 0.002
 
 
-@pytest.mark.slow
 def test_a_traction_band_of_a_curve_with_different_harmonics_has_the_most_of_them(blade: Blade) -> None:
     response = blade.response(frequency_hz=(675.0, 700.0), samples=64, accuracy=0.002, traction_band=blade.tip)
     assert response.point_harmonics is not None
@@ -130,7 +131,6 @@ def test_a_fixed_number_of_harmonics_has_no_errors_of_points(blade: Blade) -> No
 @pytest.mark.parametrize(
     ("kind", "seed", "accuracy"), [("gaps", 1, 0.005), ("sdof", 4, 0.0005), ("close", 2, 0.0005), ("chain", 0, 0.0005)]
 )
-@pytest.mark.slow
 def test_the_estimate_is_never_below_half_of_the_true_error(kind: str, seed: int, accuracy: float) -> None:
     """Against 25 harmonics; benchmarks/accuracy.py does the same with 20 problems."""
     row = benchmark.measure(f"{kind}:{seed}", accuracy, with_cost=False)
@@ -161,7 +161,6 @@ def test_wrong_accuracies_are_rejected(blade: Blade) -> None:
         solve(accuracy=0.005, samples=32)
 
 
-@pytest.mark.slow
 def test_resonances_without_damping_are_no_false_alarm() -> None:
     """The default case with 15 harmonics: the stuck modes above 20 times the excitation have no damping, but the
     amplitude is that with 9 harmonics to 0.1 %."""
