@@ -132,7 +132,7 @@ def response_of(
         provenance={} if accuracy is None else {"accuracy": accuracy.words()},
         load_factor=np.array([trial.load for trial in trials]),
         kinetic_energy=measures.kinetic_energy,
-        walk=walk_of(superelement, balances.pairs, trials, measures.displacement[:, 0]),
+        walk=walk_of(superelement.mass, balances.free, balances.pairs, trials, measures.displacement[:, 0]),
         stable=None if verdict is None else verdict.stable,
         multipliers=None if verdict is None else verdict.multipliers,
         bifurcations=() if verdict is None else verdict.bifurcations,

@@ -172,13 +172,21 @@ def _modes_that_only_press(
     return sentences
 
 
+def sliding_shapes(free: LinearLimit, pairs: ContactPairs) -> FloatArray:
+    """(n, r) mass-normalised rigid motions that press no pair, so that nothing but friction resists them.
+
+    ``free`` is the structure without contact.
+    """
+    rigid = free.modes[:, free.rigid]
+    pressing = pairs.operator[2::3] @ rigid
+    return np.asarray(rigid @ (scipy.linalg.null_space(pressing) if pressing.any() else np.eye(rigid.shape[1])))
+
+
 def _unsupported(free: LinearLimit, pairs: ContactPairs, force: ExcitationForce, low: float) -> list[str]:
     """Rigid motions that only friction holds, excited by more than it can hold."""
-    rigid = free.modes[:, free.rigid]
-    if not rigid.shape[1]:
+    sliding = sliding_shapes(free, pairs)
+    if not sliding.shape[1]:
         return []
-    pressing = pairs.operator[2::3] @ rigid
-    sliding = rigid @ (scipy.linalg.null_space(pressing) if pressing.any() else np.eye(rigid.shape[1]))
     for order in range(1, force.harmonics + 1):
         modal = force.coefficients(low)[2 * order - 1 : 2 * order + 1] @ sliding
         if not modal.any():

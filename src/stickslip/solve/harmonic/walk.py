@@ -9,20 +9,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_period import CYCLES
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Trial
-from stickslip.structure.superelement import Superelement
+from stickslip.solve.harmonic.linear import LinearLimit
+from stickslip.solve.harmonic.unbounded import sliding_shapes
 
 # chosen: way of a body in one cycle, over the largest motion of a pair, above which it walks: the mean displacement of
 # pairs that stick is no larger than their motion, and counts as a millionth of it.
 LARGEST_WALK = 1e-5
-# Stiffness of a shape without friction, over that of the joint, below which it is a rigid motion: round-off.
-NO_STIFFNESS = 1e-10
 
 
 def walking_points(pairs: ContactPairs, trials: Sequence[Trial]) -> tuple[NDArray[np.int64], FloatArray]:
@@ -33,15 +31,18 @@ def walking_points(pairs: ContactPairs, trials: Sequence[Trial]) -> tuple[NDArra
 
 
 def walk_of(
-    superelement: Superelement, pairs: ContactPairs, trials: Sequence[Trial], mean: FloatArray
+    mass: FloatArray, free: LinearLimit, pairs: ContactPairs, trials: Sequence[Trial], mean: FloatArray
 ) -> FloatArray | None:
-    """(n_points, n) m that the unknowns go on in one cycle, from their means (n_points, n); None if no body walks."""
+    """(n_points, n) m that the unknowns go on in one cycle, from their means (n_points, n); None if no body walks.
+
+    ``free`` is the structure without contact, ``mass`` (n, n) its mass.
+    """
     points, _ = walking_points(pairs, trials)
     if not points.size:
         return None
-    shapes = _rigid_shapes(superelement, pairs)
+    shapes = sliding_shapes(free, pairs)
     walk = np.zeros_like(mean)
-    walk[points] = (mean[points] @ superelement.mass @ shapes) @ shapes.T / CYCLES
+    walk[points] = (mean[points] @ mass @ shapes) @ shapes.T / CYCLES
     return walk
 
 
@@ -59,20 +60,3 @@ def walk_warnings(pairs: ContactPairs, trials: Sequence[Trial]) -> tuple[str, ..
         "the body that walks on faces without end. Constrain it along its free direction, press it harder, or lower "
         "the force.",
     )
-
-
-def _rigid_shapes(superelement: Superelement, pairs: ContactPairs) -> FloatArray:
-    """(n, r) mass-normalised motions that nothing but friction resists."""
-    springs = pairs.resting_stiffness().reshape(-1, 3)
-    held, free = (
-        superelement.stiffness + pairs.operator.T @ (each.reshape(-1, 1) * pairs.operator)
-        for each in (springs, springs * ~pairs.frictional())
-    )
-    scale = 1.0 / np.sqrt(np.diag(held))
-    values, vectors = scipy.linalg.eigh(scale[:, None] * free * scale)
-    shapes = scale[:, None] * vectors[:, values <= NO_STIFFNESS * values[-1]]
-    return np.asarray(
-        scipy.linalg.solve_triangular(
-            scipy.linalg.cholesky(shapes.T @ superelement.mass @ shapes, lower=True), shapes.T, lower=True
-        )
-    ).T
