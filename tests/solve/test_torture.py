@@ -1,7 +1,8 @@
 """A quick tenth of the torture set (benchmarks/torture.py): which curves are complete today, and which end.
 
 The table is what the solver does, with 3 harmonics and 128 samples: "ends" is a defect that the message admits. A
-better solver changes a line to "complete".
+better solver changes a line to "complete". Curves that end after a minute of search (damper 0 and 2) are left to the
+benchmark.
 """
 
 from __future__ import annotations
@@ -36,10 +37,10 @@ SLOW: dict[tuple[str, int], Outcome] = {
     ("beam", 12): "complete",
     ("twins", 1): "complete",
     ("twins", 2): "complete",
-    ("damper", 0): "ends",
     ("damper", 1): "complete",
-    ("damper", 2): "ends",
     ("damper", 3): "complete",
+    ("damper", 4): "ends",
+    ("damper", 9): "complete",
     ("light", 0): "complete",
     ("light", 2): "complete",
     ("multi", 0): "complete",
