@@ -124,10 +124,10 @@ def test_derivatives_by_tractions_are_those_of_differences() -> None:
         return correction.point, other
 
     def numbers(at: BalancePoint, owner: FrequencyCurve) -> tuple[float, ...]:
-        extremes = TractionSensitivity(owner.balance, at, before, after).extremes(BLADE.output)
+        extremes = TractionSensitivity(owner.balance, at, before, after).extremes(BLADE.output, BLADE.output)
         return at.trial.omega / (2 * np.pi), *(each.value for each in extremes)
 
-    exact = [sensitivity.frequency(), *sensitivity.extremes(BLADE.output)]
+    exact = [sensitivity.frequency(), *sensitivity.extremes(BLADE.output, BLADE.output)]
     for pair, axis in ((0, 0), (3, 1), (5, 0)):
         step = np.zeros((10, 2))
         step[pair, axis] = 0.02

@@ -7,14 +7,13 @@ Displacements are Fourier coefficients in the order mean, cos 1, sin 1, cos 2, s
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from typing import TYPE_CHECKING, ClassVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip.contact.law.coulomb_period import CYCLES
 from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import synthesis_matrix
@@ -90,8 +89,7 @@ class ForcedResponse(ResponseData):
         between the unknowns. 0 in files of earlier versions, which do not contain it.
     walk:
         (n_points, n) m that a body which friction alone supports slides on in one cycle, zero where none does; None if
-        none does at all. The mean of ``displacement`` contains a million times as much, which amplitudes and signals
-        leave out.
+        none does at all. ``displacement`` is the motion without this way.
     point_harmonics, estimated_error:
         (n_points,) with an accuracy: harmonics of each point, whose coefficients are zero in the others, and its
         estimated error by neglected harmonics: the distance to the curve with more of them, over the motion of the
@@ -262,21 +260,8 @@ class ForcedResponse(ResponseData):
 
     def coefficients(self, output: ArrayLike) -> FloatArray:
         """(n_points, 2 * harmonics + 1) Fourier coefficients of ``output @ u(t)``. Raises InputError."""
-        row = self._row(output)
-        coefficients: FloatArray = np.einsum("pic,i->pc", self.displacement, row)
-        if self.walk is not None:
-            coefficients[:, 0] -= CYCLES * (self.walk @ row)
+        coefficients: FloatArray = np.einsum("pic,i->pc", self.displacement, self._row(output))
         return coefficients
-
-    def motion(self, point: int) -> FloatArray:
-        """(n, 2 * harmonics + 1) m, ``displacement`` at a point without the way of bodies that walk (``walk``).
-
-        Raises InputError.
-        """
-        motion: FloatArray = self.displacement[self._point(point)].copy()
-        if self.walk is not None:
-            motion[:, 0] -= CYCLES * self.walk[point]
-        return motion
 
     def signal(self, output: ArrayLike, point: int, n_samples: int) -> FloatArray:
         """(n_samples,) ``output @ u(t)`` at one point, ``t_j = j / (n_samples f)``. Raises InputError."""
@@ -299,8 +284,18 @@ class ForcedResponse(ResponseData):
         The friction law is marched again to its periodic state on the displacement of that point, with the samples and
         the update rule of the solution (``settings["update"]``), so the file need not contain it.
         """
-        displacement = self.pair_displacement(point, self.samples)
-        return self.pairs.with_update(cast("Update", self.settings["update"])).cycle(displacement)
+        displacement, way = self.pair_displacement(point, self.samples), self.pair_way(point)
+        cycle = self.pairs.with_update(cast("Update", self.settings["update"])).cycle(displacement + way)
+        return replace(cycle, slider=cycle.slider - way[:, :2])
+
+    def pair_way(self, point: int) -> FloatArray:
+        """(n_pairs, 3) m, the way of many cycles that the law adds to the mean of each pair (:meth:`ContactPairs.way`).
+
+        Zero where no body walks. Raises InputError.
+        """
+        if self.walk is None:
+            return np.zeros((self.pairs.n_pairs, 3))
+        return self.pairs.way(self.walk[self._point(point)])
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write one NetCDF-4 file, completely or not at all. Raises ResultsFileError if it cannot be written."""

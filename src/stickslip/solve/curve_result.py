@@ -20,7 +20,6 @@ from stickslip.solve.harmonic.energy import measure_curve
 from stickslip.solve.harmonic.linear import linear_curves
 from stickslip.solve.harmonic.missed_peaks import PeakCheck
 from stickslip.solve.harmonic.neglected import CurveAccuracy
-from stickslip.solve.harmonic.walk import walk_of
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import Accepted, Corner, Retreat
@@ -100,11 +99,12 @@ def response_of(
     linear = linear_curves(balances.closed, balances.free, balances.force.with_harmonics(harmonics), window)
     damped, free_ratio = bool(stuck.damping.any()), balances.free.damping_ratio(window)
     warnings = curve_warnings(check, balance, trials, measures, damped, free_ratio, balances.modal_damping_ratio)
+    motion, walk = balances.motion(trials, measures.displacement)
     places_hz = [[omega / (2.0 * np.pi) for omega in each] for each in (branch.retreats, branch.corners)]
     report.stage(f"{len(trials)} points", 1.0)
     return ForcedResponse(
         frequency_hz=np.array([trial.omega for trial in trials]) / (2.0 * np.pi),
-        displacement=np.ascontiguousarray(measures.displacement.transpose(0, 2, 1)),
+        displacement=np.ascontiguousarray(motion.transpose(0, 2, 1)),
         contact_state=np.array([trial.contact.state for trial in trials], dtype=np.int8),
         dissipated_energy=measures.dissipated_energy,
         normal_work=measures.normal_work,
@@ -132,7 +132,7 @@ def response_of(
         provenance={} if accuracy is None else {"accuracy": accuracy.words()},
         load_factor=np.array([trial.load for trial in trials]),
         kinetic_energy=measures.kinetic_energy,
-        walk=walk_of(superelement.mass, balances.free, balances.pairs, trials, measures.displacement[:, 0]),
+        walk=walk,
         stable=None if verdict is None else verdict.stable,
         multipliers=None if verdict is None else verdict.multipliers,
         bifurcations=() if verdict is None else verdict.bifurcations,

@@ -152,6 +152,7 @@ class _Search:
         self._resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
         omega = 2.0 * np.pi * response.frequency_hz
         relative = (balances.pairs.operator @ response.displacement).transpose(0, 2, 1)
+        relative[:, 0] += [response.pair_way(point).ravel() for point in range(omega.size)]
         self._points = [self._curve.at(each, float(at)) for each, at in zip(relative, omega, strict=True)]
         self._range = float(omega.min()), float(omega.max())
         self._followed: list[_Followed] = []
@@ -292,7 +293,8 @@ class _Search:
     def _result(self, starts: int, seed: int, lost: int, changes: int) -> OtherSolutions:
         self._report.stage("stability of other solutions", 1.0)
         curves, size = self._followed, self._balances.superelement.size
-        displacement = [self._balance.displacement([point.trial for point in each.points]) for each in curves]
+        trials = [[point.trial for point in each.points] for each in curves]
+        displacement = [self._balances.motion(each, self._balance.displacement(each))[0] for each in trials]
         width = 2 * self._balance.harmonics + 1
         return OtherSolutions(
             tuple(_name(each, number) for number, each in enumerate(curves, start=1)),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import get_args
@@ -13,12 +13,20 @@ from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.core.errors import InputError
 from stickslip.core.progress import ProgressCallback
-from stickslip.core.validation import finite_array, real_number, require_allowed, require_choice, whole_number
+from stickslip.core.validation import (
+    FloatArray,
+    finite_array,
+    real_number,
+    require_allowed,
+    require_choice,
+    whole_number,
+)
 from stickslip.solve.excitation import Excitation, ExcitationForce
-from stickslip.solve.harmonic.balance import Balance
+from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.compliance import StuckStructure, stuck_structure
 from stickslip.solve.harmonic.linear import LinearLimit
 from stickslip.solve.harmonic.support import only_friction_supports
+from stickslip.solve.harmonic.walk import without_walk
 from stickslip.structure.superelement import Superelement
 
 # Largest ratio of contact stiffness to the stiffness of the structure at the pair. Numbers have 16 digits, and the
@@ -66,6 +74,10 @@ class Balances:
     def free(self) -> LinearLimit:
         """The structure without contact."""
         return LinearLimit.of_matrices(self.superelement.mass, self.superelement.stiffness, self.stuck.damping)
+
+    def motion(self, trials: Sequence[Trial], displacement: FloatArray) -> tuple[FloatArray, FloatArray | None]:
+        """See :func:`without_walk`."""
+        return without_walk(self.superelement.mass, self.free, self.pairs, trials, displacement)
 
     def with_harmonics(self, harmonics: int, samples: int | None = None) -> Balance:
         """The balance with a number of harmonics, and of samples if they differ."""

@@ -21,6 +21,7 @@ from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.harmonic.support import mean_factor
 from stickslip.solve.harmonic.traction_sensitivity import Quantity, TractionSensitivity
+from stickslip.solve.harmonic.walk import mean_without_walk
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.landmarks import LandmarkSource
 from stickslip.solve.path.newton import Newton, NewtonSettings
@@ -80,13 +81,14 @@ def with_residual_traction(pairs: ContactPairs, traction: FloatArray) -> Contact
 
 @dataclass(frozen=True)
 class _Traced:
-    """A curve with a residual traction: its points, and the amplitude of the output at each."""
+    """A curve with a residual traction: its points, and at each the motion (2H+1, n) and the output amplitude."""
 
     name: str
     traction: FloatArray
     balance: Balance
     points: Sequence[BalancePoint]
     complete: bool
+    motion: FloatArray
     amplitude: FloatArray
 
     @property
@@ -197,8 +199,10 @@ class TractionBandSearch:
             return None
         branch = Branch(newton, start, span[1], self._continuation, landmarks=self._landmarks)
         points = [each.point for each in branch.follow()]
-        coefficients = curve.balance.displacement([point.trial for point in points]) @ self._output
-        return _Traced(name, traction, curve.balance, points, branch.complete, periodic_amplitude(coefficients))
+        trials = [point.trial for point in points]
+        motion, _ = balances.motion(trials, curve.balance.displacement(trials))
+        amplitude = periodic_amplitude(motion @ self._output)
+        return _Traced(name, traction, curve.balance, points, branch.complete, motion, amplitude)
 
     @staticmethod
     def _covers_peak(traced: _Traced) -> bool:
@@ -210,7 +214,7 @@ class TractionBandSearch:
         traced = still
         for number in range(SELECTIONS):
             top = float(traced.amplitude.max())
-            extremes = traced.sensitivity(int(traced.amplitude.argmax())).extremes(self._output)
+            extremes = self._extremes(traced, int(traced.amplitude.argmax()))
             if not self._usable(name, extremes):
                 return
             traction, predicted = select(extremes, traced.traction, self._limit)
@@ -221,6 +225,12 @@ class TractionBandSearch:
             if following is None or not following.complete:
                 return
             traced = following
+
+    def _extremes(self, traced: _Traced, index: int) -> tuple[Quantity, Quantity]:
+        """Those of the output at a point, with their derivatives."""
+        balances, trial = self._balances, traced.points[index].trial
+        of_mean = mean_without_walk(balances.superelement.mass, balances.free, balances.pairs, trial, self._output)
+        return traced.sensitivity(index).extremes(self._output, of_mean)
 
     def _move_fold(self, still: _Traced, fold: int, span: tuple[float, float]) -> None:
         """Curves with the tractions that move a fold most, unless earlier curves have tractions that are as good."""
@@ -291,12 +301,11 @@ def _lowest(extremes: Sequence[Quantity], traction: FloatArray, limit: FloatArra
 
 def _stored_band(traced: Sequence[_Traced]) -> TractionBand:
     """The curves as a result."""
-    displacement = [each.balance.displacement([point.trial for point in each.points]) for each in traced]
     return TractionBand(
         tuple(each.name for each in traced),
         np.array([each.complete for each in traced]),
         np.repeat(np.arange(len(traced)), [len(each.points) for each in traced]),
         np.concatenate([each.omega for each in traced]) / (2.0 * np.pi),
-        np.ascontiguousarray(np.concatenate(displacement).transpose(0, 2, 1)),
+        np.ascontiguousarray(np.concatenate([each.motion for each in traced]).transpose(0, 2, 1)),
         np.array([each.traction for each in traced]),
     )

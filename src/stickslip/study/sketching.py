@@ -39,7 +39,7 @@ def motion_at_peak(model: Model, response: ForcedResponse) -> MeshMotion | None:
     if not isinstance(model.structure, Structure):
         return None
     point = peaks(response.frequency_hz, response.amplitude(next(iter(model.outputs.values()))))[0].point
-    displacement = model.superelement.recovery @ response.motion(point)
+    displacement = model.superelement.recovery @ response.displacement[point]
     return MeshMotion(displacement, float(response.frequency_hz[point]))
 
 

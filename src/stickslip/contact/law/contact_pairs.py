@@ -290,6 +290,11 @@ class ContactPairs:
         """(..., n_pairs, 3) m that a body goes on in each cycle, where the mean (..., 3 n_pairs) is that of many."""
         return np.asarray(mean.reshape(*mean.shape[:-1], -1, 3) * self.walking() / CYCLES)
 
+    def way(self, walk: FloatArray) -> FloatArray:
+        """(n_pairs, 3) m, mean relative displacements, those of many cycles, of unknowns that go on by ``walk`` (n,) m
+        in each."""
+        return np.asarray(CYCLES * (self.operator @ walk).reshape(-1, 3))
+
     def retaining(self) -> ContactPairs:
         """The pairs with the tractions of their Coulomb laws retained; those that are released have none at rest."""
         laws = tuple(law.retaining() if isinstance(law, CoulombLaw) else law for law in self.laws)

@@ -63,23 +63,29 @@ class TractionSensitivity:
         still = np.zeros_like(self._trial.deviation)
         return Quantity(self._trial.omega / (2.0 * np.pi), self._by_traction(still, 1.0) / (2.0 * np.pi))
 
-    def extremes(self, output: FloatArray) -> tuple[Quantity, Quantity]:
-        """The largest value of ``output @ u(t)`` over the period, and that of ``-output @ u(t)``."""
+    def extremes(self, output: FloatArray, of_mean: FloatArray) -> tuple[Quantity, Quantity]:
+        """The largest value of ``output @ u(t)`` over the period, and that of ``-output @ u(t)``.
+
+        ``of_mean`` (n,) is the row of the output for the mean, which differs where a body walks.
+        """
         balance, trial = self._balance, self._trial
-        coefficients = balance.displacement([trial])[0] @ output
+        displacement = balance.displacement([trial])[0]
+        coefficients = np.concatenate([displacement[:1] @ of_mean, displacement[1:] @ output])
         synthesis = synthesis_matrix(balance.harmonics, INSTANTS)
         signal = synthesis @ coefficients
         return tuple(  # type: ignore[return-value]
-            self._value_at(synthesis[int((sign * signal).argmax())] * sign, coefficients, output)
+            self._value_at(synthesis[int((sign * signal).argmax())] * sign, coefficients, output, of_mean)
             for sign in (1.0, -1.0)
         )
 
-    def _value_at(self, weights: FloatArray, coefficients: FloatArray, output: FloatArray) -> Quantity:
+    def _value_at(
+        self, weights: FloatArray, coefficients: FloatArray, output: FloatArray, of_mean: FloatArray
+    ) -> Quantity:
         """``weights @ coefficients`` (2H+1,) of the output."""
         compliance, trial = self._balance.compliance, self._trial
         modal = weights[1:, None] * compliance.output_modes(output)
         by_deviation = compliance.amplitude_transposed(trial.omega, modal)
-        by_deviation[0] = weights[0] * compliance.mean_transposed(output)
+        by_deviation[0] = weights[0] * compliance.mean_transposed(of_mean)
         by_omega = float((modal * self._balance.amplitude_slope(trial)).sum())
         return Quantity(float(weights @ coefficients), self._by_traction(by_deviation, by_omega))
 

@@ -30,20 +30,33 @@ def walking_points(pairs: ContactPairs, trials: Sequence[Trial]) -> tuple[NDArra
     return np.flatnonzero(ways > LARGEST_WALK * motions), ways
 
 
-def walk_of(
-    mass: FloatArray, free: LinearLimit, pairs: ContactPairs, trials: Sequence[Trial], mean: FloatArray
-) -> FloatArray | None:
-    """(n_points, n) m that the unknowns go on in one cycle, from their means (n_points, n); None if no body walks.
+def without_walk(
+    mass: FloatArray, free: LinearLimit, pairs: ContactPairs, trials: Sequence[Trial], displacement: FloatArray
+) -> tuple[FloatArray, FloatArray | None]:
+    """Coefficients (n_points, 2H+1, n) without the way of bodies that walk, and (n_points, n) m that the unknowns go on
+    in one cycle; None if no body walks.
 
     ``free`` is the structure without contact, ``mass`` (n, n) its mass.
     """
     points, _ = walking_points(pairs, trials)
     if not points.size:
-        return None
+        return displacement, None
     shapes = sliding_shapes(free, pairs)
-    walk = np.zeros_like(mean)
-    walk[points] = (mean[points] @ mass @ shapes) @ shapes.T / CYCLES
-    return walk
+    way = np.zeros((len(trials), displacement.shape[2]))
+    way[points] = (displacement[points, 0] @ mass @ shapes) @ shapes.T
+    motion = displacement.copy()
+    motion[:, 0] -= way
+    return motion, way / CYCLES
+
+
+def mean_without_walk(
+    mass: FloatArray, free: LinearLimit, pairs: ContactPairs, trial: Trial, output: FloatArray
+) -> FloatArray:
+    """(n,) the row whose product with the mean of ``displacement`` is that of ``output`` without the way of a walk."""
+    if not walking_points(pairs, [trial])[0].size:
+        return output
+    shapes = sliding_shapes(free, pairs)
+    return np.asarray(output - mass @ shapes @ (shapes.T @ output))
 
 
 def walk_warnings(pairs: ContactPairs, trials: Sequence[Trial]) -> tuple[str, ...]:

@@ -206,11 +206,13 @@ def start_from_response(response: ForcedResponse, point: int) -> dict[str, Float
             f"point is {point}, but it must be between 0 and {n_points - 1}, the points of the curve.",
             arguments=["point"],
         )
-    coefficients = response.displacement[point]
+    coefficients, walk = response.displacement[point], np.zeros(response.n_unknowns)
+    if response.walk is not None:
+        walk = response.walk[point]
     rate = 2.0 * np.pi * response.frequency_hz[point] * np.arange(1, response.harmonics + 1)
     start = {
         "initial_displacement": coefficients[:, 0] + coefficients[:, 1::2].sum(axis=1),
-        "initial_velocity": coefficients[:, 2::2] @ rate,
+        "initial_velocity": coefficients[:, 2::2] @ rate + response.frequency_hz[point] * walk,
     }
     if _coulomb_alone(response.pairs):
         return start | {"initial_slider": response.pair_cycle(point).slider[0]}
