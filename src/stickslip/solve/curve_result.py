@@ -100,7 +100,7 @@ def response_of(
     damped, free_ratio = bool(stuck.damping.any()), balances.free.damping_ratio(window)
     warnings = curve_warnings(check, balance, trials, measures, damped, free_ratio, balances.modal_damping_ratio)
     motion, walk = balances.motion(trials, measures.displacement)
-    places_hz = [[omega / (2.0 * np.pi) for omega in each] for each in (branch.retreats, branch.corners)]
+    retreats_hz, corners_hz = ([omega / (2.0 * np.pi) for omega in each] for each in (branch.retreats, branch.corners))
     report.stage(f"{len(trials)} points", 1.0)
     return ForcedResponse(
         frequency_hz=np.array([trial.omega for trial in trials]) / (2.0 * np.pi),
@@ -117,7 +117,7 @@ def response_of(
         message=f"{how} {'The curve reached the stop frequency.' if converged else message}",
         warnings=warnings
         + excursion_warning(np.array([trial.omega for trial in trials]) / (2.0 * np.pi), window)
-        + neighbour_warnings(*places_hz)
+        + neighbour_warnings(retreats_hz, corners_hz, branch.crossings)
         + (() if peaks is None else peaks.warnings())
         + _stability_warnings(verdict),
         harmonics=harmonics,

@@ -107,6 +107,11 @@ def corner(slope: float) -> PlaneCurve:
     )
 
 
+def step(place: float, height: float) -> PlaneCurve:
+    """x = 1 + y, beyond a place higher: a curve that is not continuous."""
+    return PlaneCurve(lambda x, y: x - (1.0 + y + (0.0 if y < place else height)), lambda x, y: (1.0, -1.0))
+
+
 def s_curve() -> PlaneCurve:
     """y = x^3 - x, which folds at x = -1/sqrt(3) and x = 1/sqrt(3)."""
     return PlaneCurve(lambda x, y: x**3 - x - y, lambda x, y: (3.0 * x * x - 1.0, -1.0))

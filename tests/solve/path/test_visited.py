@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from plane_curves import PlaneCurve, PlanePoint, circle, corner, lemniscate, line_beside_an_ellipse, s_curve
+from plane_curves import PlaneCurve, PlanePoint, circle, corner, lemniscate, line_beside_an_ellipse, s_curve, step
 
 from sentences import printed_sentence
 from stickslip.case.case import Case
@@ -16,7 +16,7 @@ from stickslip.results.peaks import Peak
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Correction, Newton, NewtonSettings
-from stickslip.solve.path.retreats import POINTS_BACK
+from stickslip.solve.path.retreats import POINTS_BACK, Crossing, crossing_of
 from stickslip.solve.path.stepping import Accepted, ContinuationSettings, Corner, Retreat
 from stickslip.solve.path.visited import Visited
 from stickslip.study.analyses import solve
@@ -124,6 +124,48 @@ def test_corners_are_passed(slope: float) -> None:
     points = [point.point for point in branch.follow()]
     assert branch.complete, branch.message
     assert points[-1].x == pytest.approx(0.5 + 0.5 * slope)
+
+
+class Lost(Branch[PlanePoint]):
+    """A branch that no step takes on beyond y = 0.49 before it is found again."""
+
+    def _advance(self, point: PlanePoint, tangent: Any, bend: Any, step: float, landmark: float | None = None) -> Any:
+        return super()._advance(point, tangent, bend, step, landmark) if self._has_passed(point) else None
+
+    def _around_corner(self, point: PlanePoint, tangent: Any) -> Any:
+        return super()._around_corner(point, tangent) if self._has_passed(point) else None
+
+    def _has_passed(self, point: PlanePoint) -> bool:
+        self.message = "No step."
+        return point.y < 0.49 or bool(self.crossings)
+
+
+@pytest.mark.parametrize("height", [0.014, -0.014])
+def test_a_branch_goes_on_close_beyond_a_place_that_no_step_passes(height: float) -> None:
+    curve = step(0.55, height)
+    branch = Lost(Newton(curve, NewtonSettings(1e-12)), curve.at(1.0, 0.0), 1.0, ContinuationSettings())
+    points = [point.point for point in branch.follow()]
+    assert branch.complete, branch.message
+    assert points[-1].x == pytest.approx(2.0 + height)
+    (crossing,) = branch.crossings
+    assert 0.49 < crossing.before < crossing.after < crossing.before + 0.01
+    assert crossing.motion < 0.01
+    assert crossing.left_out is None
+
+
+def test_a_branch_does_not_go_on_far_beyond() -> None:
+    curve = step(0.490001, 0.1)
+    branch = Lost(Newton(curve, NewtonSettings(1e-12)), curve.at(1.49, 0.49), 1.0, ContinuationSettings())
+    branch.follow()
+    assert not branch.complete
+    assert not branch.crossings
+    assert branch.message == "No step."
+
+
+def test_a_part_that_is_left_out_is_measured() -> None:
+    points = [PlanePoint(x, y, 0.0) for x, y in ((1.0, 0.5), (1.5, 0.4), (1.2, 0.3), (1.01, 0.51))]
+    crossing = crossing_of(points[:3], points[3])
+    assert crossing == Crossing(0.5, 0.51, pytest.approx(0.01), 0.3, 1.5)
 
 
 def test_a_branch_beside_a_loop_is_followed_to_its_end() -> None:

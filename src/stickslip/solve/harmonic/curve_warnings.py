@@ -11,6 +11,7 @@ from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.checks import ResolutionCheck, normal_work_warnings
 from stickslip.solve.harmonic.energy import CurveMeasures
 from stickslip.solve.harmonic.walk import walk_warnings
+from stickslip.solve.path.retreats import Crossing
 
 # chosen: residual of the equation of motion, relative to its forces, above which a curve has a warning; converged
 # points have 1e-9 or less (NewtonSettings.tolerance) unless a drift or round-off dominates.
@@ -90,9 +91,12 @@ def excursion_warning(frequency_hz: FloatArray, window_hz: tuple[float, float]) 
     )
 
 
-def neighbour_warnings(retreats_hz: Sequence[float], corners_hz: Sequence[float]) -> tuple[str, ...]:
-    """Warnings where the branch came onto other solutions close by, and where it passed corners."""
-    sentences = []
+def neighbour_warnings(
+    retreats_hz: Sequence[float], corners_hz: Sequence[float], crossings: Sequence[Crossing]
+) -> tuple[str, ...]:
+    """Warnings where the branch came onto other solutions close by, where it passed corners, and where it was lost and
+    goes on close beyond (rad/s)."""
+    sentences = [_crossing_words(each) for each in crossings]
     if retreats_hz:
         sentences.append(
             f"Near {_places(retreats_hz)} Hz the solver returned to a part of the curve that it had already computed, "
@@ -106,6 +110,21 @@ def neighbour_warnings(retreats_hz: Sequence[float], corners_hz: Sequence[float]
             "solver passed them. More samples make them smaller."
         )
     return tuple(sentences)
+
+
+def _crossing_words(crossing: Crossing) -> str:
+    before, after = crossing.before / (2.0 * np.pi), crossing.after / (2.0 * np.pi)
+    words = (
+        f"At {before:.4f} Hz the solver lost the curve in a corner finer than its steps and went on at {after:.4f} Hz, "
+        f"where the motion differs by {100.0 * crossing.motion:.2g} %."
+    )
+    if crossing.left_out is not None:
+        words += (
+            f" A further part of the curve, from {before:.4f} to {crossing.left_out / (2.0 * np.pi):.4f} Hz, begins "
+            f"there and has no end; it is left out, and its motion is at most {crossing.highest:.4g} times as large as "
+            "at its begin."
+        )
+    return f"{words} Twice the samples make corners smaller."
 
 
 def _places(frequencies_hz: Iterable[float]) -> str:

@@ -21,7 +21,7 @@ from stickslip.solve.path.corrector import Corrector, parameter_of
 from stickslip.solve.path.landmarks import ON_IT, VISIBLE, Landmark, LandmarkSource, first_crossed, is_long_near
 from stickslip.solve.path.newton import Correction, Newton
 from stickslip.solve.path.problem import Plane, PointT
-from stickslip.solve.path.retreats import CameBack, Retreats, around_corner
+from stickslip.solve.path.retreats import CameBack, Crossing, Retreats, around_corner, close_beyond, crossing_of
 from stickslip.solve.path.stepping import (
     Accepted,
     BranchPoint,
@@ -35,10 +35,13 @@ from stickslip.solve.path.stepping import (
 )
 from stickslip.solve.path.visited import Visited
 
-# chosen: the largest number of retreats from steps that came back to the branch.
-MOST_RETREATS = 6
+# chosen: the largest number of retreats from steps that came back to the branch before it is lost, and of places where
+# the branch is lost and goes on close beyond.
+MOST_RETREATS, MOST_CROSSINGS = 6, 6
 # chosen: how often a step that passes the end, but from which Newton does not land on it, is halved.
 MOST_LANDINGS = 8
+# chosen: the step after a place where the branch was lost, over the first step.
+BEYOND = 0.1
 # chosen: how far the branch may go beyond its start, as a fraction of the range and of the start, before it folds and
 # comes back: a range often begins between two folds.
 LONGEST_EXCURSION = 0.5
@@ -51,7 +54,8 @@ class Branch(Generic[PointT]):
     removed because they are on another curve), and corners. No step crosses one of the ``landmarks``
     (:mod:`stickslip.solve.path.landmarks`) without a point on it. Afterwards ``complete`` is True if the
     branch ends at the stop, ``message`` describes its end; ``retreats`` and ``corners`` are the parameters of those
-    events. ``revise`` may solve each new point again, with other equations, before the branch goes on from there.
+    events, ``crossings`` the places where the branch was lost and goes on close beyond. ``revise`` may solve each new
+    point again, with other equations, before the branch goes on from there.
 
     With ``within``, a range of the parameter that contains start and stop, the branch may turn and pass its start: it
     is complete where it leaves the range, or where it comes back to its start in the same direction; ``closed`` is then
@@ -89,6 +93,9 @@ class Branch(Generic[PointT]):
         self.points: list[BranchPoint[PointT]] = []
         self.retreats: list[float] = []
         self.corners: list[float] = []
+        self.crossings: list[Crossing] = []
+        self._most_retreats = MOST_RETREATS
+        self._steps = iter(range(settings.max_points - 1))
         self.complete = self.closed = False
         self.message = "The branch has no points yet."
 
@@ -102,18 +109,24 @@ class Branch(Generic[PointT]):
                 "determined there. Start elsewhere."
             )
             return self.points
-        bend, step = tangent.times(0.0), self._settings.first_step
-        landings = MOST_LANDINGS
-        for _ in range(self._settings.max_points - 1):
+        beyond: tuple[Tangent, float] | None = tangent, self._settings.first_step
+        while beyond is not None:
+            beyond = self._beyond(self._walk(*beyond))
+        return self.points
+
+    def _walk(self, tangent: Tangent, step: float) -> bool:
+        """Walk on, to the end of the branch or to where it is lost; True if it may go on close beyond."""
+        bend, landings = tangent.times(0.0), MOST_LANDINGS
+        for _ in self._steps:
             point = self.points[-1].point
             if self._effort.stall:
                 self.message = f"The curve makes no progress at {self._name_of(point)}: {self._effort.stall}"
-                return self.points
+                return False
             outcome = self._advance_to_landmark(point, tangent, bend, min(step, self._pace.limit))
             if outcome is None:
                 outcome = self._around_corner(point, tangent)
             if outcome is None:
-                return self.points
+                return True
             correction, turned, length, step = outcome
             self._pace.advance(length)
             self._effort.cover(length)
@@ -128,7 +141,7 @@ class Branch(Generic[PointT]):
                 self.message = "The branch reached the stop."
                 last = landed if landed.converged else correction  # else one beyond the stop
                 self._accept(BranchPoint(last.point, landed.iterations + correction.iterations))
-                return self.points
+                return False
             beyond = (self._origin - reached) * self._direction
             if self._within is None and beyond > LONGEST_EXCURSION * min(self._width, abs(self._origin)):
                 self.message = (
@@ -136,37 +149,70 @@ class Branch(Generic[PointT]):
                     f"{self._name_of(correction.point)} it had not come back. Start from the other end (swap start and "
                     "stop), or widen the range."
                 )
-                return self.points
-            revision = self._revise(correction.point, turned)
-            self._accept(BranchPoint(revision.point, correction.iterations))
+                return False
+            resolved = self._accept_revised(correction, turned)
             came_back = self._retreats.came_back()
             if came_back is not None and self._is_closed_by(came_back):
                 self.closed = self.complete = True
                 self.message = "The branch is a closed curve."
-                return self.points
-            if came_back is None and revision.system is not None:
-                direction = self._corrector.direction_of(revision.point, revision.system, 1.0)
-                tangent = self._corrector.measure(revision.point).unit(direction)
-                bend = tangent.times(0.0)
+                return False
+            if came_back is None and resolved is not None:
+                tangent, bend = resolved, resolved.times(0.0)
                 continue
             if came_back is None:
                 bend = turned.plus(tangent.times(-1.0)).times(1.0 / length)
                 tangent = turned
                 continue
-            if len(self.retreats) == MOST_RETREATS:
+            if len(self.retreats) == self._most_retreats:
                 self.message = (
-                    f"The branch returned to a part already computed {MOST_RETREATS + 1} times, the last time at "
+                    f"The branch returned to a part already computed {len(self.retreats) + 1} times, the last time at "
                     f"{self._name_of(self.points[-1].point)}: other solutions are too close to it. Use more samples, "
                     "fewer harmonics, or more damping."
                 )
-                return self.points
+                return True
             tangent, step = self._retreat(came_back.target)
             bend = tangent.times(0.0)
         self.message = (
             f"{self._settings.max_points} points were not enough; the branch reached only "
             f"{self._name_of(self.points[-1].point)}. Raise max_points or narrow the range."
         )
-        return self.points
+        return False
+
+    def _beyond(self, lost: bool) -> tuple[Tangent, float] | None:
+        """Go on close beyond a place where the branch is lost: tangent and next step there; None if it has ended."""
+        if not lost or len(self.crossings) == MOST_CROSSINGS:
+            return None
+        last = len(self.points) - 1
+        ahead = [self._direction * parameter_of(each.point) for each in self.points]
+        furthest = int(np.argmax(ahead))
+        here = self.points[last].point
+        travel = math.copysign(1.0, ahead[last] - ahead[max(last - 1, 0)])
+        for index, sign in ((furthest, 1.0), (last, travel)):
+            edge, direction = self.points[index].point, sign * self._direction
+            found = close_beyond(self._corrector, (edge, here), direction, self._settings)
+            if found is None or self._end_passed(parameter_of(found.point)) or self._jumped(edge, found.point):
+                continue
+            self.crossings.append(crossing_of([each.point for each in self.points[index:]], found.point))
+            if index < last:
+                self._remove_after(index)
+            tangent = self._corrector.first_tangent(found.point, direction, self._settings.first_step)
+            if tangent is None:
+                return None
+            self._effort.renew()
+            self._pace.relax()
+            self._retreats.forget()
+            self._most_retreats = len(self.retreats) + MOST_RETREATS
+            return self._accept_revised(found, tangent) or tangent, BEYOND * self._settings.first_step
+        return None
+
+    def _accept_revised(self, correction: Correction[PointT], tangent: Tangent) -> Tangent | None:
+        """Accept a new point, or the one in its place; the tangent there if that moved."""
+        revision = self._revise(correction.point, tangent)
+        self._accept(BranchPoint(revision.point, correction.iterations))
+        if revision.system is None:
+            return None
+        direction = self._corrector.direction_of(revision.point, revision.system, 1.0)
+        return self._corrector.measure(revision.point).unit(direction)
 
     def _is_closed_by(self, came_back: CameBack) -> bool:
         """Whether the branch, which may pass its start, came back to it in the same direction."""
@@ -176,9 +222,14 @@ class Branch(Generic[PointT]):
         """Remove the points after ``target``; returns the tangent there and the next step."""
         parameter = parameter_of(self.points[target].point)
         self.retreats.append(parameter)
-        self._on_event(Retreat(parameter, target + 1))
+        beyond = self._retreats.go_back(target)
+        self._remove_after(target)
+        return beyond
+
+    def _remove_after(self, target: int) -> None:
+        self._on_event(Retreat(parameter_of(self.points[target].point), target + 1))
         del self.points[target + 1 :]
-        return self._retreats.go_back(target)
+        self._visited.truncate(target + 1)
 
     def _around_corner(
         self, point: PointT, tangent: Tangent

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Generic
 
@@ -10,9 +11,9 @@ import numpy as np
 
 from stickslip.core.validation import FloatArray
 from stickslip.solve.path.arc_length import Metric, Tangent, chord_between
-from stickslip.solve.path.corrector import Corrector, parameter_of
+from stickslip.solve.path.corrector import SMALLEST_MOTION, Corrector, parameter_of
 from stickslip.solve.path.newton import Correction
-from stickslip.solve.path.problem import PointT
+from stickslip.solve.path.problem import Plane, PointT
 from stickslip.solve.path.stepping import ContinuationSettings, Pace, growing_lengths
 from stickslip.solve.path.visited import Visited
 
@@ -80,7 +81,7 @@ class Retreats(Generic[PointT]):
         return None
 
     def go_back(self, last: int) -> tuple[Tangent, float]:
-        """Remove the visited points after ``last``; returns the tangent there and the next step.
+        """The tangent and the next step at the point ``last``, before the points after it are removed.
 
         It is shorter than the step that left the branch; where shorter steps came back to the same point, it is longer,
         to pass it.
@@ -97,10 +98,13 @@ class Retreats(Generic[PointT]):
         else:
             step = min(LONGER**self._again * length, self._settings.first_step)
             self._pace.relax()
-        self._visited.truncate(last + 1)
-        self._back.clear()
+        self.forget()
         system = corrector.problem.linearised(points[last], corrector.plane(points[last], onward, 0.0))
         return metric.unit(corrector.direction_of(points[last], system, 1.0)), step
+
+    def forget(self) -> None:
+        """The last points are no reversal: the branch goes on elsewhere."""
+        self._back.clear()
 
     def _same(self, first: PointT, second: PointT, chord: Tangent) -> bool:
         """Whether two solutions are one point of a curve with the direction ``chord``."""
@@ -119,6 +123,64 @@ class Retreats(Generic[PointT]):
             return False
         away = chord_between(self._last_target, point)
         return metric.product(away, away) <= (LONGER * length) ** 2
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """A place where the branch was lost and goes on close beyond.
+
+    before, after:
+        parameters of the last point before it, and of the first one beyond.
+    motion:
+        distance of the two in the measured motion, over the motion before.
+    left_out:
+        parameter of the last point of a part of the branch that begins there and was lost; None without such a part.
+    highest:
+        largest motion on this part, over the motion before; 0 without it.
+    """
+
+    before: float
+    after: float
+    motion: float
+    left_out: float | None
+    highest: float
+
+
+def crossing_of(part: Sequence[PointT], found: PointT) -> Crossing:
+    """The crossing from the first point of a lost ``part`` of a branch to a solution."""
+    edge = part[0]
+    size = max(float(np.linalg.norm(edge.measured)), SMALLEST_MOTION)
+    return Crossing(
+        parameter_of(edge),
+        parameter_of(found),
+        float(np.linalg.norm(found.measured - edge.measured)) / size,
+        parameter_of(part[-1]) if len(part) > 1 else None,
+        max((float(np.linalg.norm(each.measured)) for each in part[1:]), default=0.0) / size,
+    )
+
+
+def close_beyond(
+    corrector: Corrector[PointT], near: Sequence[PointT], direction: float, settings: ContinuationSettings
+) -> Correction[PointT] | None:
+    """A solution beyond the first of the points ``near``, no farther from it than a first step; None without one.
+
+    Corners finer than the smallest step, with loops and legs too close to each other for Newton's method, end a branch
+    that goes on just beyond. The parameter is fixed there: no direction of the branch enters.
+    """
+    edge = near[0]
+    for length in growing_lengths(4.0 * settings.smallest_step, settings.first_step):
+        metric = corrector.measure(edge)
+        parameters = edge.parameters.copy()
+        parameters[0] += direction * length * metric.parameter_scale
+        for start in near:
+            plane = Plane.fixed(start.unknowns, parameters[0])
+            correction = corrector.correct(corrector.problem.evaluate(start.unknowns, parameters), plane)
+            if not correction.converged:
+                continue
+            away = chord_between(edge, correction.point)
+            if metric.product(away, away) <= settings.first_step**2:
+                return correction
+    return None
 
 
 def around_corner(

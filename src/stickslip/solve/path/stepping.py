@@ -126,7 +126,11 @@ class Effort:
         """Count an accepted step; every ``STALL_LENGTH`` the count of recent iterations begins again."""
         self._length += length
         if self._length >= STALL_LENGTH:
-            self._length, self.recent = 0.0, 0
+            self.renew()
+
+    def renew(self) -> None:
+        """Begin the count of recent iterations again."""
+        self._length, self.recent = 0.0, 0
 
     @property
     def stall(self) -> str:
