@@ -90,6 +90,9 @@ class ForcedResponse(ResponseData):
     walk:
         (n_points, n) m that a body which friction alone supports slides on in one cycle, zero where none does; None if
         none does at all. ``displacement`` is the motion without this way.
+    part:
+        (n_points,) number from 0 of the uninterrupted part of the curve to which a point belongs. Where the solver lost
+        the branch and found it, or another one, farther on, a part ends; a warning says what is known.
     point_harmonics, estimated_error:
         (n_points,) with an accuracy: harmonics of each point, whose coefficients are zero in the others, and its
         estimated error by neglected harmonics: the distance to the curve with more of them, over the motion of the

@@ -108,6 +108,10 @@ class ResponseData(Labelled):
             Numbers(("point", "unknown"), "m", "way of the unknown in one cycle, where a body walks", optional=True)
         ),
     )
+    part: NDArray[np.int64] = field(
+        default_factory=lambda: np.zeros(1, dtype=np.int64),
+        metadata=stored(WholeNumbers(CURVE, "1", "uninterrupted part of the curve of the point", optional=True)),
+    )
     point_harmonics: NDArray[np.int64] | None = field(
         default=None,
         metadata=stored(WholeNumbers(CURVE, "1", "harmonics of the solution at the point", optional=True)),
@@ -139,7 +143,7 @@ class ResponseData(Labelled):
                 f"frequency_hz must be a list of at least one point, but its shape is {points}.",
                 arguments=["frequency_hz"],
             )
-        for name in ("load_factor", "kinetic_energy"):
+        for name in ("load_factor", "kinetic_energy", "part"):
             if np.shape(getattr(self, name)) == (1,):
                 object.__setattr__(self, name, np.repeat(getattr(self, name), points[0]))
         if not np.isin(self.contact_state, list(ContactState)).all():

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Sequence
 from functools import cache
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -15,14 +16,14 @@ from stickslip.results.response import ForcedResponse
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.checks import ResolutionCheck, check_resolution
 from stickslip.solve.harmonic.curve_warnings import curve_warnings, excursion_warning, neighbour_warnings
-from stickslip.solve.harmonic.curves import BalancePointT
 from stickslip.solve.harmonic.energy import measure_curve
 from stickslip.solve.harmonic.linear import linear_curves
 from stickslip.solve.harmonic.missed_peaks import PeakCheck
 from stickslip.solve.harmonic.neglected import CurveAccuracy
-from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import NewtonSettings
-from stickslip.solve.path.stepping import Accepted, Corner, Retreat
+from stickslip.solve.path.retreats import Crossing
+from stickslip.solve.path.stepping import Accepted, BranchPoint, Corner, Retreat
+from stickslip.solve.pieces import Break
 from stickslip.solve.setting_up import Balances, StageReport
 from stickslip.solve.stability.curve import CurveStability, curve_stability, reason_without
 
@@ -35,6 +36,20 @@ LEAST_CUT_OFF = 4
 LARGEST_UNBALANCE = 1e-3
 # chosen: a warning reports a larger distance from 1 of the multiplier at a fold.
 LARGEST_ERROR_AT_FOLDS = 0.05
+
+
+class Followed(Protocol):
+    """A branch, or the pieces of one, that was followed."""
+
+    @property
+    def points(self) -> Sequence[BranchPoint[Any]]:
+        """(n_points,) points of a balance."""
+
+    complete: bool
+    message: str
+    retreats: list[float]
+    corners: list[float]
+    crossings: list[Crossing]
 
 
 def follower(window: tuple[float, float], report: StageReport) -> Callable[[Accepted[Any] | Retreat | Corner], None]:
@@ -54,7 +69,7 @@ def follower(window: tuple[float, float], report: StageReport) -> Callable[[Acce
 
 
 def response_of(
-    branch: Branch[BalancePointT],
+    branch: Followed,
     balances: Balances,
     balance: Balance,
     window: tuple[float, float],
@@ -65,11 +80,13 @@ def response_of(
     peaks: PeakCheck | None = None,
     no_stability: str = "",
     accuracy: CurveAccuracy | None = None,
+    breaks: Sequence[Break] = (),
 ) -> ForcedResponse:
     """The response along a branch through ``window`` (Hz); ``how`` describes its first point.
 
     ``peaks`` is the search for peaks that the branch missed; ``no_stability`` says why its points get no multipliers;
-    ``accuracy`` are harmonics and errors of its points, if they differ: ``balance`` then has the most of them.
+    ``accuracy`` are harmonics and errors of its points, if they differ: ``balance`` then has the most of them;
+    ``breaks`` are the places where the branch is interrupted.
 
     It ends before the first point that does not satisfy the equation of motion. Raises ConvergenceError if that is the
     first point of all.
@@ -94,7 +111,8 @@ def response_of(
     check = check_resolution(balance, fine, trials, accuracy)
     report.stage("stability of the points")
     reason = no_stability or reason_without(balance.pairs)
-    verdict, stability_message = _stability(trials, balance, balances, reason)
+    breaks = [each for each in breaks if each.after < len(trials) - 1]
+    verdict, stability_message = _stability(trials, breaks, balance, balances, reason)
     report.stage("linear limits")
     linear = linear_curves(balances.closed, balances.free, balances.force.with_harmonics(harmonics), window)
     damped, free_ratio = bool(stuck.damping.any()), balances.free.damping_ratio(window)
@@ -118,6 +136,7 @@ def response_of(
         warnings=warnings
         + excursion_warning(np.array([trial.omega for trial in trials]) / (2.0 * np.pi), window)
         + neighbour_warnings(retreats_hz, corners_hz, branch.crossings)
+        + tuple(each.words() for each in breaks)
         + (() if peaks is None else peaks.warnings())
         + _stability_warnings(verdict),
         harmonics=harmonics,
@@ -133,6 +152,7 @@ def response_of(
         load_factor=np.array([trial.load for trial in trials]),
         kinetic_energy=measures.kinetic_energy,
         walk=walk,
+        part=np.searchsorted([each.after for each in breaks], np.arange(len(trials))),
         stable=None if verdict is None else verdict.stable,
         multipliers=None if verdict is None else verdict.multipliers,
         bifurcations=() if verdict is None else verdict.bifurcations,
@@ -141,12 +161,14 @@ def response_of(
 
 
 def _stability(
-    trials: list[Trial], balance: Balance, balances: Balances, reason: str
+    trials: list[Trial], breaks: Sequence[Break], balance: Balance, balances: Balances, reason: str
 ) -> tuple[CurveStability | None, str]:
     """The stability of the points and a sentence; None for a ``reason`` against it."""
     if reason:
         return None, reason
-    stability = curve_stability(trials, balance.pairs, balances.stuck)
+    ends = [0, *(each.after + 1 for each in breaks), len(trials)]
+    parts = [curve_stability(trials[i:j], balance.pairs, balances.stuck) for i, j in itertools.pairwise(ends)]
+    stability = CurveStability.joined(parts)
     unstable = int((~stability.stable).sum())
     sentence = f"{unstable} of {len(trials)} points are unstable." if unstable else "All points are stable."
     if stability.undecided:

@@ -19,6 +19,7 @@ from stickslip.core.threads import blas_threads, thread_count
 from stickslip.core.validation import real_number, require_allowed, whole_number
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.curve_result import follower, response_of
+from stickslip.solve.evidence import Settling
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curves import BalancePoint, BalancePointT, FrequencyCurve
@@ -27,10 +28,11 @@ from stickslip.solve.harmonic.neglected import CurveAccuracy
 from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.harmonic.unbounded import unbounded_motions
-from stickslip.solve.harmonic.varying_harmonics import LEAST_HARMONICS, HarmonicsByAccuracy
+from stickslip.solve.harmonic.varying_harmonics import LEAST_HARMONICS, HarmonicsByAccuracy, VaryingPoint
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
+from stickslip.solve.pieces import Pieces
 from stickslip.solve.setting_up import StageReport, checked_window, prepare_balances
 from stickslip.solve.traction_band import TractionBandSearch, checked_band_output
 from stickslip.structure.superelement import Superelement
@@ -140,24 +142,39 @@ def forced_response(
         listen = follower(window, report)
 
         def finished(
-            branch: Branch[BalancePointT],
+            curve: Pieces[BalancePointT],
             solver: Newton[BalancePointT],
             balance: Balance,
             reached: CurveAccuracy | None = None,
         ) -> ForcedResponse:
             report.stage("search for missed peaks")
-            peaks = search_missed_peaks(solver, [each.point for each in branch.points], resonances.seen)
-            return response_of(branch, balances, balance, window, newton, how, report, peaks=peaks, accuracy=reached)
+            peaks = search_missed_peaks(solver, [each.point for each in curve.points], resonances.seen)
+            return response_of(
+                curve, balances, balance, window, newton, how, report, peaks=peaks, accuracy=reached,
+                breaks=curve.breaks,
+            )  # fmt: skip
 
+        settling = Settling(solver, curve, balances, report.stage)
+        window_omega = (start_omega, stop_omega)
         if accuracy is None:
-            branch = Branch(solver, start, stop_omega, settings, listen, resonances)
-            points: Sequence[BalancePoint] = [each.point for each in branch.follow()]
-            response = finished(branch, solver, curve.balance)
+
+            def fixed(point: BalancePoint, stop: float) -> Branch[BalancePoint]:
+                branch = Branch(solver, point, stop, settings, listen, resonances)
+                branch.follow()
+                return branch
+
+            pieces = Pieces(fixed, window_omega, settling).follow(start)
+            points: Sequence[BalancePoint] = [each.point for each in pieces.points]
+            response = finished(pieces, solver, curve.balance)
         else:
             varying = HarmonicsByAccuracy(balances.with_harmonics, accuracy, least, samples, newton, report.iteration)
-            accurate = varying.follow(start, stop_omega, settings, listen, resonances)
-            points = [each.point for each in accurate.points]
-            response = finished(accurate, varying.newton, varying.widest, varying.reached(accurate))
+
+            def by_accuracy(point: BalancePoint, stop: float) -> Branch[VaryingPoint]:
+                return varying.follow(point, stop, settings, listen, resonances)
+
+            accurate = Pieces(by_accuracy, window_omega, settling).follow(start)
+            points = accurate_points = [each.point for each in accurate.points]
+            response = finished(accurate, varying.newton, varying.widest, varying.reached(accurate_points))
         if band_output is not None:
             search = TractionBandSearch(
                 balances, response.harmonics, resonances, (start_omega, stop_omega), band_output, newton, settings,

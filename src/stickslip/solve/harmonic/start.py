@@ -39,11 +39,11 @@ def first_point(
     """
     attempts = []
     balance = curve.balance
-    direct = _at_frequency(newton, curve, balance.linear(omega, curve.load), omega)
+    direct = at_frequency(newton, curve, balance.linear(omega, curve.load), omega)
     if direct.converged:
         return direct.point, "The first point converged from the linear stuck response."
     attempts.append(f"from the linear stuck response: relative residual {direct.point.error:.1e}")
-    ramped, message = _amplitude_ramp(newton, curve, omega)
+    ramped, message = amplitude_ramp(newton, curve, omega)
     if ramped is not None:
         return ramped, "The first point converged after an amplitude ramp."
     attempts.append(f"amplitude ramp: {message}")
@@ -58,7 +58,7 @@ def first_point(
     if walk is not None:
         for multiple in OUTSIDE:
             place = f"from {_hz(multiple * omega):.2f} Hz"
-            outside = _at_frequency(newton, curve, balance.linear(multiple * omega, curve.load), multiple * omega)
+            outside = at_frequency(newton, curve, balance.linear(multiple * omega, curve.load), multiple * omega)
             if not outside.converged:
                 attempts.append(f"{place}: relative residual {outside.point.error:.1e}")
                 continue
@@ -75,14 +75,14 @@ def first_point(
     )
 
 
-def _at_frequency(
+def at_frequency(
     newton: Newton[BalancePoint], curve: FrequencyCurve, guess: FloatArray, omega: float
 ) -> Correction[BalancePoint]:
     """Newton at a fixed frequency."""
     return newton.correct(curve.at(guess, omega), Plane.fixed(guess, omega))
 
 
-def _amplitude_ramp(
+def amplitude_ramp(
     newton: Newton[BalancePoint], curve: FrequencyCurve, omega: float
 ) -> tuple[BalancePoint | None, str]:
     """Follow the solution from a hundredth of the force, through folds: that at full force or None, and a message."""
@@ -96,7 +96,7 @@ def _amplitude_ramp(
     branch.follow()
     if not branch.complete:
         return None, branch.message
-    full = _at_frequency(newton, curve, branch.points[-1].point.unknowns, omega)
+    full = at_frequency(newton, curve, branch.points[-1].point.unknowns, omega)
     if not full.converged:
         return None, f"near the full force, but there Newton stopped at a relative residual of {full.point.error:.1e}"
     return full.point, branch.message
@@ -108,9 +108,9 @@ def _few_harmonics(
     """Solve with fewer harmonics, then correct with all of them from there."""
     few = FrequencyCurve(simple, curve.load)
     few_newton = Newton(few, newton.settings, newton.on_iteration)
-    coarse = _at_frequency(few_newton, few, simple.linear(omega, curve.load), omega).point
+    coarse = at_frequency(few_newton, few, simple.linear(omega, curve.load), omega).point
     guess = with_rows(coarse.unknowns, 2 * curve.balance.harmonics + 1)
-    return _at_frequency(newton, curve, guess, omega)
+    return at_frequency(newton, curve, guess, omega)
 
 
 def _hz(omega: float) -> float:

@@ -188,6 +188,8 @@ class HarmonicsByAccuracy:
     ) -> Branch[VaryingPoint]:
         """The branch from ``start`` to ``stop`` (rad/s), with estimated errors of all points."""
         lifted = self.curve.lifted(start)
+        self._accepted.clear()
+        self._use(lifted.harmonics)
         at_one_frequency = Tangent(np.zeros_like(lifted.unknowns), np.zeros_like(lifted.measured), np.ones(1))
         first = self.revised(lifted, at_one_frequency)
 
@@ -200,9 +202,8 @@ class HarmonicsByAccuracy:
         self.curve.use(self.curve.widest)
         return branch
 
-    def reached(self, branch: Branch[VaryingPoint]) -> CurveAccuracy:
-        """Harmonics and errors of the points of a branch that :meth:`follow` followed."""
-        points = [each.point for each in branch.points]
+    def reached(self, points: Sequence[VaryingPoint]) -> CurveAccuracy:
+        """Harmonics and errors of points that :meth:`follow` found."""
         errors = [np.inf if each.neglected is None else each.neglected for each in points]
         harmonics = np.array([each.harmonics for each in points])
         return CurveAccuracy(self._accuracy, harmonics, np.array(errors), errors[_highest(points)])

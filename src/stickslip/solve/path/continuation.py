@@ -53,9 +53,9 @@ class Branch(Generic[PointT]):
     ``follow()`` walks along it and returns its points. ``on_event`` receives each accepted point, retreats (points are
     removed because they are on another curve), and corners. No step crosses one of the ``landmarks``
     (:mod:`stickslip.solve.path.landmarks`) without a point on it. Afterwards ``complete`` is True if the
-    branch ends at the stop, ``message`` describes its end; ``retreats`` and ``corners`` are the parameters of those
-    events, ``crossings`` the places where the branch was lost and goes on close beyond. ``revise`` may solve each new
-    point again, with other equations, before the branch goes on from there.
+    branch ends at the stop, ``lost`` if it ends because no step succeeds; ``message`` describes its end. ``retreats``
+    and ``corners`` are the parameters of those events, ``crossings`` the places where the branch was lost and goes on
+    close beyond. ``revise`` may solve each new point again, with other equations, before the branch goes on from there.
 
     With ``within``, a range of the parameter that contains start and stop, the branch may turn and pass its start: it
     is complete where it leaves the range, or where it comes back to its start in the same direction; ``closed`` is then
@@ -96,7 +96,7 @@ class Branch(Generic[PointT]):
         self.crossings: list[Crossing] = []
         self._most_retreats = MOST_RETREATS
         self._steps = iter(range(settings.max_points - 1))
-        self.complete = self.closed = False
+        self.complete = self.closed = self.lost = False
         self.message = "The branch has no points yet."
 
     def follow(self) -> list[BranchPoint[PointT]]:
@@ -111,11 +111,12 @@ class Branch(Generic[PointT]):
             return self.points
         beyond: tuple[Tangent, float] | None = tangent, self._settings.first_step
         while beyond is not None:
-            beyond = self._beyond(self._walk(*beyond))
+            beyond = self._beyond() if self._walk(*beyond) else None
         return self.points
 
     def _walk(self, tangent: Tangent, step: float) -> bool:
-        """Walk on, to the end of the branch or to where it is lost; True if it may go on close beyond."""
+        """Walk on, to the end of the branch or to where it is ``lost``; True if it may go on close beyond."""
+        self.lost = True  # unless an end is reached
         bend, landings = tangent.times(0.0), MOST_LANDINGS
         for _ in self._steps:
             point = self.points[-1].point
@@ -137,7 +138,7 @@ class Branch(Generic[PointT]):
                 if not landed.converged and landings > 0:
                     landings, step = landings - 1, 0.5 * length  # the end is nearer from the next points
                     continue
-                self.complete = True
+                self.complete, self.lost = True, False
                 self.message = "The branch reached the stop."
                 last = landed if landed.converged else correction  # else one beyond the stop
                 self._accept(BranchPoint(last.point, landed.iterations + correction.iterations))
@@ -154,6 +155,7 @@ class Branch(Generic[PointT]):
             came_back = self._retreats.came_back()
             if came_back is not None and self._is_closed_by(came_back):
                 self.closed = self.complete = True
+                self.lost = False
                 self.message = "The branch is a closed curve."
                 return False
             if came_back is None and resolved is not None:
@@ -172,15 +174,16 @@ class Branch(Generic[PointT]):
                 return True
             tangent, step = self._retreat(came_back.target)
             bend = tangent.times(0.0)
+        self.lost = False
         self.message = (
             f"{self._settings.max_points} points were not enough; the branch reached only "
             f"{self._name_of(self.points[-1].point)}. Raise max_points or narrow the range."
         )
         return False
 
-    def _beyond(self, lost: bool) -> tuple[Tangent, float] | None:
+    def _beyond(self) -> tuple[Tangent, float] | None:
         """Go on close beyond a place where the branch is lost: tangent and next step there; None if it has ended."""
-        if not lost or len(self.crossings) == MOST_CROSSINGS:
+        if len(self.crossings) == MOST_CROSSINGS:
             return None
         last = len(self.points) - 1
         ahead = [self._direction * parameter_of(each.point) for each in self.points]

@@ -8,7 +8,7 @@ curve turns in frequency exactly where a multiplier is 1.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -61,6 +61,22 @@ class CurveStability:
     bifurcations: tuple[Bifurcation, ...]
     undecided: int
     error_at_folds: float
+
+    @classmethod
+    def joined(cls, parts: Sequence[CurveStability]) -> CurveStability:
+        """That of parts of a curve, one after the other."""
+        firsts = np.cumsum([0, *(part.stable.size for part in parts)]).tolist()
+        return cls(
+            np.concatenate([part.stable for part in parts]),
+            np.concatenate([part.multipliers for part in parts]),
+            tuple(
+                replace(each, position=each.position + first)
+                for first, part in zip(firsts, parts, strict=False)
+                for each in part.bifurcations
+            ),
+            sum(part.undecided for part in parts),
+            max(part.error_at_folds for part in parts),
+        )
 
 
 class _Counts(NamedTuple):

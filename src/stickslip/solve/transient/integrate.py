@@ -9,6 +9,7 @@ periodic at the excitation frequency.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import scipy.linalg
@@ -16,7 +17,9 @@ from numpy.typing import ArrayLike
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb import CoulombLaw
+from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.core.errors import ConvergenceError, InputError
+from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import (
     FloatArray,
     argument_error,
@@ -51,6 +54,8 @@ class TransientResponse:
         (n_periods,) change of the motion from each period to the next, relative, in the strain-energy norm of the stuck
         structure. With a decay factor r per period the distance to the steady state is about r / (1 - r) times the
         last entry.
+    period_starts:
+        (n_periods, n) m, displacement at the start of each period.
     converged, message:
         whether ``period_change`` fell to the tolerance, and a sentence about it.
     """
@@ -61,6 +66,7 @@ class TransientResponse:
     contact_force: FloatArray
     dissipated_energy: FloatArray
     period_change: FloatArray
+    period_starts: FloatArray
     converged: bool
     message: str
 
@@ -206,17 +212,28 @@ def start_from_response(response: ForcedResponse, point: int) -> dict[str, Float
             f"point is {point}, but it must be between 0 and {n_points - 1}, the points of the curve.",
             arguments=["point"],
         )
-    coefficients, walk = response.displacement[point], np.zeros(response.n_unknowns)
-    if response.walk is not None:
-        walk = response.walk[point]
-    rate = 2.0 * np.pi * response.frequency_hz[point] * np.arange(1, response.harmonics + 1)
+    walk = np.zeros(response.n_unknowns) if response.walk is None else response.walk[point]
+    pairs = response.pairs.with_update(cast("Update", response.settings["update"]))
+    return start_of_motion(
+        pairs, response.displacement[point], walk, float(response.frequency_hz[point]), response.samples
+    )
+
+
+def start_of_motion(
+    pairs: ContactPairs, coefficients: FloatArray, walk: FloatArray, frequency_hz: float, samples: int
+) -> dict[str, FloatArray]:
+    """Time 0 of a motion (n, 2H+1) with a ``walk`` (n,) in each cycle, see :func:`start_from_response`."""
+    harmonics = coefficients.shape[1] // 2
+    rate = 2.0 * np.pi * frequency_hz * np.arange(1, harmonics + 1)
     start = {
         "initial_displacement": coefficients[:, 0] + coefficients[:, 1::2].sum(axis=1),
-        "initial_velocity": coefficients[:, 2::2] @ rate + response.frequency_hz[point] * walk,
+        "initial_velocity": coefficients[:, 2::2] @ rate + frequency_hz * walk,
     }
-    if _coulomb_alone(response.pairs):
-        return start | {"initial_slider": response.pair_cycle(point).slider[0]}
-    return start | {"initial_cycle": response.pair_displacement(point, response.samples)}
+    relative = synthesis_matrix(harmonics, samples) @ (pairs.operator @ coefficients).T
+    cycle, way = relative.reshape(samples, pairs.n_pairs, 3), pairs.way(walk)
+    if _coulomb_alone(pairs):
+        return start | {"initial_slider": pairs.cycle(cycle + way).slider[0] - way[:, :2]}
+    return start | {"initial_cycle": cycle}
 
 
 def integrate_to_steady_state(
@@ -305,6 +322,7 @@ def integrate_to_steady_state(
     force_history = np.empty((steps_per_period, n_pairs, 3))
     previous = np.zeros((steps_per_period, n))
     period_change: list[float] = []
+    starts: list[FloatArray] = []
     for period in range(max_periods):
         failed_step = march.period(motion, history, force_history)
         if failed_step >= 0:
@@ -313,6 +331,7 @@ def integrate_to_steady_state(
                 f"{MAX_STEP_ITERATIONS} iterations at {frequency_hz:g} Hz. Use more than {steps_per_period} steps per "
                 "period."
             )
+        starts.append(history[0, :n].copy())
         period_change.append(_relative_change(history[:, :n], previous, stuck_stiffness))
         if period_change[-1] <= tolerance:
             break
@@ -332,6 +351,7 @@ def integrate_to_steady_state(
         contact_force=force_history,
         dissipated_energy=_closed_work(force_history, (history[:, :n] @ operator.T).reshape(-1, n_pairs, 3)),
         period_change=np.array(period_change),
+        period_starts=np.array(starts),
         converged=converged,
         message=message,
     )

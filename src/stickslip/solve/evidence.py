@@ -1,0 +1,180 @@
+"""Solutions away from a curve, and what a time integration shows where a curve is lost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.core.errors import ConvergenceError, InputError
+from stickslip.core.fourier import analysis_matrix, with_rows
+from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.balance import Trial
+from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
+from stickslip.solve.harmonic.start import amplitude_ramp, at_frequency
+from stickslip.solve.path.newton import Newton
+from stickslip.solve.setting_up import Balances
+from stickslip.solve.transient.integrate import (
+    TransientResponse,
+    check_integration,
+    integrate_to_steady_state,
+    start_of_motion,
+)
+from stickslip.structure.superelement import Superelement
+
+# chosen: periods of a time integration; steps of each, and for each harmonic.
+PERIODS, STEPS, STEPS_PER_HARMONIC = 300, 256, 32
+# chosen: relative change at which a motion has settled, and the longest motion, in periods of the force, to look for.
+SETTLED, LONGEST = 1e-3, 8
+# chosen: distance of the time integration from the last point of the curve, over the range.
+BESIDE = 1e-4
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What a time integration from the last point of a curve shows.
+
+    frequency_hz, periods:
+        Hz, and number of periods of the force that were integrated.
+    change:
+        of the last period from the one before, relative.
+    difference:
+        distance of the last period from the motion at the last point of the curve, relative.
+    repeats_after:
+        smallest number of periods after which the motion repeats; None if none up to LONGEST does.
+    """
+
+    frequency_hz: float
+    periods: int
+    change: float
+    difference: float
+    repeats_after: int | None
+
+    def words(self) -> str:
+        """One sentence."""
+        begin = f"A time integration from the last point, at {self.frequency_hz:.3f} Hz,"
+        if self.repeats_after == 1:
+            return (
+                f"{begin} settles within {self.periods} periods on a motion with the period of the force, which differs "
+                f"from that point by {100.0 * self.difference:.2g} %: more harmonics and samples may find it."
+            )
+        if self.repeats_after:
+            return f"{begin} ends in a motion that repeats only after {self.repeats_after} periods of the force."
+        return (
+            f"{begin} does not settle: after {self.periods} periods the last one differs from the one before by "
+            f"{100.0 * self.change:.2g} %, and no motion of up to {LONGEST} periods repeats."
+        )
+
+
+class Settling:
+    """Solutions at a frequency by several ways; ``newton`` solves ``curve``."""
+
+    def __init__(
+        self,
+        newton: Newton[BalancePoint],
+        curve: FrequencyCurve,
+        balances: Balances,
+        report: Callable[[str], None],
+    ) -> None:
+        self._newton, self._curve, self._balances, self._report = newton, curve, balances, report
+        self._structure = Superelement(
+            balances.superelement.mass, balances.superelement.stiffness, balances.stuck.damping
+        )
+
+    def solution(self, near: Sequence[BalancePoint], omega: float, ramp: bool) -> tuple[BalancePoint, str] | None:
+        """A solution at a frequency, and how it was found.
+
+        From points ``near``, from the linear stuck response, from a time integration that starts at the first point or
+        at rest, and by an amplitude ramp if wanted.
+        """
+        rows = 2 * self._curve.balance.harmonics + 1
+        guesses = [with_rows(point.unknowns, rows) for point in near] + [self._curve.balance.linear(omega)]
+        for guess in guesses:
+            correction = at_frequency(self._newton, self._curve, guess, omega)
+            if correction.converged:
+                return correction.point, "from the last point"
+        for start in (*near[:1], None):
+            motion = self._integrated(start, omega)
+            if motion is None:
+                continue
+            correction = at_frequency(self._newton, self._curve, self._unknowns(motion), omega)
+            if correction.converged:
+                return correction.point, "by a time integration"
+        if ramp:
+            point, _ = amplitude_ramp(self._newton, self._curve, omega)
+            if point is not None:
+                return point, "by an amplitude ramp"
+        return None
+
+    def evidence(self, point: BalancePoint, change: float) -> Evidence | None:
+        """What happens close to a point of the curve; None if the joint allows no time integration."""
+        omega = point.trial.omega + BESIDE * change
+        motion = self._integrated(point, omega)
+        if motion is None:
+            return None
+        found, known = self._unknowns(motion)[1:], with_rows(point.unknowns, 2 * self._curve.balance.harmonics + 1)[1:]
+        return Evidence(
+            omega / (2.0 * np.pi),
+            motion.period_change.size,
+            float(motion.period_change[-1]),
+            float(np.linalg.norm(found - known) / np.linalg.norm(known)),
+            repeats_after(motion),
+        )
+
+    def _integrated(self, start: BalancePoint | None, omega: float) -> TransientResponse | None:
+        """The motion at a frequency after PERIODS, from a point of a curve or from rest."""
+        balances = self._balances
+        try:
+            check_integration(self._structure, balances.pairs)
+        except InputError:
+            return None
+        self._report(f"time integration at {omega / (2.0 * np.pi):.3f} Hz")
+        force = balances.force.coefficients(omega)
+        state = {} if start is None else self._state(start.trial)
+        try:
+            return integrate_to_steady_state(
+                self._structure,
+                balances.pairs,
+                force[1::2].T,
+                force[2::2].T,
+                omega / (2.0 * np.pi),
+                steps_per_period=max(STEPS, STEPS_PER_HARMONIC * self._curve.balance.harmonics),
+                max_periods=PERIODS,
+                tolerance=1e-2 * SETTLED,
+                initial_displacement=state.get("initial_displacement"),
+                initial_velocity=state.get("initial_velocity"),
+                initial_slider=state.get("initial_slider"),
+                initial_cycle=state.get("initial_cycle"),
+            )
+        except ConvergenceError:
+            return None
+
+    def _state(self, trial: Trial) -> dict[str, FloatArray]:
+        """Time 0 of a solution."""
+        balance = self._balances.with_harmonics(len(trial.relative) // 2)
+        motion, walk = self._balances.motion([trial], balance.displacement([trial]))
+        way = np.zeros(motion.shape[2]) if walk is None else walk[0]
+        return start_of_motion(balance.pairs, motion[0].T, way, trial.omega / (2.0 * np.pi), balance.samples)
+
+    def _unknowns(self, motion: TransientResponse) -> FloatArray:
+        """(2H+1, m) the last period as unknowns of the balance; if a body walks their mean is that of many cycles."""
+        pairs, steps = self._balances.pairs, len(motion.displacement)
+        walk = motion.period_starts[-1] - motion.period_starts[-2]
+        straight = motion.displacement - walk * np.arange(steps)[:, None] / steps
+        unknowns = analysis_matrix(self._curve.balance.harmonics, steps) @ straight @ pairs.operator.T
+        unknowns[0] += np.where(pairs.walking(), pairs.way(walk), 0.0).ravel()
+        return np.asarray(unknowns)
+
+
+def repeats_after(motion: TransientResponse) -> int | None:
+    """The smallest number of periods after which a motion repeats, but for a constant way; None if it does not."""
+    starts, period = motion.period_starts, motion.displacement
+    size = float(np.linalg.norm(period - period.mean(axis=0), axis=1).max())
+    for number in range(1, LONGEST + 1):
+        if len(starts) <= 3 * number:
+            return None
+        steps = np.diff(starts[-3 * number - 1 :: number], axis=0)
+        if np.linalg.norm(np.diff(steps, axis=0), axis=1).max() <= SETTLED * size:
+            return number
+    return None
