@@ -46,6 +46,7 @@ def large_result(n_pairs: int, n_points: int) -> tuple[ForcedResponse, StudyReco
             "input_energy",
             "viscous_energy",
             "kinetic_energy",
+            "part",
         )
     }
     for name in ("contact_state", "dissipated_energy", "normal_work", "closure"):

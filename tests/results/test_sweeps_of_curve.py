@@ -191,3 +191,23 @@ def test_wrong_arrays_are_rejected() -> None:
         sweeps([1.0, 2.0], [1.0, 1.0], [True])
     with rejects(InputError, "frequency_hz", "amplitude"):
         sweeps([1.0, 2.0], [1.0])
+
+
+def test_a_sweep_jumps_where_the_curve_is_interrupted() -> None:
+    """Two straight parts that overlap from 4 to 5; between 8 and 9 there is nothing."""
+    frequency = np.concatenate([np.linspace(0.0, 5.0, 26), np.linspace(4.0, 8.0, 21), np.linspace(9.0, 10.0, 6)])
+    part = np.repeat([0, 1, 2], [26, 21, 6])
+    amplitude = 1.0 + part
+    up, down = sweeps(100.0 + frequency, amplitude, np.ones(53, dtype=bool), part)
+    assert [(jump.frequency_hz, jump.amplitude_from, jump.amplitude_to) for jump in up.jumps] == [(105.0, 1.0, 2.0)]
+    assert [(jump.frequency_hz, jump.amplitude_from, jump.amplitude_to) for jump in down.jumps] == [(104.0, 2.0, 1.0)]
+    assert up.gaps_hz == ((108.0, 109.0),)
+    assert down.gaps_hz == ((109.0, 108.0),)
+
+
+def test_no_peak_lies_across_an_interruption() -> None:
+    frequency, amplitude = np.arange(8.0), np.array([1.0, 2.0, 5.0, 3.0, 1.0, 2.0, 1.5, 1.0])
+    whole = peaks(frequency, amplitude)
+    assert [(peak.point, peak.bracketed) for peak in whole] == [(2, True), (5, True)]
+    cut = peaks(frequency, amplitude, [0, 0, 0, 1, 1, 1, 1, 1])
+    assert [(peak.point, peak.bracketed) for peak in cut] == [(2, False), (5, True)]

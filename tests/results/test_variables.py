@@ -43,7 +43,14 @@ VARIABLES = {
 }
 # Variables that older files of the format do not have.
 STABILITY = {f"/{name}" for name in ("stable", "multipliers_real", "multipliers_imaginary", "bifurcations")}
-YOUNGER = {"/load_factor", "/kinetic_energy", "/stability_message", "study/mode_reference", "sketch/motion_frequency"}
+YOUNGER = {
+    "/load_factor",
+    "/kinetic_energy",
+    "/part",
+    "/stability_message",
+    "study/mode_reference",
+    "sketch/motion_frequency",
+}
 YOUNGER |= STABILITY | {
     f"sketch/motion_of_{of}_{part}" for of in ("points", "loads", "responses") for part in ("mean", "cosine", "sine")
 }

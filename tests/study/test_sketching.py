@@ -117,7 +117,8 @@ def shaken() -> tuple[Sketch, Case, Model, FloatArray]:
     rng = np.random.default_rng(3)
     displacement = rng.normal(size=(3, model.superelement.size, 5)) * np.array([1.0, 3.0, 2.0])[:, None, None]
     response = SimpleNamespace(
-        motion=lambda point: displacement[point],
+        displacement=displacement,
+        part=np.zeros(3, dtype=np.int64),
         frequency_hz=np.array([400.0, 410.0, 420.0]),
         amplitude=lambda row: np.array([1.0, 3.0, 2.0]),
     )

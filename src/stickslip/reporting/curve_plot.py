@@ -14,7 +14,7 @@ from stickslip.reporting.style import MICRO
 from stickslip.reporting.traction_words import traction_lines
 from stickslip.reporting.view import View
 from stickslip.results.peaks import Peak
-from stickslip.results.sweeps_of_curve import Flags, solid_words, unstable_steps
+from stickslip.results.sweeps_of_curve import Flags, joined_steps, solid_words, unstable_steps
 
 _HOVER = PlotMarkup("%{x:.2f} Hz<br>%{y:.4g} µm")
 
@@ -61,8 +61,8 @@ def amplitude_frequency(view: View) -> Figure:
 def _curve(view: View) -> Iterator[dict[str, Any]]:
     """All points of the curve, its highest peak, and where parts are unstable the stable and the unstable lines."""
     frequency, amplitude, name = view.response.frequency_hz, view.amplitude_um, view.response.curve_name
-    unstable = unstable_steps(view.response.stable_points)
-    folded = bool(unstable.any())
+    unstable, joined = unstable_steps(view.response.stable_points), joined_steps(view.response.part)
+    folded = bool(unstable.any() or not joined.all())
     points = line_trace(name, frequency, amplitude, INK, width=2.5, hovertemplate=_HOVER)
     mode = {"mode": "markers", "showlegend": False} if folded else {"mode": "lines+markers"}
     # points of unstable parts would hide their dashes; they remain in the figure for the choice of a point
@@ -70,8 +70,8 @@ def _curve(view: View) -> Iterator[dict[str, Any]]:
     yield points | mode | {"marker": {"size": 5, "color": INK, "opacity": seen}}
     yield _peak_mark(_highest_words(view), view.summary.peak, "diamond", VERMILLION, listed=False)
     if folded:
-        yield _drawn(f"{name}, {solid_words(view.response.stable)}", view, ~unstable, "solid", 2.5)
-        yield _drawn(f"{name}, unstable", view, unstable, "dash", 1.8)
+        yield _drawn(f"{name}, {solid_words(view.response.stable)}", view, ~unstable & joined, "solid", 2.5)
+        yield _drawn(f"{name}, unstable", view, unstable & joined, "dash", 1.8)
 
 
 def _drawn(name: str, view: View, drawn: Flags, dash: str, width: float) -> dict[str, Any]:

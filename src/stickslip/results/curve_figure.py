@@ -6,6 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from stickslip.core.plain_figure import BLUE, DOWNWARD, GREY, INK, ORANGE, UPWARD, VERMILLION, one_panel
 from stickslip.core.validation import FloatArray
 from stickslip.results.peaks import peaks, window_around
@@ -14,6 +17,7 @@ from stickslip.results.sweeps_of_curve import (
     Flags,
     SlowSweep,
     drawn_steps,
+    joined_steps,
     notable_jumps,
     reaches,
     unstable_steps,
@@ -32,8 +36,8 @@ _BESIDE = {TRACTION_CURVES: (GREY, 0.8), OTHER_CURVES: (VERMILLION, 1.8)}
 @dataclass(frozen=True)
 class AmplitudeCurve:
     """Data of the figure: frequencies in Hz, 0-to-peak amplitudes in m, and the names of the linear stuck curve,
-    of the output and of the curve itself; which points are drawn as stable, what these are called, the slow sweeps up
-    and down, and curves beside the curve by their common name."""
+    of the output and of the curve itself; which points are drawn as stable, their uninterrupted parts, what stable ones
+    are called, the slow sweeps up and down, and curves beside the curve by their common name."""
 
     frequency_hz: FloatArray
     amplitude: FloatArray
@@ -44,6 +48,7 @@ class AmplitudeCurve:
     output_name: str
     curve_name: str
     stable: Flags
+    part: NDArray[np.int64]
     solid_words: str
     slow_sweeps: tuple[SlowSweep, SlowSweep]
     beside: Mapping[str, Sequence[SideCurve]]
@@ -54,7 +59,7 @@ class AmplitudeCurve:
         The highest peak is marked; where slow sweeps do not reach it, their peaks and their jumps are too.
         """
         figure, axes = one_panel(7.0, 4.2)
-        peak = peaks(self.frequency_hz, self.amplitude)[0]
+        peak = peaks(self.frequency_hz, self.amplitude, self.part)[0]
         limits = [peaks(self.linear_frequency_hz, curve)[0] for curve in (self.stuck, self.free)]
         axes.plot(self.linear_frequency_hz, _MICRO * self.stuck, "--", color=BLUE, label=self.stuck_name)
         (free,) = axes.plot(self.linear_frequency_hz, _MICRO * self.free, ":", color=ORANGE, linewidth=2.0)
@@ -89,12 +94,13 @@ class AmplitudeCurve:
                     axes.plot(x, y, dash, color=colour, linewidth=width)
 
     def _draw_curve(self, axes: Axes) -> None:
-        height, unstable = _MICRO * self.amplitude, unstable_steps(self.stable)
-        if not unstable.any():
+        height, unstable, joined = _MICRO * self.amplitude, unstable_steps(self.stable), joined_steps(self.part)
+        if joined.all() and not unstable.any():
             axes.plot(self.frequency_hz, height, ".-", color=INK, markersize=4, label=self.curve_name)
             return
         axes.plot(self.frequency_hz[self.stable], height[self.stable], ".", color=INK, markersize=4)
-        for drawn, dash, words in ((~unstable, "-", self.solid_words), (unstable, "--", "unstable")):
+        for chosen, dash, words in ((~unstable, "-", self.solid_words), (unstable, "--", "unstable")):
+            drawn = chosen & joined
             x, y = drawn_steps(self.frequency_hz, drawn), drawn_steps(height, drawn)
             axes.plot(x, y, dash, color=INK, label=f"{self.curve_name}, {words}")
 

@@ -109,7 +109,7 @@ def equivalent_damping(response: ForcedResponse) -> FloatArray:
 def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
     """The measures at the highest peak of ``output`` (n,). Raises InputError for a wrong output."""
     amplitude = response.amplitude(output)
-    peak = peaks(response.frequency_hz, amplitude)[0]
+    peak = peaks(response.frequency_hz, amplitude, response.part)[0]
     up, down = response.slow_sweeps(output)
     stuck, free = (
         peaks(response.linear.frequency_hz, response.linear_amplitude(output, limit))[0] for limit in ("stuck", "free")
@@ -131,7 +131,7 @@ def summary(response: ForcedResponse, output: ArrayLike) -> Summary:
         reduction_from_stuck=1.0 - peak.amplitude / stuck.amplitude if peak.bracketed and stuck.bracketed else None,
         reduction_from_free=1.0 - peak.amplitude / free.amplitude if peak.bracketed and free.bracketed else None,
         equivalent_damping=float(equivalent_damping(response)[point]) or None,
-        half_power_width=half_power_width(response.frequency_hz, amplitude, peak),
+        half_power_width=half_power_width(response.frequency_hz, amplitude, peak, response.part),
         friction_share=friction / (friction + viscous) if friction + viscous > 0.0 else 0.0,
         state_counts=(int(counts[0]), int(counts[1]), int(counts[2])),
         state_names=response.pairs.state_names,

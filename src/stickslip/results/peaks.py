@@ -29,8 +29,8 @@ class Peak:
     bracketed: bool
 
 
-def peaks(frequency_hz: ArrayLike, amplitude: ArrayLike) -> list[Peak]:
-    """Local maxima along the curve, highest first; if there is none, the higher end of the curve, not bracketed.
+def peaks(frequency_hz: ArrayLike, amplitude: ArrayLike, part: ArrayLike | None = None) -> list[Peak]:
+    """Local maxima along the curve, highest first, and its highest point if that is an end of a part, not bracketed.
 
     Around each maximum ``1 / amplitude^2`` and the frequency are taken as parabolas through three neighbouring points,
     over the frequency, or over the index where the curve folds. ``1 / amplitude^2`` of a lightly damped linear
@@ -40,6 +40,8 @@ def peaks(frequency_hz: ArrayLike, amplitude: ArrayLike) -> list[Peak]:
     ----------
     frequency_hz, amplitude:
         (n_points,) along the curve. Amplitudes must not be negative.
+    part:
+        (n_points,) number of the uninterrupted part of each point; None for a curve of one part.
 
     Raises
     ------
@@ -47,10 +49,14 @@ def peaks(frequency_hz: ArrayLike, amplitude: ArrayLike) -> list[Peak]:
         for arrays of different or zero length, or a negative amplitude.
     """
     frequency, height = checked_curve(frequency_hz, amplitude)
-    inside = np.flatnonzero((height[1:-1] >= height[:-2]) & (height[1:-1] > height[2:])) + 1
+    number = np.zeros(height.size) if part is None else np.asarray(part)
+    is_end = np.diff(number, prepend=np.nan, append=np.nan) != 0.0  # of a step; not a number differs from all
+    is_end = is_end[:-1] | is_end[1:]
+    is_top = (height[1:-1] >= height[:-2]) & (height[1:-1] > height[2:])
+    inside = np.flatnonzero(is_top & ~is_end[1:-1]) + 1
     interpolated = [_interpolated_peak(frequency, height, int(i)) for i in inside]
     top = int(height.argmax())
-    if top in (0, height.size - 1):
+    if is_end[top]:
         interpolated.append(Peak(top, float(frequency[top]), float(height[top]), bracketed=False))
     return sorted(interpolated, key=lambda peak: -peak.amplitude)
 
@@ -94,21 +100,26 @@ def _interpolated_peak(frequency: FloatArray, height: FloatArray, i: int) -> Pea
     return Peak(nearest, peak_frequency, amplitude, bracketed=True)
 
 
-def half_power_width(frequency_hz: ArrayLike, amplitude: ArrayLike, peak: Peak) -> float | None:
+def half_power_width(
+    frequency_hz: ArrayLike, amplitude: ArrayLike, peak: Peak, part: ArrayLike | None = None
+) -> float | None:
     """Width of a peak over twice its frequency, ``(f_2 - f_1) / (2 f_peak)``, from the half-power band of the curve.
 
     ``f_1`` and ``f_2`` are the first points on either side of the peak, walking along the curve, where the amplitude is
     ``peak.amplitude / sqrt(2)`` (linear between points). For a linear single resonance this is the damping ratio. With
     friction the curve is not a resonance curve, and this is a width only; the damping follows from the energies
     (:func:`stickslip.results.measures.equivalent_damping`). None if the curve ends before it has fallen that far, or
-    the peak is not bracketed.
+    the peak is not bracketed. ``part`` as in :func:`peaks`.
     """
     frequency, height = finite_array("frequency_hz", frequency_hz), finite_array("amplitude", amplitude)
     if not peak.bracketed or peak.amplitude <= 0.0:
         return None
-    level = peak.amplitude / np.sqrt(2.0)
-    lower = _crossing(frequency[peak.point :: -1], height[peak.point :: -1], level)
-    upper = _crossing(frequency[peak.point :], height[peak.point :], level)
+    level, point = peak.amplitude / np.sqrt(2.0), peak.point
+    if part is not None:
+        here = np.flatnonzero(np.asarray(part) == np.asarray(part)[point])
+        frequency, height, point = frequency[here], height[here], point - int(here[0])
+    lower = _crossing(frequency[point::-1], height[point::-1], level)
+    upper = _crossing(frequency[point:], height[point:], level)
     if lower is None or upper is None:
         return None
     return abs(upper - lower) / (2.0 * peak.frequency_hz)

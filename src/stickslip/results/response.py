@@ -214,7 +214,7 @@ class ForcedResponse(ResponseData):
         amplitude, linear_hz = self.amplitude(output), self.linear.frequency_hz
         return AmplitudeCurve(
             self.frequency_hz, amplitude, linear_hz, stuck, free, self.stuck_name, name, self.curve_name,
-            self.stable_points, solid_words(self.stable), self.slow_sweeps(output), self._beside(output),
+            self.stable_points, self.part, solid_words(self.stable), self.slow_sweeps(output), self._beside(output),
         ).figure()  # fmt: skip
 
     def slow_sweeps(self, output: ArrayLike) -> tuple[SlowSweep, SlowSweep]:
@@ -226,7 +226,7 @@ class ForcedResponse(ResponseData):
         amplitude = self.amplitude(output)
         if np.ptp(self.load_factor) > 0.0:
             return one_run(self.frequency_hz, amplitude)
-        return sweeps(self.frequency_hz, amplitude, self.stable_points)
+        return sweeps(self.frequency_hz, amplitude, self.stable_points, self.part)
 
     def _beside(self, output: ArrayLike) -> dict[str, tuple[SideCurve, ...]]:
         """Curves beside this one by the name that a figure gives them."""

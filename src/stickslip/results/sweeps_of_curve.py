@@ -108,6 +108,12 @@ def unstable_steps(stable: Flags) -> Flags:
     return steps
 
 
+def joined_steps(part: NDArray[np.int64]) -> Flags:
+    """(n_points - 1,) steps between neighbouring points of one uninterrupted part."""
+    steps: Flags = np.diff(part) == 0
+    return steps
+
+
 def solid_words(stable: Flags | None) -> str:
     """What figures call the parts of a curve that are not drawn as unstable; ``stable`` is None where only folds are
     known."""
@@ -138,14 +144,15 @@ def largest_jump(jumps: Sequence[Jump]) -> Jump:
 
 
 def sweeps(
-    frequency_hz: ArrayLike, amplitude: ArrayLike, stable: ArrayLike | None = None
+    frequency_hz: ArrayLike, amplitude: ArrayLike, stable: ArrayLike | None = None, part: ArrayLike | None = None
 ) -> tuple[SlowSweep, SlowSweep]:
     """The slow sweep up and the slow sweep down along a curve.
 
     A sweep begins at the first stable point of the curve in its direction and follows stable points while the frequency
     advances. At a fold it jumps along the curve, past the part that runs back, to the next stable part that passes the
     frequency of the fold: of several, this motion is the nearest along the curve. If all of them ahead are unstable, it
-    takes the nearest stable part behind. The frequency of a fold is that of a parabola through three points.
+    takes the nearest stable part behind. The frequency of a fold is that of a parabola through three points. Where the
+    curve is interrupted the sweep jumps in the same way, or leaves a gap.
 
     Parameters
     ----------
@@ -153,6 +160,8 @@ def sweeps(
         (n_points,) along the curve, in either direction.
     stable:
         (n_points,) whether the motion is stable; without it the folds decide (:func:`stable_between_folds`).
+    part:
+        (n_points,) number of the uninterrupted part of each point; None for a curve of one part.
 
     Raises
     ------
@@ -166,7 +175,8 @@ def sweeps(
             f"stable must have one entry for each of the {frequency.size} points, but its shape is {flags.shape}.",
             arguments=["stable"],
         )
-    return _sweep("up", frequency, height, flags), _sweep("down", frequency, height, flags)
+    number = np.zeros(frequency.size, dtype=np.int64) if part is None else np.asarray(part, dtype=np.int64)
+    return _sweep("up", frequency, height, flags, number), _sweep("down", frequency, height, flags, number)
 
 
 def one_run(frequency_hz: FloatArray, amplitude: FloatArray) -> tuple[SlowSweep, SlowSweep]:
@@ -179,9 +189,11 @@ def one_run(frequency_hz: FloatArray, amplitude: FloatArray) -> tuple[SlowSweep,
     )
 
 
-def _sweep(direction: Direction, frequency: FloatArray, height: FloatArray, stable: Flags) -> SlowSweep:
+def _sweep(
+    direction: Direction, frequency: FloatArray, height: FloatArray, stable: Flags, part: NDArray[np.int64]
+) -> SlowSweep:
     sign = 1.0 if direction == "up" else -1.0
-    path = _Path(sign * frequency, stable)
+    path = _Path(sign * frequency, stable, part)
     path.follow()
 
     jumps = tuple(
@@ -190,12 +202,16 @@ def _sweep(direction: Direction, frequency: FloatArray, height: FloatArray, stab
     )
     gaps = tuple((sign * first, sign * last) for first, last in path.gaps)
     leaves = None if path.leaves_at is None else sign * path.leaves_at
-    found = _peaks_of_path(frequency, height, path, {jump.place_from: jump.frequency_hz for jump in jumps})
+    found = _peaks_of_path(frequency, height, part, path, {jump.place_from: jump.frequency_hz for jump in jumps})
     return SlowSweep(direction, tuple(path.runs), jumps, gaps, leaves, found)
 
 
 def _peaks_of_path(
-    frequency: FloatArray, height: FloatArray, path: _Path, fold_hz: Mapping[float, float]
+    frequency: FloatArray,
+    height: FloatArray,
+    part: NDArray[np.int64],
+    path: _Path,
+    fold_hz: Mapping[float, float],
 ) -> tuple[Peak, ...]:
     """Local maxima along a path, highest first: those of the curve on it, and ends of runs above both neighbours."""
     open_ends = {0.0, height.size - 1.0, *path.open_ends}  # beyond them the sweep may go higher
@@ -211,7 +227,7 @@ def _peaks_of_path(
                 ends.append(Peak(round(end), hertz, top, bracketed=end not in open_ends))
     inside = [
         peak
-        for peak in peaks(frequency, height)
+        for peak in peaks(frequency, height, part)
         if peak.bracketed and any(min(run) - 1.0 < peak.point < max(run) + 1.0 for run in path.runs)
     ]
     # the tip of a fold and the end of the run at it are one peak
@@ -232,8 +248,8 @@ def _points_between(first: float, last: float) -> NDArray[np.int64]:
 class _Path:
     """The path of a sweep in which ``x`` rises: the frequency, or its negative for a sweep down."""
 
-    def __init__(self, x: FloatArray, stable: Flags) -> None:
-        self._x, self._stable = x, stable
+    def __init__(self, x: FloatArray, stable: Flags, part: NDArray[np.int64]) -> None:
+        self._x, self._stable, self._part = x, stable, part
         self.runs: list[tuple[float, float]] = []
         self.jumps: list[tuple[float, float, float]] = []  # x, place before, place after
         self.gaps: list[tuple[float, float]] = []
@@ -275,7 +291,11 @@ class _Path:
 
     def _rises(self, point: int, step: int) -> bool:
         there = point + step
-        return 0 <= there < self._x.size and bool(self._stable[there] and self._x[there] >= self._x[point])
+        return self._are_joined(point, there) and bool(self._stable[there] and self._x[there] >= self._x[point])
+
+    def _are_joined(self, point: int, there: int) -> bool:
+        """Whether the curve has the second point, and is not interrupted between them."""
+        return 0 <= there < self._x.size and bool(self._part[point] == self._part[there])
 
     def _rising_step(self, point: int) -> int:
         """The direction along the curve in which x rises over stable points."""
@@ -292,12 +312,16 @@ class _Path:
         Stability may change one point before the largest x, because the fold is between points.
         """
         x, ahead = self._x, point + step
+        if not self._are_joined(point, ahead):
+            return float(point), float(x[point]), False
         top = point
         if x[ahead] > x[point]:
-            if not (0 <= ahead + step < x.size and x[ahead + step] < x[ahead]):
+            if not (self._are_joined(ahead, ahead + step) and x[ahead + step] < x[ahead]):
                 return float(point), float(x[point]), False
             top = ahead
-        if not 0 < top < x.size - 1 or not x[top - 1] <= x[top] >= x[top + 1]:
+        if not self._are_joined(top, top - 1) or not self._are_joined(top, top + 1):
+            return float(top), float(x[top]), True
+        if not x[top - 1] <= x[top] >= x[top + 1]:
             return float(top), float(x[top]), True
         bend, slope = 0.5 * (x[top - 1] + x[top + 1]) - x[top], 0.5 * (x[top + 1] - x[top - 1])
         if bend == 0.0:
@@ -320,7 +344,7 @@ class _Path:
     def _on_segment(self, near: int, far: int, x: float) -> tuple[float, int, int] | None:
         """The landing on the segment between two points if the segment passes ``x`` and is stable on its upper side."""
         low, high = (near, far) if self._x[near] < self._x[far] else (far, near)
-        if not self._x[low] <= x < self._x[high] or not self._stable[high]:
+        if not self._are_joined(near, far) or not self._x[low] <= x < self._x[high] or not self._stable[high]:
             return None
         share = float((x - self._x[low]) / (self._x[high] - self._x[low]))
         if share < 0.5 and not self._stable[low]:

@@ -23,7 +23,6 @@ from stickslip.solve.harmonic.neglected import CurveAccuracy
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.retreats import Crossing
 from stickslip.solve.path.stepping import Accepted, BranchPoint, Corner, Retreat
-from stickslip.solve.pieces import Break
 from stickslip.solve.setting_up import Balances, StageReport
 from stickslip.solve.stability.curve import CurveStability, curve_stability, reason_without
 
@@ -80,13 +79,14 @@ def response_of(
     peaks: PeakCheck | None = None,
     no_stability: str = "",
     accuracy: CurveAccuracy | None = None,
-    breaks: Sequence[Break] = (),
+    breaks: Sequence[int] = (),
+    warnings: Sequence[str] = (),
 ) -> ForcedResponse:
     """The response along a branch through ``window`` (Hz); ``how`` describes its first point.
 
     ``peaks`` is the search for peaks that the branch missed; ``no_stability`` says why its points get no multipliers;
     ``accuracy`` are harmonics and errors of its points, if they differ: ``balance`` then has the most of them;
-    ``breaks`` are the places where the branch is interrupted.
+    ``breaks`` are the points after which the branch is interrupted, ``warnings`` sentences on them.
 
     It ends before the first point that does not satisfy the equation of motion. Raises ConvergenceError if that is the
     first point of all.
@@ -111,12 +111,12 @@ def response_of(
     check = check_resolution(balance, fine, trials, accuracy)
     report.stage("stability of the points")
     reason = no_stability or reason_without(balance.pairs)
-    breaks = [each for each in breaks if each.after < len(trials) - 1]
+    breaks = [each for each in breaks if each < len(trials) - 1]
     verdict, stability_message = _stability(trials, breaks, balance, balances, reason)
     report.stage("linear limits")
     linear = linear_curves(balances.closed, balances.free, balances.force.with_harmonics(harmonics), window)
     damped, free_ratio = bool(stuck.damping.any()), balances.free.damping_ratio(window)
-    warnings = curve_warnings(check, balance, trials, measures, damped, free_ratio, balances.modal_damping_ratio)
+    notes = curve_warnings(check, balance, trials, measures, damped, free_ratio, balances.modal_damping_ratio)
     motion, walk = balances.motion(trials, measures.displacement)
     retreats_hz, corners_hz = ([omega / (2.0 * np.pi) for omega in each] for each in (branch.retreats, branch.corners))
     report.stage(f"{len(trials)} points", 1.0)
@@ -133,10 +133,10 @@ def response_of(
         viscous_energy=measures.viscous_energy,
         converged=converged,
         message=f"{how} {'The curve reached the stop frequency.' if converged else message}",
-        warnings=warnings
+        warnings=notes
         + excursion_warning(np.array([trial.omega for trial in trials]) / (2.0 * np.pi), window)
         + neighbour_warnings(retreats_hz, corners_hz, branch.crossings)
-        + tuple(each.words() for each in breaks)
+        + tuple(warnings)
         + (() if peaks is None else peaks.warnings())
         + _stability_warnings(verdict),
         harmonics=harmonics,
@@ -152,7 +152,7 @@ def response_of(
         load_factor=np.array([trial.load for trial in trials]),
         kinetic_energy=measures.kinetic_energy,
         walk=walk,
-        part=np.searchsorted([each.after for each in breaks], np.arange(len(trials))),
+        part=np.searchsorted(breaks, np.arange(len(trials))),
         stable=None if verdict is None else verdict.stable,
         multipliers=None if verdict is None else verdict.multipliers,
         bifurcations=() if verdict is None else verdict.bifurcations,
@@ -161,12 +161,12 @@ def response_of(
 
 
 def _stability(
-    trials: list[Trial], breaks: Sequence[Break], balance: Balance, balances: Balances, reason: str
+    trials: list[Trial], breaks: Sequence[int], balance: Balance, balances: Balances, reason: str
 ) -> tuple[CurveStability | None, str]:
     """The stability of the points and a sentence; None for a ``reason`` against it."""
     if reason:
         return None, reason
-    ends = [0, *(each.after + 1 for each in breaks), len(trials)]
+    ends = [0, *(each + 1 for each in breaks), len(trials)]
     parts = [curve_stability(trials[i:j], balance.pairs, balances.stuck) for i, j in itertools.pairwise(ends)]
     stability = CurveStability.joined(parts)
     unstable = int((~stability.stable).sum())

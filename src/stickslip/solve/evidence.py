@@ -33,14 +33,14 @@ BESIDE = 1e-4
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a time integration from the last point of a curve shows.
+    """What a time integration from the last point of a curve, or from rest, shows.
 
     frequency_hz, periods:
         Hz, and number of periods of the force that were integrated.
     change:
         of the last period from the one before, relative.
     difference:
-        distance of the last period from the motion at the last point of the curve, relative.
+        distance of the last period from the motion at the last point of the curve, relative; None from rest.
     repeats_after:
         smallest number of periods after which the motion repeats; None if none up to LONGEST does.
     """
@@ -48,16 +48,18 @@ class Evidence:
     frequency_hz: float
     periods: int
     change: float
-    difference: float
+    difference: float | None
     repeats_after: int | None
 
     def words(self) -> str:
         """One sentence."""
-        begin = f"A time integration from the last point, at {self.frequency_hz:.3f} Hz,"
+        start = "rest" if self.difference is None else "the last point"
+        begin = f"A time integration from {start}, at {self.frequency_hz:.3f} Hz,"
         if self.repeats_after == 1:
+            away = "" if self.difference is None else f", {100.0 * self.difference:.2g} % away from that point"
             return (
-                f"{begin} settles within {self.periods} periods on a motion with the period of the force, which differs "
-                f"from that point by {100.0 * self.difference:.2g} %: more harmonics and samples may find it."
+                f"{begin} settles within {self.periods} periods on a motion with the period of the force{away}: more "
+                "harmonics and samples may find it."
             )
         if self.repeats_after:
             return f"{begin} ends in a motion that repeats only after {self.repeats_after} periods of the force."
@@ -109,18 +111,23 @@ class Settling:
 
     def evidence(self, point: BalancePoint, change: float) -> Evidence | None:
         """What happens close to a point of the curve; None if the joint allows no time integration."""
-        omega = point.trial.omega + BESIDE * change
+        return self._evidence(point, point.trial.omega + BESIDE * change)
+
+    def evidence_from_rest(self, omega: float) -> Evidence | None:
+        """What happens at a frequency from rest; None if the joint allows no time integration."""
+        return self._evidence(None, omega)
+
+    def _evidence(self, point: BalancePoint | None, omega: float) -> Evidence | None:
         motion = self._integrated(point, omega)
         if motion is None:
             return None
-        found, known = self._unknowns(motion)[1:], with_rows(point.unknowns, 2 * self._curve.balance.harmonics + 1)[1:]
-        return Evidence(
-            omega / (2.0 * np.pi),
-            motion.period_change.size,
-            float(motion.period_change[-1]),
-            float(np.linalg.norm(found - known) / np.linalg.norm(known)),
-            repeats_after(motion),
-        )
+        difference = None
+        if point is not None:
+            rows = 2 * self._curve.balance.harmonics + 1
+            found, known = self._unknowns(motion)[1:], with_rows(point.unknowns, rows)[1:]
+            difference = float(np.linalg.norm(found - known) / np.linalg.norm(known))
+        change = float(motion.period_change[-1])
+        return Evidence(omega / (2.0 * np.pi), motion.period_change.size, change, difference, repeats_after(motion))
 
     def _integrated(self, start: BalancePoint | None, omega: float) -> TransientResponse | None:
         """The motion at a frequency after PERIODS, from a point of a curve or from rest."""

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
-from stickslip.core.errors import InputError
+from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.resolution import COARSEST_ACCURACY, FINEST_ACCURACY, LEAST_SAMPLES, SAMPLES_PER_HARMONIC
 from stickslip.core.threads import blas_threads, thread_count
@@ -138,7 +138,11 @@ def forced_response(
             return Branch(solver, point, start_omega, settings, landmarks=resonances)
 
         report.stage("first point")
-        start, how = first_point(solver, curve, start_omega, balances.with_harmonics, walk)
+        start: BalancePoint | None = None
+        try:
+            start, how = first_point(solver, curve, start_omega, balances.with_harmonics, walk)
+        except ConvergenceError as error:
+            how = str(error)
         listen = follower(window, report)
 
         def finished(
@@ -151,7 +155,7 @@ def forced_response(
             peaks = search_missed_peaks(solver, [each.point for each in curve.points], resonances.seen)
             return response_of(
                 curve, balances, balance, window, newton, how, report, peaks=peaks, accuracy=reached,
-                breaks=curve.breaks,
+                breaks=curve.breaks, warnings=curve.warnings,
             )  # fmt: skip
 
         settling = Settling(solver, curve, balances, report.stage)
@@ -163,7 +167,7 @@ def forced_response(
                 branch.follow()
                 return branch
 
-            pieces = Pieces(fixed, window_omega, settling).follow(start)
+            pieces = Pieces(fixed, window_omega, settling).follow(start, how)
             points: Sequence[BalancePoint] = [each.point for each in pieces.points]
             response = finished(pieces, solver, curve.balance)
         else:
@@ -172,7 +176,7 @@ def forced_response(
             def by_accuracy(point: BalancePoint, stop: float) -> Branch[VaryingPoint]:
                 return varying.follow(point, stop, settings, listen, resonances)
 
-            accurate = Pieces(by_accuracy, window_omega, settling).follow(start)
+            accurate = Pieces(by_accuracy, window_omega, settling).follow(start, how)
             points = accurate_points = [each.point for each in accurate.points]
             response = finished(accurate, varying.newton, varying.widest, varying.reached(accurate_points))
         if band_output is not None:

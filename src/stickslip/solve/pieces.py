@@ -8,58 +8,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Generic
 
-from stickslip.solve.evidence import Evidence, Settling
+import numpy as np
+
+from stickslip.core.errors import ConvergenceError
+from stickslip.solve.evidence import Settling
 from stickslip.solve.harmonic.curves import BalancePoint, BalancePointT
 from stickslip.solve.path.continuation import Branch
-from stickslip.solve.path.retreats import Crossing
+from stickslip.solve.path.retreats import Crossing, crossing_of
 from stickslip.solve.path.stepping import BranchPoint
 
 # chosen: largest number of times that a curve begins again, and the distances beyond the place where it was lost at
 # which a solution is looked for, as fractions of the range.
-MOST_BREAKS = 6
-DISTANCES = (1e-4, 1e-3, 4e-3, 0.016, 0.06, 0.2)
+MOST_PIECES, DISTANCES = 6, (1e-4, 1e-3, 4e-3, 0.016, 0.06, 0.2, 0.5)
 # chosen: the smallest distance at which an amplitude ramp is tried, which takes long.
 LEAST_RAMP = 0.016
 # chosen: a curve is complete if its pieces leave out no more than this fraction of the range.
 LARGEST_GAP = 0.01
-
-
-@dataclass(frozen=True)
-class Break:
-    """A place where a curve is interrupted: between its points ``after`` and ``after + 1``.
-
-    found:
-        rad/s, the first solution beyond.
-    gap:
-        (first, last) rad/s without points; None where the pieces overlap.
-    reason:
-        why the branch ended, a sentence.
-    how:
-        how the solution beyond was found.
-    evidence:
-        what a time integration from the last point shows there; None if the joint allows none.
-    """
-
-    after: int
-    found: float
-    gap: tuple[float, float] | None
-    reason: str
-    how: str
-    evidence: Evidence | None
-
-    def words(self) -> str:
-        """A warning."""
-        found = f"{self.found / (2.0 * math.pi):.3f}"
-        words = f"The curve is interrupted. {self.reason} It goes on at {found} Hz, where a motion was found {self.how}"
-        if self.gap is None:
-            words += "; both parts cover the frequencies between, on different motions."
-        else:
-            low, high = (omega / (2.0 * math.pi) for omega in sorted(self.gap))
-            words += f"; it has no points from {low:.3f} to {high:.3f} Hz, so peaks there are not known."
-        return f"{words} {self.evidence.words()}" if self.evidence else words
+# chosen: pieces whose motions at one frequency differ by no more than this fraction are one.
+SAME_MOTION = 1e-3
 
 
 class Pieces(Generic[BalancePointT]):
@@ -73,6 +41,15 @@ class Pieces(Generic[BalancePointT]):
         (start, stop) in rad/s.
     settling:
         finds solutions away from the curve.
+
+    Attributes
+    ----------
+    breaks:
+        numbers of the points after which the curve is interrupted.
+    warnings:
+        a sentence on each place where it is, and on a beginning without a solution.
+    complete, message, retreats, corners, crossings:
+        as those of :class:`Branch`; a curve that leaves out more than LARGEST_GAP of the window is not complete.
     """
 
     def __init__(
@@ -81,71 +58,124 @@ class Pieces(Generic[BalancePointT]):
         window: tuple[float, float],
         settling: Settling,
     ) -> None:
-        self._part, self._settling = part, settling
-        self._window = window
+        self._part, self._settling, self._window = part, settling, window
         self._direction = math.copysign(1.0, window[1] - window[0])
+        self._width = abs(window[1] - window[0])
+        self._left_out = 0.0
         self.points: list[BranchPoint[BalancePointT]] = []
-        self.breaks: list[Break] = []
+        self.breaks: list[int] = []
+        self.warnings: list[str] = []
         self.retreats: list[float] = []
         self.corners: list[float] = []
         self.crossings: list[Crossing] = []
         self.complete = False
         self.message = ""
 
-    def follow(self, start: BalancePoint) -> Pieces[BalancePointT]:
-        """Follow from a solution at the start of the window."""
-        branch = self._part(start, self._window[1])
-        self._append(branch)
-        while branch.lost and len(self.breaks) < MOST_BREAKS:
-            evidence = self._settling.evidence(self.points[-1].point, self._direction * self._width)
-            here = self._furthest(self.points)
-            found = self._beyond(here)
-            if found is None:
-                self.message = f"{branch.message} {evidence.words()}" if evidence else branch.message
+    def follow(self, start: BalancePoint | None, reason: str = "") -> Pieces[BalancePointT]:
+        """Follow from a solution at the start of the window, or from the first frequency at which there is one.
+
+        ``reason`` says why there is none at the start. Raises ConvergenceError with this reason if there is none at
+        all.
+        """
+        if start is not None:
+            return self._follow(self._append(self._part(start, self._window[1])))
+        evidence = self._settling.evidence_from_rest(self._window[0])
+        words = f"{reason} {evidence.words()}" if evidence else reason
+        found = self._beyond(self._window[0], (), 0.0)
+        if found is None:
+            raise ConvergenceError(words)
+        point, how = found
+        if point.trial.omega == self._window[0]:
+            return self.follow(point)
+        back = self._part(point, self._window[0])
+        gap = self._gap(self._window[0], back)
+        words = words[:1].upper() + words[1:]
+        self.warnings.append(f"{words} The curve begins at {_hz(gap[1])} Hz, from a motion that was found {how}.")
+        self._append(back, reverse=True)
+        return self._follow(self._append(self._part(point, self._window[1])))
+
+    def _follow(self, branch: Branch[BalancePointT]) -> Pieces[BalancePointT]:
+        """Go on where a branch was lost."""
+        for _ in range(MOST_PIECES):
+            if not branch.lost:
+                break
+            onward = self._go_on(branch)
+            if onward is None:
                 return self
-            point, how = found
-            onward, back = self._part(point, self._window[1]), self._part(point, here)
-            first = self._furthest(back.points, -1.0)
-            gap = (here, first) if (first - here) * self._direction > 0.0 and not back.complete else None
-            after = len(self.points) - 1
-            self.breaks.append(Break(after, point.trial.omega, gap, branch.message, how, evidence))
-            self._append(back, reverse=True)
-            self._append(onward)
             branch = onward
-        left_out = sum(abs(each.gap[1] - each.gap[0]) for each in self.breaks if each.gap)
-        self.complete = branch.complete and left_out <= LARGEST_GAP * self._width
+        self.complete = branch.complete and self._left_out <= LARGEST_GAP * self._width
         if branch.complete and not self.complete:
             self.message = (
-                f"The curve reached the stop frequency, but has no points in {100.0 * left_out / self._width:.2g} % of "
-                "the range: the warnings name the place."
+                f"The curve reached the stop frequency, but has no points in {100.0 * self._left_out / self._width:.2g}"
+                " % of the range: the warnings name the places."
             )
         return self
 
-    @property
-    def _width(self) -> float:
-        return abs(self._window[1] - self._window[0])
+    def _go_on(self, branch: Branch[BalancePointT]) -> Branch[BalancePointT] | None:
+        """The branch from a solution beyond the end of the curve so far; None if there is no solution."""
+        ahead = [self._direction * each.point.trial.omega for each in self.points]
+        furthest, last = int(np.argmax(ahead)), self.points[-1].point
+        edge = self.points[furthest].point
+        evidence = self._settling.evidence(last, self._direction * self._width)
+        why = f"{branch.message} {evidence.words()}" if evidence else branch.message
+        found = self._beyond(edge.trial.omega, (last, edge), DISTANCES[0])
+        if found is None:
+            self.message = why
+            return None
+        point, how = found
+        onward, back = self._part(point, self._window[1]), self._part(point, edge.trial.omega)
+        if back.complete and _are_same(back.points[-1].point, edge):
+            self.crossings.append(crossing_of([each.point for each in self.points[furthest:]], point))
+            del self.points[furthest + 1 :]
+            self._append(back, reverse=True, first=1)
+            return self._append(onward)
+        gap = self._gap(edge.trial.omega, back)
+        place = f"has no points from {_hz(min(gap))} to {_hz(max(gap))} Hz, so a peak there is not known"
+        if gap[0] == gap[1]:
+            place = "jumps there to another motion"
+        self.breaks.append(len(self.points) - 1)
+        self.warnings.append(
+            f"The curve is interrupted at {_hz(edge.trial.omega)} Hz and {place}; it goes on from a motion that was "
+            f"found {how} at {_hz(point.trial.omega)} Hz. The reason: {why}"
+        )
+        self._append(back, reverse=True)
+        return self._append(onward)
 
-    def _furthest(self, points: Sequence[BranchPoint[BalancePointT]], sign: float = 1.0) -> float:
-        """The frequency farthest along the window, or with a ``sign`` of -1 least far."""
-        return max((each.point.trial.omega for each in points), key=lambda omega: sign * self._direction * omega)
+    def _gap(self, edge: float, back: Branch[BalancePointT]) -> tuple[float, float]:
+        """The frequencies without points between ``edge`` and a branch that leads back to it."""
+        first = min((each.point.trial.omega for each in back.points), key=lambda omega: self._direction * omega)
+        if back.complete or (first - edge) * self._direction <= 0.0:
+            return edge, edge
+        self._left_out += abs(first - edge)
+        return edge, first
 
-    def _beyond(self, here: float) -> tuple[BalancePoint, str] | None:
-        """A solution beyond a frequency."""
-        last = self.points[-1].point
-        nearest = min((each.point for each in self.points), key=lambda point: abs(point.trial.omega - here))
-        for distance in DISTANCES:
-            omega = here + self._direction * distance * self._width
+    def _beyond(self, edge: float, near: Sequence[BalancePoint], nearest: float) -> tuple[BalancePoint, str] | None:
+        """A solution beyond a frequency, and how it was found: at the ``nearest`` distance first."""
+        for distance in dict.fromkeys((nearest, *DISTANCES)):
+            omega = edge + self._direction * distance * self._width
             if (self._window[1] - omega) * self._direction < 0.0:
                 return None
-            found = self._settling.solution((last, nearest), omega, ramp=distance >= LEAST_RAMP)
+            found = self._settling.solution(near, omega, ramp=distance >= LEAST_RAMP)
             if found is not None:
                 return found
         return None
 
-    def _append(self, branch: Branch[BalancePointT], reverse: bool = False) -> None:
-        points = branch.points[:0:-1] if reverse else branch.points
-        self.points += points
+    def _append(self, branch: Branch[BalancePointT], reverse: bool = False, first: int = 0) -> Branch[BalancePointT]:
+        """Add a branch; in reverse without its start, which the branch in the other direction has, and after the
+        ``first`` points."""
+        self.points += branch.points[:0:-1][first:] if reverse else branch.points
         self.retreats += branch.retreats
         self.corners += branch.corners
         self.crossings += branch.crossings
         self.message = branch.message
+        return branch
+
+
+def _are_same(first: BalancePoint, second: BalancePoint) -> bool:
+    """Whether two motions at one frequency agree."""
+    size = float(np.linalg.norm(second.measured))
+    return float(np.linalg.norm(first.measured - second.measured)) <= SAME_MOTION * size
+
+
+def _hz(omega: float) -> str:
+    return f"{omega / (2.0 * math.pi):.3f}"

@@ -38,7 +38,7 @@ def motion_at_peak(model: Model, response: ForcedResponse) -> MeshMotion | None:
     """Motion of the mesh at the highest point of the curve of the first response; None for matrices without a mesh."""
     if not isinstance(model.structure, Structure):
         return None
-    point = peaks(response.frequency_hz, response.amplitude(next(iter(model.outputs.values()))))[0].point
+    point = peaks(response.frequency_hz, response.amplitude(next(iter(model.outputs.values()))), response.part)[0].point
     displacement = model.superelement.recovery @ response.displacement[point]
     return MeshMotion(displacement, float(response.frequency_hz[point]))
 

@@ -33,7 +33,7 @@ def test_ramp_and_few_harmonics_reach_the_direct_solution(blade: Blade) -> None:
     newton = Newton(curve, NewtonSettings(1e-10, 40))
     direct, how = first_point(newton, curve, OMEGA)
     assert "from the linear stuck response" in how
-    ramped, message = start_module._amplitude_ramp(newton, curve, OMEGA)
+    ramped, message = start_module.amplitude_ramp(newton, curve, OMEGA)
     assert ramped is not None, message
     coarse = start_module._few_harmonics(newton, curve, balance_with(blade, 1), OMEGA)
     assert coarse.converged

@@ -189,7 +189,7 @@ def record(
         return _reading(setting, model, response, mode_table, warnings, found, points)
 
     everything = np.arange(response.n_points)
-    whole = reading(peaks(response.frequency_hz, response.amplitude(tip)), everything)
+    whole = reading(peaks(response.frequency_hz, response.amplitude(tip), response.part), everything)
     swept: dict[str, Solved | None] = {}
     for sweep in response.slow_sweeps(tip):
         points = sweep.points()
@@ -213,7 +213,7 @@ def _reading(
     stuck = peaks(response.linear.frequency_hz, response.linear_amplitude(tip, "stuck"))[0]
     face_pairs, point = model.joint.face_pairs, peak.point
     energy, counts = response.friction_energy.sum(axis=1), state_counts(response.contact_state)
-    width = half_power_width(response.frequency_hz, amplitude, peak)
+    width = half_power_width(response.frequency_hz, amplitude, peak, response.part)
     stuck_hz = response.linear.stuck_frequency_hz
     numbers = {
         "peak_m": peak.amplitude,

@@ -145,7 +145,7 @@ class Balance:
             relative = relative.copy()
             relative[0, self._free] = answer[0, self._free]
         # Means of bodies that walk, or fly off, are so large that the vibration has few digits: an error too.
-        few_digits = float(np.finfo(float).eps) * relative_norm(relative, relative[1:])
+        few_digits = float(np.finfo(float).eps) * relative_norm(relative[:1], relative[1:])
         wrong = relative_norm(residual, self.determined(relative))
         error = max(wrong, few_digits, self._closing_error(residual, contact))
         return Trial(omega, load, relative, deviation, contact, amplitude, residual, error)

@@ -1,0 +1,191 @@
+"""A curve whose branch is lost begins again beyond, and a time integration tells what happens there."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from stickslip.core.errors import ConvergenceError
+from stickslip.solve import evidence as evidence_module
+from stickslip.solve import pieces as pieces_module
+from stickslip.solve.evidence import Evidence, Settling, repeats_after
+from stickslip.solve.pieces import Pieces
+from stickslip.solve.transient.integrate import TransientResponse
+
+ROW = np.array([1.0, 0.0, 0.0])
+SETTLES = Evidence(1.0, 20, 1e-6, 0.02, 1)
+
+
+def point(hertz: float, motion: float = 1.0) -> Any:
+    return SimpleNamespace(
+        trial=SimpleNamespace(omega=2.0 * np.pi * hertz), parameters=[2.0 * np.pi * hertz], measured=np.array([motion])
+    )
+
+
+def branch(points: list[Any], stop: float, complete: bool) -> Any:
+    return SimpleNamespace(
+        points=[SimpleNamespace(point=each, iterations=1) for each in points],
+        complete=complete,
+        lost=not complete,
+        message=f"toward {stop / (2.0 * np.pi):.0f}",
+        retreats=[],
+        corners=[],
+        crossings=[],
+    )
+
+
+class Solutions(Settling):
+    """Knows the frequencies in Hz at which there are solutions, and their motion."""
+
+    def __init__(self, first: float, last: float, motion: float) -> None:
+        self._first, self._last, self._motion = first, last, motion
+
+    def solution(self, near: Any, omega: float, ramp: bool) -> Any:
+        hertz = omega / (2.0 * np.pi)
+        return (point(hertz, self._motion), "by a guess") if self._first <= hertz <= self._last else None
+
+    def evidence(self, point: Any, change: float) -> Evidence:
+        return SETTLES
+
+    def evidence_from_rest(self, omega: float) -> Evidence:
+        return Evidence(1.0, 20, 0.3, None, None)
+
+
+def pieces(first: float, last: float, motion: float, lowest: float) -> Pieces[Any]:
+    """From 100 to 200 Hz; the branch from 100 ends at 150, others reach down to ``lowest``, with a ``motion``."""
+
+    def part(start: Any, stop: float) -> Any:
+        begin, end = start.trial.omega / (2.0 * np.pi), stop / (2.0 * np.pi)
+        if begin == 100.0:
+            return branch([point(each) for each in (100.0, 125.0, 150.0)], stop, complete=False)
+        reached = max(end, lowest) if end < begin else end
+        return branch([point(each, motion) for each in (begin, reached)], stop, complete=reached == end)
+
+    window = 2.0 * np.pi * 100.0, 2.0 * np.pi * 200.0
+    return Pieces(cast(Any, part), window, Solutions(first, last, motion))
+
+
+def hertz_of(curve: Pieces[Any]) -> list[float]:
+    return [each.point.trial.omega / (2.0 * np.pi) for each in curve.points]
+
+
+def test_another_motion_beyond_is_another_piece() -> None:
+    curve = pieces(150.05, 200.0, 2.0, 0.0).follow(point(100.0))
+    assert curve.complete
+    assert hertz_of(curve) == pytest.approx([100.0, 125.0, 150.0, 150.0, 150.1, 200.0])
+    assert curve.breaks == [2]
+    (warning,) = curve.warnings
+    assert "jumps there" in warning
+    assert SETTLES.words() in warning
+
+
+def test_the_same_motion_beyond_is_the_same_piece() -> None:
+    curve = pieces(150.05, 200.0, 1.0, 0.0).follow(point(100.0))
+    assert curve.complete
+    assert hertz_of(curve) == pytest.approx([100.0, 125.0, 150.0, 150.1, 200.0])
+    assert curve.breaks == []
+    assert curve.warnings == []
+    assert len(curve.crossings) == 1
+
+
+@pytest.mark.parametrize(("lowest", "complete"), [(150.9, True), (152.0, False)])
+def test_a_gap_is_named_and_a_wide_one_is_no_complete_curve(lowest: float, complete: bool) -> None:
+    curve = pieces(lowest, 200.0, 2.0, lowest).follow(point(100.0))
+    assert curve.complete is complete
+    (warning,) = curve.warnings
+    low = min(hertz_of(curve)[3:])
+    assert low >= lowest
+    assert f"no points from 150.000 to {low:.3f} Hz" in warning
+    assert complete or curve.message.startswith("The curve reached the stop frequency, but")
+
+
+def test_without_a_solution_beyond_the_curve_ends_with_what_happens_there() -> None:
+    curve = pieces(300.0, 400.0, 2.0, 0.0).follow(point(100.0))
+    assert not curve.complete
+    assert curve.message == f"toward 200 {SETTLES.words()}"
+    assert hertz_of(curve) == pytest.approx([100.0, 125.0, 150.0])
+
+
+def test_a_curve_without_a_first_point_begins_where_there_is_a_solution() -> None:
+    curve = pieces(105.0, 200.0, 2.0, 102.0).follow(None, "there is none.")
+    assert not curve.complete  # 2 % are missing
+    assert hertz_of(curve) == pytest.approx([102.0, 106.0, 200.0])
+    (warning,) = curve.warnings
+    assert warning.startswith("There is none. A time integration from rest")
+    assert curve.breaks == []
+    with pytest.raises(ConvergenceError, match="there is none"):
+        pieces(300.0, 400.0, 2.0, 0.0).follow(None, "there is none.")
+
+
+def resonance(settings: ss.ContinuationSettings) -> ss.ForcedResponse:
+    """A mass on springs and one contact that slips at the peak."""
+    force = np.array([10.0, 0.0, 0.0])
+    return ss.forced_response(
+        ss.Superelement(np.eye(3), 4e6 * np.eye(3)),
+        ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3, 2000.0),
+        force,
+        frequency_hz=(340.0, 370.0),
+        harmonics=1,
+        samples=64,
+        modal_damping_ratio=1e-3,
+        continuation=settings,
+    )
+
+
+def test_steps_that_are_too_long_lose_the_branch_and_it_goes_on_with_the_right_solution(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Pieces are kept apart here even where they meet."""
+    monkeypatch.setattr(pieces_module, "SAME_MOTION", 0.0)
+    long_steps = ss.ContinuationSettings(first_step=0.05, smallest_step=0.04, largest_angle_deg=20.0)
+    fine, coarse = resonance(ss.ContinuationSettings()), resonance(long_steps)
+    assert coarse.converged
+    assert coarse.part.max() >= 1
+    assert (np.diff(coarse.part) >= 0).all()
+    wanted = np.interp(coarse.frequency_hz, fine.frequency_hz, fine.amplitude(ROW))
+    assert coarse.amplitude(ROW) == pytest.approx(wanted, rel=0.06)
+    assert sum("The curve is interrupted" in warning for warning in coarse.warnings) == coarse.part.max()
+    assert coarse.stable is not None
+    assert coarse.stable.all()
+
+
+def settled(law: ss.ContactPairs, force: float, hertz: float) -> TransientResponse:
+    return ss.integrate_to_steady_state(
+        ss.Superelement(np.eye(3), np.diag([4e6, 4e6, 4e6]), 40.0 * np.eye(3)),
+        law,
+        np.array([force, 0.0, 0.0]),
+        np.zeros(3),
+        hertz,
+        steps_per_period=200,
+        max_periods=200,
+        tolerance=1e-8,
+    )
+
+
+def test_a_motion_that_settles_repeats_after_one_period() -> None:
+    assert repeats_after(settled(ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3, 20.0), 50.0, 350.0)) == 1
+
+
+def test_subharmonics_and_ways_are_told_apart() -> None:
+    """Displacements at the starts of periods that alternate, that go on, and that do neither."""
+    rng = np.random.default_rng(1)
+    swing = np.outer(np.sin(np.linspace(0.0, 2.0 * np.pi, 50)), [1.0, 0.0])
+    number = np.arange(60)
+    for along, wanted in (
+        ((-1.0) ** number, 2),
+        (0.3 * number, 1),
+        (number % 3, 3),
+        (rng.normal(size=60), None),
+    ):
+        motion = SimpleNamespace(displacement=swing, period_starts=np.outer(along, [1.0, 1.0]))
+        assert repeats_after(cast(TransientResponse, motion)) == wanted
+
+
+@pytest.mark.parametrize(("repeats", "words"), [(3, "only after 3 periods"), (None, "does not settle")])
+def test_words(repeats: int | None, words: str) -> None:
+    assert words in Evidence(100.0, 300, 0.1, 0.5, repeats).words()
+    assert evidence_module.LONGEST >= 3
