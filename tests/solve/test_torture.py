@@ -39,7 +39,7 @@ SLOW: dict[tuple[str, int], Outcome] = {
     ("twins", 2): "complete",
     ("damper", 1): "complete",
     ("damper", 3): "complete",
-    ("damper", 4): "ends",
+    ("damper", 4): "complete",
     ("damper", 9): "complete",
     ("light", 0): "complete",
     ("light", 2): "complete",
@@ -47,7 +47,8 @@ SLOW: dict[tuple[str, int], Outcome] = {
     ("multi", 3): "complete",
     ("multi", 4): "complete",
     ("wide", 6): "complete",
-    ("high", 1): "ends",
+    ("stiff", 0): "ends",
+    ("high", 9): "complete",
     ("narrow", 0): "complete",
     ("narrow", 4): "complete",
 }

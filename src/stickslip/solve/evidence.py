@@ -93,21 +93,26 @@ class Settling:
         rows = 2 * self._curve.balance.harmonics + 1
         guesses = [with_rows(point.unknowns, rows) for point in near] + [self._curve.balance.linear(omega)]
         for guess in guesses:
-            correction = at_frequency(self._newton, self._curve, guess, omega)
-            if correction.converged:
-                return correction.point, "from the last point"
+            point = self._solved(guess, omega)
+            if point is not None:
+                return point, "from the last point"
         for start in (*near[:1], None):
             motion = self._integrated(start, omega)
             if motion is None:
                 continue
-            correction = at_frequency(self._newton, self._curve, self._unknowns(motion), omega)
-            if correction.converged:
-                return correction.point, "by a time integration"
+            point = self._solved(self._unknowns(motion), omega)
+            if point is not None:
+                return point, "by a time integration"
         if ramp:
             point, _ = amplitude_ramp(self._newton, self._curve, omega)
             if point is not None:
                 return point, "by an amplitude ramp"
         return None
+
+    def _solved(self, guess: FloatArray, omega: float) -> BalancePoint | None:
+        """The solution near a guess; None without one, or if its error is only as small as round-off allows."""
+        point = at_frequency(self._newton, self._curve, guess, omega).point
+        return point if point.error <= self._newton.settings.tolerance else None
 
     def evidence(self, point: BalancePoint, change: float) -> Evidence | None:
         """What happens close to a point of the curve; None if the joint allows no time integration."""

@@ -22,6 +22,9 @@ from stickslip.solve.path.stepping import BranchPoint
 # chosen: largest number of times that a curve begins again, and the distances beyond the place where it was lost at
 # which a solution is looked for, as fractions of the range.
 MOST_PIECES, DISTANCES = 6, (1e-4, 1e-3, 4e-3, 0.016, 0.06, 0.2, 0.5)
+# chosen: a curve ends if more pieces one after the other than this number cover less than this fraction of the range:
+# steps of round-off, not a curve.
+MOST_SHORT, SHORT = 1, 0.01
 # chosen: the smallest distance at which an amplitude ramp is tried, which takes long.
 LEAST_RAMP = 0.016
 # chosen: a curve is complete if its pieces leave out no more than this fraction of the range.
@@ -81,12 +84,15 @@ class Pieces(Generic[BalancePointT]):
             return self._follow(self._append(self._part(start, self._window[1])))
         evidence = self._settling.evidence_from_rest(self._window[0])
         words = f"{reason} {evidence.words()}" if evidence else reason
-        found = self._beyond(self._window[0], (), 0.0)
+        at_start = self._settling.solution((), self._window[0], ramp=False)
+        if at_start is not None:
+            return self._follow(self._append(self._part(at_start[0], self._window[1])))
+        # A motion that exists, but that these harmonics or digits do not give, is no reason to begin elsewhere.
+        exists = evidence is not None and evidence.repeats_after == 1
+        found = None if exists else self._beyond(self._window[0], ())
         if found is None:
             raise ConvergenceError(words)
         point, how = found
-        if point.trial.omega == self._window[0]:
-            return self.follow(point)
         back = self._part(point, self._window[0])
         gap = self._gap(self._window[0], back)
         words = words[:1].upper() + words[1:]
@@ -96,8 +102,11 @@ class Pieces(Generic[BalancePointT]):
 
     def _follow(self, branch: Branch[BalancePointT]) -> Pieces[BalancePointT]:
         """Go on where a branch was lost."""
+        short = 0
         for _ in range(MOST_PIECES):
-            if not branch.lost:
+            covered = abs(branch.points[-1].point.trial.omega - branch.points[0].point.trial.omega)
+            short = short + 1 if covered < SHORT * self._width else 0
+            if not branch.lost or short > MOST_SHORT:
                 break
             onward = self._go_on(branch)
             if onward is None:
@@ -118,7 +127,7 @@ class Pieces(Generic[BalancePointT]):
         edge = self.points[furthest].point
         evidence = self._settling.evidence(last, self._direction * self._width)
         why = f"{branch.message} {evidence.words()}" if evidence else branch.message
-        found = self._beyond(edge.trial.omega, (last, edge), DISTANCES[0])
+        found = self._beyond(edge.trial.omega, (last, edge))
         if found is None:
             self.message = why
             return None
@@ -149,9 +158,9 @@ class Pieces(Generic[BalancePointT]):
         self._left_out += abs(first - edge)
         return edge, first
 
-    def _beyond(self, edge: float, near: Sequence[BalancePoint], nearest: float) -> tuple[BalancePoint, str] | None:
-        """A solution beyond a frequency, and how it was found: at the ``nearest`` distance first."""
-        for distance in dict.fromkeys((nearest, *DISTANCES)):
+    def _beyond(self, edge: float, near: Sequence[BalancePoint]) -> tuple[BalancePoint, str] | None:
+        """A solution beyond a frequency, and how it was found: at the nearest distance first."""
+        for distance in DISTANCES:
             omega = edge + self._direction * distance * self._width
             if (self._window[1] - omega) * self._direction < 0.0:
                 return None

@@ -96,7 +96,7 @@ def neighbour_warnings(
 ) -> tuple[str, ...]:
     """Warnings where the branch came onto other solutions close by, where it passed corners, and where it was lost and
     goes on close beyond (rad/s)."""
-    sentences = [_crossing_words(each) for each in crossings]
+    sentences = [_crossing_words(crossings)] if crossings else []
     if retreats_hz:
         sentences.append(
             f"Near {_places(retreats_hz)} Hz the solver returned to a part of the curve that it had already computed, "
@@ -112,17 +112,19 @@ def neighbour_warnings(
     return tuple(sentences)
 
 
-def _crossing_words(crossing: Crossing) -> str:
-    before, after = crossing.before / (2.0 * np.pi), crossing.after / (2.0 * np.pi)
+def _crossing_words(crossings: Sequence[Crossing]) -> str:
+    """Where the branch was lost and went on, how far beyond, and what was left out."""
+    farthest = max(abs(each.after - each.before) for each in crossings) / (2.0 * np.pi)
     words = (
-        f"At {before:.4f} Hz the solver lost the curve in a corner finer than its steps and went on at {after:.4f} Hz, "
-        f"where the motion differs by {100.0 * crossing.motion:.2g} %."
+        f"Near {_places(each.before / (2.0 * np.pi) for each in crossings)} Hz the solver lost the curve in corners "
+        f"finer than its steps and went on at most {farthest:.2g} Hz beyond, where the motion differs by at most "
+        f"{100.0 * max(each.motion for each in crossings):.2g} %."
     )
-    if crossing.left_out is not None:
+    left_out = [each for each in crossings if each.left_out is not None]
+    if left_out:
         words += (
-            f" A further part of the curve, from {before:.4f} to {crossing.left_out / (2.0 * np.pi):.4f} Hz, begins "
-            f"there and has no end; it is left out, and its motion is at most {crossing.highest:.4g} times as large as "
-            "at its begin."
+            " Parts of the curve that begin there and have no end are left out; their motion is at most "
+            f"{max(each.highest for each in left_out):.4g} times as large as at their begin."
         )
     return f"{words} Twice the samples make corners smaller."
 
