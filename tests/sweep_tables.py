@@ -53,7 +53,12 @@ def sweep_view(
         measures |= {f"{limit}_peak_amplitude_m": heights[place] for limit, heights in linear.items()}
         rows.append(SweepRow(f"case-{place}", values, True, "Done.", measures, ("Too few samples.",), f"{place}.nc"))
         curves.append(
-            SweepCurve(frequency, peak / np.hypot(1.0, frequency - 460.0 - place), np.ones(frequency.size, bool))
+            SweepCurve(
+                frequency,
+                peak / np.hypot(1.0, frequency - 460.0 - place),
+                np.ones(frequency.size, bool),
+                np.zeros(frequency.size, int),
+            )
         )
     force = np.full(len(peaks), 50.0) if force_n is None else np.array(force_n)
     return SweepView(SweepTable(keys, tuple(rows)), tuple(curves), force)

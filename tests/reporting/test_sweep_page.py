@@ -114,7 +114,7 @@ def test_peaks_of_slow_sweeps_are_told_apart_where_they_are_lower() -> None:
     )
     hertz = np.array([440.0, 460.0, 455.0, 450.0, 480.0])
     stable = np.array([True, True, False, True, True])
-    folded = SweepCurve(hertz, np.array([1e-5, 1e-4, 2e-4, 3e-4, 1e-5]), stable)
+    folded = SweepCurve(hertz, np.array([1e-5, 1e-4, 2e-4, 3e-4, 1e-5]), stable, np.zeros(5, int))
     view = SweepView(replace(view.table, rows=rows), (folded, *view.curves[1:]), view.force_n)
     figures, text = figures_of(view), page_of(view)
     for figure in ("key-0", "performance-load"):

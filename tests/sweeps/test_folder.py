@@ -19,7 +19,9 @@ from stickslip.sweeps.folder import SweepFolder
 from stickslip.sweeps.plan import PlannedCase, plan_cases
 from stickslip.sweeps.work import CaseOutcome
 
-CURVE = SweepCurve(np.linspace(440.0, 480.0, 9), np.linspace(1e-6, 9.1e-6, 9) ** 1.5, np.arange(9) != 4)
+CURVE = SweepCurve(
+    np.linspace(440.0, 480.0, 9), np.linspace(1e-6, 9.1e-6, 9) ** 1.5, np.arange(9) != 4, np.arange(9) // 6
+)
 SOLVED = CaseOutcome(
     converged=True,
     message="The whole curve was followed.",
@@ -56,6 +58,7 @@ def test_what_was_stored_is_found(folder: SweepFolder, cases: tuple[PlannedCase,
     assert np.isnan(actual.measures["equivalent_damping_ratio"])
     assert np.array_equal(actual.curve.frequency_hz, CURVE.frequency_hz)
     assert np.array_equal(actual.curve.amplitude_m, CURVE.amplitude_m)
+    assert np.array_equal(actual.curve.part, CURVE.part)
     rejected, notice = folder.finished(cases[1])
     assert (rejected.converged, rejected.message, rejected.curve, notice) == (False, REJECTED.message, None, "")
 

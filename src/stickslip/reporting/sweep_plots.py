@@ -27,7 +27,7 @@ from stickslip.reporting.sweep_view import (
 )
 from stickslip.reporting.thinning import Thinned, thinned
 from stickslip.results.sweep_table import SweptKey
-from stickslip.results.sweeps_of_curve import Flags, drawn_steps, unstable_steps
+from stickslip.results.sweeps_of_curve import Flags, drawn_steps, joined_steps, unstable_steps
 
 DRAWN_POINTS = 200_000  # chosen: points of all curves on a page
 LEGEND_ENTRIES = 12  # chosen: more do not fit beside a plot
@@ -63,7 +63,7 @@ def all_curves(view: SweepView, points: Thinned) -> Figure:
         dash = DASHES[int(place[1]) % len(DASHES)] if place.size > 1 else "solid"
         drawn = _Drawn(
             row, int(place[0]), curve.frequency_hz[indices], MICRO * curve.amplitude_m[indices],
-            unstable_steps(curve.stable[indices]),
+            unstable_steps(curve.stable[indices]), joined_steps(curve.part[indices]),
         )  # fmt: skip
         batches.setdefault((colours[place[0]], f"{dash} {row if apart else ''}"), []).append(drawn)
     traces = [
@@ -86,13 +86,14 @@ def all_curves(view: SweepView, points: Thinned) -> Figure:
 
 @dataclass(frozen=True, eq=False)
 class _Drawn:
-    """A curve as it is drawn: its row, the place of its first key's value, Hz and µm, and its unstable steps."""
+    """A curve as it is drawn: its row, the place of its first key's value, Hz and µm, its unstable and its joined steps."""
 
     row: int
     place: int
     x: FloatArray
     y: FloatArray
     unstable: Flags
+    joined: Flags
 
 
 def _curve_traces(view: SweepView, colour: str, dash: str, batch: Sequence[_Drawn]) -> Iterator[dict[str, Any]]:
@@ -124,7 +125,7 @@ def _joined(batch: Sequence[_Drawn], unstable: bool) -> tuple[list[float | None]
     """Abscissas and ordinates of the unstable steps of curves, or of the others, with None between parts."""
     lines: tuple[list[float | None], list[float | None]] = ([], [])
     for drawn in batch:
-        steps = drawn.unstable if unstable else ~drawn.unstable
+        steps = drawn.joined & (drawn.unstable if unstable else ~drawn.unstable)
         for line, values in zip(lines, (drawn.x, drawn.y), strict=True):
             part = plain_list(drawn_steps(values, steps) if values.size > 1 else values[: 1 - unstable])
             line.extend([None] if line and part else [])

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.core.errors import InputError, ResultsFileError
 from stickslip.core.files import whole_file
@@ -62,12 +63,14 @@ class SweptKey:
 class SweepCurve:
     """Amplitude curve of one case: (n_points,) Hz and (n_points,) m, 0-to-peak, in the order of the curve.
 
-    ``stable`` (n_points,) says which points are drawn as stable (:attr:`ForcedResponse.stable_points`).
+    ``stable`` (n_points,) says which points are drawn as stable (:attr:`ForcedResponse.stable_points`), ``part``
+    (n_points,) to which uninterrupted part they belong (:attr:`ForcedResponse.part`).
     """
 
     frequency_hz: FloatArray
     amplitude_m: FloatArray
     stable: Flags
+    part: NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -198,4 +201,4 @@ def curve_and_measures(response: ForcedResponse, study: StudyRecord) -> tuple[Sw
     measures = summary(response, row)
     numbers = {name: entry[2](measures) for name, entry in SUMMARY_COLUMNS.items()}
     cells = {name: float(number) for name, number in numbers.items() if number is not None}
-    return SweepCurve(response.frequency_hz, response.amplitude(row), response.stable_points), cells
+    return SweepCurve(response.frequency_hz, response.amplitude(row), response.stable_points, response.part), cells

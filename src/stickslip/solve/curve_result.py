@@ -13,6 +13,7 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import ConvergenceError
 from stickslip.core.validation import FloatArray
 from stickslip.results.response import ForcedResponse
+from stickslip.results.stability import Bifurcation, BifurcationKind
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.checks import ResolutionCheck, check_resolution
 from stickslip.solve.harmonic.curve_warnings import curve_warnings, excursion_warning, neighbour_warnings
@@ -33,6 +34,8 @@ LEAST_CUT_OFF = 4
 # A point with a larger fraction of unbalanced forces is not a result. This is half of the limit of the sampling check
 # (checks.LARGEST_SAMPLE_RESIDUAL), so that the error of the arithmetic is below that of the discretisation.
 LARGEST_UNBALANCE = 1e-3
+# chosen: a warning lists up to this number of places.
+FEW_PLACES = 4
 # chosen: a warning reports a larger distance from 1 of the multiplier at a fold.
 LARGEST_ERROR_AT_FOLDS = 0.05
 
@@ -184,7 +187,7 @@ def _stability_warnings(stability: CurveStability | None) -> tuple[str, ...]:
     warnings = []
     changes = [each for each in stability.bifurcations if each.kind != "fold"]
     if changes:
-        places = ", ".join(f"{each.kind} {each.frequency_hz:.3f} Hz" for each in changes)
+        places = ", ".join(_places_of(kind, changes) for kind in dict.fromkeys(each.kind for each in changes))
         warnings.append(
             f"Stability changes without a fold ({places}). Multipliers have errors by samples and harmonics, up to "
             "some percent where many pairs slip and separate: run again with more harmonics, or a finer accuracy, "
@@ -197,6 +200,14 @@ def _stability_warnings(stability: CurveStability | None) -> tuple[str, ...]:
             "real multipliers have an error of this size. Run again with more harmonics, or with a finer accuracy."
         )
     return tuple(warnings)
+
+
+def _places_of(kind: BifurcationKind, changes: Sequence[Bifurcation]) -> str:
+    """Where the changes of one kind are: a list of few, the range of many."""
+    hertz = [each.frequency_hz for each in changes if each.kind == kind]
+    if len(hertz) <= FEW_PLACES:
+        return f"{kind} {', '.join(f'{each:.3f}' for each in hertz)} Hz"
+    return f"{kind} at {len(hertz)} places from {min(hertz):.3f} to {max(hertz):.3f} Hz"
 
 
 def _unbalanced(trials: list[Trial], end: int, residual: float, damped: bool) -> str:

@@ -112,6 +112,7 @@ def _row(outcome: CaseOutcome) -> dict[str, Any]:
         "frequency_hz": curve.frequency_hz.tolist(),
         "amplitude_m": curve.amplitude_m.tolist(),
         "stable": curve.stable.tolist(),
+        "part": curve.part.tolist(),
     }
 
 
@@ -119,7 +120,8 @@ def _solved(results: Path, row: dict[str, Any]) -> CaseOutcome:
     """The outcome of a row. Raises ResultsFileError unless its results file is present and unchanged."""
     if row["results"] != _digest(_content(results)):
         raise ResultsFileError(f'"{results}" is not used: "{ROW_FILE}" in the same folder belongs to another file.')
-    curve = SweepCurve(*(np.array(row[name]) for name in ("frequency_hz", "amplitude_m", "stable")))
+    row.setdefault("part", [0] * len(row["stable"]))  # folders of earlier versions have curves of one part
+    curve = SweepCurve(*(np.array(row[name]) for name in ("frequency_hz", "amplitude_m", "stable", "part")))
     return CaseOutcome(row["converged"], row["message"], row["measures"], curve, tuple(row["warnings"]))
 
 
