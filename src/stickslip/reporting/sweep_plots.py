@@ -86,7 +86,7 @@ def all_curves(view: SweepView, points: Thinned) -> Figure:
 
 @dataclass(frozen=True, eq=False)
 class _Drawn:
-    """A curve as it is drawn: its row, the place of its first key's value, Hz and µm, its unstable and its joined steps."""
+    """A curve as it is drawn: row, place of its first key's value, Hz and µm, its unstable and its joined steps."""
 
     row: int
     place: int
