@@ -56,6 +56,20 @@ def test_stable_parts_are_solid_and_unstable_parts_dashed(view: View) -> None:
     assert points["marker"]["opacity"].count(0.0) == int((~view.response.stable_points).sum()) > 5
 
 
+def test_no_line_crosses_an_interruption() -> None:
+    response, study = synthetic_response(), synthetic_study()
+    half = response.n_points // 2
+    parted = View.of(dataclasses.replace(response, part=np.arange(response.n_points) // half), study)
+    (solid,) = (
+        trace for trace in amplitude_frequency(parted)["data"] if trace["name"] == "with friction, stability not known"
+    )
+    assert solid["x"].index(None) == half
+    axes = parted.response.plot(parted.output, "tip").axes[0]
+    (line,) = (each for each in axes.lines if each.get_label() == "with friction, stability not known")
+    assert np.isnan(np.asarray(line.get_xdata(), dtype=float)).tolist().index(True) == half
+    assert not any(str(each.get_label()).endswith("unstable") for each in axes.lines)
+
+
 def test_arrows_run_from_before_to_after_each_jump_and_peaks_have_marks(view: View) -> None:
     figure = amplitude_frequency(view)
     label, *arrows = figure["layout"]["annotations"]

@@ -62,15 +62,16 @@ def _curve(view: View) -> Iterator[dict[str, Any]]:
     """All points of the curve, its highest peak, and where parts are unstable the stable and the unstable lines."""
     frequency, amplitude, name = view.response.frequency_hz, view.amplitude_um, view.response.curve_name
     unstable, joined = unstable_steps(view.response.stable_points), joined_steps(view.response.part)
-    folded = bool(unstable.any() or not joined.all())
+    in_parts = bool(unstable.any() or not joined.all())
     points = line_trace(name, frequency, amplitude, INK, width=2.5, hovertemplate=_HOVER)
-    mode = {"mode": "markers", "showlegend": False} if folded else {"mode": "lines+markers"}
+    mode = {"mode": "markers", "showlegend": False} if in_parts else {"mode": "lines+markers"}
     # points of unstable parts would hide their dashes; they remain in the figure for the choice of a point
-    seen = np.where(view.response.stable_points, 1.0, 0.0).tolist() if folded else 1.0
+    seen = np.where(view.response.stable_points, 1.0, 0.0).tolist() if in_parts else 1.0
     yield points | mode | {"marker": {"size": 5, "color": INK, "opacity": seen}}
     yield _peak_mark(_highest_words(view), view.summary.peak, "diamond", VERMILLION, listed=False)
-    if folded:
+    if in_parts:
         yield _drawn(f"{name}, {solid_words(view.response.stable)}", view, ~unstable & joined, "solid", 2.5)
+    if unstable.any():
         yield _drawn(f"{name}, unstable", view, unstable & joined, "dash", 1.8)
 
 

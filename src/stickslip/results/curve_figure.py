@@ -101,6 +101,8 @@ class AmplitudeCurve:
         axes.plot(self.frequency_hz[self.stable], height[self.stable], ".", color=INK, markersize=4)
         for chosen, dash, words in ((~unstable, "-", self.solid_words), (unstable, "--", "unstable")):
             drawn = chosen & joined
+            if not drawn.any():
+                continue
             x, y = drawn_steps(self.frequency_hz, drawn), drawn_steps(height, drawn)
             axes.plot(x, y, dash, color=INK, label=f"{self.curve_name}, {words}")
 

@@ -23,8 +23,9 @@ from stickslip.solve.transient.integrate import (
 )
 from stickslip.structure.superelement import Superelement
 
-# chosen: periods of a time integration; steps of each, and for each harmonic.
-PERIODS, STEPS, STEPS_PER_HARMONIC = 300, 256, 32
+# chosen: periods of a time integration for evidence and of one that looks for a solution; steps of each, and for each
+# harmonic.
+PERIODS, SEARCH_PERIODS, STEPS, STEPS_PER_HARMONIC = 300, 100, 256, 32
 # chosen: relative change at which a motion has settled, and the longest motion, in periods of the force, to look for.
 SETTLED, LONGEST = 1e-3, 8
 # chosen: distance of the time integration from the last point of the curve, over the range.
@@ -97,7 +98,7 @@ class Settling:
             if point is not None:
                 return point, "from the last point"
         for start in (*near[:1], None):
-            motion = self._integrated(start, omega)
+            motion = self._integrated(start, omega, SEARCH_PERIODS)
             if motion is None:
                 continue
             point = self._solved(self._unknowns(motion), omega)
@@ -123,7 +124,7 @@ class Settling:
         return self._evidence(None, omega)
 
     def _evidence(self, point: BalancePoint | None, omega: float) -> Evidence | None:
-        motion = self._integrated(point, omega)
+        motion = self._integrated(point, omega, PERIODS)
         if motion is None:
             return None
         difference = None
@@ -134,8 +135,8 @@ class Settling:
         change = float(motion.period_change[-1])
         return Evidence(omega / (2.0 * np.pi), motion.period_change.size, change, difference, repeats_after(motion))
 
-    def _integrated(self, start: BalancePoint | None, omega: float) -> TransientResponse | None:
-        """The motion at a frequency after PERIODS, from a point of a curve or from rest."""
+    def _integrated(self, start: BalancePoint | None, omega: float, periods: int) -> TransientResponse | None:
+        """The motion at a frequency after some periods, from a point of a curve or from rest."""
         balances = self._balances
         try:
             check_integration(self._structure, balances.pairs)
@@ -152,7 +153,7 @@ class Settling:
                 force[2::2].T,
                 omega / (2.0 * np.pi),
                 steps_per_period=max(STEPS, STEPS_PER_HARMONIC * self._curve.balance.harmonics),
-                max_periods=PERIODS,
+                max_periods=periods,
                 tolerance=1e-2 * SETTLED,
                 initial_displacement=state.get("initial_displacement"),
                 initial_velocity=state.get("initial_velocity"),
