@@ -13,6 +13,8 @@ from stickslip.core.errors import ConvergenceError
 from stickslip.solve import evidence as evidence_module
 from stickslip.solve import pieces as pieces_module
 from stickslip.solve.evidence import Evidence, Settling, repeats_after
+from stickslip.solve.harmonic import varying_harmonics
+from stickslip.solve.path.continuation import Branch
 from stickslip.solve.pieces import Pieces
 from stickslip.solve.transient.integrate import TransientResponse
 
@@ -121,7 +123,7 @@ def test_a_curve_without_a_first_point_begins_where_there_is_a_solution() -> Non
         pieces(300.0, 400.0, 2.0, 0.0).follow(None, "there is none.")
 
 
-def resonance(settings: ss.ContinuationSettings) -> ss.ForcedResponse:
+def resonance(settings: ss.ContinuationSettings, **options: Any) -> ss.ForcedResponse:
     """A mass on springs and one contact that slips at the peak."""
     force = np.array([10.0, 0.0, 0.0])
     return ss.forced_response(
@@ -129,7 +131,7 @@ def resonance(settings: ss.ContinuationSettings) -> ss.ForcedResponse:
         ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3, 2000.0),
         force,
         frequency_hz=(340.0, 370.0),
-        harmonics=1,
+        **({"harmonics": 1} | options),
         samples=64,
         modal_damping_ratio=1e-3,
         continuation=settings,
@@ -151,6 +153,47 @@ def test_steps_that_are_too_long_lose_the_branch_and_it_goes_on_with_the_right_s
     assert sum("The curve is interrupted" in warning for warning in coarse.warnings) == coarse.part.max()
     assert coarse.stable is not None
     assert coarse.stable.all()
+
+
+def loses_once(beyond: float, events: list[str]) -> type[Branch[Any]]:
+    """A class of branches of which the first is lost beyond a parameter."""
+
+    class LostOnce(Branch[Any]):
+        def _advance_to_landmark(self, point: Any, *others: Any) -> Any:
+            if not events and point.trial.omega > beyond:
+                events.append("lost")
+                self.message = "No step."
+                return None
+            return super()._advance_to_landmark(point, *others)
+
+        def _around_corner(self, point: Any, tangent: Any) -> Any:
+            return None if events == ["lost"] else super()._around_corner(point, tangent)
+
+        def _beyond(self) -> Any:
+            if events == ["lost"]:
+                events.append("goes on elsewhere")
+                return None
+            return super()._beyond()
+
+    return LostOnce
+
+
+def test_pieces_with_an_accuracy(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The harmonics of the points follow in each of them."""
+    whole = resonance(ss.ContinuationSettings(), harmonics=None, accuracy=0.02)
+    monkeypatch.setattr(pieces_module, "SAME_MOTION", 0.0)
+    events: list[str] = []
+    monkeypatch.setattr(varying_harmonics, "Branch", loses_once(2.0 * np.pi * 355.6, events))
+    parted = resonance(ss.ContinuationSettings(), harmonics=None, accuracy=0.02)
+    assert events == ["lost", "goes on elsewhere"]
+    assert parted.converged
+    assert parted.part.max() == 1
+    wanted = np.interp(parted.frequency_hz, whole.frequency_hz, whole.amplitude(ROW))
+    assert parted.amplitude(ROW) == pytest.approx(wanted, rel=0.05)  # linear between points
+    assert parted.point_harmonics is not None
+    assert parted.point_harmonics.max() > 1
+    assert parted.estimated_error is not None
+    assert parted.estimated_error.max() <= 0.02
 
 
 def settled(law: ss.ContactPairs, force: float, hertz: float) -> TransientResponse:
@@ -181,7 +224,8 @@ def test_subharmonics_and_ways_are_told_apart() -> None:
         (number % 3, 3),
         (rng.normal(size=60), None),
     ):
-        motion = SimpleNamespace(displacement=swing, period_starts=np.outer(along, [1.0, 1.0]))
+        starts = np.outer(along, [1.0, 1.0])
+        motion = SimpleNamespace(displacement=swing, period_starts=starts, converged=False)
         assert repeats_after(cast(TransientResponse, motion)) == wanted
 
 

@@ -92,11 +92,11 @@ class Settling:
         at rest, and by an amplitude ramp if wanted.
         """
         rows = 2 * self._curve.balance.harmonics + 1
-        guesses = [with_rows(point.unknowns, rows) for point in near] + [self._curve.balance.linear(omega)]
-        for guess in guesses:
+        guesses = [(with_rows(point.unknowns, rows), "from the last point") for point in near]
+        for guess, how in (*guesses, (self._curve.balance.linear(omega), "from the linear stuck response")):
             point = self._solved(guess, omega)
             if point is not None:
-                return point, "from the last point"
+                return point, how
         for start in (*near[:1], None):
             motion = self._integrated(start, omega, SEARCH_PERIODS)
             if motion is None:
@@ -173,7 +173,7 @@ class Settling:
     def _unknowns(self, motion: TransientResponse) -> FloatArray:
         """(2H+1, m) the last period as unknowns of the balance; if a body walks their mean is that of many cycles."""
         pairs, steps = self._balances.pairs, len(motion.displacement)
-        walk = motion.period_starts[-1] - motion.period_starts[-2]
+        walk = np.diff(motion.period_starts[-2:], axis=0).sum(axis=0)
         straight = motion.displacement - walk * np.arange(steps)[:, None] / steps
         unknowns = analysis_matrix(self._curve.balance.harmonics, steps) @ straight @ pairs.operator.T
         unknowns[0] += np.where(pairs.walking(), pairs.way(walk), 0.0).ravel()
@@ -182,6 +182,8 @@ class Settling:
 
 def repeats_after(motion: TransientResponse) -> int | None:
     """The smallest number of periods after which a motion repeats, but for a constant way; None if it does not."""
+    if motion.converged:
+        return 1
     starts, period = motion.period_starts, motion.displacement
     size = float(np.linalg.norm(period - period.mean(axis=0), axis=1).max())
     for number in range(1, LONGEST + 1):
