@@ -210,10 +210,8 @@ def test_a_joint_too_stiff_for_the_arithmetic_is_reported() -> None:
     assert (response.contact_state > 0).any()
     printed_sentence("\n".join(response.warnings), numbers=False)  # the residual is round-off
     superelement, pairs = two_bodies(1e12, 0.01)
-    response = forced_response(superelement, pairs, [50.0, 0, 0, 0, 0, 0], frequency_hz=(150.0, 175.0), harmonics=3)
-    assert not response.converged
-    assert response.n_points < 5
-    assert "the equation of motion is satisfied only to" in response.message
+    with rejects(ConvergenceError):
+        forced_response(superelement, pairs, [50.0, 0, 0, 0, 0, 0], frequency_hz=(150.0, 175.0), harmonics=3)
 
 
 def test_a_gap_is_open_at_rest_and_closes_at_its_width() -> None:
