@@ -73,7 +73,7 @@ def test_no_line_crosses_an_interruption() -> None:
 def test_arrows_run_from_before_to_after_each_jump_and_peaks_have_marks(view: View) -> None:
     figure = amplitude_frequency(view)
     label, *arrows = figure["layout"]["annotations"]
-    assert label["text"].startswith("highest peak on the curve")
+    assert label["text"].startswith("highest peak<br>")
     jumps = view.summary.notable_jumps
     assert [jump.direction for jump in jumps] == ["up", "down"]
     for arrow, jump, colour in zip(arrows, jumps, (UPWARD, DOWNWARD), strict=True):

@@ -93,12 +93,15 @@ def _peak_label(view: View) -> dict[str, Any]:
     return {
         "x": peak.frequency_hz,
         "y": top,
-        "text": PlotMarkup("{} {:.4g} µm<br>at {:.2f} Hz").format(_highest_words(view), top, peak.frequency_hz),
+        # short lines: on a phone longer ones cover the title of the axis
+        "text": PlotMarkup("{}<br>{:.4g} µm<br>at {:.2f} Hz").format(
+            _highest_words(view).removesuffix(" on the curve"), top, peak.frequency_hz
+        ),
         "showarrow": True,
         "arrowhead": 0,
         "arrowcolor": GREY,
         "ax": -70,  # to the left: friction lowers the frequency, so the stuck peak is on the right
-        "ay": -30,
+        "ay": -40,
         "align": "right",
     }
 
