@@ -11,12 +11,12 @@ import pytest
 import stickslip as ss
 from stickslip.core.errors import ConvergenceError
 from stickslip.solve import evidence as evidence_module
+from stickslip.solve import forced
 from stickslip.solve import pieces as pieces_module
 from stickslip.solve.evidence import Evidence, Settling, repeats_after
 from stickslip.solve.harmonic import varying_harmonics
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.pieces import Pieces
-from stickslip.solve.transient.integrate import TransientResponse
 
 ROW = np.array([1.0, 0.0, 0.0])
 SETTLES = Evidence(1.0, 20, 1e-6, 0.02, 1)
@@ -196,40 +196,50 @@ def test_pieces_with_an_accuracy(monkeypatch: pytest.MonkeyPatch) -> None:
     assert parted.estimated_error.max() <= 0.02
 
 
-def settled(law: ss.ContactPairs, force: float, hertz: float) -> TransientResponse:
-    return ss.integrate_to_steady_state(
-        ss.Superelement(np.eye(3), np.diag([4e6, 4e6, 4e6]), 40.0 * np.eye(3)),
-        law,
-        np.array([force, 0.0, 0.0]),
-        np.zeros(3),
-        hertz,
-        steps_per_period=200,
-        max_periods=200,
-        tolerance=1e-8,
-    )
-
-
-def test_a_motion_that_settles_repeats_after_one_period() -> None:
-    assert repeats_after(settled(ss.ContactPairs(np.eye(3), 1e6, 1e6, 0.3, 20.0), 50.0, 350.0)) == 1
-
-
-def test_subharmonics_and_ways_are_told_apart() -> None:
-    """Displacements at the starts of periods that alternate, that go on, and that do neither."""
-    rng = np.random.default_rng(1)
-    swing = np.outer(np.sin(np.linspace(0.0, 2.0 * np.pi, 50)), [1.0, 0.0])
-    number = np.arange(60)
+def test_motions_are_told_apart_by_the_starts_of_their_periods() -> None:
+    """Also slow beats and decays, of which two successive starts agree."""
+    rng, number = np.random.default_rng(1), np.arange(60)
     for along, wanted in (
+        (np.zeros(60), 1),
         ((-1.0) ** number, 2),
-        (0.3 * number, 1),
         (number % 3, 3),
+        (number % 9, None),
         (rng.normal(size=60), None),
+        (0.1 * np.cos(2.0 * np.pi * 0.004 * number), None),
+        (0.1 * 0.99**number, None),
+        (0.1 * 0.7**number, 1),
     ):
-        starts = np.outer(along, [1.0, 1.0])
-        motion = SimpleNamespace(displacement=swing, period_starts=starts, converged=False)
-        assert repeats_after(cast(TransientResponse, motion)) == wanted
+        assert repeats_after(np.outer(along, [1.0, 1.0]), 1.0) == wanted, along
+    assert repeats_after(np.zeros((3, 2)), 1.0) is None
 
 
-@pytest.mark.parametrize(("repeats", "words"), [(3, "only after 3 periods"), (None, "does not settle")])
+def lost_resonance() -> Settling:
+    """The solver that a curve of the resonance would ask where it is lost."""
+    found: list[Settling] = []
+
+    class Known(Settling):
+        def __init__(self, *arguments: Any) -> None:
+            super().__init__(*arguments)
+            found.append(self)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(forced, "Settling", Known)
+        resonance(ss.ContinuationSettings())
+    return found[0]
+
+
+def test_a_slow_resonance_has_not_settled_though_successive_periods_agree() -> None:
+    settling = lost_resonance()
+    evidence = settling.evidence_from_rest(2.0 * np.pi * 356.0)
+    assert evidence is not None
+    assert evidence.change < 1e-3
+    assert evidence.repeats_after is None
+    found = settling.solution((), 2.0 * np.pi * 341.0, ramp=False)
+    assert found is not None
+    assert found[1] == "from the linear stuck response"
+
+
+@pytest.mark.parametrize(("repeats", "words"), [(3, "only after 3 periods"), (None, "has not settled")])
 def test_words(repeats: int | None, words: str) -> None:
     assert words in Evidence(100.0, 300, 0.1, 0.5, repeats).words()
     assert evidence_module.LONGEST >= 3

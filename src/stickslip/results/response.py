@@ -7,7 +7,7 @@ Displacements are Fourier coefficients in the order mean, cos 1, sin 1, cos 2, s
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from os import PathLike
 from typing import TYPE_CHECKING, ClassVar, cast
 
@@ -287,9 +287,10 @@ class ForcedResponse(ResponseData):
         The friction law is marched again to its periodic state on the displacement of that point, with the samples and
         the update rule of the solution (``settings["update"]``), so the file need not contain it.
         """
-        displacement, way = self.pair_displacement(point, self.samples), self.pair_way(point)
-        cycle = self.pairs.with_update(cast("Update", self.settings["update"])).cycle(displacement + way)
-        return replace(cycle, slider=cycle.slider - way[:, :2])
+        displacement, walk = self.pair_displacement(point, self.samples), None
+        if self.walk is not None:
+            walk = self.walk[point]
+        return self.pairs.with_update(cast("Update", self.settings["update"])).walking_cycle(displacement, walk)
 
     def pair_way(self, point: int) -> FloatArray:
         """(n_pairs, 3) m, the way of many cycles that the law adds to the mean of each pair (:meth:`ContactPairs.way`).

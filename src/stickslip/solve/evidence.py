@@ -7,27 +7,29 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.core.errors import ConvergenceError, InputError
-from stickslip.core.fourier import analysis_matrix, with_rows
+from stickslip.core.errors import InputError
+from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.start import amplitude_ramp, at_frequency
+from stickslip.solve.harmonic.unbounded import sliding_shapes
+from stickslip.solve.motion_in_time import MotionInTime
 from stickslip.solve.path.newton import Newton
 from stickslip.solve.setting_up import Balances
 from stickslip.solve.transient.integrate import (
     TransientResponse,
     check_integration,
-    integrate_to_steady_state,
     start_of_motion,
 )
-from stickslip.structure.superelement import Superelement
 
 # chosen: periods of a time integration for evidence and of one that looks for a solution; steps of each, and for each
 # harmonic.
 PERIODS, SEARCH_PERIODS, STEPS, STEPS_PER_HARMONIC = 300, 100, 256, 32
 # chosen: relative change at which a motion has settled, and the longest motion, in periods of the force, to look for.
 SETTLED, LONGEST = 1e-3, 8
+# Number of periods whose starts are compared: three of the longest motion.
+HORIZON = 3 * LONGEST
 # chosen: distance of the time integration from the last point of the curve, over the range.
 BESIDE = 1e-4
 
@@ -65,7 +67,7 @@ class Evidence:
         if self.repeats_after:
             return f"{begin} ends in a motion that repeats only after {self.repeats_after} periods of the force."
         return (
-            f"{begin} does not settle: after {self.periods} periods the last one differs from the one before by "
+            f"{begin} has not settled: after {self.periods} periods the last one differs from the one before by "
             f"{100.0 * self.change:.2g} %, and no motion of up to {LONGEST} periods repeats."
         )
 
@@ -81,9 +83,7 @@ class Settling:
         report: Callable[[str], None],
     ) -> None:
         self._newton, self._curve, self._balances, self._report = newton, curve, balances, report
-        self._structure = Superelement(
-            balances.superelement.mass, balances.superelement.stiffness, balances.stuck.damping
-        )
+        self._in_time, self._harmonics = MotionInTime(balances), curve.balance.harmonics
 
     def solution(self, near: Sequence[BalancePoint], omega: float, ramp: bool) -> tuple[BalancePoint, str] | None:
         """A solution at a frequency, and how it was found.
@@ -91,7 +91,7 @@ class Settling:
         From points ``near``, from the linear stuck response, from a time integration that starts at the first point or
         at rest, and by an amplitude ramp if wanted.
         """
-        rows = 2 * self._curve.balance.harmonics + 1
+        rows = 2 * self._harmonics + 1
         guesses = [(with_rows(point.unknowns, rows), "from the last point") for point in near]
         for guess, how in (*guesses, (self._curve.balance.linear(omega), "from the linear stuck response")):
             point = self._solved(guess, omega)
@@ -101,7 +101,7 @@ class Settling:
             motion = self._integrated(start, omega, SEARCH_PERIODS)
             if motion is None:
                 continue
-            point = self._solved(self._unknowns(motion), omega)
+            point = self._solved(self._in_time.unknowns(motion, self._harmonics), omega)
             if point is not None:
                 return point, "by a time integration"
         if ramp:
@@ -129,39 +129,31 @@ class Settling:
             return None
         difference = None
         if point is not None:
-            rows = 2 * self._curve.balance.harmonics + 1
-            found, known = self._unknowns(motion)[1:], with_rows(point.unknowns, rows)[1:]
+            found = self._in_time.unknowns(motion, self._harmonics)[1:]
+            known = with_rows(point.unknowns, 2 * self._harmonics + 1)[1:]
             difference = float(np.linalg.norm(found - known) / np.linalg.norm(known))
         change = float(motion.period_change[-1])
-        return Evidence(omega / (2.0 * np.pi), motion.period_change.size, change, difference, repeats_after(motion))
+        repeats = 1 if motion.converged else self._repeats_after(motion)
+        return Evidence(omega / (2.0 * np.pi), motion.period_change.size, change, difference, repeats)
+
+    def _repeats_after(self, motion: TransientResponse) -> int | None:
+        """See :func:`repeats_after`; the place of a body that may walk does not count."""
+        balances, starts, period = self._balances, motion.period_starts, motion.displacement
+        if balances.pairs.walking().any():
+            shapes = sliding_shapes(balances.free, balances.pairs)
+            starts, period = (each - each @ balances.superelement.mass @ shapes @ shapes.T for each in (starts, period))
+        return repeats_after(starts, float(np.linalg.norm(period - period.mean(axis=0), axis=1).max()))
 
     def _integrated(self, start: BalancePoint | None, omega: float, periods: int) -> TransientResponse | None:
         """The motion at a frequency after some periods, from a point of a curve or from rest."""
-        balances = self._balances
         try:
-            check_integration(self._structure, balances.pairs)
+            check_integration(self._in_time.structure, self._balances.pairs)
         except InputError:
             return None
         self._report(f"time integration at {omega / (2.0 * np.pi):.3f} Hz")
-        force = balances.force.coefficients(omega)
         state = {} if start is None else self._state(start.trial)
-        try:
-            return integrate_to_steady_state(
-                self._structure,
-                balances.pairs,
-                force[1::2].T,
-                force[2::2].T,
-                omega / (2.0 * np.pi),
-                steps_per_period=max(STEPS, STEPS_PER_HARMONIC * self._curve.balance.harmonics),
-                max_periods=periods,
-                tolerance=1e-2 * SETTLED,
-                initial_displacement=state.get("initial_displacement"),
-                initial_velocity=state.get("initial_velocity"),
-                initial_slider=state.get("initial_slider"),
-                initial_cycle=state.get("initial_cycle"),
-            )
-        except ConvergenceError:
-            return None
+        steps = max(STEPS, STEPS_PER_HARMONIC * self._harmonics)
+        return self._in_time.after(state, omega, steps, periods, 1e-2 * SETTLED)
 
     def _state(self, trial: Trial) -> dict[str, FloatArray]:
         """Time 0 of a solution."""
@@ -170,26 +162,18 @@ class Settling:
         way = np.zeros(motion.shape[2]) if walk is None else walk[0]
         return start_of_motion(balance.pairs, motion[0].T, way, trial.omega / (2.0 * np.pi), balance.samples)
 
-    def _unknowns(self, motion: TransientResponse) -> FloatArray:
-        """(2H+1, m) the last period as unknowns of the balance; if a body walks their mean is that of many cycles."""
-        pairs, steps = self._balances.pairs, len(motion.displacement)
-        walk = np.diff(motion.period_starts[-2:], axis=0).sum(axis=0)
-        straight = motion.displacement - walk * np.arange(steps)[:, None] / steps
-        unknowns = analysis_matrix(self._curve.balance.harmonics, steps) @ straight @ pairs.operator.T
-        unknowns[0] += np.where(pairs.walking(), pairs.way(walk), 0.0).ravel()
-        return np.asarray(unknowns)
 
+def repeats_after(starts: FloatArray, size: float) -> int | None:
+    """The smallest number of periods after which a motion of a ``size`` repeats; None if none up to LONGEST does.
 
-def repeats_after(motion: TransientResponse) -> int | None:
-    """The smallest number of periods after which a motion repeats, but for a constant way; None if it does not."""
-    if motion.converged:
-        return 1
-    starts, period = motion.period_starts, motion.displacement
-    size = float(np.linalg.norm(period - period.mean(axis=0), axis=1).max())
+    ``starts`` (n_periods, n) are displacements at the starts of periods. Over HORIZON of them they must agree to
+    SETTLED of the size: in a slow decay or beat two that follow each other do too.
+    """
+    last = starts[::-1][: HORIZON + 1]
     for number in range(1, LONGEST + 1):
-        if len(starts) <= 3 * number:
+        same = last[::number]
+        if len(same) <= HORIZON // LONGEST:
             return None
-        steps = np.diff(starts[-3 * number - 1 :: number], axis=0)
-        if np.linalg.norm(np.diff(steps, axis=0), axis=1).max() <= SETTLED * size:
+        if np.linalg.norm(same - same[0], axis=1).max() <= SETTLED * size:
             return number
     return None

@@ -13,8 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
-from stickslip.core.errors import ConvergenceError, InputError
-from stickslip.core.fourier import analysis_matrix
+from stickslip.core.errors import InputError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.threads import blas_threads, thread_count
 from stickslip.core.validation import FloatArray, whole_number
@@ -26,13 +25,14 @@ from stickslip.solve.forced import as_excitation
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.known_curve import KnownCurve
 from stickslip.solve.harmonic.resonances import Resonances
+from stickslip.solve.motion_in_time import MotionInTime
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
 from stickslip.solve.stability.curve import curve_stability, reason_without
-from stickslip.solve.transient.integrate import check_integration, integrate_to_steady_state
+from stickslip.solve.transient.integrate import check_integration
 from stickslip.structure.superelement import Superelement
 
 # chosen: random states move in the stuck modes up to this multiple of the highest frequency, with a mass norm between
@@ -146,7 +146,7 @@ class _Search:
         report: StageReport,
     ) -> None:
         self._balances, self._continuation, self._report = balances, continuation, report
-        self._balance = balances.with_harmonics(response.harmonics)
+        self._balance, self._in_time = balances.with_harmonics(response.harmonics), MotionInTime(balances)
         self._curve = FrequencyCurve(self._balance)
         self._newton = Newton(self._curve, newton, report.iteration)
         self._resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
@@ -214,26 +214,12 @@ class _Search:
 
     def _from_state(self, state: FloatArray, omega: float) -> BalancePoint | None:
         """The periodic motion to which a state leads; None without one."""
-        stuck, superelement = self._balances.stuck, self._balances.superelement
-        force = self._balance.force.coefficients(omega)
         steps = max(STEPS, STEPS_PER_HARMONIC * self._balance.harmonics)
-        try:
-            motion = integrate_to_steady_state(
-                Superelement(superelement.mass, superelement.stiffness, stuck.damping),
-                self._balances.pairs,
-                force[1::2].T,
-                force[2::2].T,
-                omega / (2.0 * np.pi),
-                steps_per_period=steps,
-                max_periods=PERIODS,
-                tolerance=SETTLED,
-                initial_displacement=state[0],
-                initial_velocity=omega * state[1],
-            )
-        except ConvergenceError:
+        start = {"initial_displacement": state[0], "initial_velocity": omega * state[1]}
+        motion = self._in_time.after(start, omega, steps, PERIODS, SETTLED)
+        if motion is None:
             return None
-        coefficients = analysis_matrix(self._balance.harmonics, steps) @ motion.displacement
-        return self._solved(coefficients @ self._balances.pairs.operator.T, omega)
+        return self._solved(self._in_time.unknowns(motion, self._balance.harmonics), omega)
 
     def _consider(self, solution: BalancePoint | None) -> None:
         """Follow a solution that is on no curve so far."""

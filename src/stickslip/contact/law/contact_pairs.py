@@ -349,6 +349,15 @@ class ContactPairs:
             joined[name] = np.take(together, order, axis=axis)
         return ContactCycle(**joined)
 
+    def walking_cycle(self, displacement: FloatArray, walk: FloatArray | None) -> ContactCycle:
+        """:meth:`cycle` of unknowns that go on by ``walk`` (n,) m in each cycle, with its motion and sliders without
+        this way; None if nothing walks."""
+        if walk is None:
+            return self.cycle(displacement)
+        way = self.way(walk)
+        cycle = self.cycle(displacement + way)
+        return replace(cycle, slider=cycle.slider - way[:, :2])
+
     def memory_at_rest(self) -> tuple[Any, ...]:
         """The memory of each law at rest."""
         return tuple(law.memory_at_rest() for law in self.laws)

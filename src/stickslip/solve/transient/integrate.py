@@ -230,9 +230,9 @@ def start_of_motion(
         "initial_velocity": coefficients[:, 2::2] @ rate + frequency_hz * walk,
     }
     relative = synthesis_matrix(harmonics, samples) @ (pairs.operator @ coefficients).T
-    cycle, way = relative.reshape(samples, pairs.n_pairs, 3), pairs.way(walk)
+    cycle = relative.reshape(samples, pairs.n_pairs, 3)
     if _coulomb_alone(pairs):
-        return start | {"initial_slider": pairs.cycle(cycle + way).slider[0] - way[:, :2]}
+        return start | {"initial_slider": pairs.walking_cycle(cycle, walk).slider[0]}
     return start | {"initial_cycle": cycle}
 
 
