@@ -46,8 +46,11 @@ ONE_MORE = $$($(BIN)/python -c 'import os; print(1 + (os.cpu_count() or 1))')
 check: lint
 	$(PYTEST) -m "not slow"
 
-test: lint
-	$(PYTEST) --numprocesses $(ONE_MORE) --cov --cov-report=term
+# The linters take one core, and only for seconds, so they run beside the tests.
+test: $(INSTALLED)
+	@$(MAKE) --no-print-directory lint & linters=$$!; \
+	$(PYTEST) --numprocesses $(ONE_MORE) --cov --cov-report=term; tests=$$?; \
+	wait $$linters && exit $$tests
 
 # The site asks no server for anything: neither while it is built nor in the browser.
 docs: $(INSTALLED)

@@ -27,7 +27,7 @@ QUICK = {
     "solver.largest_step": 0.15,
     "solver.harmonics": 1,
     "solver.samples": 128,
-    "output.figure_formats": ["svg"],  # to draw each figure twice takes longer than the curve
+    "output.figure_formats": [],  # to draw takes longer than the curve
 }
 
 

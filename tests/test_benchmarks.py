@@ -65,13 +65,13 @@ def test_bricks_cut_into_tetrahedra_fill_the_same_space(tmp_path: Path, monkeypa
 
 
 def test_verdicts_on_stability_agree_with_time_integration(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A few points of benchmarks/stability_check.py on both sides of folds."""
+    """Two points of benchmarks/stability_check.py, one on each side of a fold, in each of two problems."""
     monkeypatch.syspath_prepend(str(BENCHMARKS))
     import stability_check
 
-    for name, verdicts in (("separating pair, more force", {True, False}), ("blade", {True, False})):
+    for name, first in (("separating pair, more force", 2), ("blade", 1)):
         problem = stability_check.PROBLEMS[name](name)
-        points = stability_check.chosen_points(stability_check.solve(problem))[1:5]
+        points = stability_check.chosen_points(stability_check.solve(problem))[first : first + 2]
         checked = stability_check.check(problem, points)
-        assert {each.stable for each in checked} == verdicts
+        assert [each.stable for each in checked] == [True, False]
         assert [each for each in checked if each.contradicts] == []

@@ -42,7 +42,6 @@ SLOW: dict[tuple[str, int], Outcome] = {
     ("damper", 4): "complete",
     ("damper", 9): "complete",
     ("light", 0): "complete",
-    ("light", 2): "complete",
     ("multi", 0): "complete",
     ("multi", 3): "complete",
     ("multi", 4): "complete",

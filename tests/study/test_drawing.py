@@ -18,7 +18,7 @@ from stickslip.case.case import Case
 from stickslip.core.errors import InputError
 from stickslip.model.model import load_joint, set_up
 from stickslip.study.facts import derived_quantities
-from stickslip.study.figure_process import Drawing, SecondProcess, rough_patch
+from stickslip.study.figure_process import Drawing, SecondProcess, artist_of, rough_patch
 from strangers import is_alive, strangers
 from synthetic import synthetic_response, synthetic_study
 
@@ -53,10 +53,13 @@ def test_every_grid_shows_the_same_face() -> None:
     assert changed.height.std() != coarse.height.std()
 
 
-def test_no_formats_no_files(tmp_path: Path) -> None:
-    drawing = Drawing(tmp_path / "none", CASE.replace({"output.figure_formats": []}))
-    assert drawing.of_roughness() == drawing.of_response(synthetic_response(), synthetic_study()) == []
+def test_no_formats_no_files_and_no_process(tmp_path: Path) -> None:
+    with artist_of(Drawing(tmp_path / "none", CASE.replace({"output.figure_formats": []}))) as artist:
+        assert not isinstance(artist, SecondProcess)
+        artist.start(synthetic_response(), synthetic_study())
+        assert artist.files() == []
     assert not (tmp_path / "none").exists()
+    assert isinstance(artist_of(Drawing(tmp_path / "some", CASE)), SecondProcess)
 
 
 def test_given_stiffness_has_no_rough_face(tmp_path: Path) -> None:
@@ -136,7 +139,7 @@ PARENT = """
 import os, sys
 from pathlib import Path
 from stickslip.case.case import Case
-from stickslip.study.figure_process import Drawing, SecondProcess
+from stickslip.study.figure_process import Drawing, SecondProcess, artist_of
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
 from synthetic import synthetic_response, synthetic_study

@@ -69,25 +69,21 @@ class Drawing:
 
     def of_response(self, response: ForcedResponse, record: StudyRecord) -> list[Path]:
         """Write every figure of a response; returns the files. Raises InputError."""
-        formats = self.case.output.figure_formats
-        if not formats:
-            return []
         from stickslip.reporting.figures import save_all
 
         self._make_folder()
-        return save_all(self.folder, response, record, formats)
+        return save_all(self.folder, response, record, self.case.output.figure_formats)
 
     def of_roughness(self) -> list[Path]:
         """Write a picture of one rough face: heights from the roughness, its ridges and its seed. Raises InputError."""
-        formats = self.case.output.figure_formats
-        patch = rough_patch(self.case, FIGURE_GRID) if formats else None
+        patch = rough_patch(self.case, FIGURE_GRID)
         if patch is None:
             return []
         from stickslip.reporting.figures import save, surface
 
         self._make_folder()
         figure = surface(*np.meshgrid(patch.along, patch.across), patch.height)
-        return [save(figure, self.folder / f"rough_face.{ending}") for ending in formats]
+        return [save(figure, self.folder / f"rough_face.{ending}") for ending in self.case.output.figure_formats]
 
     def _make_folder(self) -> None:
         """Make the folder, but not its parents: a user who removed them during the solution wants no figures."""
@@ -150,6 +146,28 @@ class SecondProcess:
                 stream.close()
         self._process.wait()
         remove_abandoned(self._drawing.folder)  # its unfinished files
+
+
+class NoFigures:
+    """In place of a :class:`SecondProcess` for a case without figures."""
+
+    def __enter__(self) -> NoFigures:
+        return self
+
+    def start(self, response: ForcedResponse, record: StudyRecord) -> None:
+        """Nothing is drawn."""
+
+    def files(self) -> list[Path]:
+        """None."""
+        return []
+
+    def __exit__(self, *details: object) -> None:
+        """Nothing ends."""
+
+
+def artist_of(drawing: Drawing) -> SecondProcess | NoFigures:
+    """What draws the figures of a case; a case without any starts no process."""
+    return SecondProcess(drawing) if drawing.case.output.figure_formats else NoFigures()
 
 
 def serve() -> None:

@@ -22,7 +22,7 @@ from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, results_bytes
 from stickslip.structure.joined import joined_modes
 from stickslip.structure.superelement import Superelement
-from stickslip.study.figure_process import PAGE_GRID, Drawing, SecondProcess, rough_patch
+from stickslip.study.figure_process import PAGE_GRID, Drawing, NoFigures, SecondProcess, artist_of, rough_patch
 from stickslip.study.places import (
     FIGURE_FOLDER,
     MODES_FILE,
@@ -58,11 +58,11 @@ def run(
     out, count = Path(out_dir), thread_count(threads)
     require_places(out)
     # One thread for matrix products here: more would slow down the threads that solve for many right-hand sides.
-    with threadpool_limits(limits=1), SecondProcess(Drawing(out / FIGURE_FOLDER, case)) as artist:
+    with threadpool_limits(limits=1), artist_of(Drawing(out / FIGURE_FOLDER, case)) as artist:
         return _run(case, out, progress or SilentProgress(), count, artist)
 
 
-def _run(case: Case, out: Path, progress: Progress, threads: int, artist: SecondProcess) -> StudyOutcome:
+def _run(case: Case, out: Path, progress: Progress, threads: int, artist: SecondProcess | NoFigures) -> StudyOutcome:
     setup, model = reported_model(case, progress, threads)
     require_space_for(case, model, out)
     solution = solved(case, model, progress, threads)

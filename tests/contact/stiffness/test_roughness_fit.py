@@ -43,13 +43,13 @@ def warned(fit: ss.RoughnessFit) -> None:
 @pytest.mark.parametrize(("dimension", "scale"), [(2.2, 1e-12), (2.8, 1e-7)])
 @pytest.mark.usefixtures("few_simulations")
 def test_known_values_are_found_without_bias(dimension: float, scale: float) -> None:
-    """Mean over twelve surfaces; the interval of each holds the true value but for few."""
-    fits = [ss.fit_roughness(profile(dimension, scale, seed), SPACING) for seed in range(1, 13)]
+    """Mean over eight surfaces; the interval of each holds the true value but for few."""
+    fits = [ss.fit_roughness(profile(dimension, scale, seed), SPACING) for seed in range(1, 9)]
     actual = np.array([fit.fractal_dimension for fit in fits])
     assert actual.mean() == pytest.approx(dimension, abs=0.04)
     for name, true in (("fractal_dimension", dimension), ("fractal_roughness", scale)):
         ends = np.array([getattr(fit, f"{name}_interval") for fit in fits])
-        assert np.count_nonzero((ends[:, 0] <= true) & (true <= ends[:, 1])) >= 9
+        assert np.count_nonzero((ends[:, 0] <= true) & (true <= ends[:, 1])) >= 6
     half_width = np.mean([0.5 * np.ptp(fit.fractal_dimension_interval) for fit in fits])
     assert 1.5 * actual.std() < half_width < 0.3
     assert all(fit.usable and fit.fit_probability > 0.0 for fit in fits)
