@@ -130,6 +130,8 @@ def test_replace_validates_and_leaves_the_original() -> None:
         case.replace({"preload.centrifugal_force": -1})
     with rejects(StudyFileError, "preload.centrifugal"):
         case.replace({"preload.centrifugal": 1})
+    with rejects(StudyFileError, "friction"):
+        case.replace({"friction": {"coefficient": 0.4}})
 
 
 def test_case_is_frozen() -> None:

@@ -217,6 +217,12 @@ class Case(CaseContent):
         data = self.as_mapping(only_explicit=True)
         for path, value in changes.items():
             section, name, table, key = parts_of_key(path)
+            if not key:
+                raise StudyFileError(
+                    f'the study: 1 error.\n  "{path}" names no key. Give each key with its section, for example '
+                    '"friction.coefficient".',
+                    (path,),
+                )
             entries = self.sections.get(section, {})
             if name and name not in entries:
                 allowed = ", ".join(entries) or "none"
