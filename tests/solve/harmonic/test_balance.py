@@ -78,13 +78,14 @@ def test_a_factor_helps_with_the_next_systems(blade: Blade, monkeypatch: pytest.
         exact[share] = BorderedSystem(system, [slope], [Row(np.ones(1))]).solve(trial.residual, np.zeros(1), 1e-9)
     monkeypatch.setattr(reduced, "DIRECT_SIZE", -1)
     monkeypatch.setattr(reduced, "MAX_ITERATIONS", 1)
-    factored, original = [0], BorderedSystem._factored
+    factored = [0]
 
-    def counted(system: BorderedSystem, right: np.ndarray) -> np.ndarray:
-        factored[0] += 1
-        return original(system, right)
+    class Counted(reduced.Factor):
+        def __init__(self, matrix: np.ndarray) -> None:
+            factored[0] += 1
+            super().__init__(matrix)
 
-    monkeypatch.setattr(BorderedSystem, "_factored", counted)
+    monkeypatch.setattr(reduced, "Factor", Counted)
     last = LastFactor()
     # The last trial has other moving pairs, so other rows.
     for share, factors in ((0.6, 1), (0.61, 1), (0.9, 1)):
@@ -115,7 +116,7 @@ def test_a_factor_helps_with_systems_of_more_harmonics(blade: Blade, monkeypatch
     monkeypatch.setattr(reduced, "MAX_ITERATIONS", 1)
     last = LastFactor()
     bordered(few, trial, last).solve(trial.residual, np.ones(1), 1e-9)
-    monkeypatch.setattr(BorderedSystem, "_require_factor", lambda system: pytest.fail("a second factor"))
+    monkeypatch.setattr(reduced, "Factor", lambda matrix: pytest.fail("a second factor"))
     step = bordered(more, wide, last).solve(wide.residual, np.ones(1), 1e-9)
     assert np.linalg.norm(step.unknowns - exact.unknowns) < 1e-6 * np.linalg.norm(exact.unknowns)
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,26 +76,51 @@ class NewtonSystem:
         """(I + D A) @ unknowns."""
         return np.asarray(unknowns + self.deviation_change(self.comply(unknowns)))
 
-    def matrix(self) -> FloatArray:
-        """I + D A (size, size)."""
+    def matrix(self, borders: int = 0) -> FloatArray:
+        """I + D A (size, size), with so many rows and columns beside it that are not filled.
+
+        The largest array of a curve: each block goes to its place at once, since new memory takes as long as a factor.
+        """
         active, compliance = self.active, self.compliance
         n_pairs, n_out, n_col = active.pairs.size, active.outputs.size, self.columns
-        product = np.empty((n_pairs, 3 * n_col, n_col, n_out))
+        matrix = np.empty((self.size + borders, self.size + borders))
+        blocks = matrix[: self.size, : self.size].reshape(n_col, n_out, n_col, n_out)  # no copy: it splits both axes
         tangent = self.tangent.reshape(n_pairs, 3 * n_col, 3, n_col)
-        mean = compliance.mean[:, active.inputs].T.reshape(n_pairs, 3, n_out)
-        np.matmul(tangent[:, :, :, 0], mean, out=product[:, :, 0])
+
+        def fill(column: int, tangents: FloatArray, compliances: FloatArray) -> None:
+            product = (tangents @ compliances).reshape(n_pairs * 3, n_col, n_out)
+            blocks[:, :, column] = product[active.output_position].transpose(1, 0, 2)
+
+        fill(0, tangent[:, :, :, 0], compliance.mean[:, active.inputs].T.reshape(n_pairs, 3, n_out))
         for order in range(1, n_col // 2 + 1):
             block = compliance.block(order, active.inputs).reshape(n_pairs, 3, n_out)
             cosine, sine = 2 * order - 1, 2 * order
             # Complex amplitudes are c - i s, so x_c = a d_c + b d_s and x_s = a d_s - b d_c for A = a + i b.
             both = np.concatenate([tangent[:, :, :, cosine], tangent[:, :, :, sine]], axis=2)
             real, imaginary = block.real, block.imag
-            product[:, :, cosine] = both @ np.concatenate([real, -imaginary], axis=1)
-            product[:, :, sine] = both @ np.concatenate([imaginary, real], axis=1)
-        matrix = product.reshape(n_pairs * 3, n_col, n_col, n_out)[active.output_position]
-        matrix = np.ascontiguousarray(matrix.transpose(1, 0, 2, 3)).reshape(n_col * n_out, n_col * n_out)
-        matrix[np.diag_indices(matrix.shape[0])] += 1.0
+            fill(cosine, both, np.concatenate([real, -imaginary], axis=1))
+            fill(sine, both, np.concatenate([imaginary, real], axis=1))
+        diagonal = np.arange(self.size)
+        matrix[diagonal, diagonal] += 1.0
         return matrix
+
+
+class Factor:
+    """The LU factor of a square matrix, in its place: LAPACK reads rows as columns, so it factors the transpose.
+
+    A singular matrix gives solutions that are not finite.
+    """
+
+    def __init__(self, matrix: FloatArray) -> None:
+        self._factor = dgetrf(matrix.T, overwrite_a=True)[:2]
+
+    def solve(self, right: FloatArray) -> FloatArray:
+        """The solution (n,) for a right-hand side."""
+        return np.asarray(dgetrs(*self._factor, right, trans=1)[0])
+
+    def solve_transposed(self, right: FloatArray) -> FloatArray:
+        """The solution (n,) of the transposed matrix."""
+        return np.asarray(dgetrs(*self._factor, right)[0])
 
 
 class LastFactor:
@@ -106,10 +130,10 @@ class LastFactor:
     """
 
     def __init__(self) -> None:
-        self._factor: Any = None
+        self._factor: Factor | None = None
         self._keys = np.empty(0, dtype=np.int64)
 
-    def store(self, factor: Any, keys: NDArray[np.int64]) -> None:
+    def store(self, factor: Factor, keys: NDArray[np.int64]) -> None:
         """The factor of a system with rows ``keys``, in their order (see :meth:`BorderedSystem.keys`)."""
         self._factor, self._keys = factor, keys
 
@@ -119,14 +143,15 @@ class LastFactor:
 
     def inverse(self, keys: NDArray[np.int64]) -> LinearOperator | None:
         """The inverse of the stored system on the rows of another one, None without a stored system."""
-        if self._factor is None:
+        factor = self._factor
+        if factor is None:
             return None
         _, here, there = np.intersect1d(keys, self._keys, assume_unique=True, return_indices=True)
 
         def apply(vector: FloatArray) -> FloatArray:
             answer, known = vector.ravel().copy(), np.zeros(self._keys.size)
             known[there] = answer[here]
-            answer[here] = dgetrs(*self._factor, known)[0][there]
+            answer[here] = factor.solve(known)[there]
             return answer
 
         return LinearOperator((keys.size, keys.size), matvec=apply, dtype=float)
@@ -173,7 +198,7 @@ class BorderedSystem:
         self._columns = self._columns.reshape(len(rows), system.size)
         self._lines = np.array(lines).reshape(len(rows), system.size)
         self._corner = np.array(corner).reshape(len(rows), len(slopes))
-        self._factor: Any = None
+        self._factor: Factor | None = None
 
     def solve(self, residual: FloatArray, values: FloatArray, tolerance: float) -> Step:
         """The step for a residual (2H+1, m) and the values (k,) of the rows, to a relative ``tolerance``.
@@ -190,7 +215,7 @@ class BorderedSystem:
         if system.size > DIRECT_SIZE and self._factor is None:
             answer = self._iterated(right, tolerance)
         if answer is None:
-            answer = self._factored(right)
+            answer = self._whole_factor().solve(right)
         if not np.isfinite(answer).all():
             nowhere = np.full_like(residual, np.nan)
             return Step(nowhere, np.full(len(self._rows), np.nan), nowhere)
@@ -207,9 +232,8 @@ class BorderedSystem:
         Their product with a right-hand side of these equations is the change of the weighted sum of the solution.
         """
         system = self.system
-        self._require_factor()
         right = np.append(deviation[:, system.active.outputs].ravel(), np.asarray(self._column_scale) * parameters)
-        return np.asarray(dgetrs(*self._factor, right, trans=1)[0][: system.size])
+        return self._whole_factor().solve_transposed(right)[: system.size]
 
     def _apply(self, unknowns: FloatArray) -> FloatArray:
         """The bordered matrix @ unknowns (size + k,)."""
@@ -249,25 +273,19 @@ class BorderedSystem:
         answer, failure = gmres(operator, right, rtol=tolerance, atol=0.0, restart=iterations, maxiter=2, M=inverse)
         return None if failure else np.asarray(answer)
 
-    def _factored(self, right: FloatArray) -> FloatArray:
-        """The solution by a factor of the bordered matrix."""
-        self._require_factor()
-        return np.asarray(dgetrs(*self._factor, right)[0])
-
-    def _require_factor(self) -> None:
-        """Factor the bordered matrix once."""
+    def _whole_factor(self) -> Factor:
+        """The factor of the bordered matrix."""
         if self._factor is None:
             size = self.system.size
-            whole = size + len(self._rows)
-            bordered = np.empty((whole, whole))
-            bordered[:size, :size] = self.system.matrix()
+            bordered = self.system.matrix(borders=len(self._rows))
             for i, (column, line) in enumerate(zip(self._columns, self._lines, strict=True)):
                 bordered[:size, size + i], bordered[size + i, :size] = column, line
             bordered[size:, size:] = self._corner
             # A singular matrix gives a step that is not finite; Newton ends there and reports it.
-            self._factor = dgetrf(bordered, overwrite_a=True)[:2]
+            self._factor = Factor(bordered)
             if size > DIRECT_SIZE:
                 self._last.store(self._factor, self.keys())
+        return self._factor
 
 
 class _Matrix(LinearOperator):  # type: ignore[misc]
