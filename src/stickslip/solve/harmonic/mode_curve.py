@@ -1,0 +1,200 @@
+"""A nonlinear mode along its amplitude: ``M u'' + (C - xi M) u' + K u + B^T f(B u) = 0`` (extended periodic motion).
+
+The balance of a forced response solves this equation too. In the first harmonic the inertia and the own damping of one
+stuck mode r are on the right-hand side, as a load in the shape of this mode (docs/theory_modes.md):
+
+    load = (w^2 - i w (c_r - xi)) q_r
+
+Without this the compliance would be singular where the mode is linear. The load has the phase of the cosine: a free
+vibration has no phase of its own. Source of the concept: M. Krack, "Nonlinear modal analysis of nonconservative
+systems: extension of the periodic motion concept", Comput. Struct. 154 (2015) 59-71.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.curves import BalanceCurve, amplitude_row, plane_row
+from stickslip.solve.harmonic.gain import SelfExcitation
+from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem, Row
+from stickslip.solve.path.problem import Plane, Step
+
+LN_10 = math.log(10.0)
+
+
+@dataclass(frozen=True)
+class ModePoint:
+    """A trial nonlinear mode. All its lengths count in modal amplitudes, so that a linear mode is a constant.
+
+    ``parameters`` are the decadic logarithm of the modal amplitude, the circular frequency (rad/s), xi (1/s) and the
+    load over the product of modal amplitude and ``reference**2``; ``reference`` is a circular frequency (rad/s).
+    """
+
+    trial: Trial
+    parameters: FloatArray
+    conditions: FloatArray
+    reference: float
+
+    @property
+    def modal_amplitude(self) -> float:
+        """m kg^(1/2), mass norm of the first harmonic."""
+        return amplitude_of(self.parameters)
+
+    @property
+    def unknowns(self) -> FloatArray:
+        """(2H+1, m) relative displacements over the modal amplitude."""
+        return self.trial.relative / self.modal_amplitude
+
+    @property
+    def residual(self) -> FloatArray:
+        """(2H+1, m), over the modal amplitude."""
+        return self.trial.residual / self.modal_amplitude
+
+    @property
+    def error(self) -> float:
+        """Of the balance and the conditions."""
+        return max(self.trial.error, float(np.abs(self.conditions).max()))
+
+    @property
+    def measured(self) -> FloatArray:
+        """The shape of the motion, its frequency and its damping."""
+        shape = self.trial.amplitude.ravel() / self.modal_amplitude
+        return np.concatenate([shape, self.parameters[1:3] / self.reference])
+
+
+def amplitude_of(parameters: FloatArray) -> float:
+    """The modal amplitude of the parameters of a point."""
+    return float(10.0 ** parameters[0])
+
+
+@dataclass(frozen=True)
+class _Condition:
+    """A condition: its value, and its derivatives by the modal amplitudes (2H, n) and by the parameters (4,)."""
+
+    value: float
+    weights: FloatArray
+    parameters: FloatArray
+
+
+class ModeCurve(BalanceCurve):
+    """The nonlinear mode along the decadic logarithm of the modal amplitude.
+
+    ``balance`` has the force ``M phi_r cos(w t)`` of a stuck mode: index ``mode``, damping ``mode_damping`` (1/s).
+    ``reference`` (rad/s) is the scale of frequencies.
+    """
+
+    def __init__(self, balance: Balance, mode: int, mode_damping: float, reference: float) -> None:
+        super().__init__(balance)
+        self._mode, self._mode_damping, self._reference = mode, mode_damping, reference
+
+    def sustained(self, growth: float, balance: Balance | None = None) -> Balance:
+        """The balance, or another one of the same structure, with the damping ``-growth M``."""
+        return (balance or self.balance).excited(SelfExcitation(growth, self._mode))
+
+    def at(self, motion: FloatArray, omega: float, growth: float) -> ModePoint:
+        """The point with the shape of ``motion`` (n,), modal amplitudes of the stuck modes that move in phase.
+
+        Its phase makes the load a cosine.
+        """
+        size = float(np.linalg.norm(motion))
+        own = motion[self._mode] / size
+        turn = math.atan2(self._mode_damping - growth, omega)
+        relative = np.zeros((2 * self.balance.harmonics + 1, self.balance.rows))
+        shape = self.balance.compliance.relative_of(motion / size)
+        relative[1], relative[2] = math.cos(turn) * shape, -math.sin(turn) * shape
+        load = omega * math.hypot(omega, self._mode_damping - growth) * own / self._reference**2
+        return self.evaluate(relative, np.array([math.log10(size), omega, growth, load]))
+
+    def evaluate(self, unknowns: FloatArray, parameters: FloatArray) -> ModePoint:
+        _, omega, growth, load = map(float, parameters)
+        size = amplitude_of(parameters)
+        trial = self.sustained(growth).evaluate(size * unknowns, omega, size * self._reference**2 * load)
+        values = np.array([each.value for each in self._conditions(trial, parameters)])
+        return ModePoint(trial, parameters, values, self._reference)
+
+    def _conditions(self, trial: Trial, parameters: FloatArray) -> Sequence[_Condition]:
+        """The load of the mode, both parts, and the modal amplitude."""
+        omega, size = trial.omega, amplitude_of(parameters)
+        scale = 1.0 / (size * self._reference**2)
+        damping = self._mode_damping - trial.growth
+        cosine, sine = (float(each) for each in trial.amplitude[:2, self._mode])
+        in_phase = scale * (omega**2 * cosine - omega * damping * sine)
+        across = scale * (omega**2 * sine + omega * damping * cosine)
+        load, quadrature, amplitude = (np.zeros_like(trial.amplitude) for _ in range(3))
+        load[:2, self._mode] = -scale * omega**2, scale * omega * damping
+        quadrature[:2, self._mode] = scale * omega * damping, scale * omega**2
+        first = trial.amplitude[:2]
+        norm = max(float(np.linalg.norm(first)), 1e-300)
+        amplitude[:2] = first / (norm * size)
+        by_omega = 2.0 * omega * cosine - damping * sine, 2.0 * omega * sine + damping * cosine
+        return (
+            _Condition(
+                float(parameters[3]) - in_phase,
+                load,
+                np.array([LN_10 * in_phase, -scale * by_omega[0], -scale * omega * sine, 1.0]),
+            ),
+            _Condition(
+                across,
+                quadrature,
+                np.array([-LN_10 * across, scale * by_omega[1], -scale * omega * cosine, 0.0]),
+            ),
+            _Condition(norm / size - 1.0, amplitude, np.array([-LN_10 * norm / size, 0.0, 0.0, 0.0])),
+        )
+
+    def _amplitude_slopes(self, balance: Balance, trial: Trial, parameters: FloatArray) -> list[FloatArray]:
+        """Derivatives (2H, n) of the modal amplitudes by the parameters, at fixed deviation."""
+        by_load = balance.load_amplitude(trial.omega)
+        return [
+            LN_10 * trial.load * by_load,
+            balance.amplitude_slope(trial),
+            balance.growth_amplitude(trial),
+            amplitude_of(parameters) * self._reference**2 * by_load,
+        ]
+
+    def linearised(self, point: ModePoint, plane: Plane | None) -> _LinearisedMode:
+        trial, size = point.trial, point.modal_amplitude
+        balance = self.sustained(trial.growth)
+        slopes = self._amplitude_slopes(balance, trial, point.parameters)
+        rows = []
+        for each in self._conditions(trial, point.parameters):
+            row = amplitude_row(balance, trial, each.weights, slopes)
+            rows.append(Row(row.parameters + each.parameters, deviation=row.deviation))
+        plane_in_shape = plane_row(plane, len(point.parameters))
+        assert plane_in_shape.relative is not None
+        # The plane is in the shape x / a: d(x / a) = (dx - x ln 10 dlog a) / a.
+        parameters = plane_in_shape.parameters.copy()
+        parameters[0] -= LN_10 * float(np.vdot(plane_in_shape.relative, point.unknowns))
+        rows.append(Row(parameters, relative=plane_in_shape.relative / size))
+        by_parameters = [balance.residual_slope(slope) for slope in slopes]
+        system = BorderedSystem(NewtonSystem(balance, trial), by_parameters, rows, self._last_factor)
+        return _LinearisedMode(system, point)
+
+    def measured_change(self, point: ModePoint, step: Step) -> FloatArray:
+        trial, balance = point.trial, self.sustained(point.trial.growth)
+        change = balance.compliance.amplitude(trial.omega, None, step.detail)
+        for slope, by in zip(self._amplitude_slopes(balance, trial, point.parameters), step.parameters, strict=True):
+            change += float(by) * slope
+        shape = (change - LN_10 * float(step.parameters[0]) * trial.amplitude) / point.modal_amplitude
+        return np.concatenate([shape.ravel(), step.parameters[1:3] / self._reference])
+
+    def named(self, parameter: float) -> str:
+        return f"a modal amplitude of {10.0**parameter:.3g} m kg^0.5"
+
+
+class _LinearisedMode:
+    """The Newton system of the balance in displacements, for unknowns that count in modal amplitudes."""
+
+    def __init__(self, system: BorderedSystem, point: ModePoint) -> None:
+        self._system, self._point = system, point
+
+    def solve(self, residual: FloatArray, conditions: FloatArray, plane: float, tolerance: float) -> Step:
+        size = self._point.modal_amplitude
+        step = self._system.solve(size * residual, np.append(-conditions, -plane), tolerance)
+        growth = LN_10 * float(step.parameters[0]) * self._point.trial.relative
+        return Step((step.unknowns - growth) / size, step.parameters, step.detail)
