@@ -111,7 +111,8 @@ class NonlinearMode(PeriodicMotions):
             f"NonlinearMode({self.limit} mode {self.mode}, {self.n_points} points from "
             f"{self.modal_amplitude.min():.2g} to {self.modal_amplitude.max():.2g} m kg^0.5, "
             f"{self.frequency_hz.min():.2f} to {self.frequency_hz.max():.2f} Hz, damping ratio "
-            f"{self.damping_ratio.min():.2g} to {self.damping_ratio.max():.2g}; {'converged' if self.converged else 'NOT converged'})"
+            f"{self.damping_ratio.min():.2g} to {self.damping_ratio.max():.2g}; "
+            f"{'converged' if self.converged else 'NOT converged'})"
         )
 
     @property

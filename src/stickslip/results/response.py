@@ -104,6 +104,9 @@ class ForcedResponse(ResponseData):
         (``forced_response(..., traction_band=output)``).
     other_solutions:
         periodic motions that are not on the curve; None without a search (:func:`search_other_solutions`).
+    nonlinear_mode:
+        a nonlinear mode of the same structure, with its contacts about the same rest; None without ``[analysis] kind =
+        "mode"``.
 
     Raises
     ------

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
 from stickslip.results.linear_curves import LinearCurves
+from stickslip.results.nonlinear_mode import NonlinearMode
 from stickslip.results.other_solutions import OtherSolutions
 from stickslip.results.periodic_motions import CURVE, PeriodicMotions
 from stickslip.results.stability import Bifurcation, BifurcationRows, ComplexNumbers
@@ -81,6 +82,10 @@ class ResponseData(PeriodicMotions):
     traction_band: TractionBand | None = field(default=None, metadata=stored(InGroup.of(TractionBand, optional=True)))
     other_solutions: OtherSolutions | None = field(
         default=None, metadata=stored(InGroup.of(OtherSolutions, optional=True))
+    )
+
+    nonlinear_mode: NonlinearMode | None = field(
+        default=None, metadata=stored(InGroup.of(NonlinearMode, optional=True))
     )
 
     def __post_init__(self) -> None:
