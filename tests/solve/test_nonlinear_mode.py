@@ -1,16 +1,19 @@
-"""Nonlinear modes: closed form of one slider, published modes, linear limits, energies, and peaks of forced responses."""
+"""Nonlinear modes: closed form of one slider, published modes, linear limits, energies, peaks of forced responses."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.linalg
+from scipy.interpolate import CubicSpline
 
 import stickslip as ss
 from helpers import Blade
 from known_modes import BEAM_RATIO, friction_beam, one_mass, two_masses
 from sentences import printed_sentence, rejects
 from stickslip.contact.law.closed_forms import jenkins_loop
-from stickslip.solve.nonlinear_mode import NonlinearMode
+from stickslip.results.nonlinear_mode import NonlinearMode
+from stickslip.solve.path.stepping import ContinuationSettings
 
 # Two masses (Krack's concept, GitHub Nidish96/twodoffrict, rigid friction, 33 harmonics): modal amplitude, rad/s, xi.
 TWO_MASSES = np.array(
@@ -37,8 +40,6 @@ def energy_ratio(result: NonlinearMode, mass: np.ndarray) -> np.ndarray:
 
 def at_amplitude(result: NonlinearMode, amplitude: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Values of a mode at other amplitudes, by a cubic over its logarithm."""
-    from scipy.interpolate import CubicSpline
-
     rising = np.argsort(result.modal_amplitude)
     return CubicSpline(np.log(result.modal_amplitude[rising]), values[rising])(np.log(amplitude))
 
@@ -57,8 +58,8 @@ def test_one_mass_with_a_slider_is_its_closed_form() -> None:
             assert result.damping_ratio[point] == pytest.approx(0.002, rel=1e-6)
             continue
         loop = jenkins_loop(5e5, 0.5, 20.0, length)
-        assert omega**2 * 2.0 * length == pytest.approx(1e6 * length + loop.cosine, rel=2e-5)
-        growth = viscous + loop.energy / (np.pi * omega * 2.0 * length**2)
+        assert omega**2 * 2.0 * length == pytest.approx(1e6 * length + loop.coefficients[1], rel=2e-5)
+        growth = viscous + loop.dissipated_energy / (np.pi * omega * 2.0 * length**2)
         assert result.damping_ratio[point] == pytest.approx(growth / (2.0 * omega), rel=2e-4)
     assert 0 < result.moving_pairs.sum() < result.n_points
 
@@ -68,7 +69,6 @@ def test_the_limit_of_small_amplitude_is_the_linear_stuck_mode(blade: Blade) -> 
     stuck = blade.superelement.stiffness + blade.operator.T @ (
         blade.pairs.resting_stiffness()[:, None] * blade.operator
     )
-    import scipy.linalg
 
     squares, modes = scipy.linalg.eigh(stuck, blade.superelement.mass)
     for mode in (1, 2):
@@ -142,7 +142,8 @@ def test_the_branch_from_the_sliding_limit_is_the_same_curve() -> None:
     superelement, pairs = one_mass(ratio=0.002)
     up = ss.nonlinear_mode(superelement, pairs, 1, (1e-5, 1e-2), harmonics=3)
     down = ss.nonlinear_mode(superelement, pairs, 1, (1e-5, 1e-2), harmonics=3, limit="sliding")
-    assert up.converged and down.converged
+    assert up.converged
+    assert down.converged
     assert down.modal_amplitude[[0, -1]] == pytest.approx([1e-2, 1e-5])
     assert down.sliding_mac == pytest.approx(1.0)
     inside = up.modal_amplitude[1:-1]
@@ -176,7 +177,8 @@ def test_high_damping_has_a_warning() -> None:
     superelement, pairs = one_mass(ratio=0.002)
     result = ss.nonlinear_mode(superelement, pairs, 1, (1e-6, 1e-3), harmonics=1)
     high = result.damping_ratio > 0.03
-    assert high.any() and not high.all()
+    assert high.any()
+    assert not high.all()
     assert (result.passes_peaks == ~high).all()
     (words,) = (warning for warning in result.warnings if "passes" in warning)
     printed_sentence(words)
@@ -184,8 +186,6 @@ def test_high_damping_has_a_warning() -> None:
 
 def test_a_mode_that_cannot_be_followed_ends_with_a_message() -> None:
     superelement, pairs = one_mass()
-    from stickslip.solve.path.stepping import ContinuationSettings
-
     short = ss.nonlinear_mode(
         superelement, pairs, 1, (1e-6, 1e-3), harmonics=1, continuation=ContinuationSettings(max_points=5)
     )

@@ -8,7 +8,7 @@ import pytest
 import stickslip as ss
 from helpers import Blade
 from stickslip.solve.harmonic.balance import Balance
-from stickslip.solve.harmonic.compliance import stuck_structure
+from stickslip.solve.harmonic.compliance import StuckStructure, stuck_structure
 from stickslip.solve.harmonic.gain import SelfExcitation
 from stickslip.solve.harmonic.mode_curve import ModeCurve
 from stickslip.solve.path.problem import Plane
@@ -16,23 +16,29 @@ from stickslip.solve.path.problem import Plane
 MODE, GROWTH = 0, 12.0
 
 
-def balance_of(blade: Blade, coupled: bool) -> tuple[Balance, float, float]:
-    """A balance with the force of a mode, the frequency of this mode in rad/s, and its own damping."""
+def balance_of(blade: Blade, coupled: bool) -> tuple[Balance, StuckStructure]:
+    """A balance with the force of a mode, and its structure."""
     damping = blade.superelement.damping
+    assert damping is not None
     if coupled:
         damping = damping + 30.0 * blade.operator.T @ blade.operator
     superelement = ss.Superelement(blade.superelement.mass, blade.superelement.stiffness, damping)
     stuck = stuck_structure(superelement, blade.pairs, 2 * np.pi * 700.0, None)
     assert (stuck.modal_damping.ndim == 2) == coupled
     force = ss.Excitation.force(superelement.mass @ stuck.modes[:, MODE]).on(superelement, 3)
-    own = stuck.modal_damping[MODE] if stuck.modal_damping.ndim == 1 else stuck.modal_damping[MODE, MODE]
-    return Balance(stuck.compliance(3), blade.pairs, force, 128), float(stuck.circular_frequency[MODE]), float(own)
+    return Balance(stuck.compliance(3), blade.pairs, force, 128), stuck
+
+
+def matrix_of(stuck: StuckStructure) -> np.ndarray:
+    """(n, n) modal damping."""
+    return np.diag(stuck.modal_damping) if stuck.modal_damping.ndim == 1 else stuck.modal_damping
 
 
 @pytest.mark.parametrize("coupled", [False, True])
 def test_the_bordered_system_is_the_exact_derivative(blade: Blade, coupled: bool) -> None:
-    balance, reference, own = balance_of(blade, coupled)
-    curve = ModeCurve(balance, MODE, own, reference)
+    balance, stuck = balance_of(blade, coupled)
+    reference = float(stuck.circular_frequency[MODE])
+    curve = ModeCurve(balance, MODE, float(matrix_of(stuck)[MODE, MODE]), reference)
     generator = np.random.default_rng(7)
     motion = np.zeros(blade.superelement.size)
     motion[:3] = 1.0, 0.2, -0.1
@@ -63,34 +69,17 @@ def test_the_bordered_system_is_the_exact_derivative(blade: Blade, coupled: bool
 @pytest.mark.parametrize("coupled", [False, True])
 def test_the_self_excited_gain_is_that_of_the_matrices(blade: Blade, coupled: bool) -> None:
     """Forces of the other modes and harmonics: the inverse of Z; the mode of the load has its stiffness alone."""
-    balance, reference, _ = balance_of(blade, coupled)
-    stuck, gain = balance.compliance, balance.compliance.gain.excited(SelfExcitation(GROWTH, MODE))
-    size = blade.superelement.size
-    force = np.random.default_rng(3).normal(size=(6, size))
-    modes = stuck_structure(
-        ss.Superelement(blade.superelement.mass, blade.superelement.stiffness), blade.pairs, reference, None
-    )
-    assert stuck.gain.growth == 0.0
+    balance, stuck = balance_of(blade, coupled)
+    gain, omega = balance.excited(SelfExcitation(GROWTH, MODE)).compliance.gain, 0.97 * stuck.circular_frequency[MODE]
+    assert balance.compliance.gain.growth == 0.0
     assert gain.growth == GROWTH
-    answer, omega = gain.answer(0.97 * reference, force), 0.97 * reference
-    damping = np.zeros((size, size))
-    for row in range(size):
-        unit = np.zeros(size)
-        unit[row] = 1.0
-        damping[row, row] = balance.compliance.gain.viscous_form(unit)
-    if coupled:
-        for row in range(size):
-            for column in range(row):
-                pair = np.zeros(size)
-                pair[[row, column]] = 1.0
-                both = balance.compliance.gain.viscous_form(pair) - damping[row, row] - damping[column, column]
-                damping[row, column] = damping[column, row] = 0.5 * both
+    force = np.random.default_rng(3).normal(size=(6, blade.superelement.size))
+    answer, damping = gain.answer(omega, force), matrix_of(stuck) - GROWTH * np.eye(blade.superelement.size)
     for order in (1, 2, 3):
         x = order * omega
-        matrix = np.diag(modes.circular_frequency**2 - x**2).astype(complex) + 1j * x * damping
-        matrix -= 1j * x * GROWTH * np.eye(size)
+        matrix = np.diag(stuck.circular_frequency**2 - x**2) + 1j * x * damping
         if order == 1:
-            matrix[MODE, MODE] = modes.circular_frequency[MODE] ** 2
+            matrix[MODE, MODE] = stuck.circular_frequency[MODE] ** 2
         cosine, sine = 2 * order - 2, 2 * order - 1
         expected = np.linalg.solve(matrix, force[cosine] - 1j * force[sine])
         assert answer[cosine] - 1j * answer[sine] == pytest.approx(expected, rel=1e-8, abs=1e-10 * abs(expected).max())
