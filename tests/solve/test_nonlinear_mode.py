@@ -207,3 +207,9 @@ def test_what_is_no_mode_is_rejected() -> None:
         ss.nonlinear_mode(superelement, pairs, 1, (0.0, 1e-6))
     with rejects(ss.InputError, "limit"):
         ss.nonlinear_mode(superelement, pairs, 1, (1e-6, 1e-3), limit="open")  # type: ignore[arg-type]
+
+
+def test_a_mode_of_two_equal_frequencies_is_rejected() -> None:
+    pairs = ss.ContactPairs(np.eye(3), 1e5, 1e5, 0.3, 10.0)
+    with rejects(ss.InputError, "mode"):
+        ss.nonlinear_mode(ss.Superelement(np.eye(3), np.diag([1e6, 1e6, 2e6])), pairs, 2, (1e-6, 1e-3))

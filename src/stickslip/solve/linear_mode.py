@@ -18,6 +18,9 @@ from stickslip.structure.superelement import Superelement
 
 Limit = Literal["stuck", "sliding"]
 
+# chosen: relative distance of two natural frequencies that is round-off of the matrices.
+EQUAL_FREQUENCIES = 1e-9
+
 
 def checked_amplitudes(amplitude: tuple[float, float]) -> tuple[float, float]:
     """(lowest, highest) modal amplitude. Raises InputError unless both are above zero and rise."""
@@ -66,6 +69,14 @@ class LinearMode:
             )
         index = int(moving[number - 1])
         omega = float(chosen.circular_frequency[index])
+        twins = np.abs(chosen.circular_frequency[moving] - omega) <= EQUAL_FREQUENCIES * omega
+        if twins.sum() > 1:
+            raise InputError(
+                f"mode {number} has the same frequency as {int(twins.sum()) - 1} other modes with the pairs {limit}, "
+                f"{omega / (2.0 * np.pi):.3f} Hz, so its shape is not unique. Choose another mode, or remove the symmetry "
+                "of the structure.",
+                arguments=["mode"],
+            )
         motion = stuck.modes.T @ superelement.mass @ chosen.modes[:, index]
         # The stuck mode that a static load in the shape of the motion would move most.
         flexible = np.where(stuck.rigid, np.inf, stuck.circular_frequency)
