@@ -73,8 +73,8 @@ class LinearMode:
         if twins.sum() > 1:
             raise InputError(
                 f"mode {number} has the same frequency as {int(twins.sum()) - 1} other modes with the pairs {limit}, "
-                f"{omega / (2.0 * np.pi):.3f} Hz, so its shape is not unique. Choose another mode, or remove the symmetry "
-                "of the structure.",
+                f"{omega / (2.0 * np.pi):.3f} Hz, so its shape is not unique. Choose another mode, or remove the "
+                "symmetry of the structure.",
                 arguments=["mode"],
             )
         motion = stuck.modes.T @ superelement.mass @ chosen.modes[:, index]

@@ -20,7 +20,7 @@ import numpy as np
 
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
-from stickslip.solve.harmonic.curves import BalanceCurve, amplitude_row, plane_row
+from stickslip.solve.harmonic.curves import BalanceCurve, BalancePoint, LinearisedBalance, amplitude_row, plane_row
 from stickslip.solve.harmonic.gain import SelfExcitation
 from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem, Row
 from stickslip.solve.path.problem import Plane, Step
@@ -29,16 +29,14 @@ LN_10 = math.log(10.0)
 
 
 @dataclass(frozen=True)
-class ModePoint:
-    """A trial nonlinear mode. All its lengths count in modal amplitudes, so that a linear mode is a constant.
+class ModePoint(BalancePoint):
+    """A trial nonlinear mode.
 
     ``parameters`` are the decadic logarithm of the modal amplitude, the circular frequency (rad/s), xi (1/s) and the
-    load over the product of modal amplitude and ``reference**2``; ``reference`` is a circular frequency (rad/s).
+    load over the product of modal amplitude and ``reference**2``; ``reference`` is a circular frequency (rad/s). In a
+    linear mode only the first of them changes.
     """
 
-    trial: Trial
-    parameters: FloatArray
-    conditions: FloatArray
     reference: float
 
     @property
@@ -47,23 +45,8 @@ class ModePoint:
         return amplitude_of(self.parameters)
 
     @property
-    def unknowns(self) -> FloatArray:
-        """(2H+1, m) relative displacements over the modal amplitude."""
-        return self.trial.relative / self.modal_amplitude
-
-    @property
-    def residual(self) -> FloatArray:
-        """(2H+1, m), over the modal amplitude."""
-        return self.trial.residual / self.modal_amplitude
-
-    @property
-    def error(self) -> float:
-        """Of the balance and the conditions."""
-        return max(self.trial.error, float(np.abs(self.conditions).max()))
-
-    @property
     def measured(self) -> FloatArray:
-        """The shape of the motion, its frequency and its damping."""
+        """The shape of the motion, its frequency and its damping, which are constant in a linear mode."""
         shape = self.trial.amplitude.ravel() / self.modal_amplitude
         return np.concatenate([shape, self.parameters[1:3] / self.reference])
 
@@ -106,7 +89,7 @@ class ModeCurve(BalanceCurve):
         own = motion[self._mode] / size
         turn = math.atan2(self._mode_damping - growth, omega)
         relative = np.zeros((2 * self.balance.harmonics + 1, self.balance.rows))
-        shape = self.balance.compliance.relative_of(motion / size)
+        shape = self.balance.compliance.relative_of(motion)
         relative[1], relative[2] = math.cos(turn) * shape, -math.sin(turn) * shape
         load = omega * math.hypot(omega, self._mode_damping - growth) * own / self._reference**2
         return self.evaluate(relative, np.array([math.log10(size), omega, growth, load]))
@@ -114,9 +97,9 @@ class ModeCurve(BalanceCurve):
     def evaluate(self, unknowns: FloatArray, parameters: FloatArray) -> ModePoint:
         _, omega, growth, load = map(float, parameters)
         size = amplitude_of(parameters)
-        trial = self.sustained(growth).evaluate(size * unknowns, omega, size * self._reference**2 * load)
+        trial = self.sustained(growth).evaluate(unknowns, omega, size * self._reference**2 * load)
         values = np.array([each.value for each in self._conditions(trial, parameters)])
-        return ModePoint(trial, parameters, values, self._reference)
+        return ModePoint(trial, parameters, values, max(trial.error, float(np.abs(values).max())), self._reference)
 
     def _conditions(self, trial: Trial, parameters: FloatArray) -> Sequence[_Condition]:
         """The load of the mode, both parts, and the modal amplitude."""
@@ -157,23 +140,17 @@ class ModeCurve(BalanceCurve):
             amplitude_of(parameters) * self._reference**2 * by_load,
         ]
 
-    def linearised(self, point: ModePoint, plane: Plane | None) -> _LinearisedMode:
-        trial, size = point.trial, point.modal_amplitude
-        balance = self.sustained(trial.growth)
+    def linearised(self, point: ModePoint, plane: Plane | None) -> LinearisedBalance:
+        trial, balance = point.trial, self.sustained(point.trial.growth)
         slopes = self._amplitude_slopes(balance, trial, point.parameters)
         rows = []
         for each in self._conditions(trial, point.parameters):
             row = amplitude_row(balance, trial, each.weights, slopes)
             rows.append(Row(row.parameters + each.parameters, deviation=row.deviation))
-        plane_in_shape = plane_row(plane, len(point.parameters))
-        assert plane_in_shape.relative is not None
-        # The plane is in the shape x / a: d(x / a) = (dx - x ln 10 dlog a) / a.
-        parameters = plane_in_shape.parameters.copy()
-        parameters[0] -= LN_10 * float(np.vdot(plane_in_shape.relative, point.unknowns))
-        rows.append(Row(parameters, relative=plane_in_shape.relative / size))
+        rows.append(plane_row(plane, len(slopes)))
         by_parameters = [balance.residual_slope(slope) for slope in slopes]
         system = BorderedSystem(NewtonSystem(balance, trial), by_parameters, rows, self._last_factor)
-        return _LinearisedMode(system, point)
+        return LinearisedBalance(system)
 
     def measured_change(self, point: ModePoint, step: Step) -> FloatArray:
         trial, balance = point.trial, self.sustained(point.trial.growth)
@@ -185,16 +162,3 @@ class ModeCurve(BalanceCurve):
 
     def named(self, parameter: float) -> str:
         return f"a modal amplitude of {10.0**parameter:.3g} m kg^0.5"
-
-
-class _LinearisedMode:
-    """The Newton system of the balance in displacements, for unknowns that count in modal amplitudes."""
-
-    def __init__(self, system: BorderedSystem, point: ModePoint) -> None:
-        self._system, self._point = system, point
-
-    def solve(self, residual: FloatArray, conditions: FloatArray, plane: float, tolerance: float) -> Step:
-        size = self._point.modal_amplitude
-        step = self._system.solve(size * residual, np.append(-conditions, -plane), tolerance)
-        growth = LN_10 * float(step.parameters[0]) * self._point.trial.relative
-        return Step((step.unknowns - growth) / size, step.parameters, step.detail)
