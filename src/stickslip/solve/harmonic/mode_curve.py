@@ -26,6 +26,9 @@ from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem, Row
 from stickslip.solve.path.problem import Plane, Step
 
 LN_10 = math.log(10.0)
+# chosen: limits of the parameters of a trial, in decades and over the reference; a step of Newton's method beyond them
+# has failed, and numbers far beyond them would overflow.
+_HIGHEST = np.array([100.0, 1e3, 1e6, 1e9])
 
 
 @dataclass(frozen=True)
@@ -95,11 +98,14 @@ class ModeCurve(BalanceCurve):
         return self.evaluate(relative, np.array([math.log10(size), omega, growth, load]))
 
     def evaluate(self, unknowns: FloatArray, parameters: FloatArray) -> ModePoint:
-        _, omega, growth, load = map(float, parameters)
-        size = amplitude_of(parameters)
+        highest = np.array([1.0, self._reference, self._reference, 1.0]) * _HIGHEST
+        inside = np.clip(parameters, -highest, highest)
+        _, omega, growth, load = map(float, inside)
+        size = amplitude_of(inside)
         trial = self.sustained(growth).evaluate(unknowns, omega, size * self._reference**2 * load)
-        values = np.array([each.value for each in self._conditions(trial, parameters)])
-        return ModePoint(trial, parameters, values, max(trial.error, float(np.abs(values).max())), self._reference)
+        values = np.array([each.value for each in self._conditions(trial, inside)])
+        error = max(trial.error, float(np.abs(values).max())) if (inside == parameters).all() else math.inf
+        return ModePoint(trial, inside, values, error, self._reference)
 
     def _conditions(self, trial: Trial, parameters: FloatArray) -> Sequence[_Condition]:
         """The load of the mode, both parts, and the modal amplitude."""
