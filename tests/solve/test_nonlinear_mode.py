@@ -18,8 +18,6 @@ from stickslip.solve.path.stepping import ContinuationSettings
 # Two masses (Krack's concept, GitHub Nidish96/twodoffrict, rigid friction, 33 harmonics): modal amplitude, rad/s, xi.
 TWO_MASSES = np.array(
     [
-        [7.683703e-02, 8.774201e-01, 1.549872e00],
-        [1.029630e-01, 1.013349e00, 1.009397e00],
         [1.370348e-01, 1.018286e00, 7.404490e-01],
         [2.630208e-01, 1.010220e00, 3.965798e-01],
         [5.582304e-01, 1.004806e00, 2.116181e-01],
@@ -101,9 +99,9 @@ def test_the_virtual_beam_starts_at_its_published_frequency() -> None:
 
 @pytest.mark.slow
 def test_two_masses_with_rigid_friction_have_their_published_mode() -> None:
-    """From full slip down to the amplitude below which the published damping ratio is above 1."""
+    """From full slip down to stick-slip; the slider of 1e4 N/m is rigid in effect."""
     superelement, pairs = two_masses(1e4)
-    result = ss.nonlinear_mode(superelement, pairs, 1, (0.07, 10.0), limit="sliding", harmonics=33, samples=1024)
+    result = ss.nonlinear_mode(superelement, pairs, 1, (0.12, 10.0), limit="sliding", harmonics=33, samples=1024)
     assert result.converged, result.message
     amplitude, omega, growth = TWO_MASSES.T
     found = 2.0 * np.pi * at_amplitude(result, amplitude, result.frequency_hz)
@@ -124,8 +122,9 @@ def test_the_mode_passes_through_the_peaks_of_forced_responses() -> None:
         omega = 2.0 * np.pi * hertz[point]
         force = 2.0 * mode.damping_ratio[point] * omega**2 * mode.modal_amplitude[point] ** 2 / height[point]
         response = ss.forced_response(
-            superelement, pairs, force * tip, frequency_hz=(0.9 * hertz[point], 1.1 * hertz[point]), harmonics=7
-        )
+            superelement, pairs, force * tip, frequency_hz=(0.96 * hertz[point], 1.04 * hertz[point]), harmonics=3,
+            samples=128,
+        )  # fmt: skip
         amplitude = response.harmonic_amplitude(tip, 1)
         top = int(amplitude.argmax())
         near = slice(top - 2, top + 3)
@@ -151,26 +150,25 @@ def test_the_branch_from_the_sliding_limit_is_the_same_curve() -> None:
 
 
 def test_a_mode_that_exchanges_its_shape_has_a_warning() -> None:
-    """The first stuck mode is the free mass; when the other one slides they move together, and then it is mode 2."""
-    superelement, pairs = exchanging_masses()
-    result = ss.nonlinear_mode(superelement, pairs, 2, (1e-4, 1e-1), harmonics=3)
+    """A mass on a spring that stiffens passes the frequency of its neighbour, and the first mode becomes that of the
+    neighbour."""
+    operator = np.eye(3, 2, k=-2)
+    operator[0, 1] = 1.0
+    operator[2, 0] = 0.0
+    spring = ss.CubicSpring(np.array([[1e5, 0.0, 0.0]]), np.array([[1e13, 0.0, 0.0]]))
+    pairs = ss.ContactPairs.with_laws(operator, [spring])
+    superelement = ss.Superelement(np.eye(2), np.array([[1e6, -1e4], [-1e4, 0.8e6]]))
+    result = ss.nonlinear_mode(superelement, pairs, 1, (1e-6, 1e-3), harmonics=3)
     assert result.converged, result.message
+    assert result.frequency_hz[-1] < np.sqrt(1e6) / (2.0 * np.pi)
+    assert result.damping_ratio == pytest.approx(0.0, abs=1e-9)
     words = [warning for warning in result.warnings if "exchanges its shape" in warning]
     assert len(words) == 1
     printed_sentence(words[0])
     closest = result.stuck_mac.argmax(axis=1) + 1
-    assert closest[0] == 2
-    assert closest[-1] == 1
-
-
-def exchanging_masses() -> tuple[ss.Superelement, ss.ContactPairs]:
-    """Two weakly coupled masses: with its slider stuck one has the higher frequency, without it the lower one."""
-    stiffness = np.array([[1e6, -2e4], [-2e4, 0.9e6]])
-    damping = 1e-6 * np.eye(2)
-    element = ss.JenkinsElement(np.array([[3e5, 0.0]]), np.array([[10.0, 10.0]]))
-    operator = np.zeros((3, 2))
-    operator[0, 1] = 1.0
-    return ss.Superelement(np.eye(2), stiffness, damping), ss.ContactPairs.with_laws(operator, [element])
+    assert closest[0] == 1
+    assert closest[-1] == 2
+    assert result.step_mac.min() > 0.9
 
 
 def test_high_damping_has_a_warning() -> None:

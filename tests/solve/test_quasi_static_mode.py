@@ -23,17 +23,23 @@ def test_one_mass_with_a_slider_is_its_closed_form() -> None:
     assert result.friction_energy == pytest.approx(energy, rel=2e-3, abs=2e-3 * energy.max() * 0.01)
     viscous = 2.0 * 0.002 * np.sqrt(0.75e6) / (2.0 * omega)
     ratio = energy / (2.0 * np.pi * secant * length**2) + viscous
-    assert result.damping_ratio == pytest.approx(ratio, rel=2e-3, abs=1e-5)
+    assert result.damping_ratio == pytest.approx(ratio, rel=2e-3, abs=2e-5)
     assert (result.contact_state[:, 0] == slips).all()
 
 
+@pytest.mark.slow
 def test_it_agrees_with_the_nonlinear_mode_at_low_amplitude() -> None:
-    superelement, pairs, _ = friction_beam()
-    exact = ss.nonlinear_mode(superelement, pairs, 1, (1e-6, 2e-5), harmonics=5)
-    estimate = ss.quasi_static_mode(superelement, pairs, 1, (1e-6, 2e-5))
-    for name in ("frequency_hz", "damping_ratio"):
-        beside = np.interp(exact.modal_amplitude, estimate.modal_amplitude, getattr(estimate, name))
-        assert beside == pytest.approx(getattr(exact, name), rel=0.01)
+    """With an Iwan joint, which slips at any amplitude under a constant normal load."""
+    superelement, slider, _ = friction_beam()
+    joint = ss.IwanJoint(np.array([1e7]), np.array([15.0]), np.array([-0.5]), np.array([1.0]))
+    pairs = ss.ContactPairs.with_laws(slider.operator, [joint])
+    exact = ss.nonlinear_mode(superelement, pairs, 1, (1e-7, 2e-5), harmonics=3, samples=128)
+    estimate = ss.quasi_static_mode(superelement, pairs, 1, (1e-7, 2e-5))
+    assert exact.damping_ratio[-1] > 1.9 * exact.damping_ratio[0]
+    for name, allowed in (("frequency_hz", 1e-3), ("damping_ratio", 5e-3)):
+        logarithm = np.log(exact.modal_amplitude)
+        beside = np.interp(logarithm, np.log(estimate.modal_amplitude), getattr(estimate, name))
+        assert beside == pytest.approx(getattr(exact, name), rel=allowed)
 
 
 def test_normal_forces_that_change_have_a_warning() -> None:

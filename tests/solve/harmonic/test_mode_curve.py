@@ -55,7 +55,9 @@ def test_the_bordered_system_is_the_exact_derivative(blade: Blade, coupled: bool
         for sign in (1.0, -1.0)
     )
     residual = (ahead.residual - behind.residual) / (2 * small)
-    assert np.linalg.norm(residual + point.residual) < 5e-5 * np.linalg.norm(point.residual)
+    # Newton's matrix neglects the coupling to modes far above (compliance.NEAR_RANGE).
+    allowed = 2e-4 if coupled else 2e-5
+    assert np.linalg.norm(residual + point.residual) < allowed * np.linalg.norm(point.residual)
     condition = (ahead.conditions - behind.conditions) / (2 * small)
     assert condition == pytest.approx(-point.conditions, rel=1e-4)
     assert (weights * step.unknowns).sum() + 0.7 * step.parameters[0] == pytest.approx(0.03, rel=1e-6)
