@@ -33,13 +33,15 @@ def energy_ratio(result: NonlinearMode, mass: np.ndarray) -> np.ndarray:
     motion = result.displacement[:, :, 1:]
     square = np.einsum("pih,ij,pjh->ph", motion, mass, motion) @ order**2
     omega = 2.0 * np.pi * result.frequency_hz
-    return (result.dissipated_energy.sum(axis=1) + result.viscous_energy) / (2.0 * np.pi * omega**2 * square)
+    return np.asarray(
+        (result.dissipated_energy.sum(axis=1) + result.viscous_energy) / (2.0 * np.pi * omega**2 * square)
+    )
 
 
 def at_amplitude(result: NonlinearMode, amplitude: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Values of a mode at other amplitudes, by a cubic over its logarithm."""
     rising = np.argsort(result.modal_amplitude)
-    return CubicSpline(np.log(result.modal_amplitude[rising]), values[rising])(np.log(amplitude))
+    return np.asarray(CubicSpline(np.log(result.modal_amplitude[rising]), values[rising])(np.log(amplitude)))
 
 
 def test_one_mass_with_a_slider_is_its_closed_form() -> None:

@@ -5,7 +5,8 @@ A further kind is one more class here and one function in ``study/analyses.py``.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, ValidationInfo, field_validator
 
@@ -42,6 +43,11 @@ class AnalysisSection(Section):
 class ForcedAnalysis(AnalysisSection):
     """The computed result: forced is the periodic response to the excitation over the frequency range of [solver]; mode
     is this response and, beside it, a nonlinear mode over a range of amplitudes."""
+
+    foreign: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("mode", "smallest_amplitude", "largest_amplitude"),
+        'belongs to kind = "mode", but kind is "forced". Set the kind, or remove this key.',
+    )
 
     kind: Literal["forced"] = Field(default="forced", description="forced or mode")
 

@@ -63,8 +63,8 @@ class LinearMode:
         moving = np.flatnonzero(~chosen.rigid)
         if number > moving.size:
             raise InputError(
-                f"mode is {number}, but this structure has only {moving.size} modes with its pairs {limit}: give a "
-                f"number from 1 to {moving.size}.",
+                f"mode is {number}, but it must be at most {moving.size}, the number of modes of this structure with "
+                f"its pairs {limit}.",
                 arguments=["mode"],
             )
         index = int(moving[number - 1])
@@ -72,7 +72,7 @@ class LinearMode:
         twins = np.abs(chosen.circular_frequency[moving] - omega) <= EQUAL_FREQUENCIES * omega
         if twins.sum() > 1:
             raise InputError(
-                f"mode {number} has the same frequency as {int(twins.sum()) - 1} other modes with the pairs {limit}, "
+                f"mode {number} has the same frequency as another mode with the pairs {limit}, "
                 f"{omega / (2.0 * np.pi):.3f} Hz, so its shape is not unique. Choose another mode, or remove the "
                 "symmetry of the structure.",
                 arguments=["mode"],

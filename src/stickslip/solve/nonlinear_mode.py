@@ -118,7 +118,7 @@ def nonlinear_mode(
         result = _result(branch, balances, balance, curve, start, report)
     provenance = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
     options = {"amplitude_start": ends[0], "amplitude_stop": ends[1], "newton_tolerance": newton.tolerance}
-    return replace(result, settings=result.settings | options, provenance=provenance)
+    return replace(result, settings={**result.settings, **options}, provenance=provenance)
 
 
 def _own_damping(balances: Balances, mode: int) -> float:

@@ -16,6 +16,7 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -150,7 +151,7 @@ class _ModeRamp:
             shape = self.stuck.contact_modes[:, self.linear.load_mode]
             scale = target * float(np.linalg.norm(shape)) + 1e-300
             problem = JointStep(
-                forces=lambda relative, before=memory: self.stuck.pairs.step(relative, before),
+                forces=partial(self.stuck.pairs.step, before=memory),
                 springs=self.springs,
                 compliance=self.compliance,
                 linear=target * shape,

@@ -112,12 +112,12 @@ def _kinetic_energy(displacement: FloatArray, omega: FloatArray, superelement: S
 def work_per_cycle(trial: Trial) -> FloatArray:
     """(m,) J, work of a trial motion on its contact forces in one period."""
     motion, force = trial.relative[None], _contact_force(trial)[None]
-    return _work(np.arange(1, _harmonics(trial) + 1)[:, None], motion, force)[0]
+    return np.asarray(_work(np.arange(1, _harmonics(trial) + 1)[:, None], motion, force)[0])
 
 
 def _contact_force(trial: Trial) -> FloatArray:
     """(2H+1, m) N."""
-    return trial.contact.force.reshape(trial.relative.shape[1], -1).T
+    return np.asarray(trial.contact.force.reshape(trial.relative.shape[1], -1).T)
 
 
 def _self_excitation(trials: Sequence[Trial], displacement: FloatArray, superelement: Superelement) -> FloatArray:

@@ -91,7 +91,7 @@ class _OwnStiffness:
 
     def by_growth(self, omega: float) -> ComplexArray:
         """Derivative by xi."""
-        return self._with_load(-1j * self._order * omega * np.ones(self._squares.size), 0.0)
+        return self._with_load(np.tile(-1j * omega * self._order.astype(complex), self._squares.size), 0.0)
 
     def _with_load(self, diagonal: ComplexArray, stiffness: float) -> ComplexArray:
         """The diagonal, or its derivative, without what the load contains; ``stiffness`` counts that of the mode."""

@@ -44,7 +44,7 @@ class ShapesOfMode:
 
 def first_harmonic(trial: Trial) -> ComplexArray:
     """(n,) complex amplitudes ``c - i s`` of the stuck modes."""
-    return to_complex(trial.amplitude[:2])[0]
+    return np.asarray(to_complex(trial.amplitude[:2])[0])
 
 
 def shapes_of(
