@@ -9,7 +9,7 @@ import numpy as np
 
 from stickslip.case.analysis import AnalysisSection, ForcedAnalysis, ModeAnalysis
 from stickslip.case.case import Case
-from stickslip.core.errors import ConvergenceError, InputError, keys_of_section
+from stickslip.core.errors import ConvergenceError, InputError, concerning
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.model.model import ReducedModel
 from stickslip.results.record import run_provenance
@@ -85,7 +85,7 @@ def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | No
     does not move the first output."""
     settings, analysis = case.solver, case.analysis
     assert isinstance(analysis, ModeAnalysis)
-    with keys_of_section("analysis"):
+    with concerning("analysis.mode"):
         linear = LinearMode.of(model.superelement, model.pairs, analysis.mode, "stuck")
     name, row = next(iter(model.outputs.items()))
     shape, largest = abs(float(row @ linear.load_shape)), float(np.abs(linear.load_shape).max())
