@@ -22,7 +22,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.curves import BalanceCurve, BalancePoint, LinearisedBalance, amplitude_row, plane_row
 from stickslip.solve.harmonic.gain import SelfExcitation
-from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem, Row
+from stickslip.solve.harmonic.reduced import EliminatedSystem, NewtonSystem, Row
 from stickslip.solve.path.problem import Plane, Step
 
 LN_10 = math.log(10.0)
@@ -155,7 +155,7 @@ class ModeCurve(BalanceCurve):
             rows.append(Row(row.parameters + each.parameters, deviation=row.deviation))
         rows.append(plane_row(plane, len(slopes)))
         by_parameters = [balance.residual_slope(slope) for slope in slopes]
-        system = BorderedSystem(NewtonSystem(balance, trial), by_parameters, rows, self._last_factor)
+        system = EliminatedSystem(NewtonSystem(balance, trial), by_parameters, rows, self._last_factor)
         return LinearisedBalance(system)
 
     def measured_change(self, point: ModePoint, step: Step) -> FloatArray:

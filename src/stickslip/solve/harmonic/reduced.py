@@ -30,6 +30,8 @@ DIRECT_SIZE = 300
 MAX_ITERATIONS = 120
 # chosen: twice the usual largest number of iterations with the factor of an earlier system.
 PRECONDITIONED_ITERATIONS = 60
+# chosen: digits of the answers to borders, which all solutions with one matrix share.
+ANSWER_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -235,19 +237,11 @@ class BorderedSystem:
             return np.zeros_like(right)
         inverse = self._last.inverse(self.keys())
         if inverse is not None:
-            answer = self._gmres(right, tolerance, PRECONDITIONED_ITERATIONS, inverse)
+            answer = _gmres(self._apply, right, tolerance, PRECONDITIONED_ITERATIONS, inverse)
             if answer is not None:
                 return answer
             self._last.forget()
-        return self._gmres(right, tolerance, MAX_ITERATIONS)
-
-    def _gmres(
-        self, right: FloatArray, tolerance: float, iterations: int, inverse: LinearOperator | None = None
-    ) -> FloatArray | None:
-        """The solution by at most twice so many iterations, or None."""
-        operator = _Matrix(right.size, self._apply)
-        answer, failure = gmres(operator, right, rtol=tolerance, atol=0.0, restart=iterations, maxiter=2, M=inverse)
-        return None if failure else np.asarray(answer)
+        return _gmres(self._apply, right, tolerance, MAX_ITERATIONS)
 
     def _factored(self, right: FloatArray) -> FloatArray:
         """The solution by a factor of the bordered matrix."""
@@ -268,6 +262,55 @@ class BorderedSystem:
             self._factor = dgetrf(bordered, overwrite_a=True)[:2]
             if size > DIRECT_SIZE:
                 self._last.store(self._factor, self.keys())
+
+
+class EliminatedSystem(BorderedSystem):
+    """A bordered system whose inner matrix ``I + D A`` is regular, so that GMRES solves it alone.
+
+    Several borders have no common scale: in a nonlinear mode that is nearly linear they are almost independent of the
+    inner unknowns, and one tolerance for all rows leaves no digits for the parameters. Here the parameters follow from
+    the small system of the borders, exactly but for the answers of the inner matrix to them.
+    """
+
+    def __init__(
+        self, system: NewtonSystem, slopes: Sequence[FloatArray], rows: Sequence[Row], last: LastFactor | None = None
+    ) -> None:
+        super().__init__(system, slopes, rows, last)
+        self._answers: FloatArray | None = None  # (k, size) of the inner matrix to the borders
+
+    def _iterated(self, right: FloatArray, tolerance: float) -> FloatArray | None:
+        size = self.system.size
+        if self._answers is None:
+            answers = [self._inner(column, min(tolerance, ANSWER_TOLERANCE)) for column in self._columns]
+            if any(answer is None for answer in answers):
+                return None
+            self._answers = np.array(answers)
+        inner = self._inner(right[:size], tolerance)
+        if inner is None:
+            return None
+        corner = self._corner - self._lines @ self._answers.T
+        *factor, _ = dgetrf(corner)
+        border = dgetrs(*factor, right[size:] - self._lines @ inner)[0]
+        return np.append(inner - border @ self._answers, border)
+
+    def _inner(self, right: FloatArray, tolerance: float) -> FloatArray | None:
+        """The answer of the inner matrix."""
+        if not right.any():
+            return np.zeros_like(right)
+        return _gmres(self.system.apply, right, tolerance, MAX_ITERATIONS)
+
+
+def _gmres(
+    apply: Callable[[FloatArray], FloatArray],
+    right: FloatArray,
+    tolerance: float,
+    iterations: int,
+    inverse: LinearOperator | None = None,
+) -> FloatArray | None:
+    """The solution by at most twice so many iterations, or None."""
+    operator = _Matrix(right.size, apply)
+    answer, failure = gmres(operator, right, rtol=tolerance, atol=0.0, restart=iterations, maxiter=2, M=inverse)
+    return None if failure else np.asarray(answer)
 
 
 class _Matrix(LinearOperator):  # type: ignore[misc]
