@@ -232,16 +232,23 @@ class BorderedSystem:
         return np.append(inner.ravel(), -1 - np.arange(len(self._rows)))
 
     def _iterated(self, right: FloatArray, tolerance: float) -> FloatArray | None:
-        """The solution by GMRES, with the last factor if there is one; None if it did not converge."""
+        """The solution by GMRES, None if it did not converge."""
+        return self._solved(self._apply, self.keys(), right, tolerance)
+
+    def _solved(
+        self, apply: Callable[[FloatArray], FloatArray], keys: NDArray[np.int64], right: FloatArray, tolerance: float
+    ) -> FloatArray | None:
+        """The solution of a matrix with rows ``keys`` by GMRES, with the last factor if there is one; None if it did
+        not converge."""
         if not right.any():
             return np.zeros_like(right)
-        inverse = self._last.inverse(self.keys())
+        inverse = self._last.inverse(keys)
         if inverse is not None:
-            answer = _gmres(self._apply, right, tolerance, PRECONDITIONED_ITERATIONS, inverse)
+            answer = _gmres(apply, right, tolerance, PRECONDITIONED_ITERATIONS, inverse)
             if answer is not None:
                 return answer
             self._last.forget()
-        return _gmres(self._apply, right, tolerance, MAX_ITERATIONS)
+        return _gmres(apply, right, tolerance, MAX_ITERATIONS)
 
     def _factored(self, right: FloatArray) -> FloatArray:
         """The solution by a factor of the bordered matrix."""
@@ -277,27 +284,29 @@ class EliminatedSystem(BorderedSystem):
     ) -> None:
         super().__init__(system, slopes, rows, last)
         self._answers: FloatArray | None = None  # (k, size) of the inner matrix to the borders
+        self._inner_factor: Any = None
 
-    def _iterated(self, right: FloatArray, tolerance: float) -> FloatArray | None:
+    def _iterated(self, right: FloatArray, tolerance: float) -> FloatArray:
         size = self.system.size
         if self._answers is None:
-            answers = [self._inner(column, min(tolerance, ANSWER_TOLERANCE)) for column in self._columns]
-            if any(answer is None for answer in answers):
-                return None
-            self._answers = np.array(answers)
+            finest = min(tolerance, ANSWER_TOLERANCE)
+            self._answers = np.array([self._inner(column, finest) for column in self._columns])
         inner = self._inner(right[:size], tolerance)
-        if inner is None:
-            return None
         corner = self._corner - self._lines @ self._answers.T
         *factor, _ = dgetrf(corner)
         border = dgetrs(*factor, right[size:] - self._lines @ inner)[0]
         return np.append(inner - border @ self._answers, border)
 
-    def _inner(self, right: FloatArray, tolerance: float) -> FloatArray | None:
-        """The answer of the inner matrix."""
-        if not right.any():
-            return np.zeros_like(right)
-        return _gmres(self.system.apply, right, tolerance, MAX_ITERATIONS)
+    def _inner(self, right: FloatArray, tolerance: float) -> FloatArray:
+        """The answer of the inner matrix, which is factored where GMRES does not converge."""
+        keys = self.keys()[: self.system.size]
+        if self._inner_factor is None:
+            answer = self._solved(self.system.apply, keys, right, tolerance)
+            if answer is not None:
+                return answer
+            self._inner_factor = dgetrf(self.system.matrix(), overwrite_a=True)[:2]
+            self._last.store(self._inner_factor, keys)
+        return np.asarray(dgetrs(*self._inner_factor, right)[0])
 
 
 def _gmres(
