@@ -7,11 +7,12 @@ import pytest
 
 import stickslip as ss
 from helpers import Blade
+from stickslip.solve.harmonic import reduced
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.compliance import StuckStructure, stuck_structure
 from stickslip.solve.harmonic.gain import SelfExcitation
 from stickslip.solve.harmonic.mode_curve import ModeCurve
-from stickslip.solve.path.problem import Plane
+from stickslip.solve.path.problem import Plane, Step
 
 MODE, GROWTH = 0, 12.0
 
@@ -63,6 +64,31 @@ def test_the_bordered_system_is_the_exact_derivative(blade: Blade, coupled: bool
     assert (weights * step.unknowns).sum() + 0.7 * step.parameters[0] == pytest.approx(0.03, rel=1e-6)
     measured = (ahead.measured - behind.measured) / (2 * small)
     assert curve.measured_change(point, step) == pytest.approx(measured, rel=1e-4, abs=2e-5 * np.abs(measured).max())
+
+
+def test_large_systems_have_the_step_of_small_ones(blade: Blade, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without borders GMRES, or the factor of the inner matrix where it does not converge, gives the same step."""
+    balance, stuck = balance_of(blade, False)
+    reference = float(stuck.circular_frequency[MODE])
+    curve = ModeCurve(balance, MODE, float(stuck.modal_damping[MODE]), reference)
+    motion = np.zeros(blade.superelement.size)
+    motion[MODE] = 5e-5
+    point = curve.at(motion, 0.99 * reference, GROWTH)
+    plane = Plane.fixed(point.unknowns, float(point.parameters[0]))
+
+    def step() -> Step:
+        return curve.linearised(point, plane).solve(point.residual, point.conditions, 0.01, 1e-8)
+
+    direct = step()
+    monkeypatch.setattr(reduced, "DIRECT_SIZE", 0)
+    iterated = step()
+    monkeypatch.setattr(reduced, "MAX_ITERATIONS", 1)
+    factored, preconditioned = step(), step()
+    assert np.abs(direct.parameters[1:]).min() > 0.0
+    for other in (iterated, factored, preconditioned):
+        assert other.parameters == pytest.approx(direct.parameters, rel=1e-4)
+        size = np.linalg.norm(direct.unknowns)
+        assert np.linalg.norm(other.unknowns - direct.unknowns) < 1e-4 * size
 
 
 @pytest.mark.parametrize("coupled", [False, True])

@@ -89,3 +89,14 @@ def step_warnings(step: FloatArray, frequency_hz: FloatArray, amplitude: FloatAr
         f"kg^0.5) the shape changes in one step, with a MAC of {step[worst]:.2f} (required: {LEAST_MAC:g}): the points "
         "may belong to different modes. Give a smaller largest_step in continuation."
     )
+
+
+def fold_warnings(amplitude: FloatArray) -> Iterator[str]:
+    """A warning where the branch turns back in amplitude, so that several modes exist at one amplitude."""
+    steps = np.diff(amplitude)
+    turns = amplitude[1:-1][steps[:-1] * steps[1:] < 0.0]
+    if turns.size:
+        yield (
+            f"The mode turns back in amplitude, first at {turns[0]:.3g} m kg^0.5 and {turns.size} times in all: between "
+            f"{turns.min():.3g} and {turns.max():.3g} m kg^0.5 several modes exist at one amplitude."
+        )
