@@ -23,8 +23,8 @@ def _mode_of(view: View) -> NonlinearMode:
     return mode
 
 
-def _amplitude_axis(**options: Any) -> dict[str, Any]:
-    return axis_look(MODAL_AMPLITUDE, type="log", exponentformat="power", **options)
+def _amplitude_axis() -> dict[str, Any]:
+    return axis_look(MODAL_AMPLITUDE, type="log", dtick=1, exponentformat="power")
 
 
 def _curve(view: View, name: str, values: FloatArray, unit: str) -> Any:
@@ -73,7 +73,7 @@ def damping_of_mode(view: View) -> Figure:
         lines,
         320,
         xaxis=_amplitude_axis(),
-        yaxis=axis_look("Damping ratio, %", type="log", exponentformat="power"),
+        yaxis=axis_look("Damping ratio, %", type="log", dtick="D2", tickformat=".3~g"),
         hovermode="closest",
     )
 

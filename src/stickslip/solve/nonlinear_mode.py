@@ -42,8 +42,9 @@ from stickslip.solve.path.stepping import Accepted, ContinuationSettings, Corner
 from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
 from stickslip.structure.superelement import Superelement
 
-# chosen: a backbone over some decades of amplitude has at least 25 points.
-STEPS = ContinuationSettings(largest_step=0.04)
+# chosen: a backbone over some decades of amplitude has at least 25 points, and one with folds about 130. More are a
+# branch that does not find its way among others, as in a symmetric structure.
+STEPS = ContinuationSettings(largest_step=0.04, max_points=400)
 # chosen: the start moves towards the linear limit by at most so many decades of the amplitude.
 DECADES_TO_LIMIT = 12
 # chosen: points at which the samples are doubled to check them.

@@ -27,8 +27,8 @@ from stickslip.solve.path.problem import Plane, Step
 
 LN_10 = math.log(10.0)
 # chosen: limits of the parameters of a trial, in decades and over the reference; a step of Newton's method beyond them
-# has failed, and numbers far beyond them would overflow.
-_HIGHEST = np.array([100.0, 1e3, 1e6, 1e9])
+# has failed: numbers far beyond them would overflow, and with a negative frequency time runs backwards.
+_HIGHEST, _LOWEST = np.array([100.0, 1e3, 1e6, 1e9]), np.array([-100.0, 1e-3, -1e6, -1e9])
 
 
 @dataclass(frozen=True)
@@ -98,8 +98,8 @@ class ModeCurve(BalanceCurve):
         return self.evaluate(relative, np.array([math.log10(size), omega, growth, load]))
 
     def evaluate(self, unknowns: FloatArray, parameters: FloatArray) -> ModePoint:
-        highest = np.array([1.0, self._reference, self._reference, 1.0]) * _HIGHEST
-        inside = np.clip(parameters, -highest, highest)
+        scale = np.array([1.0, self._reference, self._reference, 1.0])
+        inside = np.clip(parameters, scale * _LOWEST, scale * _HIGHEST)
         _, omega, growth, load = map(float, inside)
         size = amplitude_of(inside)
         trial = self.sustained(growth).evaluate(unknowns, omega, size * self._reference**2 * load)

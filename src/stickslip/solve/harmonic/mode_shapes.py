@@ -97,6 +97,6 @@ def fold_warnings(amplitude: FloatArray) -> Iterator[str]:
     turns = amplitude[1:-1][steps[:-1] * steps[1:] < 0.0]
     if turns.size:
         yield (
-            f"The mode turns back in amplitude, first at {turns[0]:.3g} m kg^0.5 and {turns.size} times in all: between "
-            f"{turns.min():.3g} and {turns.max():.3g} m kg^0.5 several modes exist at one amplitude."
+            f"The mode turns back in amplitude, first at {turns[0]:.3g} m kg^0.5 and {turns.size} times in all: "
+            f"between {turns.min():.3g} and {turns.max():.3g} m kg^0.5 several modes exist at one amplitude."
         )
