@@ -18,7 +18,7 @@ from stickslip.core.progress import ProgressCallback
 from stickslip.core.threads import blas_threads, thread_count
 from stickslip.core.validation import FloatArray
 from stickslip.results.nonlinear_mode import LARGEST_RATIO_OF_PEAKS, NonlinearMode
-from stickslip.solve.curve_result import LARGEST_FRACTION, LARGEST_UNBALANCE
+from stickslip.solve.curve_result import LARGEST_FRACTION, LARGEST_UNBALANCE, fields_of
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.checks import LARGEST_SAMPLE_RESIDUAL, sample_residual
@@ -228,15 +228,7 @@ def _result(
         modal_amplitude=amplitude,
         frequency_hz=frequency_hz,
         damping_ratio=ratio,
-        displacement=np.ascontiguousarray(motion.transpose(0, 2, 1)),
-        contact_state=np.array([trial.contact.state for trial in trials], dtype=np.int8),
-        dissipated_energy=measures.dissipated_energy,
-        normal_work=measures.normal_work,
-        closure=np.array([trial.contact.closure for trial in trials]),
-        residual=measures.residual,
-        iterations=np.array([point.iterations for point in branch.points[: len(trials)]]),
-        input_energy=measures.input_energy,
-        viscous_energy=measures.viscous_energy,
+        **fields_of(branch.points, trials, measures, motion),
         stuck_frequency_hz=stuck_hz,
         stuck_mac=shapes.stuck,
         sliding_frequency_hz=sliding_hz,
