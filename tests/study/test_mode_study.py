@@ -11,6 +11,7 @@ from stickslip.core.errors import InputError
 from stickslip.results.storage import load_results
 from stickslip.study import analyses
 from stickslip.study import run as study
+from stickslip.study.check import check
 from stickslip.study.solution import solve_case
 from sweep_cases import quick_case
 
@@ -40,6 +41,12 @@ def test_run_writes_the_mode_and_its_section(tmp_path: Path) -> None:
     assert mode.provenance == {"solve_seconds": mode.provenance["solve_seconds"]}
     assert "Nonlinear mode 1: The mode covers the range of amplitudes." in outcome.message
     assert "<h2>Nonlinear mode</h2>" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_check_announces_the_mode() -> None:
+    shown = dict(dict(check(quick_case().replace(MODE)))["Would run"])
+    assert shown["nonlinear mode"] == "mode 1, 0.01 to 10 um at the first output"
+    assert "nonlinear mode" not in dict(dict(check(quick_case()))["Would run"])
 
 
 def test_a_mode_that_does_not_exist_is_rejected_before_the_curve(monkeypatch: pytest.MonkeyPatch) -> None:
