@@ -6,8 +6,8 @@ q of the mode prescribed, the static displacements follow from the compliance of
 
     x = q B phi - A' d(x),   A' = sum_(j != r) B phi_j (B phi_j)^T / w_j^2,   alpha = w_r^2 q + (B phi)^T d
 
-Masing's rule makes the hysteresis loop from this load curve. Sources: H. Festjens, G. Chevallier, J.-L. Dion, Mech.
-Syst. Signal Process. 36 (2013) 2-12; R. M. Lacayo, M. S. Allen, Mech. Syst. Signal Process. 118 (2019) 133-157.
+Masing's rule makes the hysteresis loop from this load curve. Source: R. M. Lacayo, M. S. Allen, Mech. Syst. Signal
+Process. 118 (2019) 133-157.
 """
 
 from __future__ import annotations
