@@ -21,6 +21,8 @@ from stickslip.structure.superelement import Superelement
 
 # chosen: linear modes that are compared with the nonlinear one, and so many above it.
 LISTED_MODES, MODES_ABOVE = 12, 3
+# chosen: places that a warning lists.
+LISTED_TURNS = 4
 # chosen: the usual limit of modal correlation, below which two shapes count as different.
 LEAST_MAC = 0.9
 
@@ -96,7 +98,8 @@ def fold_warnings(amplitude: FloatArray) -> Iterator[str]:
     steps = np.diff(amplitude)
     turns = amplitude[1:-1][steps[:-1] * steps[1:] < 0.0]
     if turns.size:
+        places = ", ".join([f"{turn:.3g}" for turn in turns[:LISTED_TURNS]] + ["..."] * (turns.size > LISTED_TURNS))
         yield (
-            f"The mode turns back in amplitude, first at {turns[0]:.3g} m kg^0.5 and {turns.size} times in all: "
-            f"between {turns.min():.3g} and {turns.max():.3g} m kg^0.5 several modes exist at one amplitude."
+            f"The mode turns back in amplitude ({places} m kg^0.5): beside these points several modes exist at one "
+            "amplitude."
         )
