@@ -43,6 +43,13 @@ def test_run_writes_the_mode_and_its_section(tmp_path: Path) -> None:
     assert "<h2>Nonlinear mode</h2>" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
+def test_a_mode_from_the_sliding_limit() -> None:
+    mode = solve_case(quick_case().replace(MODE | {"analysis.limit": "sliding"})).response.nonlinear_mode
+    assert mode is not None
+    assert mode.limit == "sliding"
+    assert mode.modal_amplitude[0] > mode.modal_amplitude[-1]
+
+
 def test_a_check_announces_the_mode() -> None:
     shown = dict(dict(check(quick_case().replace(MODE)))["Would run"])
     assert shown["nonlinear mode"] == "mode 1, 0.01 to 10 um at the first output"

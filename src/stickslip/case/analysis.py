@@ -45,7 +45,7 @@ class ForcedAnalysis(AnalysisSection):
     is this response and, beside it, a nonlinear mode over a range of amplitudes."""
 
     foreign: ClassVar[Mapping[str, str]] = dict.fromkeys(
-        ("mode", "smallest_amplitude", "largest_amplitude"),
+        ("mode", "limit", "smallest_amplitude", "largest_amplitude"),
         'belongs to kind = "mode", but kind is "forced". Set the kind, or remove this key.',
     )
 
@@ -57,7 +57,11 @@ class ModeAnalysis(AnalysisSection):
 
     kind: Literal["mode"] = Field(default="mode", description="forced or mode")
     mode: Annotated[int, Count(at_least=1, at_most=MOST_MODES)] = Field(
-        default=1, description="number of the linear mode with stuck pairs, from 1"
+        default=1, description="number of the linear mode, from 1, in the order of frequencies"
+    )
+    limit: Literal["stuck", "sliding"] = Field(
+        default="stuck",
+        description="pairs of the linear mode; the nonlinear one starts there, at the smallest or largest amplitude",
     )
     smallest_amplitude: Amplitude = Field(
         default=1e-8, description="of the first output, 0-to-peak, in the shape of the linear mode"

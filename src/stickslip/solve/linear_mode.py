@@ -38,8 +38,9 @@ def checked_amplitudes(amplitude: tuple[float, float]) -> tuple[float, float]:
 class LinearMode:
     """The linear mode from which a branch starts.
 
-    omega, motion:
-        its circular frequency, rad/s, and the modal amplitudes (n,) of the stuck modes in it, of norm 1.
+    omega, shape, motion:
+        its circular frequency, rad/s, its mass-normalised shape (n,), and the modal amplitudes (n,) of the stuck modes
+        in it, of norm 1.
     load_mode, load_shape:
         index and shape (n,) of the stuck mode whose inertia is the load (:mod:`stickslip.solve.harmonic.mode_curve`).
     """
@@ -47,6 +48,7 @@ class LinearMode:
     number: int
     limit: Limit
     omega: float
+    shape: FloatArray
     motion: FloatArray
     load_mode: int
     load_shape: FloatArray
@@ -77,8 +79,9 @@ class LinearMode:
                 "symmetry of the structure.",
                 arguments=["mode"],
             )
-        motion = stuck.modes.T @ superelement.mass @ chosen.modes[:, index]
+        shape = chosen.modes[:, index]
+        motion = stuck.modes.T @ superelement.mass @ shape
         # The stuck mode that a static load in the shape of the motion would move most.
         flexible = np.where(stuck.rigid, np.inf, stuck.circular_frequency)
         load_mode = int((np.abs(motion) * np.minimum(1.0, (omega / flexible) ** 2)).argmax())
-        return cls(number, limit, omega, motion, load_mode, stuck.modes[:, load_mode])
+        return cls(number, limit, omega, shape, motion, load_mode, stuck.modes[:, load_mode])

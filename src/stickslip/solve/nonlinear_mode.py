@@ -47,6 +47,7 @@ from stickslip.structure.superelement import Superelement
 STEPS = ContinuationSettings(largest_step=0.04, max_points=400)
 # chosen: the start moves towards the linear limit by at most so many decades of the amplitude.
 DECADES_TO_LIMIT = 12
+OTHER: dict[Limit, Limit] = {"stuck": "sliding", "sliding": "stuck"}
 # chosen: points at which the samples are doubled to check them.
 CHECKED_POINTS = 24
 
@@ -237,7 +238,7 @@ def _result(
         mode=start.number,
         limit=start.limit,
         converged=complete,
-        message="The mode covers the range of amplitudes." if complete else message,
+        message=_words(complete, message, start.limit),
         warnings=(
             *motion_warnings(balance, trials, measures),
             *_sample_warnings(points, curve, fine),
@@ -257,6 +258,13 @@ def _result(
         },
         provenance={},
     )
+
+
+def _words(complete: bool, message: str, limit: Limit) -> str:
+    """The message on the end of a branch, with what may help."""
+    if complete:
+        return "The mode covers the range of amplitudes."
+    return f'{message} The branch from the other limit may go on: limit = "{OTHER[limit]}".'
 
 
 def _sample_warnings(points: Sequence[ModePoint], curve: ModeCurve, fine: Balance) -> tuple[str, ...]:

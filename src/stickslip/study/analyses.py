@@ -86,9 +86,9 @@ def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | No
     settings, analysis = case.solver, case.analysis
     assert isinstance(analysis, ModeAnalysis)
     with concerning("analysis.mode"):
-        linear = LinearMode.of(model.superelement, model.pairs, analysis.mode, "stuck")
+        linear = LinearMode.of(model.superelement, model.pairs, analysis.mode, analysis.limit)
     name, row = next(iter(model.outputs.items()))
-    shape, largest = abs(float(row @ linear.load_shape)), float(np.abs(linear.load_shape).max())
+    shape, largest = abs(float(row @ linear.shape)), float(np.abs(linear.shape).max())
     if shape <= LEAST_MOTION * float(np.abs(row).max()) * largest:
         raise InputError(
             f'mode is {analysis.mode}, which does not move the output "{name}", so its amplitude does not determine '
@@ -102,6 +102,7 @@ def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | No
             model.pairs,
             analysis.mode,
             (analysis.smallest_amplitude / shape, analysis.largest_amplitude / shape),
+            limit=analysis.limit,
             harmonics=settings.harmonics or DEFAULT_HARMONICS,
             samples=settings.samples,
             modal_damping_ratio=case.damping.modal_damping_ratio,
