@@ -5,20 +5,25 @@ A further kind is one more class here and one function in ``study/analyses.py``.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, ValidationInfo, field_validator
 
 from stickslip.case.section import Section, of_kind
-from stickslip.core.units import LARGEST_INTEGER, Count
+from stickslip.core.errors import InputError
+from stickslip.core.units import LARGEST_INTEGER, Count, Quantity
 
 MOST_STARTS = 10_000  # chosen: some days of time integration
+MOST_MODES = 100_000  # chosen: more unknowns than a reduced structure has
+# Amplitudes of an output: below an atom up to a metre.
+Amplitude = Annotated[float, Quantity("length", shown="um", at_least=1e-13, at_most=1.0, example='"10 um"')]
 
 
-class ForcedAnalysis(Section):
-    """The computed result: forced is the periodic response to the excitation over the frequency range of [solver]."""
+class AnalysisSection(Section):
+    """What is computed, whatever its kind: always the forced response."""
 
-    kind: Literal["forced"] = Field(default="forced", description="forced")
+    kind: str
     traction_band: bool = Field(
         default=False,
         description="compute how far the peak moves with the residual tractions of pairs; takes several curves more",
@@ -35,4 +40,41 @@ class ForcedAnalysis(Section):
     )
 
 
-Analysis = Annotated[ForcedAnalysis, of_kind({"forced": ForcedAnalysis}, "forced")]
+class ForcedAnalysis(AnalysisSection):
+    """The computed result: forced is the periodic response to the excitation over the frequency range of [solver]; mode
+    is this response and, beside it, a nonlinear mode over a range of amplitudes."""
+
+    foreign: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("mode", "limit", "smallest_amplitude", "largest_amplitude"),
+        'belongs to kind = "mode", but kind is "forced". Set the kind, or remove this key.',
+    )
+
+    kind: Literal["forced"] = Field(default="forced", description="forced or mode")
+
+
+class ModeAnalysis(AnalysisSection):
+    """The forced response, and beside it a nonlinear mode: frequency and damping ratio against amplitude."""
+
+    kind: Literal["mode"] = Field(default="mode", description="forced or mode")
+    mode: Annotated[int, Count(at_least=1, at_most=MOST_MODES)] = Field(
+        default=1, description="number of the linear mode, from 1, in the order of frequencies"
+    )
+    limit: Literal["stuck", "sliding"] = Field(
+        default="stuck",
+        description="pairs of the linear mode; the nonlinear one starts there, at the smallest or largest amplitude",
+    )
+    smallest_amplitude: Amplitude = Field(
+        default=1e-8, description="of the first output, 0-to-peak, in the shape of the linear mode"
+    )
+    largest_amplitude: Amplitude = Field(default=1e-4, validate_default=True)
+
+    @field_validator("largest_amplitude")
+    @classmethod
+    def _range_rises(cls, value: float, info: ValidationInfo) -> float:
+        smallest = info.data.get("smallest_amplitude")
+        if smallest is not None and value <= smallest:
+            raise InputError(f"must be above smallest_amplitude = {1e6 * smallest:g} um.")
+        return value
+
+
+Analysis = Annotated[ForcedAnalysis | ModeAnalysis, of_kind({"forced": ForcedAnalysis, "mode": ModeAnalysis}, "forced")]

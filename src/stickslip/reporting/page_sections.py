@@ -14,6 +14,7 @@ from typing import Any
 from stickslip.reporting import plots
 from stickslip.reporting.curve_plot import amplitude_frequency
 from stickslip.reporting.look import Figure
+from stickslip.reporting.mode_section import NONLINEAR_MODE
 from stickslip.reporting.other_words import OTHER_SOLUTIONS
 from stickslip.reporting.section import Section
 from stickslip.reporting.structure_section import STRUCTURE
@@ -199,6 +200,7 @@ SECTIONS = (
     ),
     TRACTIONS,
     OTHER_SOLUTIONS,
+    NONLINEAR_MODE,
     Section(
         "Pressure at rest",
         """\

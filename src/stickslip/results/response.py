@@ -8,28 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from os import PathLike
 from typing import TYPE_CHECKING, ClassVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from stickslip.contact.law.law import ContactState
-from stickslip.core.errors import InputError
-from stickslip.core.fourier import synthesis_matrix
-from stickslip.core.validation import FloatArray, finite_array, require_choice
+from stickslip.core.validation import FloatArray, require_choice
 from stickslip.results.curve_figure import OTHER_CURVES, TRACTION_CURVES, AmplitudeCurve
-from stickslip.results.groups import read_groups, write_groups
 from stickslip.results.linear_curves import points_between
 from stickslip.results.periodic_amplitude import periodic_amplitude
-from stickslip.results.response_data import CURVE, PAIRS, ResponseData
+from stickslip.results.periodic_motions import CURVE, PAIRS
+from stickslip.results.response_data import ResponseData
 from stickslip.results.side_curves import SideCurve
 from stickslip.results.sweeps_of_curve import Jump, SlowSweep, one_run, solid_words, stable_between_folds, sweeps
-from stickslip.results.variables import (
-    Numbers,
-    WholeNumbers,
-    require_shape,
-)
+from stickslip.results.variables import Numbers, WholeNumbers
 
 if TYPE_CHECKING:
     import xarray
@@ -112,6 +104,9 @@ class ForcedResponse(ResponseData):
         (``forced_response(..., traction_band=output)``).
     other_solutions:
         periodic motions that are not on the curve; None without a search (:func:`search_other_solutions`).
+    nonlinear_mode:
+        a nonlinear mode of the same structure, with its contacts about the same rest; None without ``[analysis] kind =
+        "mode"``.
 
     Raises
     ------
@@ -143,34 +138,6 @@ class ForcedResponse(ResponseData):
         for name, entry in self.DERIVED.items():
             dataset = dataset.assign(entry.variables(self, name))
         return dataset.set_coords("frequency")
-
-    @property
-    def n_points(self) -> int:
-        """Number of points on the curve."""
-        return int(self.frequency_hz.size)
-
-    @property
-    def friction_energy(self) -> FloatArray:
-        """(n_points, n_pairs) J per cycle dissipated by friction, the work of the tangential forces."""
-        return self.dissipated_energy - self.normal_work
-
-    @property
-    def moving_pairs(self) -> NDArray[np.int64]:
-        """(n_points,) number of pairs that slip or separate."""
-        return np.asarray((self.contact_state != ContactState.STUCK).sum(axis=1))
-
-    @property
-    def n_unknowns(self) -> int:
-        """Number of unknowns n of the structure."""
-        return int(self.displacement.shape[1])
-
-    def amplitude(self, output: ArrayLike) -> FloatArray:
-        """(n_points,) 0-to-peak amplitude of ``output @ u(t)``: its largest absolute value over the period.
-
-        The mean is included, and the maximum is refined between samples. ``output`` is a row (n,); its unit sets that
-        of the result (m for a displacement). Raises InputError.
-        """
-        return periodic_amplitude(self.coefficients(output))
 
     def linear_amplitude(self, output: ArrayLike, limit: str) -> FloatArray:
         """(n_linear,) the same amplitude on the linear curve ``limit``: "stuck" or "free". Raises InputError."""
@@ -247,40 +214,6 @@ class ForcedResponse(ResponseData):
         """(n_points,) :attr:`stable`; where it was not computed the folds of the curve decide."""
         return stable_between_folds(self.frequency_hz) if self.stable is None else self.stable
 
-    def harmonic_amplitude(self, output: ArrayLike, harmonic: int) -> FloatArray:
-        """(n_points,) ``sqrt(c_k^2 + s_k^2)`` of ``output @ u``, and ``|c_0|`` for harmonic 0. Raises InputError."""
-        if not 0 <= harmonic <= self.harmonics:
-            raise InputError(
-                f"harmonic is {harmonic}, but this response contains harmonics 0 to {self.harmonics}. Solve with more "
-                "harmonics to see higher ones.",
-                arguments=["harmonic"],
-            )
-        coefficients = self.coefficients(output)
-        if harmonic == 0:
-            return np.abs(coefficients[:, 0])
-        magnitude: FloatArray = np.hypot(coefficients[:, 2 * harmonic - 1], coefficients[:, 2 * harmonic])
-        return magnitude
-
-    def coefficients(self, output: ArrayLike) -> FloatArray:
-        """(n_points, 2 * harmonics + 1) Fourier coefficients of ``output @ u(t)``. Raises InputError."""
-        coefficients: FloatArray = np.einsum("pic,i->pc", self.displacement, self._row(output))
-        return coefficients
-
-    def signal(self, output: ArrayLike, point: int, n_samples: int) -> FloatArray:
-        """(n_samples,) ``output @ u(t)`` at one point, ``t_j = j / (n_samples f)``. Raises InputError."""
-        signal: FloatArray = synthesis_matrix(self.harmonics, n_samples) @ self.coefficients(output)[self._point(point)]
-        return signal
-
-    def pair_coefficients(self, point: int) -> FloatArray:
-        """(n_pairs, 3, 2 * harmonics + 1) m, relative displacement t1, t2, n of each pair. Raises InputError."""
-        relative: FloatArray = self.pairs.operator @ self.displacement[self._point(point)]
-        return relative.reshape(self.pairs.n_pairs, 3, -1)
-
-    def pair_displacement(self, point: int, n_samples: int) -> FloatArray:
-        """(n_samples, n_pairs, 3) m, relative displacement t1, t2, n over one period. Raises InputError."""
-        synthesis = synthesis_matrix(self.harmonics, n_samples)
-        return np.moveaxis(self.pair_coefficients(point) @ synthesis.T, 2, 0)
-
     def pair_cycle(self, point: int) -> ContactCycle:
         """Force, slider, state and energy of every pair over one period at one point. Raises InputError.
 
@@ -300,24 +233,3 @@ class ForcedResponse(ResponseData):
         if self.walk is None:
             return np.zeros((self.pairs.n_pairs, 3))
         return self.pairs.way(self.walk[self._point(point)])
-
-    def save(self, path: str | PathLike[str]) -> None:
-        """Write one NetCDF-4 file, completely or not at all. Raises ResultsFileError if it cannot be written."""
-        write_groups(path, self.to_groups())
-
-    @classmethod
-    def load(cls, path: str | PathLike[str]) -> ForcedResponse:
-        """Read a file of :meth:`save`; the object is equal. Raises ResultsFileError."""
-        return read_groups(path, cls.from_group)
-
-    def _row(self, output: ArrayLike) -> FloatArray:
-        row = finite_array("output", output)
-        require_shape("output", row, (self.n_unknowns,))
-        return row
-
-    def _point(self, point: int) -> int:
-        if not -self.n_points <= point < self.n_points:
-            raise InputError(
-                f"point is {point}, but this response has {self.n_points} points, numbered from 0.", arguments=["point"]
-            )
-        return point

@@ -3,29 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.contact.law.law import ContactState
-from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.results.linear_curves import LinearCurves
+from stickslip.results.nonlinear_mode import NonlinearMode
 from stickslip.results.other_solutions import OtherSolutions
-from stickslip.results.pair_variables import pairs_from, pairs_groups
+from stickslip.results.periodic_motions import CURVE, PeriodicMotions
 from stickslip.results.stability import Bifurcation, BifurcationRows, ComplexNumbers
-from stickslip.results.stored import StoredGroup
 from stickslip.results.traction_band import TractionBand
 from stickslip.results.variables import (
-    Attribute,
     Coefficients,
     Flags,
-    HarmonicNumbers,
     InGroup,
-    Json,
-    Labelled,
     Numbers,
     Text,
     WholeNumbers,
@@ -33,17 +26,12 @@ from stickslip.results.variables import (
     stored,
 )
 
-# Dimensions of what each point of the curve has, and each pair at each point.
-CURVE, PAIRS = ("point",), ("point", "pair")
-_Setting = str | float | int | None
-# More samples of a period than any run has: a larger number in a file is damage.
-MOST_SAMPLES = 10**6
 # The message of results of versions that did not compute it.
 NO_STABILITY = "These results do not contain the stability of the points."
 
 
 @dataclass(frozen=True, eq=False)
-class ResponseData(Labelled):
+class ResponseData(PeriodicMotions):
     """The fields of :class:`stickslip.results.response.ForcedResponse`, which describes them."""
 
     DATASET_TITLE: ClassVar[str] = "Forced response of a structure with rough, dry-friction joints"
@@ -51,49 +39,9 @@ class ResponseData(Labelled):
     frequency_hz: FloatArray = field(
         metadata=stored(Numbers(CURVE, "Hz", "excitation frequency along the curve, may fold", name="frequency"))
     )
-    displacement: FloatArray = field(
-        metadata=stored(
-            Coefficients(
-                ("point", "unknown"),
-                "m",
-                "displacement (m for boundary unknowns, own scaling for modal ones)",
-            )
-        )
-    )
-    contact_state: NDArray[np.int8] = field(
-        metadata=stored(
-            WholeNumbers(
-                PAIRS, "1", f"contact state: {', '.join(f'{each:d} {each.label}' for each in ContactState)}", np.int8
-            )
-        )
-    )
-    dissipated_energy: FloatArray = field(
-        metadata=stored(Numbers(PAIRS, "J", "work on the contact force per cycle: friction and normal_work"))
-    )
-    normal_work: FloatArray = field(
-        metadata=stored(Numbers(PAIRS, "J", "work of the normal force per cycle, an error of sampling"))
-    )
-    closure: FloatArray = field(
-        metadata=stored(Numbers(PAIRS, "1", "relative distance between slider at start and end of the period"))
-    )
-    residual: FloatArray = field(metadata=stored(Numbers(CURVE, "1", "relative residual of the balance")))
-    iterations: NDArray[np.int64] = field(metadata=stored(WholeNumbers(CURVE, "1", "Newton iterations")))
     input_energy: FloatArray = field(metadata=stored(Numbers(CURVE, "J", "work of the excitation per cycle")))
-    viscous_energy: FloatArray = field(
-        metadata=stored(Numbers(CURVE, "J", "energy that viscous damping dissipates per cycle"))
-    )
-    converged: bool = field(metadata=stored(Attribute(0, 1, bool)))
-    message: str = field(metadata=stored(Text("message of the solver at its end")))
-    warnings: tuple[str, ...] = field(metadata=stored(Json(list[str], "warnings of the solver, JSON list")))
-    harmonics: int = field(metadata=stored(HarmonicNumbers()))
-    samples: int = field(metadata=stored(Attribute(1, MOST_SAMPLES)))
-    pairs: ContactPairs = field(metadata=stored(InGroup(pairs_groups, pairs_from)))
     linear: LinearCurves = field(metadata=stored(InGroup.of(LinearCurves)))
     force: FloatArray = field(metadata=stored(Coefficients(("unknown",), "N", "excitation force")))
-    settings: dict[str, str | float | int] = field(
-        metadata=stored(Json(dict[str, _Setting], "settings of the solve, JSON object"))
-    )
-    provenance: dict[str, str] = field(metadata=stored(Json(dict[str, str], "software and machine, JSON object")))
     load_factor: FloatArray = field(
         default_factory=lambda: np.ones(1),
         metadata=stored(Numbers(CURVE, "1", "excitation at the point over force", optional=True)),
@@ -136,28 +84,15 @@ class ResponseData(Labelled):
         default=None, metadata=stored(InGroup.of(OtherSolutions, optional=True))
     )
 
+    nonlinear_mode: NonlinearMode | None = field(
+        default=None, metadata=stored(InGroup.of(NonlinearMode, optional=True))
+    )
+
     def __post_init__(self) -> None:
-        points = np.shape(self.frequency_hz)
-        if len(points) != 1 or not points[0]:
-            raise InputError(
-                f"frequency_hz must be a list of at least one point, but its shape is {points}.",
-                arguments=["frequency_hz"],
-            )
+        sizes = self._checked_sizes()
         for name in ("load_factor", "kinetic_energy", "part"):
             if np.shape(getattr(self, name)) == (1,):
-                object.__setattr__(self, name, np.repeat(getattr(self, name), points[0]))
-        if not np.isin(self.contact_state, list(ContactState)).all():
-            states = [f"{state:d} ({state.label})" for state in ContactState]
-            raise InputError(
-                f"contact_state must contain only {', '.join(states[:-1])} or {states[-1]}.",
-                arguments=["contact_state"],
-            )
-        sizes = {
-            "point": points[0],
-            "pair": self.pairs.n_pairs,
-            "unknown": self.pairs.operator.shape[1],
-            "harmonic": self.harmonics,
-        }
+                object.__setattr__(self, name, np.repeat(getattr(self, name), sizes["point"]))
         self._require_sizes(sizes)
         if self.traction_band is not None:
             band = self.traction_band
@@ -169,8 +104,3 @@ class ResponseData(Labelled):
         require_shape("linear.stuck", self.linear.stuck, limit)
         require_shape("linear.free", self.linear.free, limit)
         object.__setattr__(self, "warnings", tuple(self.warnings))
-
-    @classmethod
-    def from_group(cls, group: StoredGroup, harmonics: int = 0) -> Self:
-        """The response in the root group of a results file, which contains its number of harmonics."""
-        return super().from_group(group, group.integers("harmonic").size)

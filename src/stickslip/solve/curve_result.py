@@ -17,7 +17,7 @@ from stickslip.results.stability import Bifurcation, BifurcationKind
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.checks import ResolutionCheck, check_resolution
 from stickslip.solve.harmonic.curve_warnings import curve_warnings, excursion_warning, neighbour_warnings
-from stickslip.solve.harmonic.energy import measure_curve
+from stickslip.solve.harmonic.energy import CurveMeasures, measure_curve
 from stickslip.solve.harmonic.linear import linear_curves
 from stickslip.solve.harmonic.missed_peaks import PeakCheck
 from stickslip.solve.harmonic.neglected import CurveAccuracy
@@ -125,15 +125,7 @@ def response_of(
     report.stage(f"{len(trials)} points", 1.0)
     return ForcedResponse(
         frequency_hz=np.array([trial.omega for trial in trials]) / (2.0 * np.pi),
-        displacement=np.ascontiguousarray(motion.transpose(0, 2, 1)),
-        contact_state=np.array([trial.contact.state for trial in trials], dtype=np.int8),
-        dissipated_energy=measures.dissipated_energy,
-        normal_work=measures.normal_work,
-        closure=np.array([trial.contact.closure for trial in trials]),
-        residual=measures.residual,
-        iterations=np.array([point.iterations for point in branch.points[: len(trials)]]),
-        input_energy=measures.input_energy,
-        viscous_energy=measures.viscous_energy,
+        **fields_of(branch.points, trials, measures, motion),
         converged=converged,
         message=f"{how} {'The curve reached the stop frequency.' if converged else message}",
         warnings=notes
@@ -161,6 +153,24 @@ def response_of(
         bifurcations=() if verdict is None else verdict.bifurcations,
         stability_message=stability_message,
     )
+
+
+def fields_of(
+    points: Sequence[BranchPoint[Any]], trials: Sequence[Trial], measures: CurveMeasures, motion: FloatArray
+) -> dict[str, Any]:
+    """Fields of :class:`stickslip.results.periodic_motions.PeriodicMotions` and energies of the ``trials``, the first
+    ``points`` of a branch; ``motion`` (n_points, 2H+1, n) m are their displacements."""
+    return {
+        "displacement": np.ascontiguousarray(motion.transpose(0, 2, 1)),
+        "contact_state": np.array([trial.contact.state for trial in trials], dtype=np.int8),
+        "dissipated_energy": measures.dissipated_energy,
+        "normal_work": measures.normal_work,
+        "closure": np.array([trial.contact.closure for trial in trials]),
+        "residual": measures.residual,
+        "iterations": np.array([point.iterations for point in points[: len(trials)]]),
+        "input_energy": measures.input_energy,
+        "viscous_energy": measures.viscous_energy,
+    }
 
 
 def _stability(

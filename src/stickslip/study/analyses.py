@@ -5,17 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from stickslip.case.analysis import ForcedAnalysis
+import numpy as np
+
+from stickslip.case.analysis import AnalysisSection, ForcedAnalysis, ModeAnalysis
 from stickslip.case.case import Case
+from stickslip.core.errors import ConvergenceError, InputError, concerning
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.model.model import ReducedModel
 from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.forced import forced_response
+from stickslip.solve.forced import DEFAULT_HARMONICS, forced_response
+from stickslip.solve.linear_mode import LinearMode
+from stickslip.solve.nonlinear_mode import nonlinear_mode
 from stickslip.solve.other_solutions import search_other_solutions
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.transient.integrate import check_integration
+
+# chosen: an output that moves less in a mode, over the largest unknown, is at a node of it.
+LEAST_MOTION = 1e-9
 
 Analyse = Callable[[Case, ReducedModel, Progress, int | None], ForcedResponse]
 
@@ -72,5 +80,41 @@ def _forced(case: Case, model: ReducedModel, listener: Progress, threads: int | 
     )
 
 
+def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | None) -> ForcedResponse:
+    """The forced response, and beside it the nonlinear mode. Raises InputError for a mode that does not exist, or that
+    does not move the first output."""
+    settings, analysis = case.solver, case.analysis
+    assert isinstance(analysis, ModeAnalysis)
+    with concerning("analysis.mode"):
+        linear = LinearMode.of(model.superelement, model.pairs, analysis.mode, analysis.limit)
+    name, row = next(iter(model.outputs.items()))
+    shape, largest = abs(float(row @ linear.shape)), float(np.abs(linear.shape).max())
+    if shape <= LEAST_MOTION * float(np.abs(row).max()) * largest:
+        raise InputError(
+            f'mode is {analysis.mode}, which does not move the output "{name}", so its amplitude does not determine '
+            "that of the mode. Choose another mode, or another first output.",
+            ("analysis.mode",),
+        )
+    response = _forced(case, model, listener, threads)
+    try:
+        mode = nonlinear_mode(
+            model.superelement,
+            model.pairs,
+            analysis.mode,
+            (analysis.smallest_amplitude / shape, analysis.largest_amplitude / shape),
+            limit=analysis.limit,
+            harmonics=settings.harmonics or DEFAULT_HARMONICS,
+            samples=settings.samples,
+            modal_damping_ratio=case.damping.modal_damping_ratio,
+            update=settings.update,
+            newton=NewtonSettings(tolerance=settings.tolerance),
+            threads=threads,
+            progress=lambda fraction, detail: listener.update("Nonlinear mode", fraction, detail),
+        )
+    except ConvergenceError as error:  # the response is a result without it
+        return replace(response, warnings=(*response.warnings, f"The nonlinear mode was not computed: {error}"))
+    return replace(response, nonlinear_mode=mode)
+
+
 # Class of the section [analysis] -> function that computes it.
-_ANALYSES: dict[type[ForcedAnalysis], Analyse] = {ForcedAnalysis: _forced}
+_ANALYSES: dict[type[AnalysisSection], Analyse] = {ForcedAnalysis: _forced, ModeAnalysis: _mode}

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
+from stickslip.case.analysis import AnalysisSection, ModeAnalysis
 from stickslip.case.case import Case
 from stickslip.core.plausible import suspecting
 from stickslip.model.joint import odd_values
@@ -50,6 +52,7 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
                 (f"first natural frequencies, contact stuck{constraint}", ", ".join(map(hertz, stuck_hz)) + " Hz"),
                 ("excitation", kind_of(case).description(case)),
                 ("resolution", f"{solver.resolution}, {solver.samples} samples"),
+                *_mode(case.analysis),
             ],
         ),
     ]
@@ -77,6 +80,13 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
     if warnings:
         sections.append(("Warnings", [(f"{i}.", sentence) for i, sentence in enumerate(warnings, start=1)]))
     return sections
+
+
+def _mode(analysis: AnalysisSection) -> Iterator[tuple[str, str]]:
+    """The nonlinear mode of a run, if there is one."""
+    if isinstance(analysis, ModeAnalysis):
+        low, high = (f"{1e6 * value:g}" for value in (analysis.smallest_amplitude, analysis.largest_amplitude))
+        yield "nonlinear mode", f"mode {analysis.mode}, {low} to {high} um at the first output"
 
 
 def _is_undamped(case: Case, structure: Structure | Superelement) -> bool:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import zip_longest
 
+from stickslip.case.analysis import ForcedAnalysis
 from stickslip.case.case import Case
 from stickslip.case.reference import MODE_COUNT
 from stickslip.contact.pairing.pairing import FacePairs
@@ -77,7 +78,7 @@ def with_other_tractions(
         return compared_tractions(case, response, model.preload.why, output)
     retained = case.preload.residual_traction != "kept"
     changed = replace(model, pairs=model.preload.pairs_about(other, retained))
-    curve_only = case.replace({"analysis.traction_band": False, "analysis.search": False})
+    curve_only = case.model_copy(update={"analysis": ForcedAnalysis()})
     try:
         return compared_tractions(case, response, solve(curve_only, changed, progress, threads), output)
     except ConvergenceError as error:

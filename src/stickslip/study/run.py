@@ -17,6 +17,7 @@ from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import thread_count
 from stickslip.model.model import Model
 from stickslip.results.measures import summary, summary_table
+from stickslip.results.nonlinear_mode import NonlinearMode
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, results_bytes
@@ -79,7 +80,9 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
         progress.update("Files", 0.7, FIGURE_FOLDER)
         files = [out / RESULTS_FILE, page, *artist.files(), *shapes]
     progress.update("Files", 1.0, f"{len(files)} files")
-    return StudyOutcome(response, tuple(files), response.converged, _closing_words(response, record))
+    mode = response.nonlinear_mode
+    converged = response.converged and (mode is None or mode.converged)
+    return StudyOutcome(response, tuple(files), converged, _closing_words(response, record))
 
 
 @contextmanager
@@ -123,7 +126,18 @@ def _closing_words(response: ForcedResponse, record: StudyRecord) -> str:
     lines = [f"{response.message} {response.n_points} points."]
     lines += [f"  {name:<{width}}  {value} {unit}" for name, value, unit in rows]
     lines += [f"Warning: {sentence}" for sentence in (*record.warnings, *response.warnings)]
+    if response.nonlinear_mode is not None:
+        lines += _words_of_mode(response.nonlinear_mode)
     return "\n".join(lines)
+
+
+def _words_of_mode(mode: NonlinearMode) -> Iterator[str]:
+    """The message of a nonlinear mode, its range, and its warnings."""
+    yield f"Nonlinear mode {mode.mode}: {mode.message} {mode.n_points} points."
+    low, high = mode.damping_ratio.min(), mode.damping_ratio.max()
+    yield f"  frequency      {mode.frequency_hz.min():.2f} to {mode.frequency_hz.max():.2f} Hz"
+    yield f"  damping ratio  {100 * low:.3g} to {100 * high:.3g} %"
+    yield from (f"Warning: {sentence}" for sentence in mode.warnings)
 
 
 def report(folder: str | PathLike[str]) -> tuple[Path, ...]:

@@ -14,6 +14,7 @@ the pair separates or was open at rest. Everything else follows by back substitu
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,7 @@ from stickslip.contact.law.law import LawPeriod
 from stickslip.core.validation import FloatArray
 from stickslip.solve.excitation import ExcitationForce
 from stickslip.solve.harmonic.compliance import Compliance, ExternalForce
+from stickslip.solve.harmonic.gain import SelfExcitation
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,7 @@ class Trial:
     amplitude: FloatArray  # (2H, n) modal amplitudes of the structure under the force and the deviation
     residual: FloatArray
     error: float  # norm of the residual relative to that of the relative displacement, see Balance.evaluate
+    growth: float = 0.0  # 1/s, coefficient xi of the damping -xi M that sustains a nonlinear mode
 
 
 def relative_norm(part: FloatArray, whole: FloatArray) -> float:
@@ -101,6 +104,12 @@ class Balance:
         self._springs[0] = (springs * ~undetermined).ravel()
         self._terms = [(power, compliance.external(array)) for power, array in force.terms]
 
+    def excited(self, by: SelfExcitation) -> Balance:
+        """The balance under a self-excitation."""
+        changed = copy(self)
+        changed.compliance = self.compliance.excited(by)
+        return changed
+
     @property
     def rows(self) -> int:
         """Number m of rows of relative displacement."""
@@ -148,7 +157,8 @@ class Balance:
         few_digits = float(np.finfo(float).eps) * relative_norm(relative[:1], relative[1:])
         wrong = relative_norm(residual, self.determined(relative))
         error = max(wrong, few_digits, self._closing_error(residual, contact))
-        return Trial(omega, load, relative, deviation, contact, amplitude, residual, error)
+        growth = self.compliance.gain.growth
+        return Trial(omega, load, relative, deviation, contact, amplitude, residual, error, growth)
 
     def _closing_error(self, residual: FloatArray, contact: LawPeriod) -> float:
         """Residual times the springs that are not in the compliance, over the contact force.
@@ -191,10 +201,18 @@ class Balance:
                     slope = slope + self.compliance.amplitude(trial.omega, growth, still)
         return slope
 
+    def growth_amplitude(self, trial: Trial) -> FloatArray:
+        """Derivative (2H, n) of the modal amplitudes by xi at fixed deviation and load."""
+        return self.compliance.gain.growth_slope(trial.omega, trial.amplitude)
+
+    def residual_slope(self, amplitude_slope: FloatArray) -> FloatArray:
+        """Derivative (2H+1, m) of R at fixed x by a parameter, from that of the modal amplitudes (2H, n)."""
+        still = np.zeros((2 * self.harmonics + 1, self.rows))
+        return -self.compliance.relative(amplitude_slope, still)
+
     def frequency_slope(self, trial: Trial) -> FloatArray:
         """dR/dw (2H+1, m) at fixed x."""
-        still = np.zeros_like(trial.relative)
-        return -self.compliance.relative(self.amplitude_slope(trial), still)
+        return self.residual_slope(self.amplitude_slope(trial))
 
     def load_amplitude(self, omega: float) -> FloatArray:
         """Derivative (2H, n) of the modal amplitudes by the load at fixed deviation."""

@@ -119,7 +119,7 @@ def check_resolution(
     size = [float(np.linalg.norm(trial.relative[1:])) for trial in trials]
     spread = np.linspace(0, len(trials) - 1, min(limit, len(trials))).round().astype(int)
     chosen = sorted({*spread.tolist(), int(np.argmax(size))})
-    samples = np.array([_sample_residual(fine, trials[i]) for i in chosen])
+    samples = np.array([sample_residual(fine, trials[i]) for i in chosen])
     if reached is None:
         errors = _estimated_errors(balance, fine, trials, int(np.argmax(size)))
     else:
@@ -155,7 +155,7 @@ def _estimated_errors(balance: Balance, fine: Balance, trials: Sequence[Trial], 
     return errors
 
 
-def _sample_residual(fine: Balance, trial: Trial) -> float:
+def sample_residual(fine: Balance, trial: Trial) -> float:
     """Residual of a trial with the samples of ``fine``, in its own harmonics, over the relative displacement."""
     width = len(trial.relative)
     padded = with_rows(trial.relative, 2 * fine.harmonics + 1)

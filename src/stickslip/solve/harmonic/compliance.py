@@ -9,6 +9,7 @@ slider is at the mean displacement), so ``k`` contains only the normal springs t
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -25,7 +26,7 @@ from stickslip.solve.harmonic.damping import (
     modal_damping_matrix,
     stuck_stiffness_matrix,
 )
-from stickslip.solve.harmonic.gain import ComplexArray, CoupledGain, DiagonalGain, ModalGain, times_gain
+from stickslip.solve.harmonic.gain import ComplexArray, CoupledGain, DiagonalGain, ModalGain, SelfExcitation, times_gain
 from stickslip.solve.harmonic.support import StaticFactor, mean_factor, require_support_at_rest, restrained
 from stickslip.structure.superelement import Superelement
 
@@ -112,6 +113,12 @@ class Compliance:
         self._near_contact = np.ascontiguousarray(self._contact_modes[:, : gain.near_modes])
         self._cached: tuple[bytes, FloatArray, FloatArray] | None = None
 
+    def excited(self, by: SelfExcitation) -> Compliance:
+        """The compliance under a self-excitation."""
+        changed = copy(self)
+        changed.gain = self.gain.excited(by)
+        return changed
+
     def restraint_force(self, mean_relative: FloatArray) -> FloatArray:
         """(..., n_pairs, 2) N along t1, t2 of the restraint at mean relative displacements (..., 3 n_pairs)."""
         shape = (*mean_relative.shape[:-1], -1, 3)
@@ -138,6 +145,10 @@ class Compliance:
         answer[0] = -(self._mean_contact @ deviation[0]) if deviation[0].any() else 0.0
         np.matmul(amplitude, self._contact_modes.T, out=answer[1:])
         return answer
+
+    def relative_of(self, motion: FloatArray) -> FloatArray:
+        """(m,) relative displacements of a motion (n,) in the modes."""
+        return np.asarray(self._contact_modes @ motion)
 
     def amplitude_transposed(self, omega: float, weights: FloatArray) -> FloatArray:
         """Derivative (2H+1, m) of ``sum(weights * amplitude)`` by the deviation, for weights (2H, n).
@@ -224,12 +235,7 @@ def stuck_structure(
     Raises InputError for an operator of another size, for both kinds of damping at once, or a singular structure.
     """
     n = superelement.size
-    if pairs.operator.shape[1] != n:
-        raise InputError(
-            f"operator has {pairs.operator.shape[1]} columns, but the superelement has {n} unknowns; "
-            "operator must have shape (3 * n_pairs, n).",
-            arguments=["operator"],
-        )
+    require_one_size(superelement, pairs)
     if modal_damping_ratio is not None and superelement.damping is not None:
         raise InputError(
             "give either a damping matrix in the superelement or modal_damping_ratio, not both.",
@@ -250,3 +256,14 @@ def stuck_structure(
         if modal is None:
             modal = modes.T @ damping @ modes
     return StuckStructure(pairs, mean, restraint, frequency, modes, modal, damping, highest_omega)
+
+
+def require_one_size(superelement: Superelement, pairs: ContactPairs) -> None:
+    """Raise InputError for an operator of another size than the structure."""
+    n = superelement.size
+    if pairs.operator.shape[1] != n:
+        raise InputError(
+            f"operator has {pairs.operator.shape[1]} columns, but the superelement has {n} unknowns; "
+            "operator must have shape (3 * n_pairs, n).",
+            arguments=["operator"],
+        )

@@ -37,17 +37,10 @@ def curve_warnings(
     wanted_ratio: float | None,
 ) -> tuple[str, ...]:
     """All warnings on a curve."""
-    sentences = list(check.warnings(balance.harmonics, balance.samples))
-    omega = np.array([trial.omega for trial in trials])
-    work = measures.normal_work.sum(axis=1)
-    sentences += normal_work_warnings(omega, work, measures.input_energy, balance.samples)
-    closure = max(float(trial.contact.closure.max()) for trial in trials)
-    if closure > LARGEST_CLOSURE:
-        sentences.append(
-            f"The slider of at least one pair did not reach a periodic state (closure error {closure:.1e} of the "
-            "friction limit); the force of that pair is uncertain by about this fraction."
-        )
-    sentences.extend(_residual(measures.residual))
+    sentences = [
+        *check.warnings(balance.harmonics, balance.samples),
+        *motion_warnings(balance, trials, measures),
+    ]
     if not damped:
         sentences.append(
             "There is no viscous damping: the linear curves have no finite peaks (their heights in the figures have no "
@@ -58,7 +51,26 @@ def curve_warnings(
             f"The damping ratio of {100 * wanted_ratio:.3g} % applies to the stuck modes; the free modes in the "
             f"frequency range have up to {100 * free_ratio:.3g} % from the same matrix, part of it across the joint."
         )
-    return (*sentences, *_drift(balance, trials), *walk_warnings(balance.pairs, trials), *_folds(trials))
+    return (*sentences, *_folds(trials))
+
+
+def motion_warnings(balance: Balance, trials: Sequence[Trial], measures: CurveMeasures) -> tuple[str, ...]:
+    """Warnings on the motions of a curve: work of normal forces, sliders, residuals, drift and walk."""
+    omega = np.array([trial.omega for trial in trials])
+    work = measures.normal_work.sum(axis=1)
+    sentences = list(normal_work_warnings(omega, work, measures.input_energy, balance.samples))
+    closure = max(float(trial.contact.closure.max()) for trial in trials)
+    if closure > LARGEST_CLOSURE:
+        sentences.append(
+            f"The slider of at least one pair did not reach a periodic state (closure error {closure:.1e} of the "
+            "friction limit); the force of that pair is uncertain by about this fraction."
+        )
+    return (
+        *sentences,
+        *_residual(measures.residual),
+        *_drift(balance, trials),
+        *walk_warnings(balance.pairs, trials),
+    )
 
 
 def _folds(trials: list[Trial]) -> tuple[str, ...]:
@@ -146,7 +158,7 @@ def _residual(residuals: FloatArray) -> tuple[str, ...]:
     )
 
 
-def _drift(balance: Balance, trials: list[Trial]) -> tuple[str, ...]:
+def _drift(balance: Balance, trials: Sequence[Trial]) -> tuple[str, ...]:
     """A warning where the restraint of the mean position carries a force that the model does not have."""
     traction = max(float(np.abs(balance.compliance.restraint_force(t.relative[0])).sum()) for t in trials)
     limit = float(balance.pairs.largest_slip_force.sum())

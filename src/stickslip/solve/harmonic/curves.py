@@ -7,6 +7,7 @@ frequency ``w`` in rad/s and the load, a factor of the external force, are fixed
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeVar
 
@@ -48,7 +49,7 @@ class BalancePoint:
 BalancePointT = TypeVar("BalancePointT", bound=BalancePoint)
 
 
-class _Linearised:
+class LinearisedBalance:
     """A bordered Newton system whose last row is the plane of the path, after those of the conditions."""
 
     def __init__(self, system: BorderedSystem) -> None:
@@ -58,7 +59,7 @@ class _Linearised:
         return self._system.solve(residual, np.append(-conditions, -plane), tolerance)
 
 
-def _plane_row(plane: Plane | None, count: int) -> Row:
+def plane_row(plane: Plane | None, count: int) -> Row:
     """The row of a plane among ``count`` parameters."""
     assert plane is not None  # these problems have parameters, so a correction needs a plane
     parameters = np.zeros(count)
@@ -66,7 +67,16 @@ def _plane_row(plane: Plane | None, count: int) -> Row:
     return Row(parameters, relative=plane.weights)
 
 
-class _BalanceCurve:
+def amplitude_row(balance: Balance, trial: Trial, weights: FloatArray, by_parameters: Sequence[FloatArray]) -> Row:
+    """The row of a condition with the derivative ``weights`` (2H, n) by the modal amplitudes.
+
+    ``by_parameters`` are the derivatives (2H, n) of the amplitudes by each parameter, at fixed deviation.
+    """
+    parameters = np.array([float((weights * slope).sum()) for slope in by_parameters])
+    return Row(parameters, deviation=balance.compliance.amplitude_transposed(trial.omega, weights))
+
+
+class BalanceCurve:
     """Common parts of all curves of a balance."""
 
     def __init__(self, balance: Balance, last: LastFactor | None = None) -> None:
@@ -87,7 +97,7 @@ class _BalanceCurve:
         return change
 
 
-class FrequencyCurve(_BalanceCurve):
+class FrequencyCurve(BalanceCurve):
     """The response along the frequency under a constant force; the parameter is the circular frequency.
 
     Curves that differ in their harmonics may share the ``last`` factor.
@@ -105,10 +115,10 @@ class FrequencyCurve(_BalanceCurve):
         trial = self.balance.evaluate(unknowns, float(parameters[0]), self.load)
         return BalancePoint(trial, parameters, NO_PARAMETERS, trial.error)
 
-    def linearised(self, point: BalancePoint, plane: Plane | None) -> _Linearised:
+    def linearised(self, point: BalancePoint, plane: Plane | None) -> LinearisedBalance:
         slopes = [self.balance.frequency_slope(point.trial)]
         system = NewtonSystem(self.balance, point.trial)
-        return _Linearised(BorderedSystem(system, slopes, [_plane_row(plane, 1)], self._last_factor))
+        return LinearisedBalance(BorderedSystem(system, slopes, [plane_row(plane, 1)], self._last_factor))
 
     def measured_change(self, point: BalancePoint, step: Step) -> FloatArray:
         return self._amplitude_change(point.trial, step.detail, float(step.parameters[0]), 0.0)
@@ -117,7 +127,7 @@ class FrequencyCurve(_BalanceCurve):
         return f"{parameter / (2.0 * math.pi):.3f} Hz"
 
 
-class LoadCurve(_BalanceCurve):
+class LoadCurve(BalanceCurve):
     """The response at one frequency while the force grows; the parameter is the load, a factor of the force."""
 
     def __init__(self, balance: Balance, omega: float) -> None:
@@ -132,10 +142,10 @@ class LoadCurve(_BalanceCurve):
         trial = self.balance.evaluate(unknowns, self.omega, float(parameters[0]))
         return BalancePoint(trial, parameters, NO_PARAMETERS, trial.error)
 
-    def linearised(self, point: BalancePoint, plane: Plane | None) -> _Linearised:
+    def linearised(self, point: BalancePoint, plane: Plane | None) -> LinearisedBalance:
         slopes = [self.balance.load_slope(point.trial)]
         system = NewtonSystem(self.balance, point.trial)
-        return _Linearised(BorderedSystem(system, slopes, [_plane_row(plane, 1)], self._last_factor))
+        return LinearisedBalance(BorderedSystem(system, slopes, [plane_row(plane, 1)], self._last_factor))
 
     def measured_change(self, point: BalancePoint, step: Step) -> FloatArray:
         return self._amplitude_change(point.trial, step.detail, 0.0, float(step.parameters[0]))
@@ -144,7 +154,7 @@ class LoadCurve(_BalanceCurve):
         return f"{100.0 * parameter:.4g} % of the load"
 
 
-class ControlledCurve(_BalanceCurve):
+class ControlledCurve(BalanceCurve):
     """The response along the frequency at a prescribed amplitude or phase of an output, with the force as unknown.
 
     The parameters are the circular frequency and the load. The condition is that the first harmonic of the output, ``o
@@ -188,17 +198,13 @@ class ControlledCurve(_BalanceCurve):
         along = math.cos(self._target) * cosine - math.sin(self._target) * sine  # Re((c - i s) exp(-i t))
         return self._control == "phase" and point.trial.load * along < 0.0
 
-    def linearised(self, point: BalancePoint, plane: Plane | None) -> _Linearised:
+    def linearised(self, point: BalancePoint, plane: Plane | None) -> LinearisedBalance:
         balance, trial = self.balance, point.trial
         _, weights = self._condition(trial)
-        by_parameters = [
-            float((weights * balance.amplitude_slope(trial)).sum()),
-            float((weights * balance.load_amplitude(trial.omega)).sum()),
-        ]
-        by_deviation = balance.compliance.amplitude_transposed(trial.omega, weights)
-        rows = [Row(np.array(by_parameters), deviation=by_deviation), _plane_row(plane, 2)]
-        slopes = [balance.frequency_slope(trial), balance.load_slope(trial)]
-        return _Linearised(BorderedSystem(NewtonSystem(balance, trial), slopes, rows, self._last_factor))
+        by_parameters = [balance.amplitude_slope(trial), balance.load_amplitude(trial.omega)]
+        rows = [amplitude_row(balance, trial, weights, by_parameters), plane_row(plane, 2)]
+        slopes = [balance.residual_slope(slope) for slope in by_parameters]
+        return LinearisedBalance(BorderedSystem(NewtonSystem(balance, trial), slopes, rows, self._last_factor))
 
     def measured_change(self, point: BalancePoint, step: Step) -> FloatArray:
         return self._amplitude_change(point.trial, step.detail, *map(float, step.parameters))

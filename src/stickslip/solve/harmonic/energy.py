@@ -82,8 +82,7 @@ def _measure(
     displacement = balance.displacement(trials)
     omega = np.array([trial.omega for trial in trials])
     order = np.arange(1, balance.harmonics + 1)[:, None]
-    contact = np.array([trial.contact.force.reshape(balance.rows, -1).T for trial in trials])
-    # Work of a force on a motion in one period: pi * sum_h h (s_h . fc_h - c_h . fs_h).
+    contact = np.array([_contact_force(trial) for trial in trials])
     by_direction = _work(order, np.array([trial.relative for trial in trials]), contact).reshape(len(trials), -1, 3)
     means = np.array([trial.relative[0] for trial in trials])
     # A body that walks slides on against the mean traction; the static load, which the tractions at rest balance, works
@@ -93,7 +92,7 @@ def _measure(
     by_direction[np.array([trial.contact.state for trial in trials]) == ContactState.STUCK] = 0.0
     quadratic = balance.compliance.gain.viscous_form(np.array([trial.amplitude for trial in trials]))
     viscous = np.pi * omega * ((quadratic[:, 0::2] + quadratic[:, 1::2]) * order[:, 0] ** 2).sum(axis=1)
-    applied = balance.applied(trials)
+    applied = balance.applied(trials) + _self_excitation(trials, displacement, superelement)
     residual = _equation_residuals(trials, displacement, contact, applied, balance, superelement, stuck)
     # The input is the work of the force; its sign convention makes it positive where energy goes in.
     work_of_force = _work(order, displacement, applied).sum(axis=1) + (at_rest * walk).sum(axis=(1, 2))
@@ -110,8 +109,32 @@ def _kinetic_energy(displacement: FloatArray, omega: FloatArray, superelement: S
     return energy
 
 
+def work_per_cycle(trial: Trial) -> FloatArray:
+    """(m,) J, work of a trial motion on its contact forces in one period."""
+    motion, force = trial.relative[None], _contact_force(trial)[None]
+    return np.asarray(_work(np.arange(1, _harmonics(trial) + 1)[:, None], motion, force)[0])
+
+
+def _contact_force(trial: Trial) -> FloatArray:
+    """(2H+1, m) N."""
+    return np.asarray(trial.contact.force.reshape(trial.relative.shape[1], -1).T)
+
+
+def _self_excitation(trials: Sequence[Trial], displacement: FloatArray, superelement: Superelement) -> FloatArray:
+    """(n_points, 2H+1, n) N, the force ``xi M u'`` that sustains nonlinear modes; zero for all other motions."""
+    growth, omega = (np.array([getattr(trial, name) for trial in trials]) for name in ("growth", "omega"))
+    force = np.zeros_like(displacement)
+    if growth.any():
+        momentum = displacement @ superelement.mass
+        order = np.arange(1, displacement.shape[1] // 2 + 1)[:, None]
+        factor = (growth * omega)[:, None, None] * order
+        force[:, 1::2], force[:, 2::2] = factor * momentum[:, 2::2], -factor * momentum[:, 1::2]
+    return force
+
+
 def _work(order: Orders, motion: FloatArray, force: FloatArray) -> FloatArray:
-    """Work (n_points, m) in one period of coefficients ``force`` on ``motion``, both (n_points, 2H+1, m)."""
+    """Work (n_points, m) in one period of coefficients ``force`` on ``motion``, both (n_points, 2H+1, m):
+    ``pi sum_h h (s_h f_ch - c_h f_sh)``."""
     product = motion[:, 2::2] * force[..., 1::2, :] - motion[:, 1::2] * force[..., 2::2, :]
     return np.asarray(np.pi * (order * product).sum(axis=1))
 
@@ -125,7 +148,10 @@ def _equation_residuals(
     superelement: Superelement,
     stuck: StuckStructure,
 ) -> FloatArray:
-    """``|Z u + B^T f - p| / (|p| + |B^T f|)`` of each point over all harmonics, in the unknowns of the superelement."""
+    """``|Z u + B^T f - p| / (|p| + |B^T f|)`` of each point over all harmonics, in the unknowns of the superelement.
+
+    A motion without a load has its inertial forces in the denominator too.
+    """
     means = np.array([trial.relative[0] for trial in trials])
     contact = contact.copy()
     contact[:, 0].reshape(len(trials), -1, 3)[:, :, :2] += balance.compliance.restraint_force(means)
@@ -139,4 +165,6 @@ def _equation_residuals(
     left[:, 1::2] += -(order**2) * inertia[:, 0::2] + order * viscous[:, 1::2]
     left[:, 2::2] += -(order**2) * inertia[:, 1::2] - order * viscous[:, 0::2]
     scale = np.linalg.norm(applied, axis=(1, 2)) + np.linalg.norm(joint, axis=(1, 2))
+    is_free = np.array([trial.load == 0.0 for trial in trials])
+    scale += is_free * np.linalg.norm(np.repeat(order, 2, axis=1) ** 2 * inertia, axis=(1, 2))
     return np.asarray(np.linalg.norm(left, axis=(1, 2)) / scale)

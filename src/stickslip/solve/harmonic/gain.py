@@ -2,12 +2,14 @@
 
 In mass-normalised modes of the stuck structure harmonic h satisfies ``Z_h q = f`` with the modal damping matrix C and
 ``Z_h = diag(w_j^2 - (h w)^2) + i h w C``. Coefficients are real, (2H, n) in the order cos 1, sin 1, cos 2, ...; complex
-amplitudes are ``c - i s`` of ``c cos + s sin``.
+amplitudes are ``c - i s`` of ``c cos + s sin``. In a nonlinear mode :class:`SelfExcitation` changes ``Z_h``.
 """
 
 from __future__ import annotations
 
-from typing import Protocol
+from copy import copy
+from dataclasses import dataclass
+from typing import Protocol, Self
 
 import numpy as np
 import scipy.linalg
@@ -47,17 +49,78 @@ def times_gain(gain: ComplexArray, coefficients: FloatArray) -> FloatArray:
     return answer
 
 
+@dataclass(frozen=True)
+class SelfExcitation:
+    """What sustains a free vibration (docs/theory_modes.md).
+
+    growth:
+        1/s, the coefficient xi of the damping ``-xi M`` that is added to the structure.
+    mode:
+        index of a stuck mode. In the first harmonic its own ``Z`` is its stiffness alone: its inertia and its own
+        damping are part of the load there. Otherwise ``Z`` would be singular in a linear mode.
+    """
+
+    growth: float
+    mode: int
+
+
+class _OwnStiffness:
+    """Diagonal of ``Z_h``, (H, n): ``w_j^2 - (h w)^2 + i h w (c_j - xi)``, with its derivatives."""
+
+    def __init__(self, squares: FloatArray, damping: FloatArray, harmonics: int, by: SelfExcitation | None) -> None:
+        self._squares, self._damping, self._by = squares, damping, by
+        self._order = np.arange(1, harmonics + 1)[:, None]
+
+    def excited(self, by: SelfExcitation) -> _OwnStiffness:
+        """The same under a self-excitation."""
+        return _OwnStiffness(self._squares, self._damping, len(self._order), by)
+
+    @property
+    def growth(self) -> float:
+        """The coefficient xi, 1/s."""
+        return 0.0 if self._by is None else self._by.growth
+
+    def at(self, omega: float) -> ComplexArray:
+        """The diagonal at ``omega``."""
+        x = self._order * omega
+        return self._with_load(self._squares - x**2 + 1j * x * (self._damping - self.growth), 1.0)
+
+    def by_frequency(self, omega: float) -> ComplexArray:
+        """Derivative by ``omega``."""
+        return self._with_load(-2.0 * self._order**2 * omega + 1j * self._order * (self._damping - self.growth), 0.0)
+
+    def by_growth(self, omega: float) -> ComplexArray:
+        """Derivative by xi."""
+        return self._with_load(np.tile(-1j * omega * self._order.astype(complex), self._squares.size), 0.0)
+
+    def _with_load(self, diagonal: ComplexArray, stiffness: float) -> ComplexArray:
+        """The diagonal, or its derivative, without what the load contains; ``stiffness`` counts that of the mode."""
+        if self._by is not None:
+            diagonal[0, self._by.mode] = stiffness * self._squares[self._by.mode]
+        return diagonal
+
+
 class ModalGain(Protocol):
     """Modal amplitudes from modal forces at a circular frequency (rad/s)."""
 
     harmonics: int
     near_modes: int
 
+    @property
+    def growth(self) -> float:
+        """Coefficient xi of the damping ``-xi M`` that is added, 1/s."""
+
+    def excited(self, by: SelfExcitation) -> Self:
+        """The gain under a self-excitation."""
+
     def answer(self, omega: float, force: FloatArray) -> FloatArray:
         """Modal amplitudes (2H, n) under modal forces (2H, n)."""
 
     def slope(self, omega: float, amplitude: FloatArray) -> FloatArray:
         """Derivative (2H, n) by ``omega`` of the amplitudes (2H, n) of :meth:`answer` at fixed force."""
+
+    def growth_slope(self, omega: float, amplitude: FloatArray) -> FloatArray:
+        """Derivative (2H, n) by xi of the amplitudes (2H, n) of :meth:`answer` at fixed force."""
 
     def near(self, omega: float) -> ComplexArray:
         """Gains of the lowest ``near_modes`` modes alone, for :func:`times_gain`."""
@@ -66,30 +129,53 @@ class ModalGain(Protocol):
         """``q C q`` of each row of amplitudes (..., n)."""
 
 
-class DiagonalGain:
+class _ModeGain:
+    """Common parts of the two gains."""
+
+    _own: _OwnStiffness
+
+    @property
+    def growth(self) -> float:
+        return self._own.growth
+
+    def excited(self, by: SelfExcitation) -> Self:
+        changed = copy(self)
+        changed._own = self._own.excited(by)
+        changed._forget()
+        return changed
+
+    def _forget(self) -> None:
+        """Drop what belongs to another self-excitation."""
+        raise NotImplementedError
+
+
+class DiagonalGain(_ModeGain):
     """Damping that the modes diagonalise: ``q_j = f_j / (w_j^2 - (h w)^2 + i h w c_j)``."""
 
     def __init__(self, circular_frequency: FloatArray, damping: FloatArray, harmonics: int, near_modes: int) -> None:
         self.harmonics = harmonics
         self.near_modes = near_modes
-        self._squares = circular_frequency**2
+        self._own = _OwnStiffness(circular_frequency**2, damping, harmonics, None)
         self._damping = damping
-        self._order = np.arange(1, harmonics + 1)[:, None]
+        self._forget()
+
+    def _forget(self) -> None:
         self._cached: tuple[float, ComplexArray] | None = None
 
     def _gain(self, omega: float) -> ComplexArray:
         """(H, n) gains; those of the last frequency are cached."""
         if self._cached is None or self._cached[0] != omega:
-            x = self._order * omega
-            self._cached = omega, np.asarray(1.0 / (self._squares - x**2 + 1j * x * self._damping))
+            self._cached = omega, np.asarray(1.0 / self._own.at(omega))
         return self._cached[1]
 
     def answer(self, omega: float, force: FloatArray) -> FloatArray:
         return times_gain(self._gain(omega), force)
 
     def slope(self, omega: float, amplitude: FloatArray) -> FloatArray:
-        change = 2.0 * self._order**2 * omega - 1j * self._order * self._damping
-        return times_gain(self._gain(omega) * change, amplitude)
+        return times_gain(-self._gain(omega) * self._own.by_frequency(omega), amplitude)
+
+    def growth_slope(self, omega: float, amplitude: FloatArray) -> FloatArray:
+        return times_gain(-self._gain(omega) * self._own.by_growth(omega), amplitude)
 
     def near(self, omega: float) -> ComplexArray:
         return self._gain(omega)[:, : self.near_modes]
@@ -98,7 +184,7 @@ class DiagonalGain:
         return np.asarray(amplitude**2 @ self._damping)
 
 
-class CoupledGain:
+class CoupledGain(_ModeGain):
     """Damping ``C`` (n, n) that couples the modes.
 
     The lowest modes are solved together, the others by an iteration over their coupling: above the excitation their
@@ -107,25 +193,27 @@ class CoupledGain:
 
     def __init__(self, circular_frequency: FloatArray, damping: FloatArray, harmonics: int, near_modes: int) -> None:
         self.harmonics = harmonics
-        self._squares = circular_frequency**2
         self._damping = damping
         self.near_modes = near_modes
-        far = damping.copy()
-        far[:near_modes, :near_modes] = 0.0
-        far[np.arange(near_modes, len(far)), np.arange(near_modes, len(far))] = 0.0
-        self._coupling = far
+        own = np.diag(damping)
+        self._own = _OwnStiffness(circular_frequency**2, own, harmonics, None)
+        self._coupling = damping - np.diag(own)
+        self._far_coupling = self._coupling.copy()
+        self._far_coupling[:near_modes, :near_modes] = 0.0
         self._order = np.arange(1, harmonics + 1)[:, None]
+        self._forget()
+
+    def _forget(self) -> None:
         self._cached: tuple[float, ComplexArray, ComplexArray] | None = None
 
     def _inner(self, omega: float) -> tuple[ComplexArray, ComplexArray]:
         """Inverse (H, p, p) of the near block and gains (H, n - p) of the far diagonal; those of the last frequency are
         cached."""
         if self._cached is None or self._cached[0] != omega:
-            x, p = self._order * omega, self.near_modes
-            block = 1j * x[:, :, None] * self._damping[:p, :p]
-            block[:, np.arange(p), np.arange(p)] += self._squares[:p] - x**2
-            far: ComplexArray = np.asarray(1.0 / (self._squares[p:] - x**2 + 1j * x * np.diag(self._damping)[p:]))
-            self._cached = (omega, np.asarray(np.linalg.inv(block), dtype=complex), far)
+            p, own = self.near_modes, self._own.at(omega)
+            block = 1j * (self._order * omega)[:, :, None] * self._coupling[:p, :p]
+            block[:, np.arange(p), np.arange(p)] = own[:, :p]
+            self._cached = omega, np.asarray(np.linalg.inv(block), dtype=complex), np.asarray(1.0 / own[:, p:])
         return self._cached[1], self._cached[2]
 
     def _solve(self, omega: float, force: ComplexArray) -> ComplexArray:
@@ -137,12 +225,12 @@ class CoupledGain:
 
         amplitude = inner(force)
         for _ in range(COUPLING_ITERATIONS):
-            improved = inner(force - 1j * x * (amplitude @ self._coupling.T))
+            improved = inner(force - 1j * x * (amplitude @ self._far_coupling.T))
             change = np.linalg.norm(improved - amplitude)
             amplitude = improved
             if change <= COUPLING_TOLERANCE * np.linalg.norm(amplitude):
                 return amplitude
-        matrices = 1j * x[:, :, None] * self._damping + np.eye(len(self._squares)) * (self._squares - x**2)[:, None, :]
+        matrices = 1j * x[:, :, None] * self._coupling + np.eye(force.shape[1]) * self._own.at(omega)[:, None, :]
         return np.array([scipy.linalg.solve(matrix, load) for matrix, load in zip(matrices, force, strict=True)])
 
     def answer(self, omega: float, force: FloatArray) -> FloatArray:
@@ -150,8 +238,11 @@ class CoupledGain:
 
     def slope(self, omega: float, amplitude: FloatArray) -> FloatArray:
         motion = to_complex(amplitude)
-        change = 2.0 * self._order**2 * omega * motion - 1j * self._order * (motion @ self._damping.T)
-        return to_real(self._solve(omega, change))
+        change = self._own.by_frequency(omega) * motion + 1j * self._order * (motion @ self._coupling.T)
+        return to_real(self._solve(omega, -change))
+
+    def growth_slope(self, omega: float, amplitude: FloatArray) -> FloatArray:
+        return to_real(self._solve(omega, -self._own.by_growth(omega) * to_complex(amplitude)))
 
     def near(self, omega: float) -> ComplexArray:
         return self._inner(omega)[0]

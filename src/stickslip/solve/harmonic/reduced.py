@@ -29,6 +29,8 @@ DIRECT_SIZE = 300
 MAX_ITERATIONS = 120
 # chosen: twice the usual largest number of iterations with the factor of an earlier system.
 PRECONDITIONED_ITERATIONS = 60
+# chosen: digits of the answers to borders, which all solutions with one matrix share.
+ANSWER_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -254,24 +256,23 @@ class BorderedSystem:
         return np.append(inner.ravel(), -1 - np.arange(len(self._rows)))
 
     def _iterated(self, right: FloatArray, tolerance: float) -> FloatArray | None:
-        """The solution by GMRES, with the last factor if there is one; None if it did not converge."""
+        """The solution by GMRES, None if it did not converge."""
+        return self._solved(self._apply, self.keys(), right, tolerance)
+
+    def _solved(
+        self, apply: Callable[[FloatArray], FloatArray], keys: NDArray[np.int64], right: FloatArray, tolerance: float
+    ) -> FloatArray | None:
+        """The solution of a matrix with rows ``keys`` by GMRES, with the last factor if there is one; None if it did
+        not converge."""
         if not right.any():
             return np.zeros_like(right)
-        inverse = self._last.inverse(self.keys())
+        inverse = self._last.inverse(keys)
         if inverse is not None:
-            answer = self._gmres(right, tolerance, PRECONDITIONED_ITERATIONS, inverse)
+            answer = _gmres(apply, right, tolerance, PRECONDITIONED_ITERATIONS, inverse)
             if answer is not None:
                 return answer
             self._last.forget()
-        return self._gmres(right, tolerance, MAX_ITERATIONS)
-
-    def _gmres(
-        self, right: FloatArray, tolerance: float, iterations: int, inverse: LinearOperator | None = None
-    ) -> FloatArray | None:
-        """The solution by at most twice so many iterations, or None."""
-        operator = _Matrix(right.size, self._apply)
-        answer, failure = gmres(operator, right, rtol=tolerance, atol=0.0, restart=iterations, maxiter=2, M=inverse)
-        return None if failure else np.asarray(answer)
+        return _gmres(apply, right, tolerance, MAX_ITERATIONS)
 
     def _whole_factor(self) -> Factor:
         """The factor of the bordered matrix."""
@@ -286,6 +287,57 @@ class BorderedSystem:
             if size > DIRECT_SIZE:
                 self._last.store(self._factor, self.keys())
         return self._factor
+
+
+class EliminatedSystem(BorderedSystem):
+    """A bordered system whose inner matrix ``I + D A`` is regular, so that GMRES solves it alone.
+
+    Several borders have no common scale: in a nonlinear mode that is nearly linear they are almost independent of the
+    inner unknowns, and one tolerance for all rows leaves no digits for the parameters. Here the parameters follow from
+    the small system of the borders, exactly but for the answers of the inner matrix to them.
+    """
+
+    def __init__(
+        self, system: NewtonSystem, slopes: Sequence[FloatArray], rows: Sequence[Row], last: LastFactor | None = None
+    ) -> None:
+        super().__init__(system, slopes, rows, last)
+        self._answers: FloatArray | None = None  # (k, size) of the inner matrix to the borders
+        self._inner_factor: Any = None
+
+    def _iterated(self, right: FloatArray, tolerance: float) -> FloatArray:
+        size = self.system.size
+        if self._answers is None:
+            finest = min(tolerance, ANSWER_TOLERANCE)
+            self._answers = np.array([self._inner(column, finest) for column in self._columns])
+        inner = self._inner(right[:size], tolerance)
+        corner = self._corner - self._lines @ self._answers.T
+        *factor, _ = dgetrf(corner)
+        border = dgetrs(*factor, right[size:] - self._lines @ inner)[0]
+        return np.append(inner - border @ self._answers, border)
+
+    def _inner(self, right: FloatArray, tolerance: float) -> FloatArray:
+        """The answer of the inner matrix, which is factored where GMRES does not converge."""
+        keys = self.keys()[: self.system.size]
+        if self._inner_factor is None:
+            answer = self._solved(self.system.apply, keys, right, tolerance)
+            if answer is not None:
+                return answer
+            self._inner_factor = dgetrf(self.system.matrix(), overwrite_a=True)[:2]
+            self._last.store(self._inner_factor, keys)
+        return np.asarray(dgetrs(*self._inner_factor, right)[0])
+
+
+def _gmres(
+    apply: Callable[[FloatArray], FloatArray],
+    right: FloatArray,
+    tolerance: float,
+    iterations: int,
+    inverse: LinearOperator | None = None,
+) -> FloatArray | None:
+    """The solution by at most twice so many iterations, or None."""
+    operator = _Matrix(right.size, apply)
+    answer, failure = gmres(operator, right, rtol=tolerance, atol=0.0, restart=iterations, maxiter=2, M=inverse)
+    return None if failure else np.asarray(answer)
 
 
 class _Matrix(LinearOperator):  # type: ignore[misc]

@@ -1,0 +1,137 @@
+"""The nonlinear mode on the page: frequency, damping ratio and contact states against amplitude."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from stickslip.core.plain_figure import BLUE, INK, ORANGE
+from stickslip.core.validation import FloatArray
+from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace
+from stickslip.reporting.section import Section
+from stickslip.reporting.style import MICRO, STATES, number
+from stickslip.reporting.view import View
+from stickslip.results.mode_figure import MODAL_AMPLITUDE
+from stickslip.results.nonlinear_mode import LARGEST_RATIO_OF_PEAKS, NonlinearMode
+
+
+def _mode_of(view: View) -> NonlinearMode:
+    mode = view.response.nonlinear_mode
+    assert mode is not None  # else the page has no such section
+    return mode
+
+
+def _amplitude_axis() -> dict[str, Any]:
+    return axis_look(MODAL_AMPLITUDE, type="log", dtick=1, exponentformat="power")
+
+
+def _curve(view: View, name: str, values: FloatArray, unit: str) -> Any:
+    """Values along the mode; the hover text has the amplitude of the output too."""
+    mode = _mode_of(view)
+    output = MICRO * mode.harmonic_amplitude(view.output, 1)
+    hover = PlotMarkup("{}: %{{y:.5g}} {}<br>modal amplitude %{{x:.3g}} m kg^0.5<br>%{{text}}<extra></extra>").format(
+        name, unit
+    )
+    texts = [f"{view.study.response_output}: {each:.3g} µm" for each in output]
+    return line_trace(name, mode.modal_amplitude, values, INK, width=2.5, hovertemplate=hover, text=texts)
+
+
+def _linear_lines(mode: NonlinearMode) -> Iterator[Any]:
+    """The frequencies of the closest linear modes, stuck and sliding."""
+    ends = mode.modal_amplitude[[0, -1]]
+    for limit, hertz, mac, colour, dash in (
+        ("stuck", mode.stuck_frequency_hz, mode.stuck_mac, BLUE, "dash"),
+        ("sliding", mode.sliding_frequency_hz, mode.sliding_mac, ORANGE, "dot"),
+    ):
+        closest = int(mac.max(axis=0).argmax())
+        yield line_trace(f"linear {limit} mode {closest + 1}", ends, [hertz[closest]] * 2, colour, dash)
+
+
+def frequency_of_mode(view: View) -> Figure:
+    """Frequency against modal amplitude, with the linear modes that are closest to its shape."""
+    mode = _mode_of(view)
+    return figure_of(
+        [*_linear_lines(mode), _curve(view, "nonlinear mode", mode.frequency_hz, "Hz")],
+        320,
+        xaxis=_amplitude_axis(),
+        yaxis=axis_look("Frequency, Hz"),
+        hovermode="closest",
+    )
+
+
+def damping_of_mode(view: View) -> Figure:
+    """Damping ratio against modal amplitude, with the limit above which peaks are elsewhere."""
+    mode = _mode_of(view)
+    ends = mode.modal_amplitude[[0, -1]]
+    limit = 100.0 * LARGEST_RATIO_OF_PEAKS
+    lines = [_curve(view, "nonlinear mode", 100.0 * mode.damping_ratio, "%")]
+    if not mode.passes_peaks.all():
+        lines.append(line_trace(f"{limit:.0f} %", ends, [limit] * 2, ORANGE, "dot"))
+    return figure_of(
+        lines,
+        320,
+        xaxis=_amplitude_axis(),
+        yaxis=axis_look("Damping ratio, %", type="log", dtick="D2", tickformat=".3~g"),
+        hovermode="closest",
+    )
+
+
+def states_of_mode(view: View) -> Figure:
+    """Proportion of the pairs in each state against modal amplitude."""
+    mode = _mode_of(view)
+    traces = [
+        line_trace(
+            mode.pairs.state_names[state], mode.modal_amplitude, 100.0 * fraction, STATES[state].colour,
+            hovertemplate=PlotMarkup("%{y:.3g} % of the pairs"),
+        )
+        for state, fraction in mode.state_fractions.items()
+    ]  # fmt: skip
+    return figure_of(
+        traces,
+        300,
+        xaxis=_amplitude_axis(),
+        yaxis=axis_look("Pairs, %", range=[-2, 102]),
+        hovermode="x unified",
+    )
+
+
+def _words(view: View) -> Iterator[str]:
+    mode = _mode_of(view)
+    top = int(np.argmax(mode.damping_ratio))
+    yield (
+        f"Mode {mode.mode} of the structure with {mode.limit} contacts, followed over its amplitude: from "
+        f"{mode.frequency_hz[0]:.2f} Hz to {mode.frequency_hz[-1]:.2f} Hz. Its damping ratio is at most "
+        f"{number(100.0 * float(mode.damping_ratio[top]))} %, at {mode.frequency_hz[top]:.2f} Hz. The modal amplitude "
+        "is the mass norm of the first harmonic; the texts of the points give the amplitude of "
+        f"{view.study.response_output}."
+    )
+    if mode.passes_peaks.all():
+        yield (
+            f"The damping ratio is below {100 * LARGEST_RATIO_OF_PEAKS:.0f} % everywhere: peaks of forced responses "
+            "near this mode are on these curves."
+        )
+    if not mode.converged:
+        yield mode.message
+    yield from mode.warnings
+
+
+NONLINEAR_MODE = Section(
+    "Nonlinear mode",
+    """\
+<p class="note">{{ words }}</p>
+  <div class="two">
+    {{ parts.figure("mode-frequency", "Frequency", "Frequency of the mode against modal amplitude") }}
+    {{ parts.figure("mode-damping", "Damping ratio", "Damping ratio of the mode against modal amplitude") }}
+  </div>
+  {{ parts.panel("mode-states", "Contact states of the mode against modal amplitude") }}
+""",
+    lambda view: {"words": " ".join(_words(view))},
+    lambda view: {
+        "mode-frequency": frequency_of_mode(view),
+        "mode-damping": damping_of_mode(view),
+        "mode-states": states_of_mode(view),
+    },
+    applies=lambda view: view.response.nonlinear_mode is not None,
+)

@@ -1,0 +1,294 @@
+"""Nonlinear modes: one call from matrices to frequency and damping of a mode against its amplitude."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb_harmonics import Update
+from stickslip.contact.law.law import ContactState
+from stickslip.core.errors import ConvergenceError
+from stickslip.core.progress import ProgressCallback
+from stickslip.core.threads import blas_threads, thread_count
+from stickslip.core.validation import FloatArray
+from stickslip.results.nonlinear_mode import LARGEST_RATIO_OF_PEAKS, NonlinearMode
+from stickslip.solve.curve_result import LARGEST_FRACTION, LARGEST_UNBALANCE, fields_of
+from stickslip.solve.excitation import Excitation
+from stickslip.solve.harmonic.balance import Balance
+from stickslip.solve.harmonic.checks import LARGEST_SAMPLE_RESIDUAL, sample_residual
+from stickslip.solve.harmonic.curve_warnings import motion_warnings
+from stickslip.solve.harmonic.energy import measure_curve, work_per_cycle
+from stickslip.solve.harmonic.mode_curve import ModeCurve, ModePoint
+from stickslip.solve.harmonic.mode_shapes import (
+    LISTED_MODES,
+    MODES_ABOVE,
+    exchange_warnings,
+    fold_warnings,
+    shapes_of,
+    sliding_limit,
+    step_warnings,
+)
+from stickslip.solve.linear_mode import Limit, LinearMode, checked_amplitudes
+from stickslip.solve.path.continuation import Branch
+from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.problem import Plane
+from stickslip.solve.path.stepping import Accepted, ContinuationSettings, Corner, Retreat
+from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
+from stickslip.structure.superelement import Superelement
+
+# chosen: a backbone over some decades of amplitude has at least 25 points, and one with folds about 130. More are a
+# branch that does not find its way among others, as in a symmetric structure.
+STEPS = ContinuationSettings(largest_step=0.04, max_points=400)
+# chosen: the start moves towards the linear limit by at most so many decades of the amplitude.
+DECADES_TO_LIMIT = 12
+OTHER: dict[Limit, Limit] = {"stuck": "sliding", "sliding": "stuck"}
+# chosen: points at which the samples are doubled to check them.
+CHECKED_POINTS = 24
+
+
+def nonlinear_mode(
+    superelement: Superelement,
+    pairs: ContactPairs,
+    mode: int,
+    amplitude: tuple[float, float],
+    *,
+    limit: Limit = "stuck",
+    harmonics: int = 5,
+    samples: int = 256,
+    modal_damping_ratio: float | None = None,
+    update: Update = "tractrix",
+    newton: NewtonSettings | None = None,
+    continuation: ContinuationSettings | None = None,
+    threads: int | None = None,
+    progress: ProgressCallback | None = None,
+) -> NonlinearMode:
+    """Follow a nonlinear mode over its modal amplitude: frequency, damping ratio, shape, contact states and energies.
+
+    Solves ``M u'' + (C - xi M) u' + K u + B^T f(B u) = 0`` for periodic motions about the state at rest, with the
+    frequency and xi as unknowns (extended periodic motion concept; M. Krack, Comput. Struct. 154 (2015) 59-71). Theory
+    and limits of use: docs/theory_modes.md.
+
+    Parameters
+    ----------
+    superelement, pairs, harmonics, samples, modal_damping_ratio, update, newton, continuation, threads, progress:
+        as in :func:`forced_response`; steps of the continuation are fractions of the range of the logarithm of the
+        amplitude, and of the shape.
+    mode:
+        number of a linear mode from 1, in the order of their frequencies. Bodies that move freely are no modes.
+    amplitude:
+        (lowest, highest) modal amplitude, m kg^(1/2): mass norm of the first harmonic of the motion.
+    limit:
+        "stuck": the mode is counted with all pairs that are closed at rest stuck, and the branch starts at the lowest
+        amplitude. "sliding": it is counted with these pairs in contact without friction, and the branch starts at the
+        highest amplitude. Where both branches are one curve, they have the same points.
+
+    Returns
+    -------
+    NonlinearMode
+        also if the branch ends early: ``converged`` is then False and ``message`` gives the amplitude and the reason.
+
+    Raises
+    ------
+    InputError
+        for inputs that cannot be used, such as a mode that does not exist. ConvergenceError if there is no first point.
+    """
+    began = time.perf_counter()
+    lowest, highest = checked_amplitudes(amplitude)
+    threads = thread_count(threads)
+    newton = newton or NewtonSettings()
+    report = StageReport(progress)
+    with threadpool_limits(limits=blas_threads(3 * pairs.n_pairs, threads)):
+        report.stage("linear modes")
+        start = LinearMode.of(superelement, pairs, mode, limit)
+        balances = prepare_balances(
+            superelement, pairs, Excitation.force(superelement.mass @ start.load_shape), start.omega, harmonics,
+            samples, modal_damping_ratio, update, report.stage,
+        )  # fmt: skip
+        balance = balances.with_harmonics(harmonics)
+        curve = ModeCurve(balance, start.load_mode, _own_damping(balances, start.load_mode), start.omega)
+        ends = (lowest, highest) if limit == "stuck" else (highest, lowest)
+        solver = Newton(curve, newton, report.iteration)
+        report.stage("first point")
+        point = _first_point(solver, curve, balances, start, math.log10(ends[0]), 1.0 if limit == "sliding" else -1.0)
+        branch = Branch(solver, point, math.log10(ends[1]), continuation or STEPS, _follower(ends, report))
+        branch.follow()
+        result = _result(branch, balances, balance, curve, start, report)
+    provenance = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
+    options = {"amplitude_start": ends[0], "amplitude_stop": ends[1], "newton_tolerance": newton.tolerance}
+    return replace(result, settings={**result.settings, **options}, provenance=provenance)
+
+
+def _own_damping(balances: Balances, mode: int) -> float:
+    """1/s, the damping of a stuck mode alone."""
+    modal = balances.stuck.modal_damping
+    return float(modal[mode] if modal.ndim == 1 else modal[mode, mode])
+
+
+def _first_point(
+    solver: Newton[ModePoint], curve: ModeCurve, balances: Balances, start: LinearMode, target: float, away: float
+) -> ModePoint:
+    """The point at the logarithm ``target`` of the amplitude. Raises ConvergenceError.
+
+    The linear mode is the estimate. Where Newton's method does not converge from it, the amplitude moves ``away`` (1.0
+    or -1.0), towards the linear limit, and a branch leads back.
+    """
+    for decades in range(DECADES_TO_LIMIT + 1):
+        reached = target + away * decades
+        estimate = _estimate(curve, balances, start, reached)
+        correction = solver.correct(estimate, Plane.fixed(estimate.unknowns, reached))
+        if correction.converged:
+            break
+    else:
+        raise ConvergenceError(
+            f"the solver found no nonlinear mode near the linear {start.limit} mode {start.number} "
+            f"({start.omega / (2.0 * math.pi):.3f} Hz): the relative residual is {correction.point.error:.1e} at "
+            f"{curve.named(reached)}. Use another mode, or more samples."
+        )
+    if not decades:
+        return correction.point
+    branch = Branch(solver, correction.point, target, STEPS)
+    branch.follow()
+    if not branch.complete:
+        raise ConvergenceError(f"the nonlinear mode does not reach {curve.named(target)}. {branch.message}")
+    return branch.points[-1].point
+
+
+def _estimate(curve: ModeCurve, balances: Balances, start: LinearMode, logarithm: float) -> ModePoint:
+    """The linear mode with an amplitude, damped by what the pairs and the viscous damping dissipate in it."""
+    size = 10.0**logarithm
+    viscous = float(curve.balance.compliance.gain.viscous_form(start.motion))
+    linear = curve.at(size * start.motion, start.omega, viscous)
+    friction = float(work_per_cycle(linear.trial).sum())
+    return curve.at(size * start.motion, start.omega, viscous + friction / (math.pi * start.omega * size**2))
+
+
+def _follower(
+    ends: tuple[float, float], report: StageReport
+) -> Callable[[Accepted[ModePoint] | Retreat | Corner], None]:
+    """A listener that reports the progress of a branch from one amplitude to another."""
+    first, last = map(math.log10, ends)
+
+    def on_event(event: Accepted[ModePoint] | Retreat | Corner) -> None:
+        if not isinstance(event, Accepted):
+            return
+        trial, reached = event.point.trial, float(event.point.parameters[0])
+        fraction = min(LARGEST_FRACTION, max(0.0, (reached - first) / (last - first)))
+        moving = int((trial.contact.state != ContactState.STUCK).sum())
+        hertz = trial.omega / (2.0 * math.pi)
+        report.stage(
+            f"{hertz:.2f} Hz at {10.0**reached:.2g} m kg^0.5, point {event.count}, {moving} pairs moving", fraction
+        )
+
+    return on_event
+
+
+def _result(
+    branch: Branch[ModePoint], balances: Balances, balance: Balance, curve: ModeCurve, start: LinearMode,
+    report: StageReport,
+) -> NonlinearMode:  # fmt: skip
+    """The labelled result of a branch: energies, shapes, checks and warnings."""
+    report.stage("energies and checks of the mode")
+    superelement, stuck = balances.superelement, balances.stuck
+    points = [each.point for each in branch.points]
+    # The load of the balance stands for the inertia of the mode; it is no excitation.
+    trials = [replace(point.trial, load=0.0) for point in points]
+    measures = measure_curve(trials, lambda harmonics: balance, superelement, stuck)
+    wrong = np.flatnonzero(~(measures.residual <= LARGEST_UNBALANCE))
+    complete, message = branch.complete, branch.message
+    if wrong.size:
+        end = int(wrong[0])
+        complete, message = (
+            False,
+            (
+                f"At {curve.named(float(points[end].parameters[0]))} the equation of motion is satisfied only to "
+                f"{measures.residual[end]:.1e} of its forces, but a result requires {LARGEST_UNBALANCE:.0e}. Contact "
+                "many orders stiffer than the structure loses all digits: lower its stiffness."
+            ),
+        )
+        if not end:
+            raise ConvergenceError(message)
+        points, trials, measures = points[:end], trials[:end], measures.first(end)
+    amplitude = np.array([point.modal_amplitude for point in points])
+    omega, growth = (np.array([getattr(trial, name) for trial in trials]) for name in ("omega", "growth"))
+    frequency_hz, ratio = omega / (2.0 * np.pi), growth / (2.0 * omega)
+    sliding = sliding_limit(superelement, balances.pairs, stuck.damping)
+    listed = max(LISTED_MODES, start.number + MODES_ABOVE)
+    shapes = shapes_of(trials, superelement, stuck, sliding, listed)
+    stuck_hz = stuck.circular_frequency[:listed] / (2.0 * np.pi)
+    sliding_hz = sliding.natural_hz[~sliding.rigid][:listed]
+    macs, linear_hz = (shapes.stuck, stuck_hz) if start.limit == "stuck" else (shapes.sliding, sliding_hz)
+    fine = balances.with_harmonics(balance.harmonics, 2 * balance.samples)
+    motion, _ = balances.motion(trials, measures.displacement)
+    return NonlinearMode(
+        modal_amplitude=amplitude,
+        frequency_hz=frequency_hz,
+        damping_ratio=ratio,
+        **fields_of(branch.points, trials, measures, motion),
+        stuck_frequency_hz=stuck_hz,
+        stuck_mac=shapes.stuck,
+        sliding_frequency_hz=sliding_hz,
+        sliding_mac=shapes.sliding,
+        step_mac=shapes.step,
+        mode=start.number,
+        limit=start.limit,
+        converged=complete,
+        message=_words(complete, message, start.limit),
+        warnings=(
+            *motion_warnings(balance, trials, measures),
+            *_sample_warnings(points, curve, fine),
+            *exchange_warnings(macs, frequency_hz, linear_hz, start.number, start.limit),
+            *step_warnings(shapes.step, frequency_hz, amplitude),
+            *fold_warnings(amplitude),
+            *_damping_warnings(amplitude, ratio),
+        ),
+        harmonics=balance.harmonics,
+        samples=balance.samples,
+        pairs=balances.pairs,
+        settings={
+            "harmonics": balance.harmonics,
+            "samples": balance.samples,
+            "update": balances.update,
+            **({} if balances.modal_damping_ratio is None else {"modal_damping_ratio": balances.modal_damping_ratio}),
+        },
+        provenance={},
+    )
+
+
+def _words(complete: bool, message: str, limit: Limit) -> str:
+    """The message on the end of a branch, with what may help."""
+    if complete:
+        return "The mode covers the range of amplitudes."
+    return f'{message} The branch from the other limit may go on: limit = "{OTHER[limit]}".'
+
+
+def _sample_warnings(points: Sequence[ModePoint], curve: ModeCurve, fine: Balance) -> tuple[str, ...]:
+    """A warning where twice the samples, those of ``fine``, change the balance."""
+    chosen = np.linspace(0, len(points) - 1, min(CHECKED_POINTS, len(points))).round().astype(int)
+    residuals = [sample_residual(curve.sustained(points[i].trial.growth, fine), points[i].trial) for i in chosen]
+    worst = int(np.argmax(residuals))
+    if residuals[worst] <= LARGEST_SAMPLE_RESIDUAL:
+        return ()
+    return (
+        f"Too few samples: with {fine.samples} instead of {fine.samples // 2} samples the residual is "
+        f"{100 * residuals[worst]:.2f} % of the relative displacement at "
+        f"{curve.named(float(points[chosen[worst]].parameters[0]))} (required: below "
+        f"{100 * LARGEST_SAMPLE_RESIDUAL:.3g} %). Run again with samples = {fine.samples}.",
+    )
+
+
+def _damping_warnings(amplitude: FloatArray, ratio: FloatArray) -> tuple[str, ...]:
+    """A warning where the damping is so high that forced responses have their peaks elsewhere."""
+    high = amplitude[ratio > LARGEST_RATIO_OF_PEAKS]
+    if not high.size:
+        return ()
+    return (
+        f"From {high.min():.3g} to {high.max():.3g} m kg^0.5 the damping ratio is above "
+        f"{100 * LARGEST_RATIO_OF_PEAKS:.0f} %, at most {100 * float(ratio.max()):.3g} %: there the mode no longer "
+        "passes through the peaks of forced responses. Use forced responses for amplitudes.",
+    )

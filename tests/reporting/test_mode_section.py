@@ -1,0 +1,83 @@
+"""The nonlinear mode on the page: three figures, and where its theory must not be used."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stickslip.contact.law.law import ContactState
+from stickslip.reporting.mode_section import damping_of_mode, frequency_of_mode, states_of_mode
+from stickslip.reporting.page import page
+from stickslip.reporting.view import View
+from stickslip.results.nonlinear_mode import NonlinearMode
+from stickslip.results.response import ForcedResponse
+from synthetic import synthetic_response, synthetic_study
+
+STUDY = synthetic_study(columns=4, rows=3)
+
+
+def with_mode(highest_ratio: float) -> ForcedResponse:
+    """The curve, and a mode whose motions are those of the curve."""
+    response = synthetic_response(columns=4, rows=3, n_points=20)
+    count = response.n_points
+    mode = NonlinearMode(
+        modal_amplitude=np.geomspace(1e-7, 1e-4, count),
+        damping_ratio=np.linspace(0.001, highest_ratio, count),
+        stuck_frequency_hz=np.array([420.0, 500.0]),
+        stuck_mac=np.tile([0.1, 0.9], (count, 1)),
+        sliding_frequency_hz=np.array([410.0]),
+        sliding_mac=np.ones((count, 1)),
+        step_mac=np.ones(count),
+        mode=2,
+        limit="stuck",
+        warnings=("A warning of the mode.",),
+        converged=True,
+        **{
+            name: getattr(response, name)
+            for name in (
+                "frequency_hz", "displacement", "contact_state", "dissipated_energy", "normal_work", "closure",
+                "residual", "iterations", "input_energy", "viscous_energy", "message", "harmonics", "samples", "pairs",
+                "settings", "provenance",
+            )
+        },
+    )  # fmt: skip
+    return replace(response, nonlinear_mode=mode)
+
+
+def section(response: ForcedResponse) -> str:
+    text = page(response, STUDY)
+    return text[text.index("<h2>Nonlinear mode</h2>") :].partition("</section>")[0]
+
+
+def test_the_page_says_where_peaks_are_on_the_mode() -> None:
+    words = section(with_mode(0.02))
+    assert "Mode 2 of the structure with stuck contacts" in words
+    assert "Its damping ratio is at most 2 %" in words
+    assert "below 3 % everywhere" in words
+    assert "A warning of the mode." in words
+    for name in ("mode-frequency", "mode-damping", "mode-states"):
+        assert f'id="{name}"' in words
+    assert "below 3 % everywhere" not in section(with_mode(0.05))
+
+
+def test_without_a_mode_the_page_has_no_such_section() -> None:
+    assert "<h2>Nonlinear mode</h2>" not in page(replace(with_mode(0.02), nonlinear_mode=None), STUDY)
+
+
+def test_the_figures_show_the_mode_over_a_logarithmic_axis() -> None:
+    view = View.of(with_mode(0.05), STUDY)
+    mode = view.response.nonlinear_mode
+    assert mode is not None
+    stuck, sliding, curve = frequency_of_mode(view)["data"]
+    assert (stuck["y"], sliding["y"]) == ([500.0, 500.0], [410.0, 410.0])
+    assert curve["x"] == pytest.approx(mode.modal_amplitude, rel=1e-6)
+    assert curve["text"][0].endswith("µm")
+    damping = damping_of_mode(view)
+    assert damping["layout"]["xaxis"]["type"] == "log"
+    assert damping["data"][0]["y"] == pytest.approx(100.0 * mode.damping_ratio, rel=1e-6)
+    assert damping["data"][1]["name"] == "3 %"
+    states = states_of_mode(view)["data"]
+    assert len(states) == len(ContactState)
+    assert sum(np.array(trace["y"]) for trace in states) == pytest.approx(100.0)

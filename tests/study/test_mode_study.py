@@ -1,0 +1,65 @@
+"""A study with a nonlinear mode, from file to page, on a coarse two-blade model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from sentences import rejects
+from stickslip.core.errors import InputError
+from stickslip.results.storage import load_results
+from stickslip.study import analyses
+from stickslip.study import run as study
+from stickslip.study.check import check
+from stickslip.study.solution import solve_case
+from sweep_cases import quick_case
+
+pytestmark = pytest.mark.slow
+
+MODE = {
+    "analysis.kind": "mode",
+    "analysis.mode": 1,
+    "analysis.smallest_amplitude": "0.01 um",
+    "analysis.largest_amplitude": "10 um",
+    "output.figure_formats": [],
+}
+
+
+def test_run_writes_the_mode_and_its_section(tmp_path: Path) -> None:
+    outcome = study.run(quick_case().replace(MODE), tmp_path)
+    saved = load_results(tmp_path / "results.nc")
+    mode = saved.response.nonlinear_mode
+    assert mode is not None
+    assert mode == outcome.response.nonlinear_mode
+    assert mode.converged, mode.message
+    assert saved.study is not None
+    output = saved.study.outputs[saved.study.response_output]
+    # The amplitude of the output is that of the study file while the mode is linear.
+    assert mode.harmonic_amplitude(output, 1)[0] == pytest.approx(1e-8, rel=1e-3)
+    assert mode.frequency_hz[0] == pytest.approx(saved.response.linear.stuck_frequency_hz[0], rel=1e-6)
+    assert mode.provenance == {"solve_seconds": mode.provenance["solve_seconds"]}
+    assert "Nonlinear mode 1: The mode covers the range of amplitudes." in outcome.message
+    assert "<h2>Nonlinear mode</h2>" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_mode_from_the_sliding_limit() -> None:
+    mode = solve_case(quick_case().replace(MODE | {"analysis.limit": "sliding"})).response.nonlinear_mode
+    assert mode is not None
+    assert mode.limit == "sliding"
+    assert mode.modal_amplitude[0] > mode.modal_amplitude[-1]
+
+
+def test_a_check_announces_the_mode() -> None:
+    shown = dict(dict(check(quick_case().replace(MODE)))["Would run"])
+    assert shown["nonlinear mode"] == "mode 1, 0.01 to 10 um at the first output"
+    assert "nonlinear mode" not in dict(dict(check(quick_case()))["Would run"])
+
+
+def test_a_mode_that_does_not_exist_is_rejected_before_the_curve(monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_curve(*_: object, **__: object) -> None:
+        raise AssertionError("the curve must not be computed")
+
+    monkeypatch.setattr(analyses, "forced_response", no_curve)
+    with rejects(InputError, "analysis.mode"):
+        solve_case(quick_case().replace(MODE | {"analysis.mode": 99_999}))
