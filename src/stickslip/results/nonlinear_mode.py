@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stickslip.contact.law.law import ContactState
 from stickslip.core.validation import FloatArray, require_positive
-from stickslip.results.mode_figure import mode_figure
+from stickslip.results.mode_figure import Backbone, mode_figure
 from stickslip.results.periodic_motions import CURVE, PeriodicMotions
 from stickslip.results.variables import Attribute, Numbers, Text, stored
 
@@ -130,4 +130,15 @@ class NonlinearMode(PeriodicMotions):
 
         The figure shows a ``quasi_static`` estimate of the same mode beside it.
         """
-        return mode_figure(self, quasi_static)
+        linear = []
+        for name, hertz, mac in (
+            ("stuck", self.stuck_frequency_hz, self.stuck_mac),
+            ("sliding", self.sliding_frequency_hz, self.sliding_mac),
+        ):
+            closest = int(mac.max(axis=0).argmax())
+            linear.append((f"linear, {name} (mode {closest + 1})", float(hertz[closest])))
+        return mode_figure(_backbone(self), linear, None if quasi_static is None else _backbone(quasi_static))
+
+
+def _backbone(mode: NonlinearMode | QuasiStaticMode) -> Backbone:
+    return Backbone(mode.modal_amplitude, mode.frequency_hz, mode.damping_ratio)

@@ -302,7 +302,7 @@ class EliminatedSystem(BorderedSystem):
     ) -> None:
         super().__init__(system, slopes, rows, last)
         self._answers: FloatArray | None = None  # (k, size) of the inner matrix to the borders
-        self._inner_factor: Any = None
+        self._inner_factor: Factor | None = None
 
     def _iterated(self, right: FloatArray, tolerance: float) -> FloatArray:
         size = self.system.size
@@ -311,8 +311,7 @@ class EliminatedSystem(BorderedSystem):
             self._answers = np.array([self._inner(column, finest) for column in self._columns])
         inner = self._inner(right[:size], tolerance)
         corner = self._corner - self._lines @ self._answers.T
-        *factor, _ = dgetrf(corner)
-        border = dgetrs(*factor, right[size:] - self._lines @ inner)[0]
+        border = Factor(corner).solve(right[size:] - self._lines @ inner)
         return np.append(inner - border @ self._answers, border)
 
     def _inner(self, right: FloatArray, tolerance: float) -> FloatArray:
@@ -322,9 +321,9 @@ class EliminatedSystem(BorderedSystem):
             answer = self._solved(self.system.apply, keys, right, tolerance)
             if answer is not None:
                 return answer
-            self._inner_factor = dgetrf(self.system.matrix(), overwrite_a=True)[:2]
+            self._inner_factor = Factor(self.system.matrix())
             self._last.store(self._inner_factor, keys)
-        return np.asarray(dgetrs(*self._inner_factor, right)[0])
+        return self._inner_factor.solve(right)
 
 
 def _gmres(
