@@ -211,6 +211,14 @@ def test_high_damping_has_a_warning() -> None:
     printed_sentence(words)
 
 
+def test_too_few_harmonics_have_a_warning() -> None:
+    """Rigid friction excites many harmonics: the warning tells that one is not enough, and is silent with 15."""
+    few = ss.nonlinear_mode(*two_masses(1e2), 1, (0.3, 10.0), harmonics=1, samples=256)
+    many = ss.nonlinear_mode(*two_masses(1e2), 1, (0.3, 10.0), harmonics=15, samples=256)
+    assert [printed_sentence(each) for each in few.warnings if each.startswith("Too few harmonics")]
+    assert not [each for each in many.warnings if "armonics" in each]
+
+
 def test_a_mode_that_cannot_be_followed_ends_with_a_message() -> None:
     superelement, pairs = one_mass()
     short = ss.nonlinear_mode(

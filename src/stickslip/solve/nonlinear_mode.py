@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +21,6 @@ from stickslip.results.nonlinear_mode import LARGEST_RATIO_OF_PEAKS, NonlinearMo
 from stickslip.solve.curve_result import LARGEST_FRACTION, LARGEST_UNBALANCE, fields_of
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.balance import Balance
-from stickslip.solve.harmonic.checks import LARGEST_SAMPLE_RESIDUAL, sample_residual
 from stickslip.solve.harmonic.curve_warnings import motion_warnings
 from stickslip.solve.harmonic.energy import measure_curve, work_per_cycle
 from stickslip.solve.harmonic.mode_curve import ModeCurve, ModePoint
@@ -35,6 +34,7 @@ from stickslip.solve.harmonic.mode_shapes import (
     step_warnings,
 )
 from stickslip.solve.linear_mode import Limit, LinearMode, checked_amplitudes
+from stickslip.solve.mode_checks import harmonics_warnings, sample_warnings
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane
@@ -48,8 +48,6 @@ STEPS = ContinuationSettings(largest_step=0.04, max_points=400)
 # chosen: the start moves towards the linear limit by at most so many decades of the amplitude.
 DECADES_TO_LIMIT = 12
 OTHER: dict[Limit, Limit] = {"stuck": "sliding", "sliding": "stuck"}
-# chosen: points at which the samples are doubled to check them.
-CHECKED_POINTS = 24
 
 
 def nonlinear_mode(
@@ -118,7 +116,7 @@ def nonlinear_mode(
         point = _first_point(solver, curve, balances, start, math.log10(ends[0]), 1.0 if limit == "sliding" else -1.0)
         branch = Branch(solver, point, math.log10(ends[1]), continuation or STEPS, _follower(ends, report))
         branch.follow()
-        result = _result(branch, balances, balance, curve, start, report)
+        result = _result(branch, balances, balance, curve, start, newton, report)
     provenance = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
     options = {"amplitude_start": ends[0], "amplitude_stop": ends[1], "newton_tolerance": newton.tolerance}
     return replace(result, settings={**result.settings, **options}, provenance=provenance)
@@ -190,7 +188,7 @@ def _follower(
 
 def _result(
     branch: Branch[ModePoint], balances: Balances, balance: Balance, curve: ModeCurve, start: LinearMode,
-    report: StageReport,
+    newton: NewtonSettings, report: StageReport,
 ) -> NonlinearMode:  # fmt: skip
     """The labelled result of a branch: energies, shapes, checks and warnings."""
     report.stage("energies and checks of the mode")
@@ -224,6 +222,9 @@ def _result(
     sliding_hz = sliding.natural_hz[~sliding.rigid][:listed]
     macs, linear_hz = (shapes.stuck, stuck_hz) if start.limit == "stuck" else (shapes.sliding, sliding_hz)
     fine = balances.with_harmonics(balance.harmonics, 2 * balance.samples)
+    # Odd: a symmetric motion has only odd harmonics, so that one more than twice as many must show a change.
+    many = 2 * balance.harmonics + 1
+    more = balances.with_harmonics(many, max(balance.samples, 4 * many))
     motion, _ = balances.motion(trials, measures.displacement)
     return NonlinearMode(
         modal_amplitude=amplitude,
@@ -241,7 +242,8 @@ def _result(
         message=_words(complete, message, start.limit),
         warnings=(
             *motion_warnings(balance, trials, measures),
-            *_sample_warnings(points, curve, fine),
+            *sample_warnings(points, curve, fine),
+            *harmonics_warnings(points, curve.with_balance(more), newton),
             *exchange_warnings(macs, frequency_hz, linear_hz, start.number, start.limit),
             *step_warnings(shapes.step, frequency_hz, amplitude),
             *fold_warnings(amplitude),
@@ -265,21 +267,6 @@ def _words(complete: bool, message: str, limit: Limit) -> str:
     if complete:
         return "The mode covers the range of amplitudes."
     return f'{message} The branch from the other limit may go on: limit = "{OTHER[limit]}".'
-
-
-def _sample_warnings(points: Sequence[ModePoint], curve: ModeCurve, fine: Balance) -> tuple[str, ...]:
-    """A warning where twice the samples, those of ``fine``, change the balance."""
-    chosen = np.linspace(0, len(points) - 1, min(CHECKED_POINTS, len(points))).round().astype(int)
-    residuals = [sample_residual(curve.sustained(points[i].trial.growth, fine), points[i].trial) for i in chosen]
-    worst = int(np.argmax(residuals))
-    if residuals[worst] <= LARGEST_SAMPLE_RESIDUAL:
-        return ()
-    return (
-        f"Too few samples: with {fine.samples} instead of {fine.samples // 2} samples the residual is "
-        f"{100 * residuals[worst]:.2f} % of the relative displacement at "
-        f"{curve.named(float(points[chosen[worst]].parameters[0]))} (required: below "
-        f"{100 * LARGEST_SAMPLE_RESIDUAL:.3g} %). Run again with samples = {fine.samples}.",
-    )
 
 
 def _damping_warnings(amplitude: FloatArray, ratio: FloatArray) -> tuple[str, ...]:

@@ -79,6 +79,10 @@ class ModeCurve(BalanceCurve):
         super().__init__(balance)
         self._mode, self._mode_damping, self._reference = mode, mode_damping, reference
 
+    def with_balance(self, balance: Balance) -> ModeCurve:
+        """The same mode with another balance of the structure."""
+        return ModeCurve(balance, self._mode, self._mode_damping, self._reference)
+
     def sustained(self, growth: float, balance: Balance | None = None) -> Balance:
         """The balance, or another one of the same structure, with the damping ``-growth M``."""
         return (balance or self.balance).excited(SelfExcitation(growth, self._mode))
