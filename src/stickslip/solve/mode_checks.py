@@ -15,7 +15,7 @@ from stickslip.solve.path.problem import Plane
 
 # chosen: points at which the samples are doubled to check them.
 CHECKED_POINTS = 24
-# chosen: changes by twice the harmonics above which a warning reports them: of the frequency, a tenth of what a forced
+# chosen: changes by two more harmonics above which a warning reports them: of the frequency, a tenth of what a forced
 # peak of 1 % damping is wide, and of the damping ratio.
 LARGEST_FREQUENCY_CHANGE, LARGEST_RATIO_CHANGE = 1e-3, 2e-2
 
@@ -66,7 +66,7 @@ def harmonics_warnings(points: Sequence[ModePoint], fine: ModeCurve, settings: N
         return ()
     _, frequency, damping, name = max(changes)
     return (
-        f"Too few harmonics: {fine.balance.harmonics} instead of {fine.balance.harmonics // 2} change the frequency by "
+        f"Too few harmonics: {fine.balance.harmonics} instead of {fine.balance.harmonics - 2} change the frequency by "
         f"{100 * frequency:.2g} % and the damping ratio by {100 * damping:.2g} % of its value, at {name} (required: "
         f"below {100 * LARGEST_FREQUENCY_CHANGE:g} % and {100 * LARGEST_RATIO_CHANGE:g} %). Run again with harmonics = "
         f"{fine.balance.harmonics}.",

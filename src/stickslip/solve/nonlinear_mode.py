@@ -222,9 +222,8 @@ def _result(
     sliding_hz = sliding.natural_hz[~sliding.rigid][:listed]
     macs, linear_hz = (shapes.stuck, stuck_hz) if start.limit == "stuck" else (shapes.sliding, sliding_hz)
     fine = balances.with_harmonics(balance.harmonics, 2 * balance.samples)
-    # Odd: a symmetric motion has only odd harmonics, so that one more than twice as many must show a change.
-    many = 2 * balance.harmonics + 1
-    more = balances.with_harmonics(many, max(balance.samples, 4 * many))
+    # Two more: a symmetric motion has only odd or only even ones besides.
+    more = balances.with_harmonics(balance.harmonics + 2, max(balance.samples, 4 * (balance.harmonics + 2)))
     motion, _ = balances.motion(trials, measures.displacement)
     return NonlinearMode(
         modal_amplitude=amplitude,

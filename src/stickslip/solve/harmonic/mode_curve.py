@@ -26,6 +26,9 @@ from stickslip.solve.harmonic.reduced import EliminatedSystem, NewtonSystem, Row
 from stickslip.solve.path.problem import Plane, Step
 
 LN_10 = math.log(10.0)
+# chosen: a change of the frequency by a twentieth counts as much in a step as a new shape. Where pairs begin to slip,
+# the shape changes little, but frequency and damping do, and a figure must show it.
+MEASURED_CHANGE = 20.0
 # chosen: limits of the parameters of a trial, in decades and over the reference; a step of Newton's method beyond them
 # has failed: numbers far beyond them would overflow, and with a negative frequency time runs backwards.
 _HIGHEST, _LOWEST = np.array([100.0, 1e3, 1e6, 1e9]), np.array([-100.0, 1e-3, -1e6, -1e9])
@@ -51,7 +54,8 @@ class ModePoint(BalancePoint):
     def measured(self) -> FloatArray:
         """The shape of the motion, its frequency and its damping, which are constant in a linear mode."""
         shape = self.trial.amplitude.ravel() / self.modal_amplitude
-        return np.concatenate([shape, self.parameters[1:3] / self.reference])
+        change = self.parameters[1:3] / self.reference - np.array([1.0, 0.0])  # from the linear mode
+        return np.concatenate([shape, MEASURED_CHANGE * change])
 
 
 def amplitude_of(parameters: FloatArray) -> float:
@@ -168,7 +172,7 @@ class ModeCurve(BalanceCurve):
         for slope, by in zip(self._amplitude_slopes(balance, trial, point.parameters), step.parameters, strict=True):
             change += float(by) * slope
         shape = (change - LN_10 * float(step.parameters[0]) * trial.amplitude) / point.modal_amplitude
-        return np.concatenate([shape.ravel(), step.parameters[1:3] / self._reference])
+        return np.concatenate([shape.ravel(), MEASURED_CHANGE * step.parameters[1:3] / self._reference])
 
     def named(self, parameter: float) -> str:
         return f"a modal amplitude of {10.0**parameter:.3g} m kg^0.5"
