@@ -92,6 +92,7 @@ def test_the_energy_of_a_cycle_gives_the_same_damping() -> None:
     assert result.residual.max() < 1e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rest", ["gaps", "retained tractions", "coupled damping", "modal ratio"])
 def test_a_mode_about_any_rest_balances_its_energies(blade: Blade, rest: str) -> None:
     """From stuck pairs to full separation, for the kinds of rest and of damping."""
@@ -166,6 +167,7 @@ def test_the_mode_passes_through_the_peaks_of_forced_responses() -> None:
         assert peak_hz == pytest.approx(expected, rel=0.01)
 
 
+@pytest.mark.slow
 def test_the_branch_from_the_sliding_limit_is_the_same_curve() -> None:
     superelement, pairs = one_mass(ratio=0.002)
     up = ss.nonlinear_mode(superelement, pairs, 1, (1e-5, 1e-2), harmonics=3)
@@ -211,6 +213,7 @@ def test_high_damping_has_a_warning() -> None:
     printed_sentence(words)
 
 
+@pytest.mark.slow
 def test_too_few_harmonics_have_a_warning() -> None:
     """Rigid friction excites many harmonics: the warning tells that one is not enough, and is silent with 15."""
     few = ss.nonlinear_mode(*two_masses(1e2), 1, (0.3, 10.0), harmonics=1, samples=256)
