@@ -47,7 +47,7 @@ def test_the_dataset_has_units(mode: NonlinearMode) -> None:
 def test_the_figure_shows_mode_linear_limits_and_estimate(mode: NonlinearMode) -> None:
     above, below = mode.plot(ss.quasi_static_mode(*one_mass(), 1, (1e-6, 1e-3), points_per_decade=5)).axes
     labels = above.get_legend_handles_labels()[1]
-    assert labels == ["nonlinear mode", "linear, stuck (mode 1)", "linear, sliding (mode 1)", "quasi-static"]
+    assert labels == ["nonlinear mode", "linear stuck mode 1", "linear sliding mode 1", "quasi-static"]
     assert below.get_xscale() == "log"
     assert len(mode.plot().axes[1].lines) == 1
 

@@ -41,12 +41,8 @@ def _curve(view: View, name: str, values: FloatArray, unit: str) -> Any:
 def _linear_lines(mode: NonlinearMode) -> Iterator[Any]:
     """The frequencies of the closest linear modes, stuck and sliding."""
     ends = mode.modal_amplitude[[0, -1]]
-    for limit, hertz, mac, colour, dash in (
-        ("stuck", mode.stuck_frequency_hz, mode.stuck_mac, BLUE, "dash"),
-        ("sliding", mode.sliding_frequency_hz, mode.sliding_mac, ORANGE, "dot"),
-    ):
-        closest = int(mac.max(axis=0).argmax())
-        yield line_trace(f"linear {limit} mode {closest + 1}", ends, [hertz[closest]] * 2, colour, dash)
+    for (name, hertz), colour, dash in zip(mode.closest_linear_modes, (BLUE, ORANGE), ("dash", "dot"), strict=True):
+        yield line_trace(name, ends, [hertz] * 2, colour, dash)
 
 
 def frequency_of_mode(view: View) -> Figure:

@@ -121,6 +121,19 @@ class NonlinearMode(PeriodicMotions):
         return {state: (self.contact_state == state).mean(axis=1) for state in self.pairs.state_names}
 
     @property
+    def closest_linear_modes(self) -> tuple[tuple[str, float], ...]:
+        """Name and frequency in Hz of the stuck and of the sliding linear mode that is closest to the shape."""
+        limits = (
+            ("stuck", self.stuck_frequency_hz, self.stuck_mac),
+            ("sliding", self.sliding_frequency_hz, self.sliding_mac),
+        )
+        closest = [int(mac.max(axis=0).argmax()) for _, _, mac in limits]
+        return tuple(
+            (f"linear {limit} mode {index + 1}", float(hertz[index]))
+            for (limit, hertz, _), index in zip(limits, closest, strict=True)
+        )
+
+    @property
     def passes_peaks(self) -> NDArray[np.bool_]:
         """(n_points,) whether peaks of forced responses are on the mode: the damping ratio is at most 3 %."""
         return np.asarray(self.damping_ratio <= LARGEST_RATIO_OF_PEAKS)
@@ -130,14 +143,8 @@ class NonlinearMode(PeriodicMotions):
 
         The figure shows a ``quasi_static`` estimate of the same mode beside it.
         """
-        linear = []
-        for name, hertz, mac in (
-            ("stuck", self.stuck_frequency_hz, self.stuck_mac),
-            ("sliding", self.sliding_frequency_hz, self.sliding_mac),
-        ):
-            closest = int(mac.max(axis=0).argmax())
-            linear.append((f"linear, {name} (mode {closest + 1})", float(hertz[closest])))
-        return mode_figure(_backbone(self), linear, None if quasi_static is None else _backbone(quasi_static))
+        other = None if quasi_static is None else _backbone(quasi_static)
+        return mode_figure(_backbone(self), self.closest_linear_modes, other)
 
 
 def _backbone(mode: NonlinearMode | QuasiStaticMode) -> Backbone:

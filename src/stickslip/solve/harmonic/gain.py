@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import dataclass
-from typing import Protocol, Self
+from typing import Any, Protocol, Self
 
 import numpy as np
 import scipy.linalg
@@ -133,6 +133,7 @@ class _ModeGain:
     """Common parts of the two gains."""
 
     _own: _OwnStiffness
+    _cached: Any  # what the gain computed at the last frequency; None before
 
     @property
     def growth(self) -> float:
@@ -141,12 +142,8 @@ class _ModeGain:
     def excited(self, by: SelfExcitation) -> Self:
         changed = copy(self)
         changed._own = self._own.excited(by)
-        changed._forget()
+        changed._cached = None  # it belongs to another self-excitation
         return changed
-
-    def _forget(self) -> None:
-        """Drop what belongs to another self-excitation."""
-        raise NotImplementedError
 
 
 class DiagonalGain(_ModeGain):
@@ -157,9 +154,6 @@ class DiagonalGain(_ModeGain):
         self.near_modes = near_modes
         self._own = _OwnStiffness(circular_frequency**2, damping, harmonics, None)
         self._damping = damping
-        self._forget()
-
-    def _forget(self) -> None:
         self._cached: tuple[float, ComplexArray] | None = None
 
     def _gain(self, omega: float) -> ComplexArray:
@@ -201,9 +195,6 @@ class CoupledGain(_ModeGain):
         self._far_coupling = self._coupling.copy()
         self._far_coupling[:near_modes, :near_modes] = 0.0
         self._order = np.arange(1, harmonics + 1)[:, None]
-        self._forget()
-
-    def _forget(self) -> None:
         self._cached: tuple[float, ComplexArray, ComplexArray] | None = None
 
     def _inner(self, omega: float) -> tuple[ComplexArray, ComplexArray]:
