@@ -13,6 +13,8 @@ from stickslip.model.model import build_model, load_joint, set_up
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "own_mesh"
 QUICK = {"solver.harmonics": 1, "solver.samples": 64, "output.figure_formats": []}
+# A window in which nothing slips, for tests of what comes before or after the curve.
+BELOW_THE_PEAK = {"solver.frequency_stop": "1700 Hz"}
 
 
 def mesh_case(**changes: Any) -> Case:

@@ -167,7 +167,7 @@ def test_resonances_without_damping_are_no_false_alarm() -> None:
     model = build_model(Case())
     (many, few) = (
         forced_response(
-            model.superelement, model.pairs, model.excitation, frequency_hz=(457.0, 452.3), harmonics=harmonics,
+            model.superelement, model.pairs, model.excitation, frequency_hz=(454.5, 452.3), harmonics=harmonics,
             modal_damping_ratio=0.001, samples=128,
         )
         for harmonics in (15, 9)

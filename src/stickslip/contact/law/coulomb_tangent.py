@@ -385,5 +385,6 @@ def tangent_pairs(
         pair_tangent(motion, basis, scales[pair], released, starts[pair], tangential)
         for row in range(2):
             for p in range(width):
-                for c in range(3 * width):
-                    tangents[pair, row, p, c // width, c % width] = tangential[row, p, c]
+                for by in range(3):
+                    for q in range(width):
+                        tangents[pair, row, p, by, q] = tangential[row, p, by * width + q]
