@@ -227,7 +227,8 @@ def test_a_sweep_varies_the_entry_of_one_interface(tmp_path: Path) -> None:
     """A sweep over an entry with a name of its own: two cases, one reduction, results that differ."""
     from stickslip.sweeps.run import sweep
 
-    result = sweep(mesh_case().replace(BELOW_THE_PEAK), {"interfaces.sole.normal_load": [20, 40]}, out=tmp_path, workers=1)
+    case = mesh_case().replace(BELOW_THE_PEAK)
+    result = sweep(case, {"interfaces.sole.normal_load": [20, 40]}, out=tmp_path, workers=1)
     assert result.table.failed == ()
     peaks = result.table.column("peak_amplitude_m")
     assert peaks[0] != peaks[1]
