@@ -19,6 +19,7 @@ from stickslip.case.quantities import (
     FileName,
     Force,
     PoissonRatio,
+    Strength,
     YoungModulus,
     require_printable,
 )
@@ -152,6 +153,14 @@ class OwnMaterialSection(Section):
     young_modulus: Annotated[YoungModulus, Required(_MATERIAL)]
     poisson_ratio: Annotated[PoissonRatio, Required(_MATERIAL)]
     density: Annotated[Density, Required(_MATERIAL)]
+    fatigue_limit: Strength | None = Field(
+        default=None,
+        description="alternating stress endured without mean stress, for the Goodman check",
+        examples=["450 MPa"],
+    )
+    tensile_strength: Strength | None = Field(
+        default=None, description="ultimate strength, for the Goodman check", examples=["1000 MPa"]
+    )
 
 
 class BodySection(Section):
@@ -160,6 +169,14 @@ class BodySection(Section):
     young_modulus: YoungModulus | None = Field(default=None, examples=["197 GPa"])
     poisson_ratio: PoissonRatio | None = Field(default=None, examples=[0.3])
     density: Density | None = Field(default=None, examples=["7800 kg/m^3"])
+    fatigue_limit: Strength | None = Field(
+        default=None,
+        description="alternating stress endured without mean stress, for the Goodman check",
+        examples=["450 MPa"],
+    )
+    tensile_strength: Strength | None = Field(
+        default=None, description="ultimate strength, for the Goodman check", examples=["1000 MPa"]
+    )
 
 
 class OwnPreloadSection(PreloadSection):

@@ -34,6 +34,10 @@ Stiffness = Annotated[
 Frequency = Annotated[float, Quantity("frequency", at_least=1e-6, at_most=1e12, usual=(1e-2, 1e9))]
 # Gels have 1 kPa, diamond 1.2 TPa (Callister, Materials Science and Engineering); more serves as a rigid body.
 YoungModulus = Annotated[float, Quantity("pressure", shown="GPa", at_least=1e3, at_most=1e16)]
+# Foams endure 10 kPa, whiskers 20 GPa.
+Strength = Annotated[
+    float, Quantity("pressure", shown="MPa", at_least=1e3, at_most=1e12, usual=(1e4, 1e11), example='"450 MPa"')
+]
 # Aerogels have 1 kg/m^3, osmium 22,590 kg/m^3; less serves as a body without mass, more as a lumped one.
 Density = Annotated[float, Quantity("density", at_least=1e-6, at_most=1e9)]
 PoissonRatio = Annotated[float, Quantity("pure number", at_least=0.0, below=0.5)]

@@ -27,7 +27,7 @@ from stickslip.contact.stiffness.fractal import (
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
 from stickslip.contact.stiffness.stiffness_law import Allocation, StiffnessLaw, pair_pressure, springs_of_pairs
 from stickslip.contact.stiffness.surface import SurfaceStatistics, surface_statistics
-from stickslip.core.errors import InputError, concerning
+from stickslip.core.errors import InputError, concerning, keys_of_section
 from stickslip.core.plausible import OddValue
 from stickslip.core.units import LARGEST_STIFFNESS
 from stickslip.core.validation import FloatArray
@@ -329,7 +329,15 @@ def case_material(case: TwoBladeCase | OwnCase) -> Material:
     """The material of [material]. Raises InputError where a study of own structure has none."""
     if case.material is None:
         raise InputError("there is no section [material]. Give young_modulus, poisson_ratio and density.")
-    return Material(case.material.young_modulus, case.material.poisson_ratio, case.material.density)
+    section = case.material
+    with keys_of_section("material"):
+        return Material(
+            section.young_modulus,
+            section.poisson_ratio,
+            section.density,
+            section.fatigue_limit,
+            section.tensile_strength,
+        )
 
 
 def roughness_section(case: Case) -> RoughnessSection:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import reduce
 from operator import add
@@ -21,7 +21,7 @@ from stickslip.model.kinds.kind import Kind
 from stickslip.model.kinds.matrices import MatrixKind
 from stickslip.model.kinds.mesh import MeshKind
 from stickslip.model.kinds.two_blade import TwoBladeKind
-from stickslip.model.layout import BaseMotionOfSupport, GroupForce, GroupUnbalance, Layout, NodeGroup, Setup
+from stickslip.model.layout import Layout, NodeGroup, Setup
 from stickslip.model.solved_preload import SolvedPreload, resting_joint, solve_preload
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.damping import rayleigh_damping_matrix
@@ -191,12 +191,8 @@ def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel
         if superelement.damping is not None:  # that of the matrix files
             damping = damping + superelement.damping
         superelement = replace(superelement, damping=damping)
-    excitation = _excitation(reduced, kind.forces(case), kind.unbalances(case), kind.base_motion(case))
-    static_load = kind.rotation_speed(case) ** 2 * reduced.body_load
-    for force in kind.static_forces(case):
-        static_load = static_load + force.amplitude * (
-            np.asarray(force.direction) @ reduced.node_groups[force.node_group]
-        )
+    excitation = make_excitation(case, reduced.node_groups, reduced.base_inertia)
+    static_load = make_static_load(case, reduced.node_groups, reduced.body_load)
     named_outputs, groups = kind.outputs(case)
     outputs = {
         name: np.asarray(each.direction) @ reduced.node_groups[each.node_group] for name, each in named_outputs.items()
@@ -212,26 +208,39 @@ def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel
     return ReducedModel(superelement, joint, pairs, excitation, static_load, outputs, groups, solved)
 
 
-def _excitation(
-    reduced: ReducedStructure,
-    forces: Sequence[GroupForce],
-    unbalances: Sequence[GroupUnbalance],
-    motion: BaseMotionOfSupport | None,
-) -> Excitation:
-    """The excitation on the reduced unknowns."""
+def make_static_load(case: Case, node_groups: Mapping[str, FloatArray], body_load: FloatArray) -> FloatArray:
+    """(n,) N of the constant forces and of rotation, on the unknowns of ``node_groups``, name -> rows (3, n).
+
+    ``body_load`` (n,) N is that of the bodies at a rotation of 1 rad/s.
+    """
+    kind = kind_of(case)
+    load = kind.rotation_speed(case) ** 2 * body_load
+    for force in kind.static_forces(case):
+        load = load + force.amplitude * (np.asarray(force.direction) @ node_groups[force.node_group])
+    return load
+
+
+def make_excitation(case: Case, node_groups: Mapping[str, FloatArray], base_inertia: FloatArray | None) -> Excitation:
+    """The excitation of a case on the unknowns of ``node_groups``, name -> rows (3, n).
+
+    ``base_inertia`` (n, 3) kg resists an acceleration of the support of 1 m/s2 along x, y, z.
+    """
+    kind = kind_of(case)
+    forces, motion = kind.forces(case), kind.base_motion(case)
     parts = []
     if forces:
-        shape = (reduced.superelement.size, max(force.harmonic for force in forces))
+        size = next(iter(node_groups.values())).shape[1]
+        shape = (size, max(force.harmonic for force in forces))
         cosine, sine = np.zeros(shape), np.zeros(shape)
         for force in forces:
-            row = np.asarray(force.direction) @ reduced.node_groups[force.node_group]
+            row = np.asarray(force.direction) @ node_groups[force.node_group]
             cosine[:, force.harmonic - 1] += force.amplitude * np.sin(force.phase) * row
             sine[:, force.harmonic - 1] += force.amplitude * np.cos(force.phase) * row
         parts.append(Excitation.force(cosine, sine))
-    for each in unbalances:
-        first, second = (across @ reduced.node_groups[each.node_group] for across in each.turning)
+    for each in kind.unbalances(case):
+        first, second = (across @ node_groups[each.node_group] for across in each.turning)
         parts.append(Excitation.unbalance(first, second, each.mass_times_radius))
-    if motion is not None and reduced.base_inertia is not None:
-        carried = reduced.base_inertia @ np.asarray(motion.direction)
+    if motion is not None and base_inertia is not None:
+        carried = base_inertia @ np.asarray(motion.direction)
         parts.append(Excitation.carried_base_motion(carried, motion.amplitude, motion.kind))
     return reduce(add, parts)

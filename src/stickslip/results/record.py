@@ -17,6 +17,7 @@ from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.response import ForcedResponse
 from stickslip.results.rough_patch import RoughPatch
 from stickslip.results.sketch import Sketch
+from stickslip.results.stress import StressSummary
 from stickslip.results.variables import (
     Embedded,
     InGroup,
@@ -73,6 +74,8 @@ class StudyRecord(Labelled):
         messages of the study itself; those of the solver are in the response.
     sketch:
         data for a picture of the structure; None for matrices without a mesh, and for the cases of a sweep.
+    stress:
+        the stress at the peak; None for matrices without a mesh, and if it was not computed.
     rough_patch:
         heights of a rough face for a picture, or None; the cases of a sweep have none.
 
@@ -127,6 +130,7 @@ class StudyRecord(Labelled):
     )
     warnings: tuple[str, ...] = field(default=(), metadata=stored(Json(list[str], "warnings of the study, JSON list")))
     sketch: Sketch | None = field(default=None, metadata=stored(InGroup.of(Sketch, optional=True)))
+    stress: StressSummary | None = field(default=None, metadata=stored(InGroup.of(StressSummary, optional=True)))
     rough_patch: RoughPatch | None = field(
         default=None, metadata=stored(Embedded(RoughPatch, name="rough_height", optional=True))
     )

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, argument_error, finite_array, real_number
+from stickslip.results.stress import SurfaceStress
 from stickslip.results.variables import (
     Coefficients,
     Count,
@@ -104,6 +105,8 @@ class Sketch(Labelled):
         number of outer sides of the mesh; above m where the sketch is coarser than the mesh.
     motion:
         the motion at the peak of the response; None for results files of older versions.
+    stress:
+        the stress at the points, at the peak of the response; None if it was not computed.
 
     Raises
     ------
@@ -136,6 +139,9 @@ class Sketch(Labelled):
     mesh_sides: int = field(metadata=stored(Count("number of outer sides of the mesh")))
     motion: Motion | None = field(
         default=None, metadata=stored(Embedded(Motion, name="motion_frequency", optional=True))
+    )
+    stress: SurfaceStress | None = field(
+        default=None, metadata=stored(Embedded(SurfaceStress, name="surface_von_mises", optional=True))
     )
 
     def __post_init__(self) -> None:
@@ -178,6 +184,11 @@ class Sketch(Labelled):
                     f"the sketch has {len(points)}, {k} and {r}.",
                     arguments=["motion"],
                 )
+        if self.stress is not None and self.stress.von_mises.size != len(points):
+            raise InputError(
+                f"stress of the sketch has {self.stress.von_mises.size} points, but the sketch has {len(points)}.",
+                arguments=["stress"],
+            )
         changed: dict[str, Any] = {
             "points": points,
             "held": np.asarray(self.held, dtype=bool),

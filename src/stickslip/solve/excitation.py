@@ -8,7 +8,7 @@ displacement.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from typing import Literal, Protocol, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,9 +16,20 @@ from numpy.typing import ArrayLike
 from stickslip.core.errors import InputError
 from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray, argument_error, finite_array, positive_number, require_choice
-from stickslip.structure.superelement import Superelement
 
 BaseMotion = Literal["acceleration", "displacement"]
+
+
+class Unknowns(Protocol):
+    """The unknowns that a force acts on: those of a superelement, or all displacements of a mesh."""
+
+    @property
+    def size(self) -> int:
+        """Number n of unknowns."""
+
+    @property
+    def mass(self) -> FloatArray:
+        """(n, n) kg."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +163,7 @@ class Excitation:
         """The excitation in words."""
         return " and ".join(part.words for part in self.parts)
 
-    def on(self, superelement: Superelement, harmonics: int) -> ExcitationForce:
+    def on(self, superelement: Unknowns, harmonics: int) -> ExcitationForce:
         """The force on a structure, with ``harmonics`` harmonics.
 
         Raises InputError for another number of unknowns, more harmonics than ``harmonics``, or no force at all.

@@ -34,22 +34,41 @@ _CELLS_AT_ONCE = 2000
 _EQUAL = 1e-6  # relative difference of components of a mode that are equal by symmetry
 
 
+def require_strengths(fatigue_limit: float | None, tensile_strength: float | None) -> None:
+    """Raise InputError for a fatigue limit above the tensile strength; either may be absent."""
+    if fatigue_limit is not None and tensile_strength is not None and fatigue_limit > tensile_strength:
+        raise InputError(
+            f"fatigue_limit is {1e-6 * fatigue_limit:g} MPa, but tensile_strength is only "
+            f"{1e-6 * tensile_strength:g} MPa; no material endures more than its strength. Steels have about half of it.",
+            ("fatigue_limit",),
+        )
+
+
 @dataclass(frozen=True)
 class Material:
     """Isotropic material: Young's modulus in Pa, Poisson's ratio, density in kg/m3.
 
-    The defaults are a blade steel, those of the default two-blade study.
+    The defaults are a blade steel, those of the default two-blade study. ``fatigue_limit`` is the alternating stress
+    that the material endures without mean stress (0-to-peak), ``tensile_strength`` its ultimate strength, in Pa; only a
+    Goodman check uses them, and it requires both.
 
-    Raises InputError unless modulus and density are above 0 and the ratio lies in (-1, 0.5).
+    Raises InputError unless modulus, density and strengths are above 0, the ratio lies in (-1, 0.5), and the fatigue
+    limit is not above the strength.
     """
 
     young_modulus: float = 197.0e9
     poisson_ratio: float = 0.3
     density: float = 7800.0
+    fatigue_limit: float | None = None
+    tensile_strength: float | None = None
 
     def __post_init__(self) -> None:
         for name, unit in (("young_modulus", "Pa"), ("density", "kg/m3")):
             positive_number(name, getattr(self, name), unit)
+        for name in ("fatigue_limit", "tensile_strength"):
+            if getattr(self, name) is not None:
+                positive_number(name, getattr(self, name), "Pa")
+        require_strengths(self.fatigue_limit, self.tensile_strength)
         ratio = real_number("poisson_ratio", self.poisson_ratio)
         require_allowed("poisson_ratio", ratio, -1.0 < ratio < 0.5, "between -1 and 0.5 (metals: about 0.3)")
 
@@ -79,6 +98,8 @@ class Structure:
     fixed_unknowns:
         all indices among the 3 * n_nodes displacements (node, then x, y, z) that are zero: those of ``fixed_nodes``,
         which may be omitted, and single directions of other nodes.
+    materials:
+        material of each body of the mesh, which only its stress requires; empty if unknown.
     """
 
     mesh: Mesh
@@ -87,6 +108,7 @@ class Structure:
     fixed_nodes: IntArray
     element: str
     fixed_unknowns: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    materials: tuple[Material, ...] = ()
 
     def __post_init__(self) -> None:
         whole = (3 * np.asarray(self.fixed_nodes, dtype=np.int64)[:, None] + np.arange(3)).ravel()
@@ -184,7 +206,8 @@ def assemble(
     if fixed_nodes is None:
         fixed_nodes = mesh.node_sets.get("fixed", np.empty(0, dtype=np.int64))
     incompatible = element == "incompatible"
-    return _assembled(mesh, [(mesh.bricks(), material)], element, incompatible, fixed_nodes, ())
+    structure = _assembled(mesh, [(mesh.bricks(), material)], element, incompatible, fixed_nodes, ())
+    return replace(structure, materials=(material,) * (int(mesh.body.max()) + 1))
 
 
 def assemble_bodies(
@@ -225,7 +248,8 @@ def assemble_bodies(
         (block.cells[block.body == body], materials[body]) for block in mesh.blocks for body in np.unique(block.body)
     ]
     kinds = ", ".join(dict.fromkeys(hexahedron if b.kind == "hexahedron" else b.kind for b in mesh.blocks))
-    return _assembled(mesh, groups, kinds, hexahedron == "incompatible", fixed_nodes, fixed_unknowns)
+    structure = _assembled(mesh, groups, kinds, hexahedron == "incompatible", fixed_nodes, fixed_unknowns)
+    return replace(structure, materials=tuple(materials))
 
 
 def _assembled(

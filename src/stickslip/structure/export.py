@@ -12,7 +12,7 @@ from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file, work_folder
 from stickslip.core.fourier import synthesis_matrix
 from stickslip.core.validation import FloatArray, argument_error, finite_array
-from stickslip.structure.mesh import Mesh
+from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.meshio_cells import complete_meshio
 
 
@@ -107,6 +107,36 @@ def write_deflected_period(path: str | Path, mesh: Mesh, coefficients: FloatArra
     return target
 
 
+def write_nodal_fields(
+    path: str | Path, mesh: Mesh, node: IntArray, body: IntArray, fields: Mapping[str, FloatArray]
+) -> Path:
+    """Write fields (p,) on the nodes of each body, such as a stress, as one .vtu file.
+
+    ``node`` and ``body`` (p,) name the rows; a node that bodies share is in the file once for each of them.
+
+    Raises InputError for a field of another length, a node of a body without a row, another suffix, or a folder that
+    cannot be written.
+    """
+    target = _target(path, ".vtu")
+    for name, values in fields.items():
+        if np.shape(values) != np.shape(node):
+            raise InputError(
+                f"{name} must have one entry for each of {len(node)} rows, but its shape is {values.shape}."
+            )
+    key = body * mesh.n_nodes + node
+    order = np.argsort(key)
+    blocks = []
+    for block in mesh.blocks:
+        wanted = block.body[:, None] * mesh.n_nodes + block.cells
+        at = order[np.searchsorted(key, wanted, sorter=order).clip(0, len(key) - 1)]
+        if not np.array_equal(key[at], wanted):
+            raise InputError("the rows do not contain every node of every body of the mesh.", arguments=["node"])
+        blocks.append((block.kind, at))
+    with whole_file(target, "fields of the mesh", InputError) as part:
+        _write_cells(part, mesh.points[node], blocks, mesh.body, dict(fields))
+    return target
+
+
 def write_points(path: str | Path, points: FloatArray, fields: Mapping[str, FloatArray]) -> Path:
     """Write points (k, 3) in m with fields (k,) or (k, 3) as one .vtu file of vertices.
 
@@ -144,7 +174,12 @@ def _displacement(name: str, value: FloatArray, mesh: Mesh) -> FloatArray:
 
 
 def _write_vtu(path: Path, mesh: Mesh, fields: dict[str, FloatArray]) -> None:
+    _write_cells(path, mesh.points, mesh.cell_arrays(), mesh.body, fields)
+
+
+def _write_cells(
+    path: Path, points: FloatArray, blocks: list[tuple[str, IntArray]], body: IntArray, fields: dict[str, FloatArray]
+) -> None:
     meshio = complete_meshio()
-    blocks = mesh.cell_arrays()
-    body = np.split(mesh.body, np.cumsum([len(cells) for _, cells in blocks])[:-1])
-    meshio.Mesh(mesh.points, blocks, point_data=fields, cell_data={"body": body}).write(path, file_format="vtu")
+    bodies = np.split(body, np.cumsum([len(cells) for _, cells in blocks])[:-1])
+    meshio.Mesh(points, blocks, point_data=fields, cell_data={"body": bodies}).write(path, file_format="vtu")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from stickslip.core.validation import FloatArray
@@ -19,20 +21,45 @@ def incompatible_stiffness(cells: FloatArray, elastic: FloatArray) -> FloatArray
     Source: R. L. Taylor, P. J. Beresford, E. L. Wilson, A non-conforming element for stress analysis,
     Int. J. Numer. Methods Eng. 10 (1976) 1211-1219.
     """
+    full = _full_stiffness(cells, elastic)
+    condensed = full[:, :24, :24] + full[:, :24, 24:] @ _amplitudes(full)
+    return np.asarray(0.5 * (condensed + condensed.swapaxes(1, 2)))
+
+
+def incompatible_strain(cells: FloatArray, elastic: FloatArray, points: FloatArray) -> Iterator[FloatArray]:
+    """For each of the reference points (q, 3): the matrix (m, 6, 24) from nodal displacements to the strain there.
+
+    The strain contains that of the bubbles, with their amplitudes ``a = -K_aa^-1 K_au u``; its components are those of
+    :func:`strain_matrix`.
+    """
+    amplitudes = _amplitudes(_full_stiffness(cells, elastic))
+    for strain, _ in _strains(cells, points):
+        yield strain[:, :, :24] + strain[:, :, 24:] @ amplitudes
+
+
+def _full_stiffness(cells: FloatArray, elastic: FloatArray) -> FloatArray:
+    """(m, 33, 33) N/m of the 24 displacements and the 9 amplitudes of the bubbles."""
     points, weights = gauss_points(2)
+    full = np.zeros((len(cells), 33, 33))
+    for (strain, determinant), weight in zip(_strains(cells, points), weights, strict=True):
+        full += strain.swapaxes(1, 2) @ ((weight * determinant)[:, None, None] * (elastic @ strain))
+    return full
+
+
+def _amplitudes(full: FloatArray) -> FloatArray:
+    """(m, 9, 24) amplitudes of the bubbles, which carry no load, for unit displacements of the nodes."""
+    return np.asarray(-np.linalg.solve(full[:, 24:, 24:], full[:, 24:, :24]))
+
+
+def _strains(cells: FloatArray, points: FloatArray) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """At each of the points (q, 3): strain matrix (m, 6, 33) of displacements and bubbles, and determinant (m,)."""
     _, gradients = shape_functions(8, points)
     _, centre_gradient = shape_functions(8, np.zeros((1, 3)))
     centre_jacobian, centre_determinant = jacobians(cells, centre_gradient[0])
     centre_inverse = np.linalg.inv(centre_jacobian).swapaxes(1, 2)
-
-    full = np.zeros((len(cells), 33, 33))
-    for point, gradient, weight in zip(points, gradients, weights, strict=True):
+    for point, gradient in zip(points, gradients, strict=True):
         jacobian, determinant = jacobians(cells, gradient)
         compatible = gradient @ np.linalg.inv(jacobian).swapaxes(1, 2)
         ratio = (centre_determinant / determinant)[:, None, None]
         bubbles = ratio * (np.diag(-2.0 * point) @ centre_inverse)
-        strain = strain_matrix(np.concatenate([compatible, bubbles], axis=1))
-        full += strain.swapaxes(1, 2) @ ((weight * determinant)[:, None, None] * (elastic @ strain))
-    coupling = full[:, 24:, :24]
-    condensed = full[:, :24, :24] - coupling.swapaxes(1, 2) @ np.linalg.solve(full[:, 24:, 24:], coupling)
-    return np.asarray(0.5 * (condensed + condensed.swapaxes(1, 2)))
+        yield strain_matrix(np.concatenate([compatible, bubbles], axis=1)), determinant

@@ -84,6 +84,36 @@ class Recovery:
         free[self._interior] -= self._solve(self._coupling() @ reduced[:count])
         return self._structure.expand(free)
 
+    def with_omitted_modes(self, reduced: FloatArray, load: FloatArray, omega: float = 0.0) -> FloatArray:
+        """Displacements (3 * n_nodes, 2H+1) of the mesh with the static part of the modes that the reduction omits.
+
+        ``u = T reduced + [0; K_ii^-1 - Phi Lambda^-1 Phi^T] (f + (k omega)^2 M T reduced)`` for each harmonic k: the
+        omitted modes follow load and inertia as springs without mass. For constant loads this is exact; stresses near a
+        distributed load require it.
+
+        Parameters
+        ----------
+        reduced:
+            (n, 2H+1) coefficients mean, cos 1, sin 1, ... of the unknowns.
+        load:
+            (3 * n_nodes, 2H+1) N on the full mesh, forces of boundary nodes included.
+        omega:
+            circular frequency in rad/s.
+
+        Source: mode-acceleration method, R. R. Craig, A. J. Kurdila, Fundamentals of Structural Dynamics, 2nd ed. (2006).
+        """
+        plain = self @ reduced
+        free, inner = self._structure.free_unknowns, self._interior
+        harmonic = (np.arange(reduced.shape[1]) + 1) // 2
+        right = (load[free] + (self._structure.mass @ plain[free]) * (harmonic * omega) ** 2)[inner]
+        omitted = self._solve(right)
+        if self.modes.shape[1]:
+            inner_stiffness = self._structure.stiffness[inner][:, inner]
+            squared = np.einsum("ij,ij->j", self.modes, inner_stiffness @ self.modes)
+            omitted = omitted - self.modes @ ((self.modes.T @ right) / squared[:, None])
+        plain[free[inner]] += omitted
+        return plain
+
     def project(self, load: FloatArray) -> FloatArray:
         """``T^T f`` (n, k) of loads f (3 * n_nodes, k) in N on the full mesh, T the transformation of this recovery.
 

@@ -17,6 +17,7 @@ RESULTS_FILE = "results.nc"
 REPORT_FILE = "report.html"
 FIGURE_FOLDER = "figures"
 MODES_FILE = "mode_shapes.vtu"
+STRESS_FILE = "stress.vtu"
 PERIOD_FILE = "deflected_shape.pvd"
 PERIOD_FOLDER = "deflected_shape_frames"
 
@@ -24,6 +25,7 @@ PERIOD_FOLDER = "deflected_shape_frames"
 REPORT_BYTES = 11_000_000  # plotly.js and the data of the page
 FIGURES_BYTES = 1_500_000
 _BYTES_OF_NODE = 45  # in one field of a compressed file for ParaView
+_STRESS_FIELDS = 4  # scalar fields take a third of a vector field
 _POINTS = 200  # of a curve; the linear limits have about as many of two coefficients each
 _HARMONICS = 24  # with an accuracy: more than curves usually require
 _BYTES = 8  # of a number; those of a curve can hardly be compressed
@@ -33,7 +35,7 @@ def require_places(out: Path) -> None:
     """Make the folder of a run. Raises OutputError if its files cannot be written or the disk is nearly full."""
     require_folder(
         out,
-        files=(RESULTS_FILE, REPORT_FILE, MODES_FILE, PERIOD_FILE, PAIRS_FILE),
+        files=(RESULTS_FILE, REPORT_FILE, MODES_FILE, STRESS_FILE, PERIOD_FILE, PAIRS_FILE),
         folders=(FIGURE_FOLDER, PERIOD_FOLDER),
     )
     require_disk_space(out, REPORT_BYTES, REPORT_BYTES)
@@ -44,6 +46,7 @@ def require_space_for(case: Case, model: Model, out: Path) -> None:
     coefficients = 2 * (case.solver.harmonics or _HARMONICS) + 1
     results = _BYTES * _POINTS * model.superelement.size * coefficients
     fields = case.output.mode_shapes + case.output.deflected_shape_frames
+    fields += _STRESS_FIELDS if case.output.stress else 0
     nodes = 0 if isinstance(model.structure, Superelement) else model.structure.mesh.n_nodes
     whole = results + REPORT_BYTES + FIGURES_BYTES + _BYTES_OF_NODE * fields * nodes
     require_disk_space(out, whole, max(results, REPORT_BYTES))

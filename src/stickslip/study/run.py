@@ -21,6 +21,7 @@ from stickslip.results.nonlinear_mode import NonlinearMode
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, results_bytes
+from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes
 from stickslip.structure.superelement import Superelement
 from stickslip.study.figure_process import PAGE_GRID, Drawing, NoFigures, SecondProcess, artist_of, rough_patch
@@ -30,11 +31,14 @@ from stickslip.study.places import (
     PERIOD_FILE,
     REPORT_FILE,
     RESULTS_FILE,
+    STRESS_FILE,
     require_places,
     require_space_for,
 )
 from stickslip.study.sketching import MeshMotion
 from stickslip.study.solution import reported_model, solved
+from stickslip.study.stress import StressAtPeak
+from stickslip.study.stress_summary import fields_of
 
 
 @dataclass(frozen=True)
@@ -76,7 +80,11 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
         progress.update("Files", 0.3, REPORT_FILE)
         page = _page(out, response, record)
         progress.update("Files", 0.5, "shapes for ParaView")
-        shapes = [*setup.write_places(out), *_shapes(out, case, model, solution.motion)]
+        shapes = [
+            *setup.write_places(out),
+            *_shapes(out, case, model, solution.motion),
+            *_stress(out, model, solution.stress),
+        ]
         progress.update("Files", 0.7, FIGURE_FOLDER)
         files = [out / RESULTS_FILE, page, *artist.files(), *shapes]
     progress.update("Files", 1.0, f"{len(files)} files")
@@ -117,6 +125,15 @@ def _shapes(out: Path, case: Case, model: Model, motion: MeshMotion | None) -> I
     frames = case.output.deflected_shape_frames
     if frames:
         yield write_deflected_period(out / PERIOD_FILE, mesh, motion.displacement, frames)
+
+
+def _stress(out: Path, model: Model, stress: StressAtPeak | None) -> Iterator[Path]:
+    """Stress at the peak, for ParaView."""
+    from stickslip.structure.export import write_nodal_fields
+
+    if stress is not None and isinstance(model.structure, Structure):
+        nodal, mesh = stress.nodal, model.structure.mesh
+        yield write_nodal_fields(out / STRESS_FILE, mesh, nodal.node, nodal.body, fields_of(stress))
 
 
 def _closing_words(response: ForcedResponse, record: StudyRecord) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ from stickslip.model.model import Model, kind_of
 from stickslip.results.peaks import peaks
 from stickslip.results.response import ForcedResponse
 from stickslip.results.sketch import Motion, Sketch
+from stickslip.results.stress import SurfaceStress
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.outer_surface import coarsened, outer_surface
@@ -24,6 +25,10 @@ if TYPE_CHECKING:
 
 # Outer sides of a sketch; chosen: the picture takes less than 3 MB of a page and can be turned without delay.
 MOST_SIDES = 22_000
+
+
+# The stress at nodes (k,) of the mesh.
+StressOfNodes = Callable[[IntArray], SurfaceStress]
 
 
 @dataclass(frozen=True)
@@ -43,8 +48,10 @@ def motion_at_peak(model: Model, response: ForcedResponse) -> MeshMotion | None:
     return MeshMotion(displacement, float(response.frequency_hz[point]))
 
 
-def sketch_of(case: Case, model: Model, motion: MeshMotion | None) -> Sketch | None:
-    """The sketch of a study, with its ``motion``; None for matrices without a shape."""
+def sketch_of(
+    case: Case, model: Model, motion: MeshMotion | None, stress: StressOfNodes | None = None
+) -> Sketch | None:
+    """The sketch of a study, with its ``motion`` and ``stress``; None for matrices without a shape."""
     if not isinstance(model.structure, Structure):
         return None
     kind, structure = kind_of(case), model.structure
@@ -56,6 +63,7 @@ def sketch_of(case: Case, model: Model, motion: MeshMotion | None) -> Sketch | N
         kind.static_forces(case),
         kind.outputs(case)[0],
         motion,
+        stress,
     )
 
 
@@ -67,6 +75,7 @@ def make_sketch(
     static_forces: tuple[GroupForce, ...],
     named_outputs: Mapping[str, Output],
     motion: MeshMotion | None = None,
+    stress: StressOfNodes | None = None,
 ) -> Sketch:
     """Outer sides of a mesh, at most ``MOST_SIDES``, the contact among them, and the positions of loads and responses.
 
@@ -99,6 +108,7 @@ def make_sketch(
         response_places=_places(mesh, layout, list(by_group)),
         mesh_sides=len(whole.sides),
         motion=None if motion is None else _motion(motion, shown.node, layout, load_groups, list(by_group)),
+        stress=None if stress is None else stress(shown.node),
     )
 
 

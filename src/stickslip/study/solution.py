@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from threadpoolctl import threadpool_limits
@@ -14,9 +15,12 @@ from stickslip.model.layout import Setup
 from stickslip.model.model import Model, build_model, load_joint, set_up
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
+from stickslip.structure.elasticity import Structure
 from stickslip.study.analyses import solve
 from stickslip.study.record import compare_modes, study_record, with_other_tractions
 from stickslip.study.sketching import MeshMotion, motion_at_peak, sketch_of
+from stickslip.study.stress import StressAtPeak, stress_at_peak
+from stickslip.study.stress_summary import stress_summary, surface_stress
 
 
 @dataclass(frozen=True)
@@ -31,6 +35,8 @@ class Solution:
         data for the report beside the response.
     motion:
         of the mesh at the peak of the first output; None for matrices without a mesh.
+    stress:
+        of the mesh over the period of this peak; None for matrices without a mesh, and if the case does not want it.
     """
 
     case: Case
@@ -38,6 +44,7 @@ class Solution:
     model: Model
     record: StudyRecord
     motion: MeshMotion | None
+    stress: StressAtPeak | None
 
     @property
     def converged(self) -> bool:
@@ -99,5 +106,12 @@ def solved(case: Case, model: Model, progress: Progress, threads: int) -> Soluti
     record = study_record(case, model, table, response)
     other = with_other_tractions(case, model, response, progress, threads)
     motion = motion_at_peak(model, response)
-    record = replace(record, derived=(*record.derived, *other), sketch=sketch_of(case, model, motion))
-    return Solution(case, response, model, record, motion)
+    stress, surface = None, None
+    if case.output.stress and isinstance(model.structure, Structure):
+        stress = stress_at_peak(case, model, response)
+    if stress is not None and isinstance(model.structure, Structure):
+        summary, n_nodes = stress_summary(case, model, response, stress, model.structure), model.structure.mesh.n_nodes
+        record, surface = replace(record, stress=summary), partial(surface_stress, stress, n_nodes)
+    sketch = sketch_of(case, model, motion, surface)
+    record = replace(record, derived=(*record.derived, *other), sketch=sketch)
+    return Solution(case, response, model, record, motion, stress)

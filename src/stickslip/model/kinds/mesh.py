@@ -149,10 +149,10 @@ def body_materials(case: MeshCase, source: ImportedModel) -> tuple[Material, ...
 
 def _material(case: MeshCase, name: str, source: ImportedModel) -> Material:
     sections = (case.bodies.get(name), source.materials.get(name), case.material)
-    keys = ("young_modulus", "poisson_ratio", "density")
+    keys, strengths = ("young_modulus", "poisson_ratio", "density"), ("fatigue_limit", "tensile_strength")
     values: dict[str, float] = {}
-    for key in keys:
-        candidates = [getattr(each, key) for each in sections if each is not None]
+    for key in (*keys, *strengths):
+        candidates = [getattr(each, key, None) for each in sections if each is not None]
         present = [value for value in candidates if value is not None]
         if present:
             values[key] = present[0]
@@ -167,7 +167,9 @@ def _material(case: MeshCase, name: str, source: ImportedModel) -> Material:
             "[material] for all bodies without one.",
             (f"bodies.{name}" if name in case.bodies else "structure.file",),
         )
-    return Material(**values)
+    home = f"bodies.{name}" if name in case.bodies else "material"
+    with keys_of_section(home):
+        return Material(**values)
 
 
 def _fixed_unknowns(case: MeshCase, source: ImportedModel) -> IntArray:

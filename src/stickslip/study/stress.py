@@ -1,0 +1,177 @@
+"""Stress of the full mesh over one period at the peak, with the state at rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from stickslip.core.validation import FloatArray
+from stickslip.model.layout import Layout
+from stickslip.model.model import Model, kind_of, make_excitation, make_static_load
+from stickslip.results.peaks import peaks
+from stickslip.results.response import ForcedResponse
+from stickslip.results.stress import Region
+from stickslip.structure.elasticity import Structure
+from stickslip.structure.mesh import IntArray, Mesh
+from stickslip.structure.recovery import Recovery
+from stickslip.structure.stress import NodalStress, nodal_stress
+from stickslip.structure.stress_cycle import StressCycle, stress_cycle
+
+if TYPE_CHECKING:
+    from stickslip.case.case import Case
+
+StaticState = Literal["solved", "none", "unknown"]
+
+
+@dataclass(frozen=True, eq=False)
+class StressAtPeak:
+    """Stress of a mesh over the period of the highest point of the curve; p rows of nodes and bodies.
+
+    nodal:
+        node and body of each row, and coefficients (p, 6, 2H+1) Pa, mean, cos 1, sin 1, ...; the mean contains the
+        static stress if ``static`` is "solved".
+    cycle:
+        its measures over the period.
+    region:
+        (p,) codes of :class:`stickslip.results.stress.Region`.
+    safety:
+        (p,) safety factor of the Goodman line; NaN in bodies without both strengths. None without a check.
+    static:
+        "solved": the state at rest is included; "none": nothing loads the structure at rest; "unknown": a prescribed
+        preload does not define the displacements at rest, so the stress is that of the vibration alone.
+    truncation:
+        largest change of a stress by the modes that the reduction omits, over the largest von Mises stress, away from
+        contacts and loads.
+    """
+
+    nodal: NodalStress
+    cycle: StressCycle
+    region: IntArray
+    safety: FloatArray | None
+    static: StaticState
+    truncation: float
+    frequency_hz: float
+    point: int
+
+
+def stress_at_peak(case: Case, model: Model, response: ForcedResponse) -> StressAtPeak | None:
+    """The stress at the highest point of the curve of the first response; None for matrices without a mesh."""
+    structure, recovery = model.structure, model.superelement.recovery
+    if not isinstance(structure, Structure) or not isinstance(recovery, Recovery):
+        return None
+    point = peaks(response.frequency_hz, response.amplitude(next(iter(model.outputs.values()))), response.part)[0].point
+    loads = _FullLoads(case, model.joint.layout, structure.full_size)
+    omega = 2.0 * np.pi * float(response.frequency_hz[point])
+    load = response.load_factor[point] * loads.harmonic(omega, response.harmonics)
+    reduced = response.displacement[point]
+    displacement = recovery.with_omitted_modes(reduced, load, omega)
+    plain = recovery @ reduced
+    static: StaticState = "unknown"
+    if model.preload is not None:
+        static, rest = "solved", model.preload.state.displacement[:, None]
+        displacement[:, :1] += recovery.with_omitted_modes(rest, loads.static()[:, None])
+        plain[:, :1] += recovery @ rest
+    elif not model.static_load.any() and not np.nan_to_num(model.pairs.normal_load).any():
+        static = "none"
+    nodal = nodal_stress(structure, displacement)
+    cycle = stress_cycle(nodal.stress)
+    region = _regions(case, model.joint.layout, structure)[nodal.node]
+    omitted = np.abs(nodal.stress - nodal_stress(structure, plain).stress).sum(axis=2).max(axis=1)
+    ordinary = (region == Region.ORDINARY) | (region == Region.CONSTRAINED)
+    chosen = ordinary if ordinary.any() else np.ones_like(ordinary)
+    largest = float(cycle.largest_von_mises[chosen].max())
+    return StressAtPeak(
+        nodal,
+        cycle,
+        region,
+        None if static == "unknown" else _goodman(structure, nodal, cycle),
+        static,
+        float(omitted[chosen].max()) / largest if largest else 0.0,
+        float(response.frequency_hz[point]),
+        point,
+    )
+
+
+def goodman_factor(
+    alternating: FloatArray, mean: FloatArray, fatigue_limit: float, tensile_strength: float
+) -> FloatArray:
+    """Safety factor S of the Goodman line, ``1 / S = alternating / fatigue_limit + mean / tensile_strength``; Pa.
+
+    The factor multiplies alternating and mean stress alike until the line is reached; infinite without stress.
+
+    Source: J. Goodman, Mechanics Applied to Engineering (1899).
+    """
+    used = np.asarray(alternating) / fatigue_limit + np.asarray(mean) / tensile_strength
+    with np.errstate(divide="ignore"):
+        return np.asarray(1.0 / used)
+
+
+def _goodman(structure: Structure, nodal: NodalStress, cycle: StressCycle) -> FloatArray | None:
+    """(p,) safety factor, NaN in bodies without both strengths; None if no body has them."""
+    factor = np.full(len(nodal.node), np.nan)
+    for body, material in enumerate(structure.materials):
+        if material.fatigue_limit is not None and material.tensile_strength is not None:
+            here = nodal.body == body
+            factor[here] = goodman_factor(
+                cycle.alternating[here], cycle.mean[here], material.fatigue_limit, material.tensile_strength
+            )
+    return None if np.isnan(factor).all() else factor
+
+
+@dataclass(frozen=True)
+class _FullUnknowns:
+    """All displacements of a mesh, as an excitation requires them."""
+
+    size: int
+    mass: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
+
+
+@dataclass(frozen=True)
+class _FullLoads:
+    """Loads of a case on all displacements (size,) of its mesh."""
+
+    case: Case
+    layout: Layout
+    size: int
+
+    def harmonic(self, omega: float, harmonics: int) -> FloatArray:
+        """(size, 2H+1) N of the excitation, mean, cos 1, sin 1, ..."""
+        excitation = make_excitation(self.case, self._rows(), self.layout.base_inertia)
+        return excitation.on(_FullUnknowns(self.size), harmonics).coefficients(omega).T
+
+    def static(self) -> FloatArray:
+        """(size,) N of the constant forces and of rotation."""
+        body_load = self.layout.body_load
+        return make_static_load(self.case, self._rows(), np.zeros(self.size) if body_load is None else body_load)
+
+    def _rows(self) -> dict[str, FloatArray]:
+        """Name -> (3, size) rows of the mean displacement of a node group."""
+        rows = {}
+        for name, group in self.layout.node_groups.items():
+            row = np.zeros((3, self.size))
+            for axis in range(3):
+                row[axis, 3 * group.nodes + axis] = group.weights
+            rows[name] = row
+        return rows
+
+
+def _regions(case: Case, layout: Layout, structure: Structure) -> IntArray:
+    """(n_nodes,) codes of :class:`Region`; contact before loads before constraints."""
+    kind, mesh = kind_of(case), structure.mesh
+    loaded = {each.node_group for each in (*kind.forces(case), *kind.static_forces(case))}
+    loaded |= {each.node_group for each in kind.unbalances(case)}
+    load_nodes = [layout.node_groups[name].nodes for name in sorted(loaded)]
+    region = np.full(mesh.n_nodes, Region.ORDINARY, dtype=np.int64)
+    region[structure.fixed_unknowns // 3] = Region.CONSTRAINED
+    if load_nodes:
+        region[_cells_around(mesh, np.concatenate(load_nodes))] = Region.LOAD
+    region[_cells_around(mesh, layout.face_pairs.nodes)] = Region.CONTACT
+    return region
+
+
+def _cells_around(mesh: Mesh, nodes: IntArray) -> IntArray:
+    """Nodes of all cells that have one of the given nodes."""
+    touched = np.concatenate([np.isin(cells, nodes).any(axis=1) for _, cells in mesh.cell_arrays()])
+    return mesh.nodes_of_cells(np.flatnonzero(touched))

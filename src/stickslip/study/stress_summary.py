@@ -1,0 +1,133 @@
+"""The stress at the peak in numbers and on the surface, for results files and pages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stickslip.core.validation import FloatArray
+from stickslip.model.model import Model, kind_of
+from stickslip.results.response import ForcedResponse
+from stickslip.results.stress import Region, StressExtreme, StressSummary, SurfaceStress
+from stickslip.structure.elasticity import Structure
+from stickslip.structure.mesh import IntArray
+from stickslip.study.stress import StressAtPeak
+
+if TYPE_CHECKING:
+    from stickslip.case.case import Case
+
+LARGEST_VON_MISES, RANGE_OF_VON_MISES = "largest von Mises stress", "range of von Mises stress"
+ALTERNATING = "alternating stress"
+SAFETY = "safety factor"
+NO_STRENGTHS = (
+    "No material has both fatigue_limit and tensile_strength, so there is no Goodman check. Give both in [material] or "
+    "[bodies.NAME]."
+)
+NO_STATIC_STATE = (
+    "There is no Goodman check, because the stress at rest is unknown: a prescribed preload does not define the "
+    'displacements at rest. With preload.method = "solved" they follow from the static load.'
+)
+
+
+def stress_summary(
+    case: Case, model: Model, response: ForcedResponse, stress: StressAtPeak, structure: Structure
+) -> StressSummary:
+    """Extremes of all measures with their positions, and the Goodman check."""
+    ordinary = (stress.region == Region.ORDINARY) | (stress.region == Region.CONSTRAINED)
+    everything = np.ones_like(ordinary)
+    names = model.joint.layout.body_names
+    output = next(iter(model.outputs.values()))
+
+    def extremes(where: FloatArray) -> tuple[StressExtreme, ...]:
+        rows = np.flatnonzero(where)
+        return tuple(_extremes(stress, structure, names, rows)) if rows.size else ()
+
+    goodman, message = _goodman(stress, structure, names, np.flatnonzero(ordinary))
+    return StressSummary(
+        extremes=extremes(ordinary),
+        everywhere=extremes(everything),
+        goodman=goodman,
+        goodman_message=message,
+        static=stress.static,
+        frequency_hz=stress.frequency_hz,
+        force=float(kind_of(case).force_amplitude(case) * response.load_factor[stress.point]),
+        displacement=float(response.amplitude(output)[stress.point]),
+        truncation=stress.truncation,
+    )
+
+
+def surface_stress(stress: StressAtPeak, n_nodes: int, nodes: IntArray) -> SurfaceStress:
+    """The stress at nodes (k,) of a mesh of ``n_nodes``."""
+    largest, alternating = stress.cycle.largest_von_mises, stress.cycle.alternating
+    return SurfaceStress(
+        *(stress.nodal.at_nodes(each, n_nodes)[nodes].astype(np.float32) for each in (largest, alternating))
+    )
+
+
+def fields_of(stress: StressAtPeak) -> dict[str, FloatArray]:
+    """Name and unit -> values (p,) of the rows of nodes and bodies, for a file of ParaView."""
+    cycle = stress.cycle
+    fields = {
+        "largest von Mises, Pa": cycle.largest_von_mises,
+        "smallest von Mises, Pa": cycle.smallest_von_mises,
+        "largest first principal, Pa": cycle.largest_first_principal,
+        "smallest first principal, Pa": cycle.smallest_first_principal,
+        "largest third principal, Pa": cycle.largest_third_principal,
+        "smallest third principal, Pa": cycle.smallest_third_principal,
+        "alternating, Pa": cycle.alternating,
+        "mean, Pa": cycle.mean,
+        "region (1 contact, 2 load, 3 constrained)": stress.region.astype(float),
+    }
+    return fields if stress.safety is None else {**fields, "safety factor (Goodman)": stress.safety}
+
+
+def _extremes(
+    stress: StressAtPeak, structure: Structure, names: tuple[str, ...], rows: IntArray
+) -> Iterator[StressExtreme]:
+    cycle = stress.cycle
+    for quantity, values, sign in (
+        (LARGEST_VON_MISES, cycle.largest_von_mises, 1.0),
+        (RANGE_OF_VON_MISES, cycle.largest_von_mises - cycle.smallest_von_mises, 1.0),
+        ("largest first principal stress", cycle.largest_first_principal, 1.0),
+        ("smallest third principal stress", cycle.smallest_third_principal, -1.0),
+        ("range of first principal stress", cycle.largest_first_principal - cycle.smallest_first_principal, 1.0),
+        ("range of third principal stress", cycle.largest_third_principal - cycle.smallest_third_principal, 1.0),
+        (ALTERNATING, cycle.alternating, 1.0),
+        ("mean stress", cycle.mean, 1.0),
+    ):
+        row = int(rows[(sign * values[rows]).argmax()])
+        yield _extreme(quantity, float(values[row]), row, stress, structure, names)
+
+
+def _extreme(
+    quantity: str, value: float, row: int, stress: StressAtPeak, structure: Structure, names: tuple[str, ...]
+) -> StressExtreme:
+    x, y, z = structure.mesh.points[stress.nodal.node[row]].tolist()
+    body = names[int(stress.nodal.body[row])]
+    return StressExtreme(quantity, value, body, (x, y, z), int(stress.region[row]))
+
+
+def _goodman(
+    stress: StressAtPeak, structure: Structure, names: tuple[str, ...], rows: IntArray
+) -> tuple[tuple[StressExtreme, ...], str]:
+    """Smallest safety factor of each body, and the check in words."""
+    if stress.static == "unknown":
+        return (), NO_STATIC_STATE
+    if stress.safety is None:
+        return (), NO_STRENGTHS
+    weakest = []
+    for body in range(len(names)):
+        here = rows[(stress.nodal.body[rows] == body) & np.isfinite(stress.safety[rows])]
+        if here.size:
+            row = int(here[stress.safety[here].argmin()])
+            weakest.append(_extreme(SAFETY, float(stress.safety[row]), row, stress, structure, names))
+    unchecked = [name for name in names if name not in {row.body for row in weakest}]
+    message = "1 / S = alternating / fatigue limit + mean / tensile strength, at each node."
+    if unchecked:
+        message += f" Not checked, without both strengths: {', '.join(unchecked)}."
+    below = [row.body for row in weakest if row.value < 1.0]
+    if below:
+        message += f" Below 1, so the material does not endure this vibration: {', '.join(below)}."
+    return tuple(weakest), message
