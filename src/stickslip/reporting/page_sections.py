@@ -17,6 +17,7 @@ from stickslip.reporting.look import Figure
 from stickslip.reporting.mode_section import NONLINEAR_MODE
 from stickslip.reporting.other_words import OTHER_SOLUTIONS
 from stickslip.reporting.section import Section
+from stickslip.reporting.stress_section import STRESS
 from stickslip.reporting.structure_section import STRUCTURE
 from stickslip.reporting.style import MICRO, number, shown_number
 from stickslip.reporting.sweep_words import sweep_words
@@ -165,6 +166,7 @@ CURVE = Section(
 
 SECTIONS = (
     STRUCTURE,
+    STRESS,
     Section(
         "Contact states",
         """\

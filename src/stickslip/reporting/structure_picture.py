@@ -32,9 +32,13 @@ from stickslip.reporting.structure_view import (
 from stickslip.reporting.style import body_colour, face_colour
 from stickslip.results.record import StudyRecord
 from stickslip.results.sketch import Motion, Sketch
+from stickslip.results.stress import SurfaceStress
 
 WIDE_PX, NARROW_PX = (820, 560), (350, 400)  # width and height of the picture on a screen and on a phone
 _MM = 1e3  # m to mm
+_MPA = 1e-6  # Pa to MPa
+# Measure of the stress at the surface -> title of its colours.
+STRESS_WORDS = {"von_mises": "Largest von Mises stress, MPa", "alternating": "Alternating stress, MPa"}
 _GLASS = 0.14  # opacity of bodies that would hide the contact
 _DEFLECTION_FRACTION = 0.08  # of the diagonal of the structure, for its largest displacement
 _LEAST_HARMONIC = 1e-3  # of the largest coefficient; harmonics that nowhere reach it are left out of the picture
@@ -139,6 +143,7 @@ def structure_picture(study: StudyRecord, sketch: Sketch) -> StructurePicture:
         "at": [packed(trace.at, "i4") for trace in traces],
         "labels": [label.at for label in words],
         "motion": motion,
+        "stress": None if sketch.stress is None else _packed_stress(sketch.stress, len(shown.places), contact),
         "views": {"whole": _view(extent, extent, camera)}
         | ({} if close is None else {"contact": _view(close, extent, camera)}),
         "narrow": {"height": NARROW_PX[1], "offsets": [label.offset for label in narrow]},
@@ -261,6 +266,16 @@ def _packed_motion(sketch: Sketch, motion: Motion, contact: _Contact) -> tuple[d
     numbers = np.rint(moving / step).transpose(2, 0, 1)
     data = {"values": packed(numbers, "i2"), "coefficients": columns, "step": _MM * step * magnification}
     return data, Deflection(magnification, largest, left_out, motion.frequency_hz)
+
+
+def _packed_stress(stress: SurfaceStress, n_places: int, contact: _Contact) -> list[dict[str, Any]]:
+    """Values of each point of the picture in MPa, 0 at its marks, with the words of their bar."""
+    measures = []
+    for key, words in STRESS_WORDS.items():
+        values = _MPA * np.asarray(getattr(stress, key), dtype=float)
+        places = np.concatenate([values, np.zeros(n_places - len(values)), values[contact.points]])
+        measures.append({"words": words, "largest": float(values.max()), "values": packed(places, "f4")})
+    return measures
 
 
 def _about_mean(coefficients: FloatArray) -> FloatArray:

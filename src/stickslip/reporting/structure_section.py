@@ -8,7 +8,7 @@ import numpy as np
 
 from stickslip.core.validation import FloatArray
 from stickslip.reporting.section import Content, Section
-from stickslip.reporting.structure_picture import LegendEntry, StructurePicture, structure_picture
+from stickslip.reporting.structure_picture import STRESS_WORDS, LegendEntry, StructurePicture, structure_picture
 from stickslip.reporting.structure_still import still_picture
 from stickslip.reporting.style import MICRO, number, shown_number
 from stickslip.reporting.templates import rendered
@@ -28,6 +28,7 @@ def _content(view: View) -> Content:
         "caption": _caption(sketch, picture),
         "legend": _legend(picture, len(sketch.body_names)),
         "deflection": _deflection(picture),
+        "stresses": [] if sketch.stress is None else list(STRESS_WORDS.values()),
         "has_close_view": picture.has_close_view,
         "words": _words(study, sketch),
         "still": base64.b64encode(still_picture(study, sketch)).decode("ascii"),

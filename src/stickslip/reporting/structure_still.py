@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 
 _PANEL_INCHES = 4.0
 _HEADING_INCHES = 0.25
+_BAR_INCHES = 0.6  # for a bar of colours below the panels
+COLOUR_MAP = "viridis"  # for everyone: its lightness rises evenly
 _DPI = 150  # chosen: sharp on screens and in print
 _POINTS_PER_PX = 0.6  # labels are placed for a view of structure_picture, which is larger than a panel
 _GLASS = 0.22  # opacity of bodies that would hide the contact
@@ -41,40 +44,72 @@ _LIGHT = np.array([-0.3, 0.6, 0.9])  # right, up, towards the eye
 _MM = 1e3  # m to mm
 
 
-def still_picture(study: StudyRecord, sketch: Sketch) -> bytes:
+@dataclass(frozen=True)
+class Paint:
+    """Values (n,) at the points of a sketch that colour its sides instead of the bodies, and the words of their bar."""
+
+    values: FloatArray
+    words: str
+
+    @property
+    def norm(self) -> Any:
+        """From 0 to the largest value, as matplotlib takes it."""
+        from matplotlib.colors import Normalize
+
+        return Normalize(0.0, float(self.values.max()) or 1.0)
+
+    def of_sides(self, sketch: Sketch) -> FloatArray:
+        """(m, 4) colour of each side, opaque, from the mean of its corners."""
+        from matplotlib import colormaps
+
+        return np.asarray(colormaps[COLOUR_MAP](self.norm(self.values[sketch.sides].mean(axis=1))))
+
+
+def still_picture(study: StudyRecord, sketch: Sketch, paint: Paint | None = None) -> bytes:
     """A PNG of the structure at rest, with a second view of its contact where that is small."""
     stream = BytesIO()
-    structure_figure(study, sketch).savefig(stream, format="png", dpi=_DPI)
+    structure_figure(study, sketch, paint).savefig(stream, format="png", dpi=_DPI)
     return stream.getvalue()
 
 
-def structure_figure(study: StudyRecord, sketch: Sketch) -> Figure:
-    """The figure of :func:`still_picture`."""
+def structure_figure(study: StudyRecord, sketch: Sketch, paint: Paint | None = None) -> Figure:
+    """The figure of :func:`still_picture`; with ``paint`` it has a bar of colours instead of names."""
     camera = best_camera(sketch)
     shown = marked(sketch)
     whole = Extent.around(shown.places)
     close = contact_extent(sketch, camera)
     views = {"": whole} if close is None else {"Whole structure": whole, "Contact": close}
     panel = _PANEL_INCHES * max(_height_fraction(extent, camera) for extent in views.values())
-    height = panel + (_HEADING_INCHES if close is not None else 0.0)
+    bar = 0.0 if paint is None else _BAR_INCHES
+    height = panel + bar + (_HEADING_INCHES if close is not None else 0.0)
     figure = blank_figure(_PANEL_INCHES * len(views), height)
     figure.set_layout_engine("none")  # each panel says where it is
     for place, (heading, extent) in enumerate(views.items()):
         # matplotlib draws into a square; what a low panel cuts off above and below is empty.
-        left, below = place / len(views), 0.5 * (panel - _PANEL_INCHES) / height
+        left, below = place / len(views), (bar + 0.5 * (panel - _PANEL_INCHES)) / height
         axes: Any = figure.add_axes((left, below, 1.0 / len(views), _PANEL_INCHES / height), projection="3d")
         _set_view(axes, camera, extent, extent is close)
-        _bodies(axes, sketch, camera)
+        _bodies(axes, sketch, camera, paint)
         _marks(axes, sketch, shown)
         width = _PANEL_INCHES * 72.0 / _POINTS_PER_PX
         px_per_m = _FILLED * width / float(extent.projected_size(camera)[:2].max())
-        for label in labels(
-            study, sketch, Frame(camera, extent.middle, px_per_m, width, width * panel / _PANEL_INCHES)
-        ):
+        frame = Frame(camera, extent.middle, px_per_m, width, width * panel / _PANEL_INCHES)
+        for label in labels(study, sketch, frame) if paint is None else ():
             if (np.abs(shown.places[label.at] - extent.middle) <= 0.5 * extent.size * (1.0 + 1e-9)).all():
                 _write(axes, label, shown.places[label.at])
         figure.text(left + 0.01, 0.99, heading, fontsize=9, weight="bold", va="top", color=INK)
+    if paint is not None:
+        _colour_bar(figure, paint, height)
     return figure
+
+
+def _colour_bar(figure: Figure, paint: Paint, height: float) -> None:
+    from matplotlib.cm import ScalarMappable
+
+    axes = figure.add_axes((0.25, 0.6 * _BAR_INCHES / height, 0.5, 0.2 * _BAR_INCHES / height))
+    bar = figure.colorbar(ScalarMappable(paint.norm, COLOUR_MAP), cax=axes, orientation="horizontal")
+    bar.set_label(paint.words, fontsize=8, color=INK)
+    bar.ax.tick_params(labelsize=7, colors=INK)
 
 
 def _height_fraction(extent: Extent, camera: Camera) -> float:
@@ -106,14 +141,14 @@ def _set_view(axes: Any, camera: Camera, extent: Extent, is_close: bool) -> None
         axis.labelpad = -6
 
 
-def _bodies(axes: Any, sketch: Sketch, camera: Camera) -> None:
+def _bodies(axes: Any, sketch: Sketch, camera: Camera, paint: Paint | None) -> None:
     """The sides that look here, all contact faces, and the outlines of all bodies, painted from far to near."""
     from matplotlib.colors import to_rgba
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
     vectors = area_vectors(sketch)
     contact = sketch.face >= 0
-    here = (vectors @ camera.axes[2] > 0.0) | contact
+    here = (vectors @ camera.axes[2] > 0.0) | (contact & (paint is None))
     edges = np.concatenate([outlines(sketch, body) for body in range(len(sketch.body_names))])
     # Lines are a little nearer to the eye than the sides that they bound, and contact faces than what they touch; along
     # the view that changes their depth alone.
@@ -121,9 +156,10 @@ def _bodies(axes: Any, sketch: Sketch, camera: Camera) -> None:
     lines = sketch.points[edges[:, [0, 1, 1, 0]]] + nearer
     sides = sketch.points[sketch.sides] + 0.5 * nearer * contact[:, None, None]
     none, n_sides = to_rgba(INK, 0.0), int(here.sum())
+    colours = _side_colours(sketch, vectors, camera) if paint is None else paint.of_sides(sketch)
     painted = Poly3DCollection(
         _MM * np.concatenate([sides[here], lines]),
-        facecolors=np.concatenate([_side_colours(sketch, vectors, camera)[here], np.tile(none, (len(lines), 1))]),
+        facecolors=np.concatenate([colours[here], np.tile(none, (len(lines), 1))]),
         edgecolors=[none] * n_sides + [to_rgba(INK)] * len(lines),
         linewidths=0.4,  # one for all: matplotlib sorts the colours by depth, but not the widths
     )

@@ -93,7 +93,7 @@ class StressSummary(Labelled):
     static:
         "solved", "none" or "unknown" (:class:`stickslip.study.stress.StressAtPeak`).
     truncation:
-        largest change by omitted modes over the largest von Mises stress.
+        largest part of the vibration stress by omitted modes over the largest alternating stress.
     goodman:
         smallest safety factor of each body that has both strengths, away from contacts and loads.
     goodman_message:
@@ -115,7 +115,7 @@ class StressSummary(Labelled):
     force: float = field(metadata=stored(Numbers((), "N", "amplitude of the excitation force")))
     displacement: float = field(metadata=stored(Numbers((), "m", "0-to-peak displacement of the response")))
     truncation: float = field(
-        metadata=stored(Numbers((), "1", "change of the stress by omitted modes over its largest value"))
+        metadata=stored(Numbers((), "1", "part of the vibration stress by omitted modes over the alternating stress"))
     )
 
     def __post_init__(self) -> None:

@@ -39,7 +39,8 @@ def require_strengths(fatigue_limit: float | None, tensile_strength: float | Non
     if fatigue_limit is not None and tensile_strength is not None and fatigue_limit > tensile_strength:
         raise InputError(
             f"fatigue_limit is {1e-6 * fatigue_limit:g} MPa, but tensile_strength is only "
-            f"{1e-6 * tensile_strength:g} MPa; no material endures more than its strength. Steels have about half of it.",
+            f"{1e-6 * tensile_strength:g} MPa; no material endures more than its "
+            "strength. Steels have about half of it.",
             ("fatigue_limit",),
         )
 

@@ -100,7 +100,8 @@ class Recovery:
         omega:
             circular frequency in rad/s.
 
-        Source: mode-acceleration method, R. R. Craig, A. J. Kurdila, Fundamentals of Structural Dynamics, 2nd ed. (2006).
+        Source: mode-acceleration method, R. R. Craig, A. J. Kurdila, Fundamentals of Structural Dynamics, 2nd ed.
+        (2006).
         """
         plain = self @ reduced
         free, inner = self._structure.free_unknowns, self._interior

@@ -44,8 +44,8 @@ def nodal_stress(structure: Structure, displacement: FloatArray) -> NodalStress:
     """Stress ``D B u`` at the nodes, from displacements (3 * n_nodes, k) m (node, then x, y, z).
 
     In each cell the stress at its integration points (:func:`stress_points`) is fitted by the functions of
-    :func:`nodal_fit` and evaluated at the nodes; a node has the unweighted mean over the cells of one body. Incompatible
-    bricks include the strain of their bubbles.
+    :func:`nodal_fit` and evaluated at the nodes; a node has the unweighted mean over the cells of one body.
+    Incompatible bricks include the strain of their bubbles.
 
     Raises InputError for displacements of another shape, and for a structure without materials.
     """
@@ -106,7 +106,7 @@ def stress_points(n_nodes: int) -> FloatArray:
 def nodal_fit(n_nodes: int) -> FloatArray:
     """(k, q) values at the nodes of a cell from values at :func:`stress_points`, by least squares.
 
-    The functions of the fit: 1 (tetra), 1 and z (wedge), linear (tetra10), linear over the triangle times linear along z
+    Functions of the fit: 1 (tetra), 1 and z (wedge), linear (tetra10), linear over the triangle times linear along z
     (wedge15), trilinear (8-node brick), and the shape functions of the 20-node brick.
     """
     points, nodes = stress_points(n_nodes), KIND_OF_SIZE[n_nodes].nodes

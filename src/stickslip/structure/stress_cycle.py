@@ -70,8 +70,8 @@ def stress_cycle(coefficients: FloatArray) -> StressCycle:
     array = finite_array("coefficients", coefficients)
     if array.ndim != 3 or array.shape[1] != 6 or array.shape[2] % 2 == 0:
         raise InputError(
-            "coefficients must have shape (p, 6, 2H+1), components xx, yy, zz, xy, yz, zx and coefficients mean, cos 1, "
-            f"sin 1, ..., but the shape is {array.shape}.",
+            "coefficients must have shape (p, 6, 2H+1), components xx, yy, zz, xy, yz, zx and coefficients mean, "
+            f"cos 1, sin 1, ..., but the shape is {array.shape}.",
             arguments=["coefficients"],
         )
     parts = [_cycle(array[start : start + _ROWS_AT_ONCE]) for start in range(0, len(array), _ROWS_AT_ONCE)]

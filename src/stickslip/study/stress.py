@@ -17,7 +17,7 @@ from stickslip.structure.elasticity import Structure
 from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.recovery import Recovery
 from stickslip.structure.stress import NodalStress, nodal_stress
-from stickslip.structure.stress_cycle import StressCycle, stress_cycle
+from stickslip.structure.stress_cycle import StressCycle, stress_cycle, von_mises
 
 if TYPE_CHECKING:
     from stickslip.case.case import Case
@@ -42,8 +42,8 @@ class StressAtPeak:
         "solved": the state at rest is included; "none": nothing loads the structure at rest; "unknown": a prescribed
         preload does not define the displacements at rest, so the stress is that of the vibration alone.
     truncation:
-        largest change of a stress by the modes that the reduction omits, over the largest von Mises stress, away from
-        contacts and loads.
+        largest part of the vibration stress (von Mises, sum over the coefficients) by modes that the reduction omits,
+        over the largest alternating stress, away from contacts and loads. The stress contains its static estimate.
     """
 
     nodal: NodalStress
@@ -67,28 +67,26 @@ def stress_at_peak(case: Case, model: Model, response: ForcedResponse) -> Stress
     load = response.load_factor[point] * loads.harmonic(omega, response.harmonics)
     reduced = response.displacement[point]
     displacement = recovery.with_omitted_modes(reduced, load, omega)
-    plain = recovery @ reduced
+    omitted = nodal_stress(structure, displacement - recovery @ reduced).stress
     static: StaticState = "unknown"
     if model.preload is not None:
         static, rest = "solved", model.preload.state.displacement[:, None]
         displacement[:, :1] += recovery.with_omitted_modes(rest, loads.static()[:, None])
-        plain[:, :1] += recovery @ rest
     elif not model.static_load.any() and not np.nan_to_num(model.pairs.normal_load).any():
         static = "none"
     nodal = nodal_stress(structure, displacement)
     cycle = stress_cycle(nodal.stress)
     region = _regions(case, model.joint.layout, structure)[nodal.node]
-    omitted = np.abs(nodal.stress - nodal_stress(structure, plain).stress).sum(axis=2).max(axis=1)
     ordinary = (region == Region.ORDINARY) | (region == Region.CONSTRAINED)
     chosen = ordinary if ordinary.any() else np.ones_like(ordinary)
-    largest = float(cycle.largest_von_mises[chosen].max())
+    largest = float(cycle.alternating[chosen].max())
     return StressAtPeak(
         nodal,
         cycle,
         region,
         None if static == "unknown" else _goodman(structure, nodal, cycle),
         static,
-        float(omitted[chosen].max()) / largest if largest else 0.0,
+        float(von_mises(omitted.swapaxes(1, 2)).sum(axis=1)[chosen].max()) / largest if largest else 0.0,
         float(response.frequency_hz[point]),
         point,
     )

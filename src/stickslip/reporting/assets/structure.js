@@ -92,6 +92,28 @@
     for (const end of ["pointerup", "pointercancel"]) window.addEventListener(end, () => { shown.dragged = false; }, true);
   }
 
+  /* Colours of a stress on all surfaces, or those of the bodies; bodies that are transparent become opaque. */
+  function paint(measure) {
+    const surfaces = all.filter((trace) => data.figure.data[trace].type === "mesh3d");
+    const values = measure && unpack(measure.values, Float32Array);
+    const look = {
+      intensity: surfaces.map((trace) => (measure ? Float32Array.from(at[trace], (point) => values[point]) : null)),
+      opacity: surfaces.map((trace) => (measure ? 1 : bodyOpacity[trace])),
+      showscale: surfaces.map((_, i) => Boolean(measure) && i === 0),
+      hovertemplate: surfaces.map((trace) => (measure ? bodyHover[trace].replace("<extra>", "<br>%{intensity:.4g} MPa<extra>") : bodyHover[trace])),
+    };
+    if (measure) {
+      Object.assign(look, {
+        cmin: 0, cmax: measure.largest || 1, colorscale: "Viridis",
+        colorbar: { title: { text: measure.words, side: "right", font: { size: 12 } }, thickness: 12, len: 0.7, x: 1, xanchor: "right" },
+      });
+    }
+    return Plotly.restyle(plot, look, surfaces);
+  }
+
+  const bodyOpacity = data.figure.data.map((trace) => (trace.opacity === undefined ? 1 : trace.opacity));
+  const bodyHover = data.figure.data.map((trace) => trace.hovertemplate || "");
+
   /* The camera of a view: so far away that the corners of its box are inside a picture of this shape. */
   function cameraOf(view) {
     const aspect = plot.clientWidth / data.figure.layout.height, triple = (values) => ({ x: values[0], y: values[1], z: values[2] });
@@ -136,6 +158,8 @@
       const traces = box.dataset.traces.split(" ").map(Number);
       box.addEventListener("change", () => Plotly.restyle(plot, { visible: box.checked }, traces));
     }
+    const colour = element("structure-colour");
+    if (colour) colour.addEventListener("change", () => paint(colour.value === "" ? null : data.stress[Number(colour.value)]));
     plot.on("plotly_webglcontextlost", showStill);
     if (motion) listenToMotion();
   }
