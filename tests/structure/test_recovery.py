@@ -74,8 +74,8 @@ def test_the_omitted_modes_follow_a_vibration_more_closely(held_block):
     """(K - w^2 M) u = f solved in full: the error with the static part of the omitted modes is much smaller."""
     superelement = craig_bampton(held_block, [40, 20], 4)
     load = np.zeros((3 * held_block.mesh.n_nodes, 3))
-    load[held_block.free_unknowns, 1] = 1.0
-    omega = 0.5 * np.sqrt(np.diag(superelement.stiffness)[6] / np.diag(superelement.mass)[6])
+    load[held_block.free_unknowns, 1] = np.random.default_rng(5).normal(size=held_block.free_unknowns.size)
+    omega = 0.2 * np.sqrt(np.diag(superelement.stiffness)[6] / np.diag(superelement.mass)[6])
     dynamic = superelement.stiffness - omega**2 * superelement.mass
     reduced = np.linalg.solve(dynamic, reduced_load(superelement, load))
     free = held_block.free_unknowns

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -22,6 +23,9 @@ MOST_PAIR_SAMPLES = 224
 _ROWS_AT_ONCE = 200  # chosen to bound the memory
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 _GOLDEN_STEPS = 24  # shrinks the interval between two samples by 1e-5; the error of a maximum is the square of that
+
+# Ways in which two instants move together, (searches, 2).
+_SEARCHES = np.array(4 * [[1.0, 1.0], [1.0, 0.0], [0.0, 1.0]])
 
 Instants = FloatArray  # (p,) phase of each row in rad
 
@@ -141,15 +145,16 @@ def _range(series: FloatArray, harmonics: int) -> tuple[FloatArray, FloatArray]:
     distance = square[:, :, None] + square[:, None, :] - 2.0 * samples @ samples.swapaxes(1, 2)
     first, second = np.unravel_index(distance.reshape(len(series), -1).argmax(axis=1), distance.shape[1:])
     width = 2.0 * np.pi / count
-    ends = [width * first, width * second]
-    # One instant at a time: each search increases the range or leaves it as it is.
-    for moving in (0, 1, 0, 1, 0, 1):
-        other = _at(series, ends[1 - moving])
-        ends[moving], _ = _refined(
-            lambda at, other=other: von_mises(_at(series, at) - other),  # type: ignore[misc]
-            ends[moving],
-            width,
-        )
+    ends = np.stack([width * first, width * second])
+
+    def moved(shift: Instants, ways: FloatArray) -> FloatArray:
+        return von_mises(_at(series, ends[0] + ways[0] * shift) - _at(series, ends[1] + ways[1] * shift))
+
+    # Both instants together, then one at a time: each search increases the range or leaves it as it is.
+    still = np.zeros(len(series))
+    for ways in _SEARCHES:
+        shift, _ = _refined(partial(moved, ways=ways), still, width)
+        ends = ends + ways[:, None] * shift
     one, two = (_at(series, at) for at in ends)
     return 0.5 * von_mises(one - two), von_mises(0.5 * (one + two))
 
