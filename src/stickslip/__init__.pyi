@@ -78,7 +78,12 @@ from .structure.elasticity import Material as Material
 from .structure.elasticity import Structure as Structure
 from .structure.elasticity import assemble as assemble
 from .structure.mesh import Mesh as Mesh
+from .structure.stress import NodalStress as NodalStress
+from .structure.stress import nodal_stress as nodal_stress
+from .structure.stress_cycle import StressCycle as StressCycle
+from .structure.stress_cycle import stress_cycle as stress_cycle
 from .structure.superelement import Superelement as Superelement
+from .study.compare import compare as compare
 from .study.run import report as report
 from .study.run import run as run
 from .study.solution import solve_case as solve_case

@@ -1,4 +1,4 @@
-"""The command line: ``stickslip new | check | run | sweep | report | roughness | import | paper``.
+"""The command line: ``stickslip new | check | run | sweep | report | compare | export | roughness | import | paper``.
 
 Exit codes: 0 done, 1 fault of the program, 2 bad input, 3 not converged (what was computed is kept), 130 interrupted,
 128 + n stopped by signal n. Large packages are imported inside the commands, so that ``stickslip --help`` answers at
@@ -217,6 +217,22 @@ def report(
 
         for file in study.report(folder):
             echo(f"Wrote {file}")
+
+
+@app.command()
+def compare(
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="DIR DIR...", help="Folders of runs; the first is the reference.")
+    ],
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="The page.")] = Path("compare.html"),
+    force: Annotated[bool, typer.Option("--force", help="Overwrite an existing page.")] = False,
+    debug: Debug = False,
+) -> None:
+    """Show several solved studies on one page: curves, differences, inputs that differ."""
+    with error_messages(debug):
+        from stickslip.study.compare import compare as write_comparison
+
+        echo(f"Wrote {write_comparison(folders, out, force)}")
 
 
 @app.command()

@@ -60,7 +60,9 @@ def all_curves(view: SweepView, points: Thinned) -> Figure:
     for row, indices in zip(rows, points.indices, strict=True):
         curve, place = view.curves[row], view.positions[row]
         assert curve is not None  # rows without a curve were removed above
-        dash = DASHES[int(place[1]) % len(DASHES)] if place.size > 1 else "solid"
+        # Choices have no scale of colours: theirs repeat with another dash.
+        number = int(place[1]) if place.size > 1 else int(place[0]) // len(COLOURS) if first.is_choice else 0
+        dash = DASHES[number % len(DASHES)]
         drawn = _Drawn(
             row, int(place[0]), curve.frequency_hz[indices], MICRO * curve.amplitude_m[indices],
             unstable_steps(curve.stable[indices]), joined_steps(curve.part[indices]),

@@ -1,0 +1,220 @@
+"""The page that compares several results: curves over each other, differences, measures and differing inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import UTC, datetime
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from stickslip import __version__
+from stickslip.core.errors import InputError
+from stickslip.core.files import whole_file
+from stickslip.reporting import sweep_plots
+from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_figures
+from stickslip.reporting.style import MICRO, number, shown_number
+from stickslip.reporting.sweep_view import COLOURS, DASHES, SweepView
+from stickslip.reporting.templates import Notice, Tile, when, whole_page
+from stickslip.results.comparison import Compared, ComparedMeasure, amplitude_at, compared_measures, differing_inputs
+from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable, SweptKey
+
+_GRID = 2000  # chosen: frequencies of the curve of differences; finer than the pixels of a figure
+# Unit of a measure in SI -> factor and unit on the page.
+_SHOWN = {"m": (MICRO, "µm"), "J": (1e6, "µJ"), "Pa": (1e-6, "MPa")}
+_PERCENT = frozenset(
+    {
+        "equivalent_damping_ratio",
+        "half_power_width_ratio",
+        "reduction_from_stuck",
+        "reduction_from_free",
+        "friction_share",
+    }
+)
+_NEGLIGIBLE_PERCENT = 0.005  # chosen: smaller differences are those of tolerances
+# Words of measures whose meaning in the table of a sweep is too short, or follows from the column before.
+_WORDS = {
+    "peak_amplitude_m": "Highest peak on the curve",
+    "upward_peak_frequency_hz": "Frequency of the peak of a slow sweep up",
+    "downward_peak_frequency_hz": "Frequency of the peak of a slow sweep down",
+    "peak_bracketed": "Highest peak is inside the computed range",
+    "shift_from_stuck_hz": "Shift from the linear stuck peak",
+    "shift_from_free_hz": "Shift from the linear free peak",
+    "reduction_from_stuck": "Reduction against the linear stuck peak",
+    "reduction_from_free": "Reduction against the linear free peak",
+    "stuck_peak_amplitude_m": "Linear peak, contacts closed at rest stuck",
+    "stuck_peak_frequency_hz": "Frequency of the linear stuck peak",
+    "free_peak_amplitude_m": "Linear peak, no contact",
+    "free_peak_frequency_hz": "Frequency of the linear free peak",
+    "equivalent_damping_ratio": "Equivalent damping ratio, from energies",
+    "half_power_width_ratio": "Half-power width, (f2 − f1) / (2 f)",
+    "friction_share": "Fraction of friction in the energy loss",
+    "pairs_stuck": "Pairs stuck",
+    "pairs_stick_slip": "Pairs in stick-slip",
+    "pairs_separating": "Pairs separating",
+    "friction_energy_j": "Energy dissipated by friction per cycle",
+    "normal_work_j": "Work of the normal forces per cycle (zero except for sampling)",
+    "viscous_energy_j": "Energy dissipated by viscous damping per cycle",
+    "input_energy_j": "Work of the excitation per cycle",
+    "largest_friction_energy_hz": "Frequency of the largest friction energy",
+    "energy_imbalance": "Largest energy imbalance on the curve, of the input",
+}
+# Measures that are differences, flags or errors: a quotient of them means nothing.
+_NO_PERCENT = ("shift_from_stuck_hz", "shift_from_free_hz", "peak_bracketed", "energy_imbalance", "normal_work_j")
+
+
+def write_compare_page(path: str | PathLike[str], compared: Sequence[Compared]) -> None:
+    """Write the page completely or not at all. Raises InputError if it cannot be written."""
+    target = Path(path)
+    text = compare_page(compared)
+    with whole_file(target, "page of the comparison", InputError) as part:
+        part.write_text(text, encoding="utf-8")
+
+
+def compare_page(compared: Sequence[Compared]) -> str:
+    """The page as HTML; differences refer to the first result."""
+    both = [each.curve_and_measures() for each in compared]
+    curves, measures = [curve for curve, _ in both], [numbers for _, numbers in both]
+    names = tuple(each.name for each in compared)
+    view = _view(compared, curves, measures)
+    rows = compared_measures(measures)
+    inputs = differing_inputs([each.study.inputs for each in compared])
+    provenance = {"date": datetime.now(UTC).isoformat(timespec="seconds"), "stickslip": __version__}
+    values = {
+        "title": "Comparison of " + ", ".join(names),
+        "description": f"{len(names)} results of stickslip run. All differences refer to the first one, {names[0]}.",
+        "byline": when(provenance),
+        "notices": list(_notices(compared)),
+        "tiles": list(_tiles(names, measures)),
+        "names": names,
+        "titles": [each.study.title for each in compared],
+        "responses": [each.study.response_output for each in compared],
+        "measures": [_measure_cells(row) for row in rows],
+        "inputs": [(key, ["–" if value is None else value for value in row]) for key, row in inputs.items()],
+        "warnings": [(each.name, [*each.study.warnings, *each.response.warnings]) for each in compared],
+        "software": [(each.name, _software(each.response.provenance)) for each in compared],
+    }
+    figures = {
+        "curves": sweep_plots.all_curves(view, sweep_plots.thinned_curves(view)),
+        "differences": _differences(names, curves),
+    }
+    return whole_page(
+        "compare.html",
+        "Comparison of forced responses",
+        values,
+        provenance,
+        scripts=("sweep.js",),
+        data={"page-figures": plain_figures(figures)},
+    )
+
+
+def _view(
+    compared: Sequence[Compared], curves: Sequence[SweepCurve], measures: Sequence[Mapping[str, float]]
+) -> SweepView:
+    """The results as cases of a sweep whose only key is their name."""
+    names = tuple(each.name for each in compared)
+    rows = tuple(
+        SweepRow(each.name, (each.name,), each.response.converged, each.response.message, numbers)
+        for each, numbers in zip(compared, measures, strict=True)
+    )
+    table = SweepTable((SweptKey("compare.result", "", names, (), "", names),), rows)
+    return SweepView(table, tuple(curves), np.ones(len(rows)))
+
+
+def _differences(names: Sequence[str], curves: Sequence[SweepCurve]) -> Figure:
+    """Amplitude over that of the first result, less one, in percent; the upper branch where a curve folds."""
+    low, high = (float(getattr(curves[0].frequency_hz, end)()) for end in ("min", "max"))
+    # The points of the first curve are among the frequencies, so that its peak is exact.
+    frequency = np.union1d(np.linspace(low, high, _GRID), curves[0].frequency_hz)
+    reference = amplitude_at(curves[0], frequency)
+    traces = []
+    for place, (name, curve) in enumerate(zip(names[1:], curves[1:], strict=True), start=1):
+        difference = 100.0 * (amplitude_at(curve, frequency) / reference - 1.0)
+        present = ~np.isnan(difference)
+        look = {"colour": COLOURS[place % len(COLOURS)], "dash": DASHES[place // len(COLOURS) % len(DASHES)]}
+        hover = PlotMarkup("{}<br>%{{x:.2f}} Hz<br>%{{y:.3g}} %<extra></extra>").format(name)
+        traces.append(line_trace(name, frequency[present], difference[present], **look, width=1.6, hovertemplate=hover))
+    return figure_of(
+        traces,
+        360,
+        xaxis=axis_look(FREQUENCY, range=[low, high]),
+        yaxis=axis_look(f"Difference to {names[0]}, %", zeroline=True, zerolinecolor="#9aa5b1"),
+        showlegend=True,
+        hovermode="closest",
+    )
+
+
+def _measure_cells(row: ComparedMeasure) -> tuple[str, list[str]]:
+    """The measure in words with its unit, and for each result the value and, after the first, its difference."""
+    factor, unit = (100.0, "%") if row.name in _PERCENT else _SHOWN.get(row.unit, (1.0, row.unit))
+    counts = row.name.startswith("pairs_")
+    cells: list[str] = []
+    for value, difference in zip(row.values, row.differences, strict=True):
+        text = "–" if value is None else _shown(row.name, factor * value, unit, counts)
+        if difference is not None and cells and not counts and row.name not in _NO_PERCENT:
+            text += f" ({_signed(100.0 * difference)})"
+        cells.append(text)
+    meaning = _WORDS.get(row.name, row.meaning[0].upper() + row.meaning[1:])
+    return (meaning if unit in ("1", "") else f"{meaning}, {unit}"), cells
+
+
+def _shown(name: str, value: float, unit: str, counts: bool) -> str:
+    if name == "peak_bracketed":
+        return "yes" if value else "no"
+    return str(int(value)) if counts else shown_number(float(value), unit)
+
+
+def _signed(percent: float) -> str:
+    """A difference in percent with its sign, to three digits."""
+    if abs(percent) < _NEGLIGIBLE_PERCENT:
+        return "0 %"
+    return ("+" if percent >= 0.0 else "") + number(float(f"{percent:.3g}"), 3) + " %"
+
+
+def _tiles(names: Sequence[str], measures: Sequence[Mapping[str, float]]) -> Iterator[Tile]:
+    first = measures[0]["peak_amplitude_m"]
+    for place, (name, numbers) in enumerate(zip(names, measures, strict=True)):
+        peak = numbers["peak_amplitude_m"]
+        more = f"at {shown_number(numbers['peak_frequency_hz'], 'Hz')} Hz"
+        if place:
+            more += f"; {_signed(100.0 * (peak / first - 1.0))}"
+        yield Tile(f"Highest peak, {name}", number(MICRO * peak), "µm", more)
+
+
+def _notices(compared: Sequence[Compared]) -> Iterator[Notice]:
+    incomplete = [f"{each.name}: {each.response.message}" for each in compared if not each.response.converged]
+    if incomplete:
+        yield Notice("bad", "Not every curve is complete", incomplete)
+    cautions = []
+    outputs = {each.name: each.study.response_output for each in compared}
+    if len(set(outputs.values())) > 1:
+        words = "; ".join(f"{name}: {output}" for name, output in outputs.items())
+        cautions.append(
+            f"The responses have different names, so the amplitudes may be those of different places: {words}."
+        )
+    ends = [each.name for each in compared if each.curve_and_measures()[1].get("peak_bracketed") == 0.0]
+    if ends:
+        cautions.append(
+            "The largest amplitude is at an end of the computed range, so the true peak may be higher: "
+            f"{', '.join(ends)}."
+        )
+    alone = [each.name for each in compared if each.study.stress is not None and each.study.stress.static == "unknown"]
+    complete = [
+        each.name for each in compared if each.study.stress is not None and each.study.stress.static != "unknown"
+    ]
+    if alone and complete:
+        cautions.append(
+            f"The stress of {', '.join(complete)} contains the state at rest, that of {', '.join(alone)} does not; only "
+            "alternating stresses are comparable."
+        )
+    versions = {each.response.provenance.get("stickslip", "unknown") for each in compared}
+    if len(versions) > 1:
+        cautions.append(f"The results are of different versions of stickslip: {', '.join(sorted(versions))}.")
+    if cautions:
+        yield Notice("warn", "Before you compare", cautions)
+
+
+def _software(provenance: Mapping[str, str]) -> str:
+    """Version and date; the pages of the results have the rest."""
+    return f"stickslip {provenance.get('stickslip', 'unknown')}, {when(provenance)}"

@@ -1,0 +1,116 @@
+"""Several results beside each other: measures with differences to the first one, and inputs that differ."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.core.validation import FloatArray
+from stickslip.results.measures import SUMMARY_COLUMNS
+from stickslip.results.record import StudyRecord
+from stickslip.results.response import ForcedResponse
+from stickslip.results.sweep_table import SweepCurve, curve_and_measures
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """A result under a short name."""
+
+    name: str
+    response: ForcedResponse
+    study: StudyRecord
+
+    def curve_and_measures(self) -> tuple[SweepCurve, dict[str, float]]:
+        """The amplitude curve, and the measures that are defined, by the names of :data:`MEASURES`."""
+        curve, measures = curve_and_measures(self.response, self.study)
+        return curve, measures | dict(_stress_measures(self.study))
+
+
+@dataclass(frozen=True)
+class ComparedMeasure:
+    """A measure of each result (None where it is not defined), in SI units.
+
+    ``differences`` are ``value / first - 1``, None without both values or with a first value of zero.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    values: tuple[float | None, ...]
+
+    @property
+    def differences(self) -> tuple[float | None, ...]:
+        first = self.values[0]
+        return tuple(None if value is None or not first else value / first - 1.0 for value in self.values)
+
+
+def compared_measures(measures: Sequence[Mapping[str, float]]) -> tuple[ComparedMeasure, ...]:
+    """Each measure that at least one result has, in the order of the summary."""
+    about = {name: (unit, meaning) for name, (unit, meaning, _) in SUMMARY_COLUMNS.items()}
+    about |= {
+        "largest_von_mises_pa": ("Pa", "largest von Mises stress of the cycle, away from contacts and loads"),
+        "alternating_stress_pa": ("Pa", "largest alternating stress, away from contacts and loads"),
+        "smallest_safety_factor": ("1", "smallest safety factor of the Goodman check"),
+    }
+    return tuple(
+        ComparedMeasure(name, unit, meaning, tuple(each.get(name) for each in measures))
+        for name, (unit, meaning) in about.items()
+        if any(name in each for each in measures)
+    )
+
+
+def differing_inputs(texts: Sequence[str]) -> dict[str, tuple[str | None, ...]]:
+    """Key of a study file -> its value in each text as it is written there, None where absent; equal ones omitted.
+
+    Keys are dotted, such as ``interfaces.lid.normal_load``. The study files are those that a result contains.
+    """
+    flat = [dict(_flat(tomllib.loads(text))) for text in texts]
+    keys = dict.fromkeys(key for each in flat for key in each)
+    values = {key: tuple(each.get(key) for each in flat) for key in keys}
+    return {key: row for key, row in values.items() if len(set(row)) > 1}
+
+
+def amplitude_at(curve: SweepCurve, frequency_hz: FloatArray) -> FloatArray:
+    """(k,) m, the largest amplitude of a curve at frequencies (k,); NaN outside of its range.
+
+    The curve may fold; between neighbouring points it is straight, and parts that are not joined have a gap.
+    """
+    largest = np.full(np.shape(frequency_hz), np.nan)
+    joined = np.diff(curve.part) == 0
+    starts = zip(curve.frequency_hz[:-1][joined], curve.amplitude_m[:-1][joined], strict=True)
+    stops = zip(curve.frequency_hz[1:][joined], curve.amplitude_m[1:][joined], strict=True)
+    for (first_hz, first), (last_hz, last) in zip(starts, stops, strict=True):
+        low, high = sorted((first_hz, last_hz))
+        here = (frequency_hz >= low) & (frequency_hz <= high)
+        share = (frequency_hz[here] - first_hz) / (last_hz - first_hz) if high > low else np.ones(int(here.sum()))
+        largest[here] = np.fmax(largest[here], first + share * (last - first))
+    return largest
+
+
+def _flat(data: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
+    for key, value in data.items():
+        name = f"{above}.{key}" if above else key
+        if isinstance(value, Mapping):
+            yield from _flat(value, name)
+        else:
+            yield name, _written(value)
+
+
+def _written(value: Any) -> str:
+    """A value of TOML as text, without the quotes of a string."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return f"[{', '.join(map(_written, value))}]" if isinstance(value, list) else str(value)
+
+
+def _stress_measures(study: StudyRecord) -> Iterator[tuple[str, float]]:
+    if study.stress is None:
+        return
+    names = {"largest von Mises stress": "largest_von_mises_pa", "alternating stress": "alternating_stress_pa"}
+    yield from ((names[row.quantity], row.value) for row in study.stress.extremes if row.quantity in names)
+    if study.stress.goodman:
+        yield "smallest_safety_factor", min(row.value for row in study.stress.goodman)
