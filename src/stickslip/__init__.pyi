@@ -84,6 +84,7 @@ from .structure.stress_cycle import StressCycle as StressCycle
 from .structure.stress_cycle import stress_cycle as stress_cycle
 from .structure.superelement import Superelement as Superelement
 from .study.compare import compare as compare
+from .study.export import export_tables as export_tables
 from .study.run import report as report
 from .study.run import run as run
 from .study.solution import solve_case as solve_case

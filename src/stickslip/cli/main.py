@@ -236,6 +236,24 @@ def compare(
 
 
 @app.command()
+def export(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder with results.nc.", show_default=False)],
+    to: Annotated[str, typer.Option("--to", help="csv (a folder of files), xlsx or mat.")] = "csv",
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="PATH", help="File or folder; default DIR/tables.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
+    debug: Debug = False,
+) -> None:
+    """Write every table of a solved study as CSV, Excel or MATLAB."""
+    with error_messages(debug):
+        from stickslip.study.export import export_tables
+
+        for file in export_tables(folder, to, out, force):
+            echo(f"Wrote {file}")
+
+
+@app.command()
 def roughness(
     path: Annotated[Path, typer.Argument(metavar="FILE", help="Line profile: position, height.", show_default=False)],
     unit: Annotated[str | None, typer.Option("--unit", help="Unit of both columns, such as um.")] = None,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -31,3 +31,22 @@ def plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {key: plain(item) for key, item in value.items()}
     return [plain(item) for item in value] if isinstance(value, list | tuple) else value
+
+
+def dotted(data: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
+    """Dotted key and value as text of nested tables of TOML, such as ``("interfaces.lid.normal_load", "40 N")``.
+
+    Strings are without quotes.
+    """
+    for key, value in data.items():
+        name = f"{above}.{key}" if above else key
+        if isinstance(value, Mapping):
+            yield from dotted(value, name)
+        else:
+            yield name, _written(value)
+
+
+def _written(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return f"[{', '.join(map(_written, value))}]" if isinstance(value, list) else str(value)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from stickslip.core.plain_data import dotted
 from stickslip.core.validation import FloatArray
 from stickslip.results.measures import SUMMARY_COLUMNS
 from stickslip.results.record import StudyRecord
@@ -68,7 +68,7 @@ def differing_inputs(texts: Sequence[str]) -> dict[str, tuple[str | None, ...]]:
 
     Keys are dotted, such as ``interfaces.lid.normal_load``. The study files are those that a result contains.
     """
-    flat = [dict(_flat(tomllib.loads(text))) for text in texts]
+    flat = [dict(dotted(tomllib.loads(text))) for text in texts]
     keys = dict.fromkeys(key for each in flat for key in each)
     values = {key: tuple(each.get(key) for each in flat) for key in keys}
     return {key: row for key, row in values.items() if len(set(row)) > 1}
@@ -89,22 +89,6 @@ def amplitude_at(curve: SweepCurve, frequency_hz: FloatArray) -> FloatArray:
         share = (frequency_hz[here] - first_hz) / (last_hz - first_hz) if high > low else np.ones(int(here.sum()))
         largest[here] = np.fmax(largest[here], first + share * (last - first))
     return largest
-
-
-def _flat(data: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
-    for key, value in data.items():
-        name = f"{above}.{key}" if above else key
-        if isinstance(value, Mapping):
-            yield from _flat(value, name)
-        else:
-            yield name, _written(value)
-
-
-def _written(value: Any) -> str:
-    """A value of TOML as text, without the quotes of a string."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return f"[{', '.join(map(_written, value))}]" if isinstance(value, list) else str(value)
 
 
 def _stress_measures(study: StudyRecord) -> Iterator[tuple[str, float]]:

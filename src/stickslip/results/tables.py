@@ -1,0 +1,272 @@
+"""The results of a study as plain tables: columns with names and units, for spreadsheets and MATLAB."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stickslip.contact.law.law import ContactState
+from stickslip.core.errors import InputError
+from stickslip.core.plain_data import dotted
+from stickslip.results.measures import SUMMARY_COLUMNS, energy_imbalance, equivalent_damping, state_counts, summary
+from stickslip.results.nonlinear_mode import NonlinearMode
+from stickslip.results.record import MODE_COLUMNS, StudyRecord
+from stickslip.results.response import ForcedResponse
+
+Cell = float | int | str | None
+
+
+@dataclass(frozen=True)
+class Column:
+    """Values of one quantity; ``unit`` is "" for words and counts. None and NaN are empty cells."""
+
+    name: str
+    unit: str
+    values: Sequence[Cell]
+
+    @property
+    def is_text(self) -> bool:
+        """Whether some value is a word."""
+        return any(isinstance(value, str) for value in self.values)
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns of equal length under a name of lower-case letters and underscores, and its meaning in words."""
+
+    name: str
+    meaning: str
+    columns: tuple[Column, ...]
+
+    def __post_init__(self) -> None:
+        if len({len(column.values) for column in self.columns}) != 1:
+            raise InputError(f'the columns of the table "{self.name}" must have one length.')
+
+    @property
+    def rows(self) -> Iterator[tuple[Cell, ...]]:
+        """Cells, row by row."""
+        return zip(*(column.values for column in self.columns), strict=True)
+
+
+def study_tables(response: ForcedResponse, study: StudyRecord) -> tuple[Table, ...]:
+    """All tables of a solved study that have rows, in SI units."""
+    tables = [
+        _curve(response, study),
+        _linear(response, study),
+        _measures(response, study),
+        _outputs_at_peak(response, study),
+        _pairs_at_peak(response, study),
+        _jumps(response, study),
+        _rows("bifurcations", "changes of stability along the curve", _BIFURCATION, response.bifurcations),
+        _natural_frequencies(response),
+        _modes(study),
+        *_side_curves(response, study),
+        *_nonlinear_mode(response.nonlinear_mode),
+        *_stress(study),
+        _tuples("derived", "derived quantities", ("quantity", "value", "unit", "meaning"), study.derived),
+        _tuples("inputs", "the study file", ("key", "value"), list(dotted(tomllib.loads(study.inputs)))),
+        _tuples("settings", "settings of the solver", ("setting", "value"), list(response.settings.items())),
+        _tuples("provenance", "software and date", ("name", "value"), list(response.provenance.items())),
+        _tuples("warnings", "warnings of the study and of the solver", ("warning",), _warnings(response, study)),
+    ]
+    return tuple(table for table in tables if table is not None and len(table.columns[0].values))
+
+
+def _curve(response: ForcedResponse, study: StudyRecord) -> Table:
+    counts = state_counts(response.contact_state)
+    row = study.outputs[study.response_output]
+    coefficients = response.coefficients(row)
+    columns = [
+        _column("point", "", np.arange(1, response.n_points + 1)),
+        _column("frequency", "Hz", response.frequency_hz),
+        *(_column(f"amplitude of {name}", "m", response.amplitude(each)) for name, each in study.outputs.items()),
+        _column(f"first harmonic of {study.response_output}, cosine", "m", coefficients[:, 1]),
+        _column(f"first harmonic of {study.response_output}, sine", "m", coefficients[:, 2]),
+        _column(f"mean of {study.response_output}", "m", coefficients[:, 0]),
+        *(_column(f"pairs {state.name.lower().replace('_', '-')}", "", counts[:, state]) for state in ContactState),
+        _column("friction energy", "J", response.friction_energy.sum(axis=1)),
+        _column("viscous energy", "J", response.viscous_energy),
+        _column("input energy", "J", response.input_energy),
+        _column("kinetic energy", "J", response.kinetic_energy),
+        _column("equivalent damping ratio", "1", equivalent_damping(response)),
+        _column("energy imbalance", "1", energy_imbalance(response)),
+        _column("load factor", "1", response.load_factor),
+        _column("stable", "", response.stable_points.astype(int)),
+        _column("part", "", response.part),
+        _column("residual", "1", response.residual),
+        _column("iterations", "", response.iterations),
+    ]
+    if response.estimated_error is not None and response.point_harmonics is not None:
+        columns.append(_column("harmonics", "", response.point_harmonics))
+        columns.append(_column("estimated error", "1", response.estimated_error))
+    return Table("curve", "points of the curve, in its order; amplitudes 0-to-peak, energies per cycle", tuple(columns))
+
+
+def _linear(response: ForcedResponse, study: StudyRecord) -> Table:
+    row = study.outputs[study.response_output]
+    limits = [
+        _column(f"amplitude of {study.response_output}, {limit}", "m", response.linear_amplitude(row, limit))
+        for limit in ("stuck", "free")
+    ]
+    columns = (_column("frequency", "Hz", response.linear.frequency_hz), *limits)
+    return Table("linear_limits", "linear responses, pairs closed at rest stuck, and without contact", columns)
+
+
+def _measures(response: ForcedResponse, study: StudyRecord) -> Table:
+    measures = summary(response, study.outputs[study.response_output])
+    rows = []
+    for name, (unit, meaning, value) in SUMMARY_COLUMNS.items():
+        number = value(measures)
+        rows.append((name, None if number is None else float(number), unit, meaning))
+    return _tuples("measures", "measures at the highest peak", ("measure", "value", "unit", "meaning"), rows)
+
+
+def _outputs_at_peak(response: ForcedResponse, study: StudyRecord) -> Table:
+    """Fourier coefficients of all outputs at the highest peak."""
+    point = summary(response, study.outputs[study.response_output]).peak.point
+    names, series = list(study.outputs), [response.coefficients(row)[point] for row in study.outputs.values()]
+    columns = [_column("output", "", names), _column("mean", "m", [each[0] for each in series])]
+    for harmonic in range(1, response.harmonics + 1):
+        columns.append(_column(f"cosine {harmonic}", "m", [each[2 * harmonic - 1] for each in series]))
+        columns.append(_column(f"sine {harmonic}", "m", [each[2 * harmonic] for each in series]))
+    return Table("outputs_at_peak", "Fourier coefficients of the responses at the highest peak", tuple(columns))
+
+
+def _pairs_at_peak(response: ForcedResponse, study: StudyRecord) -> Table:
+    point = summary(response, study.outputs[study.response_output]).peak.point
+    pairs = response.pairs
+    names = pairs.state_names
+    states = [names.get(ContactState(code), "") for code in response.contact_state[point].tolist()]
+    columns = (
+        _column("pair", "", np.arange(1, pairs.n_pairs + 1)),
+        _column("face", "", [study.face_names[face] for face in study.pair_face]),
+        _column("position along", "m", study.pair_position[:, 0]),
+        _column("position across", "m", study.pair_position[:, 1]),
+        _column("area", "m2", study.pair_area),
+        _column("normal load at rest", "N", pairs.normal_load),
+        _column("state", "", states),
+        _column("dissipated energy", "J", response.dissipated_energy[point]),
+        _column("work of the normal force", "J", response.normal_work[point]),
+    )
+    return Table("pairs_at_peak", "contact pairs at the highest peak; energies per cycle", columns)
+
+
+def _jumps(response: ForcedResponse, study: StudyRecord) -> Table:
+    jumps = response.jumps(study.outputs[study.response_output])
+    columns = (
+        _column("sweep", "", [jump.direction for jump in jumps]),
+        _column("frequency", "Hz", [jump.frequency_hz for jump in jumps]),
+        _column("amplitude before", "m", [jump.amplitude_from for jump in jumps]),
+        _column("amplitude after", "m", [jump.amplitude_to for jump in jumps]),
+    )
+    return Table("jumps", "jumps of slow sweeps up and down", columns)
+
+
+_BIFURCATION = (("kind", ""), ("frequency_hz", "Hz"), ("position", "1"))
+
+
+def _natural_frequencies(response: ForcedResponse) -> Table:
+    stuck, free = response.linear.stuck_frequency_hz, response.linear.free_frequency_hz
+    count = max(stuck.size, free.size)
+    padded = [np.pad(each, (0, count - each.size), constant_values=np.nan) for each in (stuck, free)]
+    columns = (
+        _column("mode", "", np.arange(1, count + 1)),
+        _column("stuck", "Hz", padded[0]),
+        _column("free", "Hz", padded[1]),
+    )
+    words = "natural frequencies without damping, pairs closed at rest stuck, and without contact"
+    return Table("natural_frequencies", words, columns)
+
+
+def _modes(study: StudyRecord) -> Table:
+    used = [key for key in MODE_COLUMNS if any(key in row for row in study.mode_table)]
+    units = {"difference_percent": "%"} | {key: "Hz" for key in MODE_COLUMNS if key.endswith("_hz")}
+    columns = [
+        _column(
+            key.removesuffix("_hz").removesuffix("_percent"),
+            units.get(key, ""),
+            [row.get(key) for row in study.mode_table],
+        )
+        for key in used
+    ]
+    return Table(
+        "modes", f"full and reduced model, contact {study.mode_contact}", tuple(columns or [_column("mode", "", [])])
+    )
+
+
+def _side_curves(response: ForcedResponse, study: StudyRecord) -> Iterator[Table]:
+    """Curves with extreme tractions, and motions that are not on the curve."""
+    row = study.outputs[study.response_output]
+    sides = {"residual_tractions": response.traction_band, "other_solutions": response.other_solutions}
+    for name, side in sides.items():
+        curves = () if side is None else side.curves(row)
+        columns = (
+            _column("curve", "", [curve.name for curve in curves for _ in curve.frequency_hz]),
+            _column("frequency", "Hz", [value for curve in curves for value in curve.frequency_hz]),
+            _column(f"amplitude of {study.response_output}", "m", [a for curve in curves for a in curve.amplitude]),
+            _column("stable", "", [flag for curve in curves for flag in curve.stable]),
+        )
+        yield Table(name, f"{name.replace('_', ' ')} beside the curve", columns)
+
+
+def _nonlinear_mode(mode: NonlinearMode | None) -> Iterator[Table]:
+    if mode is None:
+        return
+    columns = (
+        _column("modal amplitude", "m kg^0.5", mode.modal_amplitude),
+        _column("frequency", "Hz", mode.frequency_hz),
+        _column("damping ratio", "1", mode.damping_ratio),
+        _column("dissipated energy", "J", mode.dissipated_energy.sum(axis=1)),
+    )
+    yield Table("nonlinear_mode", f"nonlinear mode {mode.mode}", columns)
+
+
+def _stress(study: StudyRecord) -> Iterator[Table]:
+    if study.stress is None:
+        return
+    for name, words, rows in (
+        ("stress", "away from contacts and loads", study.stress.extremes),
+        ("stress_whole_mesh", "on the whole mesh", study.stress.everywhere),
+        ("safety_factors", "smallest safety factors of the Goodman check", study.stress.goodman),
+    ):
+        columns = (
+            _column("measure", "", [row.quantity for row in rows]),
+            _column("value", "1" if name == "safety_factors" else "Pa", [row.value for row in rows]),
+            _column("body", "", [row.body for row in rows]),
+            *(_column(axis, "m", [row.position[at] for row in rows]) for at, axis in enumerate("xyz")),
+        )
+        yield Table(name, f"extremes of stress at the peak, {words}", columns)
+
+
+def _warnings(response: ForcedResponse, study: StudyRecord) -> list[tuple[str]]:
+    return [(words,) for words in (*study.warnings, *response.warnings)]
+
+
+def _rows(name: str, meaning: str, columns: Sequence[tuple[str, str]], rows: Sequence[Any]) -> Table:
+    """A table of attributes of objects."""
+    made = (_column(key.removesuffix("_hz"), unit, [getattr(row, key) for row in rows]) for key, unit in columns)
+    return Table(name, meaning, tuple(made))
+
+
+def _tuples(name: str, meaning: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> Table:
+    """A table of rows whose cells have no units, or whose units are in a column."""
+    made = (_column(column, "", [row[at] for row in rows]) for at, column in enumerate(columns))
+    return Table(name, meaning, tuple(made))
+
+
+def _column(name: str, unit: str, values: Any) -> Column:
+    """A column of plain numbers and words; a number that is not finite is an empty cell."""
+    return Column(name, unit, tuple(_cell(value) for value in values))
+
+
+def _cell(value: Any) -> Cell:
+    plain = value.item() if isinstance(value, np.generic) else value
+    if isinstance(plain, bool):
+        return int(plain)
+    if isinstance(plain, float):
+        return plain if np.isfinite(plain) else None
+    return plain if plain is None or isinstance(plain, int | str) else str(plain)

@@ -1,0 +1,70 @@
+"""The tables of a solved study as files for spreadsheets and MATLAB, without solving again."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+
+from stickslip.core.errors import InputError
+from stickslip.core.files import require_folder
+from stickslip.core.validation import require_choice
+from stickslip.results.storage import load_results
+from stickslip.results.table_files import FORMATS
+from stickslip.results.tables import study_tables
+from stickslip.study.places import RESULTS_FILE
+
+
+def export_tables(
+    folder: str | PathLike[str], to: str = "csv", path: str | PathLike[str] | None = None, force: bool = False
+) -> tuple[Path, ...]:
+    """Write every table of a solved study: curve, linear limits, measures, pairs, modes, stress, inputs and others.
+
+    Parameters
+    ----------
+    folder:
+        of ``run``, with results.nc.
+    to:
+        "csv": a folder with a file for each table; "xlsx": an Excel workbook; "mat": a MATLAB file. Numbers are in SI
+        units, with units in the headings (in ``units`` of each structure for MATLAB).
+    path:
+        of the folder or file; by default ``tables``, ``tables.xlsx`` or ``tables.mat`` in ``folder``.
+    force:
+        whether to overwrite what exists there.
+
+    Returns
+    -------
+    tuple of Path
+        the files.
+
+    Raises
+    ------
+    InputError
+        for another format, a folder without a result, a path with another ending, one that exists, or one that cannot
+        be written.
+    ResultsFileError
+        for a results file that is damaged.
+    """
+    require_choice("to", to, tuple(FORMATS))
+    default, write = FORMATS[to]
+    source = Path(folder) / RESULTS_FILE
+    if not source.is_file():
+        raise InputError(
+            f'the folder "{folder}" contains no {RESULTS_FILE}, the result of a run. Give the --out folder of '
+            "stickslip run; the table of a sweep is its sweep.csv."
+        )
+    target = Path(folder) / default if path is None else Path(path)
+    if to != "csv" and target.suffix != f".{to}":
+        raise InputError(f'"{target}" must end in .{to}, the ending of files of this format.')
+    if target.exists() and not force:
+        raise InputError(f'"{target}" exists already. Give another name with --out, or --force to overwrite it.')
+    if to == "csv":
+        require_folder(target)
+    else:
+        require_folder(target.absolute().parent, files=(target.name,))
+    saved = load_results(source)
+    if saved.study is None:
+        raise InputError(
+            f'"{source}" contains a response without a study, so its outputs are unknown. Only "stickslip run" writes '
+            "files with tables."
+        )
+    return write(target, study_tables(saved.response, saved.study))
