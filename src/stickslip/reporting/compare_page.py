@@ -79,7 +79,7 @@ def compare_page(compared: Sequence[Compared]) -> str:
     names = tuple(each.name for each in compared)
     view = _view(compared, curves, measures)
     rows = compared_measures(measures)
-    inputs = differing_inputs([each.study.inputs for each in compared])
+    inputs = differing_inputs([each.study for each in compared])
     provenance = {"date": datetime.now(UTC).isoformat(timespec="seconds"), "stickslip": __version__}
     values = {
         "title": "Comparison of " + ", ".join(names),

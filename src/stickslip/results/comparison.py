@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from stickslip.core.plain_data import dotted
 from stickslip.core.validation import FloatArray
 from stickslip.results.measures import SUMMARY_COLUMNS
 from stickslip.results.record import StudyRecord
@@ -63,12 +61,12 @@ def compared_measures(measures: Sequence[Mapping[str, float]]) -> tuple[Compared
     )
 
 
-def differing_inputs(texts: Sequence[str]) -> dict[str, tuple[str | None, ...]]:
-    """Key of a study file -> its value in each text as it is written there, None where absent; equal ones omitted.
+def differing_inputs(studies: Sequence[StudyRecord]) -> dict[str, tuple[str | None, ...]]:
+    """Key of a study file -> its value in each study as it is written there, None where absent; equal ones omitted.
 
-    Keys are dotted, such as ``interfaces.lid.normal_load``. The study files are those that a result contains.
+    Keys are dotted, such as ``interfaces.lid.normal_load``. Raises InputError for inputs that are no study file.
     """
-    flat = [dict(dotted(tomllib.loads(text))) for text in texts]
+    flat = [study.input_values() for study in studies]
     keys = dict.fromkeys(key for each in flat for key in each)
     values = {key: tuple(each.get(key) for each in flat) for key in keys}
     return {key: row for key, row in values.items() if len(set(row)) > 1}

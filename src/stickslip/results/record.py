@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from stickslip import __version__
 from stickslip.core.errors import InputError
-from stickslip.core.plain_data import plain
+from stickslip.core.plain_data import dotted, plain
 from stickslip.core.validation import FloatArray, finite_array
 from stickslip.results.response import ForcedResponse
 from stickslip.results.rough_patch import RoughPatch
@@ -191,6 +192,13 @@ class StudyRecord(Labelled):
     def response_output(self) -> str:
         """Name of the output that the amplitude curve shows."""
         return next(iter(self.outputs))
+
+    def input_values(self) -> dict[str, str]:
+        """Dotted key -> value as text of :attr:`inputs`. Raises InputError for a text that is not TOML."""
+        try:
+            return dict(dotted(tomllib.loads(self.inputs)))
+        except tomllib.TOMLDecodeError as error:
+            raise InputError(f'the inputs of "{self.title}" are not the text of a study file: {error}.') from error
 
     def require_fit(self, response: ForcedResponse) -> None:
         """Raise InputError unless the rows, pairs and harmonics of this record are those of ``response``."""

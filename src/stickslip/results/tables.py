@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,7 +10,6 @@ import numpy as np
 
 from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import InputError
-from stickslip.core.plain_data import dotted
 from stickslip.results.measures import SUMMARY_COLUMNS, energy_imbalance, equivalent_damping, state_counts, summary
 from stickslip.results.nonlinear_mode import NonlinearMode
 from stickslip.results.record import MODE_COLUMNS, StudyRecord
@@ -68,7 +66,7 @@ def study_tables(response: ForcedResponse, study: StudyRecord) -> tuple[Table, .
         *_nonlinear_mode(response.nonlinear_mode),
         *_stress(study),
         _tuples("derived", "derived quantities", ("quantity", "value", "unit", "meaning"), study.derived),
-        _tuples("inputs", "the study file", ("key", "value"), list(dotted(tomllib.loads(study.inputs)))),
+        _tuples("inputs", "the study file", ("key", "value"), list(study.input_values().items())),
         _tuples("settings", "settings of the solver", ("setting", "value"), list(response.settings.items())),
         _tuples("provenance", "software and date", ("name", "value"), list(response.provenance.items())),
         _tuples("warnings", "warnings of the study and of the solver", ("warning",), _warnings(response, study)),

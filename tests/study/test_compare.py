@@ -1,0 +1,149 @@
+"""Several results on one page: what is compared, and what is rejected before anything is read."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from browser_pages import WIDTHS, opened_page, require_readable
+from helpers import opened_browser
+from sentences import printed_sentence, rejects
+from stickslip.cli.main import app
+from stickslip.core.errors import InputError, ResultsFileError
+from stickslip.core.validation import FloatArray
+from stickslip.results.comparison import Compared, amplitude_at, compared_measures, differing_inputs
+from stickslip.results.response import ForcedResponse
+from stickslip.results.storage import save_results
+from stickslip.results.sweep_table import SweepCurve
+from stickslip.study.compare import compare
+from synthetic import synthetic_response, synthetic_study
+
+
+def scaled(factor: float) -> ForcedResponse:
+    """The response with all displacements times a factor."""
+    response = synthetic_response()
+    return replace(response, displacement=factor * response.displacement)
+
+
+def write(folder: Path, response: ForcedResponse, inputs: str = "") -> Path:
+    folder.mkdir(parents=True)
+    study = replace(synthetic_study(), inputs=inputs or synthetic_study().inputs)
+    save_results(folder / "results.nc", response, study)
+    return folder
+
+
+@pytest.fixture
+def two(tmp_path: Path) -> list[Path]:
+    text = synthetic_study().inputs.replace("0.3", "0.5") + '[damping]\nratio = "1 %"\n'
+    return [
+        write(tmp_path / "first <run>", synthetic_response()),
+        write(tmp_path / "second", scaled(1.1), text),
+    ]
+
+
+def test_the_page_has_curves_differences_and_inputs(two: list[Path], tmp_path: Path) -> None:
+    target = compare(two, tmp_path / "page.html")
+    text = target.read_text(encoding="utf-8")
+    assert "first &lt;run&gt;" in text
+    assert "<run>" not in text.split("<script")[0]
+    for words in (
+        "contact.friction_coefficient</th><td>0.3</td><td>0.5</td>",
+        "damping.ratio</th><td>–</td><td>1 %</td>",
+    ):
+        assert words in text
+    assert "fractal_dimension" not in text
+    assert re.search(r"Highest peak on the curve, µm</th><td>[\d.]+</td><td>[\d.]+ \(\+10 %\)", text)
+    figures = json.loads(re.findall(r'id="page-figures">(.*?)</script>', text, re.DOTALL)[0])
+    assert len({trace["name"] for trace in figures["curves"]["data"]}) == 2
+    assert np.abs(np.array(figures["differences"]["data"][0]["y"]) - 10.0).max() < 1e-4
+
+
+def test_measures_and_inputs_in_python() -> None:
+    study = synthetic_study()
+    results = [Compared("a", synthetic_response(), study), Compared("b", scaled(0.5), study)]
+    rows = {row.name: row for row in compared_measures([each.curve_and_measures()[1] for each in results])}
+    assert rows["peak_amplitude_m"].differences == pytest.approx((0.0, -0.5))
+    assert rows["peak_frequency_hz"].differences == (0.0, 0.0)
+    assert differing_inputs([study, study]) == {}
+
+
+def test_the_upper_branch_of_a_folded_curve_counts() -> None:
+    frequency: FloatArray = np.array([1.0, 3.0, 2.0, 4.0, 5.0, 6.0])
+    amplitude = np.array([1.0, 3.0, 5.0, 1.0, 9.0, 9.0])
+    curve = SweepCurve(frequency, amplitude, np.ones(6, bool), np.array([0, 0, 0, 0, 1, 1]))
+    found = amplitude_at(curve, np.array([0.5, 1.5, 2.5, 3.5, 4.5, 5.5]))
+    np.testing.assert_allclose(found, [np.nan, 1.5, 4.0, 2.0, np.nan, 9.0])
+
+
+def test_wrong_requests_are_rejected_before_anything_is_written(two: list[Path], tmp_path: Path) -> None:
+    target = tmp_path / "page.html"
+    for folders in ([two[0]], [two[0], two[0]], [two[0], tmp_path / "absent"], [two[0], tmp_path]):
+        with rejects(InputError):
+            compare(folders, target)
+    with rejects(InputError):
+        compare(two * 7, target)
+    (tmp_path / "sweep" / "cases").mkdir(parents=True)
+    with rejects(InputError):
+        compare([two[0], tmp_path / "sweep"], target)
+    with rejects(InputError):
+        compare(two, tmp_path / "page.pdf")
+    target.write_text("mine", encoding="utf-8")
+    with rejects(InputError):
+        compare(two, target)
+    assert target.read_text(encoding="utf-8") == "mine"
+    compare(two, target, force=True)
+    assert target.stat().st_size > 1e6
+
+
+def test_results_that_do_not_fit_together_are_rejected(two: list[Path], tmp_path: Path) -> None:
+    response = synthetic_response()
+    factors = np.linspace(0.5, 1.5, response.n_points)
+    controlled = write(tmp_path / "controlled", replace(response, load_factor=factors))
+    with rejects(InputError):
+        compare([two[0], controlled], tmp_path / "page.html")
+    bare = tmp_path / "bare"
+    bare.mkdir()
+    save_results(bare / "results.nc", response)
+    with rejects(InputError):
+        compare([two[0], bare], tmp_path / "page.html")
+    (bare / "results.nc").write_bytes(b"damaged")
+    with rejects(ResultsFileError):
+        compare([two[0], bare], tmp_path / "page.html")
+
+
+def test_folders_of_one_name_are_told_apart_by_their_paths(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("a", "b"):
+        write(Path(name) / "run", synthetic_response())
+    text = compare([Path("a/run"), Path("b/run")]).read_text(encoding="utf-8")
+    assert "Comparison of a/run, b/run" in text.replace("\\", "/")
+    assert "The study files of all results have the same keys and values." in text
+
+
+def test_the_command_writes_the_page_and_exits_with_two_for_a_wrong_folder(two: list[Path], tmp_path: Path) -> None:
+    runner = CliRunner()
+    target = tmp_path / "page.html"
+    done = runner.invoke(app, ["compare", *map(str, two), "--out", str(target)])
+    assert done.exit_code == 0
+    assert target.exists()
+    wrong = runner.invoke(app, ["compare", str(two[0]), "--out", str(target)])
+    assert wrong.exit_code == 2
+    printed_sentence(wrong.output.replace(str(tmp_path), "<folder>"))
+    exported = runner.invoke(app, ["export", str(two[1]), "--to", "xlsx"])
+    assert exported.exit_code == 0
+    assert (two[1] / "tables.xlsx").exists()
+
+
+@pytest.mark.slow
+def test_the_page_is_readable_in_a_browser(two: list[Path], tmp_path: Path) -> None:
+    target = compare(two, tmp_path / "page.html")
+    with opened_browser() as browser:
+        for width in WIDTHS:
+            with opened_page(browser, target, width) as page:
+                require_readable(page)
