@@ -335,6 +335,9 @@ class MatrixCase(OwnCase):
     interfaces: dict[Name, MatrixInterface] = Field(default={})
 
     def _misfits(self) -> Iterator[EntryError]:
+        for key in ("fatigue_limit", "tensile_strength"):
+            if self.material is not None and getattr(self.material, key) is not None:
+                yield EntryError(("material", key), "belongs to the stress of a mesh; matrices have none. Remove it.")
         loads = ("static_loads",) if self.static_loads else ()
         yield from self._own_misfits(loads, {"forces": self.forces, "unbalance": self.unbalance}, has_areas=False)
 

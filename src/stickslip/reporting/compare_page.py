@@ -199,14 +199,13 @@ def _notices(compared: Sequence[Compared]) -> Iterator[Notice]:
             "The largest amplitude is at an end of the computed range, so the true peak may be higher: "
             f"{', '.join(ends)}."
         )
-    alone = [each.name for each in compared if each.study.stress is not None and each.study.stress.static == "unknown"]
-    complete = [
-        each.name for each in compared if each.study.stress is not None and each.study.stress.static != "unknown"
-    ]
+    static = {each.name: each.study.stress.static for each in compared if each.study.stress is not None}
+    alone = [name for name, state in static.items() if state == "unknown"]
+    complete = [name for name, state in static.items() if state != "unknown"]
     if alone and complete:
         cautions.append(
-            f"The stress of {', '.join(complete)} contains the state at rest, that of {', '.join(alone)} does not; only "
-            "alternating stresses are comparable."
+            f"The stress of {', '.join(complete)} contains the state at rest, that of {', '.join(alone)} does not; "
+            "only alternating stresses are comparable."
         )
     versions = {each.response.provenance.get("stickslip", "unknown") for each in compared}
     if len(versions) > 1:

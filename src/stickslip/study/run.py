@@ -21,7 +21,6 @@ from stickslip.results.nonlinear_mode import NonlinearMode
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, results_bytes
-from stickslip.structure.elasticity import Structure
 from stickslip.structure.joined import joined_modes
 from stickslip.structure.superelement import Superelement
 from stickslip.study.figure_process import PAGE_GRID, Drawing, NoFigures, SecondProcess, artist_of, rough_patch
@@ -127,13 +126,13 @@ def _shapes(out: Path, case: Case, model: Model, motion: MeshMotion | None) -> I
         yield write_deflected_period(out / PERIOD_FILE, mesh, motion.displacement, frames)
 
 
-def _stress(out: Path, model: Model, stress: StressAtPeak | None) -> Iterator[Path]:
+def _stress(out: Path, stress: StressAtPeak | None) -> Iterator[Path]:
     """Stress at the peak, for ParaView."""
     from stickslip.structure.export import write_nodal_fields
 
-    if stress is not None and isinstance(model.structure, Structure):
-        nodal, mesh = stress.nodal, model.structure.mesh
-        yield write_nodal_fields(out / STRESS_FILE, mesh, nodal.node, nodal.body, fields_of(stress))
+    if stress is not None:
+        nodal = stress.nodal
+        yield write_nodal_fields(out / STRESS_FILE, stress.mesh, nodal.node, nodal.body, fields_of(stress))
 
 
 def _closing_words(response: ForcedResponse, record: StudyRecord) -> str:

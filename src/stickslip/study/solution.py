@@ -15,7 +15,6 @@ from stickslip.model.layout import Setup
 from stickslip.model.model import Model, build_model, load_joint, set_up
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
-from stickslip.structure.elasticity import Structure
 from stickslip.study.analyses import solve
 from stickslip.study.record import compare_modes, study_record, with_other_tractions
 from stickslip.study.sketching import MeshMotion, motion_at_peak, sketch_of
@@ -106,12 +105,10 @@ def solved(case: Case, model: Model, progress: Progress, threads: int) -> Soluti
     record = study_record(case, model, table, response)
     other = with_other_tractions(case, model, response, progress, threads)
     motion = motion_at_peak(model, response)
-    stress, surface = None, None
-    if case.output.stress and isinstance(model.structure, Structure):
-        stress = stress_at_peak(case, model, response)
-    if stress is not None and isinstance(model.structure, Structure):
-        summary, n_nodes = stress_summary(case, model, response, stress, model.structure), model.structure.mesh.n_nodes
-        record, surface = replace(record, stress=summary), partial(surface_stress, stress, n_nodes)
+    stress, surface = stress_at_peak(case, model, response), None
+    if stress is not None:
+        record = replace(record, stress=stress_summary(case, model, response, stress))
+        surface = partial(surface_stress, stress)
     sketch = sketch_of(case, model, motion, surface)
     record = replace(record, derived=(*record.derived, *other), sketch=sketch)
     return Solution(case, response, model, record, motion, stress)

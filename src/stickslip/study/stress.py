@@ -29,6 +29,8 @@ StaticState = Literal["solved", "none", "unknown"]
 class StressAtPeak:
     """Stress of a mesh over the period of the highest point of the curve; p rows of nodes and bodies.
 
+    mesh:
+        the mesh of the stress.
     nodal:
         node and body of each row, and coefficients (p, 6, 2H+1) Pa, mean, cos 1, sin 1, ...; the mean contains the
         static stress if ``static`` is "solved".
@@ -46,6 +48,7 @@ class StressAtPeak:
         over the largest alternating stress, away from contacts and loads. The stress contains its static estimate.
     """
 
+    mesh: Mesh
     nodal: NodalStress
     cycle: StressCycle
     region: IntArray
@@ -57,9 +60,12 @@ class StressAtPeak:
 
 
 def stress_at_peak(case: Case, model: Model, response: ForcedResponse) -> StressAtPeak | None:
-    """The stress at the highest point of the curve of the first response; None for matrices without a mesh."""
+    """The stress at the highest point of the curve of the first response.
+
+    None for matrices without a mesh, and for a case with ``output.stress = false``.
+    """
     structure, recovery = model.structure, model.superelement.recovery
-    if not isinstance(structure, Structure) or not isinstance(recovery, Recovery):
+    if not case.output.stress or not isinstance(structure, Structure) or not isinstance(recovery, Recovery):
         return None
     point = peaks(response.frequency_hz, response.amplitude(next(iter(model.outputs.values()))), response.part)[0].point
     loads = _FullLoads(case, model.joint.layout, structure.full_size)
@@ -81,6 +87,7 @@ def stress_at_peak(case: Case, model: Model, response: ForcedResponse) -> Stress
     chosen = ordinary if ordinary.any() else np.ones_like(ordinary)
     largest = float(cycle.alternating[chosen].max())
     return StressAtPeak(
+        structure.mesh,
         nodal,
         cycle,
         region,

@@ -11,7 +11,6 @@ from stickslip.core.validation import FloatArray
 from stickslip.model.model import Model, kind_of
 from stickslip.results.response import ForcedResponse
 from stickslip.results.stress import Region, StressExtreme, StressSummary, SurfaceStress
-from stickslip.structure.elasticity import Structure
 from stickslip.structure.mesh import IntArray
 from stickslip.study.stress import StressAtPeak
 
@@ -31,9 +30,7 @@ NO_STATIC_STATE = (
 )
 
 
-def stress_summary(
-    case: Case, model: Model, response: ForcedResponse, stress: StressAtPeak, structure: Structure
-) -> StressSummary:
+def stress_summary(case: Case, model: Model, response: ForcedResponse, stress: StressAtPeak) -> StressSummary:
     """Extremes of all measures with their positions, and the Goodman check."""
     ordinary = (stress.region == Region.ORDINARY) | (stress.region == Region.CONSTRAINED)
     everything = np.ones_like(ordinary)
@@ -42,9 +39,9 @@ def stress_summary(
 
     def extremes(where: FloatArray) -> tuple[StressExtreme, ...]:
         rows = np.flatnonzero(where)
-        return tuple(_extremes(stress, structure, names, rows)) if rows.size else ()
+        return tuple(_extremes(stress, names, rows)) if rows.size else ()
 
-    goodman, message = _goodman(stress, structure, names, np.flatnonzero(ordinary))
+    goodman, message = _goodman(stress, names, np.flatnonzero(ordinary))
     return StressSummary(
         extremes=extremes(ordinary),
         everywhere=extremes(everything),
@@ -58,8 +55,9 @@ def stress_summary(
     )
 
 
-def surface_stress(stress: StressAtPeak, n_nodes: int, nodes: IntArray) -> SurfaceStress:
-    """The stress at nodes (k,) of a mesh of ``n_nodes``."""
+def surface_stress(stress: StressAtPeak, nodes: IntArray) -> SurfaceStress:
+    """The stress at nodes (k,) of its mesh."""
+    n_nodes = stress.mesh.n_nodes
     largest, alternating = stress.cycle.largest_von_mises, stress.cycle.alternating
     return SurfaceStress(
         *(stress.nodal.at_nodes(each, n_nodes)[nodes].astype(np.float32) for each in (largest, alternating))
@@ -83,9 +81,7 @@ def fields_of(stress: StressAtPeak) -> dict[str, FloatArray]:
     return fields if stress.safety is None else {**fields, "safety factor (Goodman)": stress.safety}
 
 
-def _extremes(
-    stress: StressAtPeak, structure: Structure, names: tuple[str, ...], rows: IntArray
-) -> Iterator[StressExtreme]:
+def _extremes(stress: StressAtPeak, names: tuple[str, ...], rows: IntArray) -> Iterator[StressExtreme]:
     cycle = stress.cycle
     for quantity, values, sign in (
         (LARGEST_VON_MISES, cycle.largest_von_mises, 1.0),
@@ -98,20 +94,16 @@ def _extremes(
         ("mean stress", cycle.mean, 1.0),
     ):
         row = int(rows[(sign * values[rows]).argmax()])
-        yield _extreme(quantity, float(values[row]), row, stress, structure, names)
+        yield _extreme(quantity, float(values[row]), row, stress, names)
 
 
-def _extreme(
-    quantity: str, value: float, row: int, stress: StressAtPeak, structure: Structure, names: tuple[str, ...]
-) -> StressExtreme:
-    x, y, z = structure.mesh.points[stress.nodal.node[row]].tolist()
+def _extreme(quantity: str, value: float, row: int, stress: StressAtPeak, names: tuple[str, ...]) -> StressExtreme:
+    x, y, z = stress.mesh.points[stress.nodal.node[row]].tolist()
     body = names[int(stress.nodal.body[row])]
     return StressExtreme(quantity, value, body, (x, y, z), int(stress.region[row]))
 
 
-def _goodman(
-    stress: StressAtPeak, structure: Structure, names: tuple[str, ...], rows: IntArray
-) -> tuple[tuple[StressExtreme, ...], str]:
+def _goodman(stress: StressAtPeak, names: tuple[str, ...], rows: IntArray) -> tuple[tuple[StressExtreme, ...], str]:
     """Smallest safety factor of each body, and the check in words."""
     if stress.static == "unknown":
         return (), NO_STATIC_STATE
@@ -122,7 +114,7 @@ def _goodman(
         here = rows[(stress.nodal.body[rows] == body) & np.isfinite(stress.safety[rows])]
         if here.size:
             row = int(here[stress.safety[here].argmin()])
-            weakest.append(_extreme(SAFETY, float(stress.safety[row]), row, stress, structure, names))
+            weakest.append(_extreme(SAFETY, float(stress.safety[row]), row, stress, names))
     unchecked = [name for name in names if name not in {row.body for row in weakest}]
     message = "1 / S = alternating / fatigue limit + mean / tensile strength, at each node."
     if unchecked:
