@@ -55,7 +55,7 @@ def test_the_tables_contain_the_numbers_of_the_result() -> None:
     measures = dict(zip(made["measures"].columns[0].values, made["measures"].columns[1].values, strict=True))
     assert measures["peak_amplitude_m"] == summary(response, row).peak.amplitude
     assert made["stress"].columns[1].values == (31.9e6,)
-    assert dict(made["inputs"].rows)["load.centrifugal_force"] == "78 N"  # type: ignore[arg-type]
+    assert ("load.centrifugal_force", "78 N") in list(made["inputs"].rows)
     assert {"linear_limits", "outputs_at_peak", "natural_frequencies", "modes", "derived", "provenance"} <= made.keys()
     assert "safety_factors" not in made  # without rows
 
@@ -81,7 +81,7 @@ def test_a_workbook_has_a_sheet_for_each_table_and_no_formula(folder: Path) -> N
     }
     assert {"tables", "curve", "stress", "warnings"} <= set(book.sheetnames)
     frequency = [cell.value for cell in book["curve"]["B"][1:]]
-    assert frequency == pytest.approx(list(column(made["curve"], "frequency").values))  # type: ignore[arg-type]
+    assert frequency == pytest.approx(list(column(made["curve"], "frequency").values))
     cell = book["warnings"]["A2"]
     assert (cell.value, cell.data_type) == ("=1+1 is no formula", "s")
     assert [row[0].value for row in book["tables"].iter_rows(min_row=2)] == book.sheetnames[1:]

@@ -158,6 +158,7 @@ def calculix_stress(folder: Path, mesh: Mesh, element: str, displacement: FloatA
     for body in np.unique(mesh.body):
         lines += [f"*EL PRINT, ELSET=body_{body}", "S"]
     deck.write_text(model + "\n".join([*lines, "*ELEMENT OUTPUT", "S", "*END STEP", ""]))
+    assert program is not None
     quiet = os.environ | {"OMP_NUM_THREADS": "1"}
     subprocess.run([program, "-i", "stress"], cwd=folder, check=True, capture_output=True, timeout=300, env=quiet)
     text = (folder / "stress.dat").read_text()

@@ -80,14 +80,17 @@ def test_a_dense_sampling_finds_no_larger_extreme(harmonics: int) -> None:
     samples = np.einsum("pic,tc->pti", coefficients, synthesis_matrix(harmonics, count))
     equivalent = von_mises(samples)
     principal = np.linalg.eigvalsh(tensors(samples))
-    close = {"rel": 3e-5, "abs": 3e-3}
+
+    def close(expected: FloatArray) -> object:
+        return pytest.approx(expected, rel=3e-5, abs=3e-3)
+
     assert (cycle.largest_von_mises >= equivalent.max(axis=1) * (1.0 - 1e-12)).all()
-    assert cycle.largest_von_mises == pytest.approx(equivalent.max(axis=1), **close)
-    assert cycle.smallest_von_mises == pytest.approx(equivalent.min(axis=1), **close)
+    assert cycle.largest_von_mises == close(equivalent.max(axis=1))
+    assert cycle.smallest_von_mises == close(equivalent.min(axis=1))
     for values, eigenvalue in ((cycle.largest_first_principal, 2), (cycle.largest_third_principal, 0)):
-        assert values == pytest.approx(principal[:, :, eigenvalue].max(axis=1), **close)
+        assert values == close(principal[:, :, eigenvalue].max(axis=1))
     for values, eigenvalue in ((cycle.smallest_first_principal, 2), (cycle.smallest_third_principal, 0)):
-        assert values == pytest.approx(principal[:, :, eigenvalue].min(axis=1), **close)
+        assert values == close(principal[:, :, eigenvalue].min(axis=1))
     for row in range(rows):
         some = samples[row, ::10]
         difference = von_mises(some[:, None] - some[None])

@@ -22,7 +22,7 @@ def incompatible_stiffness(cells: FloatArray, elastic: FloatArray) -> FloatArray
     Int. J. Numer. Methods Eng. 10 (1976) 1211-1219.
     """
     full = _full_stiffness(cells, elastic)
-    condensed = full[:, :24, :24] + full[:, :24, 24:] @ _amplitudes(full)
+    condensed = full[:, :24, :24] + full[:, 24:, :24].swapaxes(1, 2) @ _amplitudes(full)
     return np.asarray(0.5 * (condensed + condensed.swapaxes(1, 2)))
 
 

@@ -82,7 +82,7 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
         shapes = [
             *setup.write_places(out),
             *_shapes(out, case, model, solution.motion),
-            *_stress(out, model, solution.stress),
+            *_stress(out, solution.stress),
         ]
         progress.update("Files", 0.7, FIGURE_FOLDER)
         files = [out / RESULTS_FILE, page, *artist.files(), *shapes]
