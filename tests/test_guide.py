@@ -24,6 +24,7 @@ PAGES = (
     "choosing_harmonics_and_samples",
     "roughness",
     "sweeps",
+    "comparing",
     "paper_study",
     "solved_preload",
     "studies",
