@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,10 +14,12 @@ from stickslip import __version__
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
 from stickslip.reporting import sweep_plots
+from stickslip.reporting.campbell_figure import campbell_figure, crossing_rows
 from stickslip.reporting.look import FREQUENCY, Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_figures
 from stickslip.reporting.style import MICRO, number, shown_number
 from stickslip.reporting.sweep_view import COLOURS, DASHES, SweepView
 from stickslip.reporting.templates import Notice, Tile, when, whole_page
+from stickslip.results.campbell import campbell
 from stickslip.results.comparison import Compared, ComparedMeasure, amplitude_at, compared_measures, differing_inputs
 from stickslip.results.sweep_table import SweepCurve, SweepRow, SweepTable, SweptKey
 
@@ -81,7 +84,7 @@ def compare_page(compared: Sequence[Compared]) -> str:
     rows = compared_measures(measures)
     inputs = differing_inputs([each.study for each in compared])
     provenance = {"date": datetime.now(UTC).isoformat(timespec="seconds"), "stickslip": __version__}
-    values = {
+    values: dict[str, Any] = {
         "title": "Comparison of " + ", ".join(names),
         "description": f"{len(names)} results of stickslip run. All differences refer to the first one, {names[0]}.",
         "byline": when(provenance),
@@ -95,10 +98,12 @@ def compare_page(compared: Sequence[Compared]) -> str:
         "warnings": [(each.name, [*each.study.warnings, *each.response.warnings]) for each in compared],
         "software": [(each.name, _software(each.response.provenance)) for each in compared],
     }
+    diagram = campbell(compared)
+    values |= {"has_campbell": diagram is not None, "crossings": [] if diagram is None else crossing_rows(diagram)}
     figures = {
         "curves": sweep_plots.all_curves(view, sweep_plots.thinned_curves(view)),
         "differences": _differences(names, curves),
-    }
+    } | ({} if diagram is None else {"campbell": campbell_figure(diagram)})
     return whole_page(
         "compare.html",
         "Comparison of forced responses",

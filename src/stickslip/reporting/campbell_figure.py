@@ -1,0 +1,87 @@
+"""The Campbell diagram of results at several speeds: natural frequencies, engine orders and their crossings."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stickslip.core.plain_figure import BLUE, GREY, INK, ORANGE
+from stickslip.core.validation import FloatArray
+from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace
+from stickslip.reporting.style import number, shown_number
+from stickslip.results.campbell import Campbell, Crossing, crossings
+
+_ROOM = 1.08  # of the highest frequency, for the names of the engine orders
+
+
+def campbell_figure(diagram: Campbell) -> Figure:
+    """Frequencies with contact stuck and without contact over the speed; engine orders as thin lines with names."""
+    top, last = _ROOM * diagram.highest_hz, float(diagram.speed_rpm[-1])
+    traces: list[dict[str, Any]] = []
+    notes = []
+    for order in diagram.orders:
+        end = min(last, 60.0 * top / order)
+        trace = line_trace(f"EO {order}", [0.0, end], [0.0, order * end / 60.0], GREY, width=0.9, hoverinfo="skip")
+        traces.append(trace | {"showlegend": False})
+        notes.append(
+            {
+                "x": end,
+                "y": order * end / 60.0,
+                "text": f"EO {order}",
+                "showarrow": False,
+                "font": {"size": 11, "color": INK},
+                "bgcolor": "rgba(255,255,255,.8)",
+                "xanchor": "right" if end == last else "center",
+            }
+        )
+    for name, frequency, colour, dash in (
+        ("contacts stuck", diagram.stuck_hz, BLUE, "solid"),
+        ("no contact", diagram.free_hz, ORANGE, "dot"),
+    ):
+        traces += _modes(diagram, name, frequency, colour, dash)
+    marks = crossings(diagram.speed_rpm, diagram.stuck_hz, diagram.orders)
+    if marks:
+        traces.append(_marks(marks))
+    low = min(0.0, float(diagram.speed_rpm[0]))
+    return figure_of(
+        traces,
+        460,
+        xaxis=axis_look("Speed of rotation, rpm", range=[low, 1.02 * last]),
+        yaxis=axis_look("Natural frequency, Hz", range=[0.0, top]),
+        annotations=notes,
+        hovermode="closest",
+    )
+
+
+def crossing_rows(diagram: Campbell) -> list[tuple[str, str, str, str]]:
+    """Mode, engine order, speed and frequency of each crossing with contact stuck, in words."""
+    return [
+        (str(each.mode), str(each.order), number(each.speed_rpm), shown_number(each.frequency_hz, "Hz"))
+        for each in crossings(diagram.speed_rpm, diagram.stuck_hz, diagram.orders)
+    ]
+
+
+def _modes(diagram: Campbell, name: str, frequency: FloatArray, colour: str, dash: str) -> list[dict[str, Any]]:
+    traces = []
+    for mode in range(frequency.shape[1]):
+        there = ~np.isnan(frequency[:, mode])
+        if not there.any():
+            continue
+        hover = PlotMarkup("mode {}, {}<br>%{{x:.5g}} rpm<br>%{{y:.2f}} Hz<extra></extra>").format(mode + 1, name)
+        trace = line_trace(name, diagram.speed_rpm[there], frequency[there, mode], colour, dash, hovertemplate=hover)
+        traces.append(trace | {"mode": "lines+markers", "legendgroup": name, "showlegend": mode == 0})
+    return traces
+
+
+def _marks(marks: tuple[Crossing, ...]) -> dict[str, Any]:
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "name": "crossing with an engine order",
+        "x": [each.speed_rpm for each in marks],
+        "y": [each.frequency_hz for each in marks],
+        "marker": {"symbol": "circle-open", "size": 11, "color": INK, "line": {"width": 2}},
+        "text": [f"mode {each.mode}, EO {each.order}" for each in marks],
+        "hovertemplate": PlotMarkup("%{text}<br>%{x:.5g} rpm<br>%{y:.2f} Hz<extra></extra>"),
+    }

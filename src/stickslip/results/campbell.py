@@ -1,0 +1,104 @@
+"""Natural frequencies over the speed of rotation, and their crossings with engine orders."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.core.units import Quantity
+from stickslip.core.validation import FloatArray
+from stickslip.results.comparison import Compared
+
+SPEED_KEY = "rotation.speed"
+RPM = 60.0 / (2.0 * np.pi)  # rad/s to revolutions per minute
+SHOWN_MODES = 6  # chosen: more lines cannot be told apart
+MOST_ORDERS = 24  # chosen: more engine orders cover the figure
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """Where a natural frequency equals a multiple of the speed: mode and order from 1, speed in rpm, Hz."""
+
+    mode: int
+    order: int
+    speed_rpm: float
+    frequency_hz: float
+
+
+@dataclass(frozen=True, eq=False)
+class Campbell:
+    """Natural frequencies of several results of one structure at different speeds.
+
+    speed_rpm:
+        (s,) rising.
+    stuck_hz, free_hz:
+        (s, modes) Hz, pairs closed at rest stuck, and without contact; NaN where a result has fewer modes.
+    names:
+        (s,) of the results.
+    """
+
+    names: tuple[str, ...]
+    speed_rpm: FloatArray
+    stuck_hz: FloatArray
+    free_hz: FloatArray
+
+    @property
+    def highest_hz(self) -> float:
+        """The highest frequency of both limits."""
+        return float(max(np.nanmax(self.stuck_hz), np.nanmax(self.free_hz)))
+
+    @property
+    def orders(self) -> tuple[int, ...]:
+        """Engine orders whose line meets the range of the frequencies between the lowest and the highest speed."""
+        lowest = float(min(np.nanmin(self.stuck_hz), np.nanmin(self.free_hz)))
+        first = max(1, int(np.ceil(60.0 * lowest / self.speed_rpm[-1])))
+        last = int(60.0 * self.highest_hz / max(self.speed_rpm[0], 1e-9 * self.speed_rpm[-1]))
+        return tuple(range(first, min(last, first + MOST_ORDERS - 1) + 1))
+
+
+def campbell(compared: Sequence[Compared]) -> Campbell | None:
+    """The frequencies of results with ``[rotation]``, in the order of their speeds; None for fewer than two speeds.
+
+    Raises InputError for inputs that are no study file.
+    """
+    quantity = Quantity("speed of rotation")
+    texts = [each.study.input_values().get(SPEED_KEY) for each in compared]
+    turning = [
+        (RPM * quantity.parse(text), each) for text, each in zip(texts, compared, strict=True) if text is not None
+    ]
+    if len({speed for speed, _ in turning}) < 2:
+        return None
+    turning.sort(key=lambda pair: pair[0])
+    limits = [
+        np.full((len(turning), SHOWN_MODES), np.nan),
+        np.full((len(turning), SHOWN_MODES), np.nan),
+    ]
+    for row, (_, each) in enumerate(turning):
+        linear = each.response.linear
+        for target, frequency in zip(limits, (linear.stuck_frequency_hz, linear.free_frequency_hz), strict=True):
+            shown = frequency[:SHOWN_MODES]
+            target[row, : shown.size] = shown
+    return Campbell(
+        tuple(each.name for _, each in turning), np.array([speed for speed, _ in turning]), limits[0], limits[1]
+    )
+
+
+def crossings(speed_rpm: FloatArray, frequency_hz: FloatArray, orders: Sequence[int]) -> tuple[Crossing, ...]:
+    """Crossings of frequencies (s, modes) with ``order * speed / 60``, frequencies straight between two speeds.
+
+    Sorted by speed. A frequency that touches a line at a speed counts once.
+    """
+    found = []
+    for order in orders:
+        excess = frequency_hz - order * speed_rpm[:, None] / 60.0
+        for mode in range(frequency_hz.shape[1]):
+            for at in range(len(speed_rpm) - 1):
+                low, high = excess[at, mode], excess[at + 1, mode]
+                ends_here = high == 0.0 and at + 2 < len(speed_rpm)  # it is the start of the next interval
+                if np.isnan(low + high) or low * high > 0.0 or low == high or ends_here:
+                    continue
+                speed = speed_rpm[at] + low / (low - high) * (speed_rpm[at + 1] - speed_rpm[at])
+                found.append(Crossing(mode + 1, order, float(speed), order * float(speed) / 60.0))
+    return tuple(sorted(found, key=lambda crossing: crossing.speed_rpm))
