@@ -34,7 +34,9 @@ def study_with_stress(summary: StressSummary = SUMMARY) -> StudyRecord:
     """Two boxes whose stress rises with the height."""
     boxes = shaken(stacked_boxes())
     rise = boxes.points[:, 2] / boxes.points[:, 2].max()
-    sketch = dataclasses.replace(boxes, stress=SurfaceStress(np.float32(90e6 * rise), np.float32(77.7e6 * rise)))
+    sketch = dataclasses.replace(
+        boxes, stress=SurfaceStress(*((size * rise).astype(np.float32) for size in (90e6, 77.7e6)))
+    )
     return dataclasses.replace(synthetic_study(), sketch=sketch, stress=summary)
 
 

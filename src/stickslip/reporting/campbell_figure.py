@@ -13,6 +13,7 @@ from stickslip.reporting.style import number, shown_number
 from stickslip.results.campbell import Campbell, Crossing, crossings
 
 _ROOM = 1.08  # of the highest frequency, for the names of the engine orders
+_BETWEEN_NAMES = 0.05  # chosen: of the highest speed; nearer names overlap on a phone
 
 
 def campbell_figure(diagram: Campbell) -> Figure:
@@ -20,21 +21,14 @@ def campbell_figure(diagram: Campbell) -> Figure:
     top, last = _ROOM * diagram.highest_hz, float(diagram.speed_rpm[-1])
     traces: list[dict[str, Any]] = []
     notes = []
+    free_above = np.inf  # the next name to the left is not nearer than this
     for order in diagram.orders:
         end = min(last, 60.0 * top / order)
         trace = line_trace(f"EO {order}", [0.0, end], [0.0, order * end / 60.0], GREY, width=0.9, hoverinfo="skip")
         traces.append(trace | {"showlegend": False})
-        notes.append(
-            {
-                "x": end,
-                "y": order * end / 60.0,
-                "text": f"EO {order}",
-                "showarrow": False,
-                "font": {"size": 11, "color": INK},
-                "bgcolor": "rgba(255,255,255,.8)",
-                "xanchor": "right" if end == last else "center",
-            }
-        )
+        if end < free_above:
+            notes.append(_name(order, end))
+            free_above = end - _BETWEEN_NAMES * last
     for name, frequency, colour, dash in (
         ("contacts stuck", diagram.stuck_hz, BLUE, "solid"),
         ("no contact", diagram.free_hz, ORANGE, "dot"),
@@ -52,6 +46,18 @@ def campbell_figure(diagram: Campbell) -> Figure:
         annotations=notes,
         hovermode="closest",
     )
+
+
+def _name(order: int, speed_rpm: float) -> dict[str, Any]:
+    """The number of an engine order at the end of its line."""
+    return {
+        "x": speed_rpm,
+        "y": order * speed_rpm / 60.0,
+        "text": str(order),
+        "showarrow": False,
+        "font": {"size": 11, "color": INK},
+        "bgcolor": "rgba(255,255,255,.8)",
+    }
 
 
 def crossing_rows(diagram: Campbell) -> list[tuple[str, str, str, str]]:

@@ -14,6 +14,7 @@ from stickslip.results.comparison import Compared
 SPEED_KEY = "rotation.speed"
 RPM = 60.0 / (2.0 * np.pi)  # rad/s to revolutions per minute
 SHOWN_MODES = 6  # chosen: more lines cannot be told apart
+ABOVE = 1.25  # chosen: modes up to this multiple of the highest computed excitation frequency
 MOST_ORDERS = 24  # chosen: more engine orders cover the figure
 
 
@@ -71,18 +72,22 @@ def campbell(compared: Sequence[Compared]) -> Campbell | None:
     if len({speed for speed, _ in turning}) < 2:
         return None
     turning.sort(key=lambda pair: pair[0])
-    limits = [
-        np.full((len(turning), SHOWN_MODES), np.nan),
-        np.full((len(turning), SHOWN_MODES), np.nan),
-    ]
-    for row, (_, each) in enumerate(turning):
-        linear = each.response.linear
-        for target, frequency in zip(limits, (linear.stuck_frequency_hz, linear.free_frequency_hz), strict=True):
-            shown = frequency[:SHOWN_MODES]
-            target[row, : shown.size] = shown
-    return Campbell(
-        tuple(each.name for _, each in turning), np.array([speed for speed, _ in turning]), limits[0], limits[1]
+    highest = ABOVE * max(float(each.response.frequency_hz.max()) for _, each in turning)
+    stuck, free = (
+        _lowest([getattr(each.response.linear, f"{limit}_frequency_hz") for _, each in turning], highest)
+        for limit in ("stuck", "free")
     )
+    names = tuple(each.name for _, each in turning)
+    return Campbell(names, np.array([speed for speed, _ in turning]), stuck, free)
+
+
+def _lowest(frequencies: Sequence[FloatArray], highest: float) -> FloatArray:
+    """(s, modes) Hz, at least one mode and those that are below ``highest`` at some speed; NaN where there is none."""
+    padded = np.full((len(frequencies), SHOWN_MODES), np.nan)
+    for row, frequency in zip(padded, frequencies, strict=True):
+        shown = frequency[:SHOWN_MODES]
+        row[: shown.size] = shown
+    return padded[:, : max(1, int((padded < highest).any(axis=0).sum()))]
 
 
 def crossings(speed_rpm: FloatArray, frequency_hz: FloatArray, orders: Sequence[int]) -> tuple[Crossing, ...]:

@@ -1,0 +1,66 @@
+"""The Campbell diagram: speeds from the inputs, crossings with engine orders in closed form, and its figure."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from stickslip.reporting.campbell_figure import campbell_figure, crossing_rows
+from stickslip.reporting.compare_page import compare_page
+from stickslip.results.campbell import Campbell, campbell, crossings
+from stickslip.results.comparison import Compared
+from synthetic import synthetic_response, synthetic_study
+
+
+def turning(name: str, speed: str, factor: float) -> Compared:
+    """The synthetic result at a speed, with its stuck frequencies times a factor."""
+    response, study = synthetic_response(), synthetic_study()
+    linear = dataclasses.replace(response.linear, stuck_frequency_hz=factor * response.linear.stuck_frequency_hz)
+    inputs = f'{study.inputs}\n[rotation]\nspeed = "{speed}"\n' if speed else study.inputs
+    return Compared(name, dataclasses.replace(response, linear=linear), dataclasses.replace(study, inputs=inputs))
+
+
+def test_crossings_of_straight_lines() -> None:
+    """f = 100 + rpm / 60 Hz crosses k rpm / 60 where rpm / 60 = 100 / (k - 1)."""
+    speed = np.array([0.0, 3000.0, 9000.0])
+    found = crossings(speed, 100.0 + speed[:, None] / 60.0, (1, 2, 3, 5))
+    assert [(each.order, each.mode) for each in found] == [(5, 1), (3, 1), (2, 1)]
+    for each in found:
+        assert each.speed_rpm / 60.0 == pytest.approx(100.0 / (each.order - 1))
+        assert each.frequency_hz == pytest.approx(each.order * each.speed_rpm / 60.0)
+
+
+def test_a_crossing_at_a_computed_speed_counts_once_and_missing_modes_not_at_all() -> None:
+    speed = np.array([1000.0, 3000.0, 6000.0])
+    constant = np.column_stack([np.full(3, 100.0), [np.nan, 100.0, np.nan]])
+    found = crossings(speed, constant, (2,))
+    assert [(each.mode, each.speed_rpm) for each in found] == [(1, 3000.0)]
+
+
+def test_the_diagram_is_in_the_order_of_the_speeds() -> None:
+    results = [turning("fast", "600 rad/s", 1.2), turning("still", "", 1.0), turning("slow", "3000 rpm", 1.1)]
+    diagram = campbell(results)
+    assert diagram is not None
+    assert diagram.names == ("slow", "fast")
+    assert diagram.speed_rpm == pytest.approx([3000.0, 600.0 * 30.0 / np.pi])
+    first = synthetic_response().linear.stuck_frequency_hz[0]
+    assert diagram.stuck_hz[:, 0] == pytest.approx([1.1 * first, 1.2 * first])
+    assert campbell(results[:2]) is None
+
+
+def test_the_page_has_the_diagram_with_its_crossings() -> None:
+    results = [turning("slow", "3000 rpm", 1.0), turning("fast", "9000 rpm", 1.01)]
+    text = compare_page(results)
+    assert "Campbell diagram" in text
+    assert "no stress stiffening" in text
+    assert "Campbell diagram" not in compare_page([turning("a", "", 1.0), turning("b", "", 1.0)])
+    diagram = Campbell(("a", "b"), np.array([600.0, 6000.0]), np.array([[100.0], [100.0]]), np.array([[80.0], [80.0]]))
+    figure = campbell_figure(diagram)
+    marks = figure["data"][-1]
+    assert marks["x"] == pytest.approx(sorted(6000.0 / order for order in range(1, 11)))
+    assert crossing_rows(diagram)[-1] == ("1", "1", "6000", "100.00")
+    names = [note["text"] for note in figure["layout"]["annotations"]]
+    assert names[0] == "1"
+    assert len(names) < 10  # those of high orders would overlap
