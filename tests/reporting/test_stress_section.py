@@ -58,10 +58,10 @@ def test_the_table_has_both_columns_and_says_where_they_are() -> None:
     assert re.search(r"box 2</th><td>2.5</td>", text)
 
 
-def test_a_stress_without_state_at_rest_says_so_and_has_no_factors() -> None:
-    summary = dataclasses.replace(SUMMARY, static="unknown", goodman=(), goodman_message="There is none.", force=0.0)
+def test_a_prescribed_state_at_rest_is_named_and_a_missing_check_has_its_reason() -> None:
+    summary = dataclasses.replace(SUMMARY, static="prescribed", goodman=(), goodman_message="There is none.", force=0.0)
     text = section(study_with_stress(summary))
-    assert "the vibration alone" in text
+    assert "prescribed normal loads" in text
     assert "There is none." in text
     assert "Smallest safety factor" not in text
     assert "per unit of force" not in text.lower()

@@ -21,7 +21,7 @@ from stickslip.study.export import export_tables
 from synthetic import synthetic_response, synthetic_study
 
 CORNER = StressExtreme("alternating stress", 31.9e6, "left blade", (0.1, 0.0, -0.2), Region.ORDINARY)
-STRESS = StressSummary((CORNER,), (CORNER,), (), "No check.", "unknown", 450.0, 300.0, 2e-4, 0.02)
+STRESS = StressSummary((CORNER,), (CORNER,), (), "No check.", "prescribed", 450.0, 300.0, 2e-4, 0.02)
 
 
 @pytest.fixture(scope="module")

@@ -19,6 +19,7 @@ from stickslip.results.stress import Region, StressSummary, SurfaceStress
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.stress import nodal_stress
 from stickslip.structure.stress_cycle import principal_stresses, von_mises
+from stickslip.study.rest import displacement_at_rest
 from stickslip.study.solution import Solution, solve_case
 from stickslip.study.stress import goodman_factor, stress_at_peak
 from sweep_cases import quick_case
@@ -48,9 +49,12 @@ def test_the_measures_are_those_of_frames_of_the_motion(vibration: Solution) -> 
     stress, motion = vibration.stress, vibration.motion
     assert stress is not None
     assert motion is not None
-    assert (stress.static, stress.safety) == ("unknown", None)
-    frames = motion.displacement @ synthesis_matrix((motion.displacement.shape[1] - 1) // 2, 200).T
-    instants = np.moveaxis(nodal_stress(structure_of(vibration), frames).stress, 2, 1)
+    assert (stress.static, stress.safety) == ("prescribed", None)
+    structure = structure_of(vibration)
+    recovery = vibration.model.superelement.recovery
+    _, rest = displacement_at_rest(vibration.model, structure, recovery, np.zeros(structure.full_size))
+    frames = rest + motion.displacement @ synthesis_matrix((motion.displacement.shape[1] - 1) // 2, 200).T
+    instants = np.moveaxis(nodal_stress(structure, frames).stress, 2, 1)
     # The motion lacks the modes that the reduction omits.
     scale = 2.0 * stress.truncation * stress.cycle.alternating.max() + 1e-3 * stress.cycle.alternating.max()
     assert stress.truncation < 0.1
@@ -108,6 +112,35 @@ def test_a_solved_preload_is_part_of_the_stress(loaded: Solution) -> None:
     assert {row.body for row in record.stress.goodman} <= set(loaded.model.joint.layout.body_names)
     smallest = min(row.value for row in record.stress.goodman)
     assert smallest == pytest.approx(stress.safety[apart].min())
+
+
+@pytest.mark.slow
+def test_prescribed_normal_loads_have_the_stress_of_the_solved_state_that_has_them(loaded: Solution) -> None:
+    """The frictionless solved state is K u = F - B^T N; with N as prescribed loads the stress is the same, because the
+    loads of the free damper are in balance without the help of an acceleration."""
+    structure, recovery = structure_of(loaded), loaded.model.superelement.recovery
+    assert loaded.model.preload is not None
+    assert loaded.model.pairs.released
+    load = np.zeros(structure.full_size)
+    for force in kind_of(loaded.case).static_forces(loaded.case):
+        group = loaded.model.joint.layout.node_groups[force.node_group]
+        for axis in range(3):
+            load[3 * group.nodes + axis] += force.amplitude * force.direction[axis] * group.weights
+    state, solved = displacement_at_rest(loaded.model, structure, recovery, load)
+    other, prescribed = displacement_at_rest(replace(loaded.model, preload=None), structure, recovery, load)
+    assert (state, other) == ("solved", "prescribed")
+    stresses = [nodal_stress(structure, each).stress[:, :, 0] for each in (solved, prescribed)]
+    difference = von_mises(stresses[0] - stresses[1])
+    assert difference.max() < 1e-4 * von_mises(stresses[0]).max()
+    # Without the force on the damper it accelerates; the blades do not notice.
+    free = replace(loaded.model, preload=None, static_load=np.zeros(loaded.model.superelement.size))
+    _, without = displacement_at_rest(free, structure, recovery, np.zeros(structure.full_size))
+    blades = nodal_stress(structure, without)
+    of_blades = blades.body < 2
+    single = von_mises(stresses[1])
+    np.testing.assert_allclose(
+        von_mises(blades.stress[:, :, 0])[of_blades], single[of_blades], rtol=1e-5, atol=1e-6 * single.max()
+    )
 
 
 @pytest.mark.slow

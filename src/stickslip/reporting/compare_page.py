@@ -205,13 +205,9 @@ def _notices(compared: Sequence[Compared]) -> Iterator[Notice]:
             f"{', '.join(ends)}."
         )
     static = {each.name: each.study.stress.static for each in compared if each.study.stress is not None}
-    alone = [name for name, state in static.items() if state == "unknown"]
-    complete = [name for name, state in static.items() if state != "unknown"]
-    if alone and complete:
-        cautions.append(
-            f"The stress of {', '.join(complete)} contains the state at rest, that of {', '.join(alone)} does not; "
-            "only alternating stresses are comparable."
-        )
+    if len(set(static.values())) > 1:
+        words = "; ".join(f"{name}: {state}" for name, state in static.items())
+        cautions.append(f"The stresses contain different states at rest; alternating stresses are comparable: {words}.")
     versions = {each.response.provenance.get("stickslip", "unknown") for each in compared}
     if len(versions) > 1:
         cautions.append(f"The results are of different versions of stickslip: {', '.join(sorted(versions))}.")

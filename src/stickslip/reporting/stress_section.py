@@ -20,9 +20,9 @@ _MPA = 1e-6  # Pa to MPa
 _STATIC = {
     "solved": "It contains the stress of the state at rest, solved from the static load.",
     "none": "Nothing loads the structure at rest, so this is the complete stress.",
-    "unknown": (
-        "It is the stress of the vibration alone: the preload is prescribed, which does not define the displacements "
-        'at rest. With preload.method = "solved" the stress at rest is included.'
+    "prescribed": (
+        "It contains the stress at rest under the prescribed normal loads and the constant loads, without tractions. "
+        "Bodies that only contact supports are balanced by a uniform acceleration, as by a centrifugal force."
     ),
 }
 

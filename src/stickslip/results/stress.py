@@ -14,7 +14,7 @@ from stickslip.core.validation import finite_array
 from stickslip.results.stored import StoredGroup
 from stickslip.results.variables import Entry, Labelled, Numbers, Text, Variables, json_text, stored
 
-STATIC_STATES = ("solved", "none", "unknown")
+STATIC_STATES = ("solved", "prescribed", "none")
 
 
 class Region(IntEnum):
@@ -91,7 +91,7 @@ class StressSummary(Labelled):
     frequency_hz, force, displacement:
         of the peak: Hz; amplitude of the excitation force in N; 0-to-peak displacement of the response in m.
     static:
-        "solved", "none" or "unknown" (:class:`stickslip.study.stress.StressAtPeak`).
+        "solved", "prescribed" or "none" (:class:`stickslip.study.stress.StressAtPeak`).
     truncation:
         largest part of the vibration stress by omitted modes over the largest alternating stress.
     goodman:
@@ -110,7 +110,7 @@ class StressSummary(Labelled):
         metadata=stored(_Extremes("smallest safety factors of bodies, JSON list"))
     )
     goodman_message: str = field(metadata=stored(Text("the Goodman check in words")))
-    static: str = field(metadata=stored(Text("state at rest in the stress: solved, none or unknown")))
+    static: str = field(metadata=stored(Text("state at rest in the stress: solved, prescribed or none")))
     frequency_hz: float = field(metadata=stored(Numbers((), "Hz", "frequency of the peak", name="stress_frequency")))
     force: float = field(metadata=stored(Numbers((), "N", "amplitude of the excitation force")))
     displacement: float = field(metadata=stored(Numbers((), "m", "0-to-peak displacement of the response")))

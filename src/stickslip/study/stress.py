@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,11 +18,10 @@ from stickslip.structure.mesh import IntArray, Mesh
 from stickslip.structure.recovery import Recovery
 from stickslip.structure.stress import NodalStress, nodal_stress
 from stickslip.structure.stress_cycle import StressCycle, stress_cycle, von_mises
+from stickslip.study.rest import displacement_at_rest
 
 if TYPE_CHECKING:
     from stickslip.case.case import Case
-
-StaticState = Literal["solved", "none", "unknown"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +32,7 @@ class StressAtPeak:
         the mesh of the stress.
     nodal:
         node and body of each row, and coefficients (p, 6, 2H+1) Pa, mean, cos 1, sin 1, ...; the mean contains the
-        static stress if ``static`` is "solved".
+        static stress.
     cycle:
         its measures over the period.
     region:
@@ -41,8 +40,8 @@ class StressAtPeak:
     safety:
         (p,) safety factor of the Goodman line; NaN in bodies without both strengths. None without a check.
     static:
-        "solved": the state at rest is included; "none": nothing loads the structure at rest; "unknown": a prescribed
-        preload does not define the displacements at rest, so the stress is that of the vibration alone.
+        "solved": the stress at rest is that of the solved preload; "prescribed": that of the prescribed normal loads
+        and constant loads, without tractions; "none": nothing loads the structure at rest.
     truncation:
         largest part of the vibration stress (von Mises, sum over the coefficients) by modes that the reduction omits,
         over the largest alternating stress, away from contacts and loads. The stress contains its static estimate.
@@ -53,7 +52,7 @@ class StressAtPeak:
     cycle: StressCycle
     region: IntArray
     safety: FloatArray | None
-    static: StaticState
+    static: str
     truncation: float
     frequency_hz: float
     point: int
@@ -74,12 +73,8 @@ def stress_at_peak(case: Case, model: Model, response: ForcedResponse) -> Stress
     reduced = response.displacement[point]
     displacement = recovery.with_omitted_modes(reduced, load, omega)
     omitted = nodal_stress(structure, displacement - recovery @ reduced).stress
-    static: StaticState = "unknown"
-    if model.preload is not None:
-        static, rest = "solved", model.preload.state.displacement[:, None]
-        displacement[:, :1] += recovery.with_omitted_modes(rest, loads.static()[:, None])
-    elif not model.static_load.any() and not np.nan_to_num(model.pairs.normal_load).any():
-        static = "none"
+    static, rest = displacement_at_rest(model, structure, recovery, loads.static())
+    displacement[:, :1] += rest
     nodal = nodal_stress(structure, displacement)
     cycle = stress_cycle(nodal.stress)
     region = _regions(case, model.joint.layout, structure)[nodal.node]
@@ -91,7 +86,7 @@ def stress_at_peak(case: Case, model: Model, response: ForcedResponse) -> Stress
         nodal,
         cycle,
         region,
-        None if static == "unknown" else _goodman(structure, nodal, cycle),
+        _goodman(structure, nodal, cycle),
         static,
         float(von_mises(omitted.swapaxes(1, 2)).sum(axis=1)[chosen].max()) / largest if largest else 0.0,
         float(response.frequency_hz[point]),

@@ -24,10 +24,6 @@ NO_STRENGTHS = (
     "No material has both fatigue_limit and tensile_strength, so there is no Goodman check. Give both in [material] or "
     "[bodies.NAME]."
 )
-NO_STATIC_STATE = (
-    "There is no Goodman check, because the stress at rest is unknown: a prescribed preload does not define the "
-    'displacements at rest. With preload.method = "solved" they follow from the static load.'
-)
 
 
 def stress_summary(case: Case, model: Model, response: ForcedResponse, stress: StressAtPeak) -> StressSummary:
@@ -105,8 +101,6 @@ def _extreme(quantity: str, value: float, row: int, stress: StressAtPeak, names:
 
 def _goodman(stress: StressAtPeak, names: tuple[str, ...], rows: IntArray) -> tuple[tuple[StressExtreme, ...], str]:
     """Smallest safety factor of each body, and the check in words."""
-    if stress.static == "unknown":
-        return (), NO_STATIC_STATE
     if stress.safety is None:
         return (), NO_STRENGTHS
     weakest = []
