@@ -10,7 +10,8 @@ from calculix import cut_bricks
 from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.structure import export
-from stickslip.structure.export import write_deflected_period, write_mode_shapes
+from stickslip.structure.export import write_deflected_period, write_mode_shapes, write_nodal_fields
+from stickslip.structure.mesh import Mesh
 
 
 @pytest.fixture
@@ -108,3 +109,21 @@ def test_mode_shapes_of_tetrahedra_and_wedges_read_back(tmp_path, block, kind):
     np.testing.assert_array_equal(actual.cells[0].data, mesh.blocks[0].cells)
     shape = actual.point_data["mode 01, 507.0 Hz"]
     np.testing.assert_allclose(shape / shape[0, 0], modes[:, 0].reshape(-1, 3) / modes[0, 0])
+
+
+def test_fields_of_bodies_jump_at_the_nodes_that_they_share(tmp_path):
+    """Two bricks of two bodies: twelve nodes, four of them shared, so sixteen rows; in any order."""
+    corner = np.array([[x, y, z] for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0, 2.0)])
+    first = np.array([0, 1, 4, 3, 6, 7, 10, 9])
+    mesh = Mesh(corner, np.array([first, first + 1]), body=np.array([0, 1]), body_names=("left", "right"))
+    node = np.concatenate([np.sort(first), np.sort(first + 1)])[::-1]
+    body = np.repeat([1, 0], 8)
+    written = meshio.read(write_nodal_fields(tmp_path / "stress.vtu", mesh, node, body, {"jump": 1.0 * body}))
+    assert len(written.points) == 16
+    for number, cells in enumerate(written.cells_dict["hexahedron"]):
+        assert set(written.point_data["jump"][cells]) == {float(number)}
+        np.testing.assert_allclose(written.points[cells], corner[first + number])
+    with rejects(InputError, "node"):
+        write_nodal_fields(tmp_path / "stress.vtu", mesh, node[1:], body[1:], {"jump": 1.0 * body[1:]})
+    with rejects(InputError):
+        write_nodal_fields(tmp_path / "stress.vtu", mesh, node, body, {"jump": np.ones(3)})

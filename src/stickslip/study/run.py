@@ -37,7 +37,7 @@ from stickslip.study.places import (
 from stickslip.study.sketching import MeshMotion
 from stickslip.study.solution import reported_model, solved
 from stickslip.study.stress import StressAtPeak
-from stickslip.study.stress_summary import fields_of
+from stickslip.study.stress_summary import fields_of, stress_rows
 
 
 @dataclass(frozen=True)
@@ -138,6 +138,7 @@ def _stress(out: Path, stress: StressAtPeak | None) -> Iterator[Path]:
 def _closing_words(response: ForcedResponse, record: StudyRecord) -> str:
     """The message of the curve, and its summary."""
     rows = summary_table(summary(response, record.outputs[record.response_output]))
+    rows += stress_rows(record.stress) if record.stress is not None else ()
     width = max(len(name) for name, _, _ in rows)
     lines = [f"{response.message} {response.n_points} points."]
     lines += [f"  {name:<{width}}  {value} {unit}" for name, value, unit in rows]

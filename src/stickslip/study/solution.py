@@ -15,11 +15,12 @@ from stickslip.model.layout import Setup
 from stickslip.model.model import Model, build_model, load_joint, set_up
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
+from stickslip.structure.superelement import Superelement
 from stickslip.study.analyses import solve
 from stickslip.study.record import compare_modes, study_record, with_other_tractions
 from stickslip.study.sketching import MeshMotion, motion_at_peak, sketch_of
 from stickslip.study.stress import StressAtPeak, stress_at_peak
-from stickslip.study.stress_summary import stress_summary, surface_stress
+from stickslip.study.stress_summary import NO_MESH, stress_summary, surface_stress
 
 
 @dataclass(frozen=True)
@@ -105,10 +106,14 @@ def solved(case: Case, model: Model, progress: Progress, threads: int) -> Soluti
     record = study_record(case, model, table, response)
     other = with_other_tractions(case, model, response, progress, threads)
     motion = motion_at_peak(model, response)
+    progress.update("Stress", 0.0, "at the peak")
     stress, surface = stress_at_peak(case, model, response), None
+    progress.update("Stress", 1.0, "none" if stress is None else f"{len(stress.nodal.node)} nodes")
     if stress is not None:
         record = replace(record, stress=stress_summary(case, model, response, stress))
         surface = partial(surface_stress, stress)
+    elif isinstance(model.structure, Superelement) and case.output.stress:
+        other = (*other, NO_MESH)
     sketch = sketch_of(case, model, motion, surface)
     record = replace(record, derived=(*record.derived, *other), sketch=sketch)
     return Solution(case, response, model, record, motion, stress)

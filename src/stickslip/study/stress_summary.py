@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 LARGEST_VON_MISES, RANGE_OF_VON_MISES = "largest von Mises stress", "range of von Mises stress"
 ALTERNATING = "alternating stress"
 SAFETY = "safety factor"
+# Row of the derived quantities of matrices.
+NO_MESH = ("Stress at the peak", "none", "-", "matrices have no mesh, and therefore no stress")
 NO_STRENGTHS = (
     "No material has both fatigue_limit and tensile_strength, so there is no Goodman check. Give both in [material] or "
     "[bodies.NAME]."
@@ -49,6 +51,16 @@ def stress_summary(case: Case, model: Model, response: ForcedResponse, stress: S
         displacement=float(response.amplitude(output)[stress.point]),
         truncation=stress.truncation,
     )
+
+
+def stress_rows(summary: StressSummary) -> Iterator[tuple[str, str, str]]:
+    """Rows (name, value, unit) for a terminal: largest alternating stress and smallest safety factor."""
+    for row in summary.extremes:
+        if row.quantity == ALTERNATING:
+            yield "Largest alternating stress, away from contacts and loads", f"{1e-6 * row.value:.4g}", "MPa"
+    if summary.goodman:
+        weakest = min(summary.goodman, key=lambda row: row.value)
+        yield "Smallest safety factor (Goodman)", f"{weakest.value:.4g}", f"- ({weakest.body})"
 
 
 def surface_stress(stress: StressAtPeak, nodes: IntArray) -> SurfaceStress:
