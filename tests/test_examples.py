@@ -109,7 +109,16 @@ def test_readme_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     blocks = "".join(re.findall(r"```sh\n(.*?)```", readme, flags=re.DOTALL))
     commands = re.findall(r"^stickslip ([^#\n]+)", blocks, flags=re.MULTILINE)
-    assert [line.split()[0] for line in commands] == ["new", "check", "run", "report", "roughness", "sweep", "paper"]
+    assert [line.split()[0] for line in commands] == [
+        "new",
+        "check",
+        "run",
+        "report",
+        "export",
+        "roughness",
+        "sweep",
+        "paper",
+    ]
     for line in commands[:-1]:
         result = CliRunner().invoke(app, shlex.split(line))
         assert result.exit_code == 0, result.output
