@@ -49,6 +49,7 @@ HEAVY = (
     "h5py",
     "pydantic",
     "jinja2",
+    "openpyxl",
 )
 
 
