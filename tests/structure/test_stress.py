@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import re
-import shutil
-import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,17 +9,15 @@ import numpy as np
 import pytest
 
 from calculix import ELEMENTS, blades, our_structure
-from helpers import absent_tool
+from calculix_stress import calculix_stress, our_stress, rounded
 from sentences import rejects
 from solid_cells import PARTS
 from stickslip.core.errors import InputError
-from stickslip.core.validation import FloatArray
-from stickslip.formats.calculix_deck import write_calculix_deck
 from stickslip.structure.cell_kinds import CELL_KINDS
 from stickslip.structure.elasticity import Material, Structure, assemble, assemble_bodies
 from stickslip.structure.mesh import Mesh
 from stickslip.structure.shapes import jacobians, shape_functions, stiffness_rule, strain_matrix
-from stickslip.structure.stress import cell_stress, nodal_stress, stress_points
+from stickslip.structure.stress import cell_stress, nodal_stress
 
 STEEL = Material()
 KINDS = (*((kind, "incompatible") for kind in CELL_KINDS), ("hexahedron", "trilinear"))
@@ -132,62 +126,9 @@ def test_wrong_input_is_rejected() -> None:
         Material(tensile_strength=-1.0)
 
 
-# Order of our points among those of CalculiX, which counts xi fastest.
-_POINTS_OF_CALCULIX = {
-    8: [0, 4, 2, 6, 1, 5, 3, 7],
-    10: [1, 0, 3, 2],
-    15: [0, 3, 6, 1, 4, 7, 2, 5, 8],
-    20: np.arange(27).reshape(3, 3, 3).transpose(2, 1, 0).ravel().tolist(),
-}
-# Its coefficients for the nodes have four to six digits; those of C3D6 are not the linear ones through its two points
-# (1.1455 instead of (1 + sqrt(3)) / 2).
+# Coefficients of CalculiX for the nodes have four to six digits; those of C3D6 are not the linear ones through its two
+# points (1.1455 instead of (1 + sqrt(3)) / 2).
 NODES = {"C3D8": 5e-5, "C3D20": 2e-5, "C3D10": 1e-5, "C3D4": 1e-6, "C3D15": 2e-5}
-
-
-def calculix_stress(folder: Path, mesh: Mesh, element: str, displacement: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Stress (m, q, 6) at integration points and (n_nodes, 6) at nodes, from prescribed displacements of all nodes."""
-    program = shutil.which("ccx")
-    if program is None:
-        absent_tool("ccx", "CalculiX is not on the path (apt-get install calculix-ccx).")
-    brick = element if element in ("C3D8I", "C3D8") else "C3D8I"
-    deck = write_calculix_deck(folder / "stress.inp", mesh, STEEL, element=brick, fixed_nodes=[])
-    model = deck.read_text().split("*STEP")[0]
-    lines = ["*STEP", "*STATIC", "*BOUNDARY"]
-    for node, moved in enumerate(displacement.reshape(-1, 3).tolist(), start=1):
-        lines += [f"{node}, {axis}, {axis}, {value:.12e}" for axis, value in enumerate(moved, start=1)]
-    for body in np.unique(mesh.body):
-        lines += [f"*EL PRINT, ELSET=body_{body}", "S"]
-    deck.write_text(model + "\n".join([*lines, "*ELEMENT OUTPUT", "S", "*END STEP", ""]))
-    assert program is not None
-    quiet = os.environ | {"OMP_NUM_THREADS": "1"}
-    subprocess.run([program, "-i", "stress"], cwd=folder, check=True, capture_output=True, timeout=300, env=quiet)
-    text = (folder / "stress.dat").read_text()
-    rows = np.array([line.split() for line in re.findall(r"^ +\d+ +\d+ +[-\d].*$", text, re.MULTILINE)], dtype=float)
-    cell, point = rows[:, 0].astype(int) - 1, rows[:, 1].astype(int) - 1
-    stress = np.zeros((mesh.n_cells, point.max() + 1, 6))
-    stress[cell, point] = rows[:, [2, 3, 4, 5, 7, 6]]  # xx, yy, zz, xy, xz, yz
-    raw = (folder / "stress.frd").read_bytes()
-    start = raw.index(b" -4  STRESS")
-    while raw[start : start + 3] in (b" -4", b" -5"):
-        start = raw.index(b"\n", start) + 1
-    record = np.dtype([("node", "<i4"), ("stress", "<f4", 6)])  # the binary form of *ELEMENT OUTPUT
-    nodes = np.frombuffer(raw, record, mesh.n_nodes, start)
-    np.testing.assert_array_equal(nodes["node"], np.arange(1, mesh.n_nodes + 1))
-    return stress, nodes["stress"].astype(float)
-
-
-def seven_digits(field: FloatArray) -> FloatArray:
-    """The numbers that the deck contains."""
-    return np.array([float(f"{value:.12e}") for value in field.ravel()])
-
-
-def ours(structure: Structure, displacement: FloatArray) -> FloatArray:
-    """(m, q, 6) in the order of the points of CalculiX."""
-    cells = structure.mesh.blocks[0].cells
-    n_nodes = cells.shape[1]
-    unknowns = (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), -1)
-    stress = cell_stress(structure, cells, 0, displacement[unknowns][:, :, None], stress_points(n_nodes))[..., 0]
-    return stress[:, _POINTS_OF_CALCULIX.get(n_nodes, slice(None))]
 
 
 @pytest.mark.parametrize("element", [element for element in ELEMENTS if element != "C3D8I"])
@@ -198,10 +139,12 @@ def test_calculix_has_the_same_stress_from_the_same_displacements(element: str, 
     x, y, z = (mesh.points / 0.1).T
     field = np.column_stack([np.sin(2 * x + z) + 0.3 * y**2, np.cos(3 * y - z), x * y + np.sin(2 * z)])
     noise = np.random.default_rng(1).standard_normal(field.shape)
-    displacement = seven_digits(1e-4 * field + 1e-6 * noise)
+    displacement = rounded(1e-4 * field + 1e-6 * noise)
     at_points, at_nodes = calculix_stress(tmp_path, mesh, element, displacement)
     structure = our_structure(mesh, formulation)
-    np.testing.assert_allclose(ours(structure, displacement), at_points, atol=1e-6 * np.abs(at_points).max(), rtol=0)
+    np.testing.assert_allclose(
+        our_stress(structure, displacement), at_points, atol=1e-6 * np.abs(at_points).max(), rtol=0
+    )
     if element in NODES:
         nodal = nodal_stress(structure, displacement[:, None])
         scale = np.abs(at_nodes).max()
@@ -213,7 +156,9 @@ def test_incompatible_bricks_have_the_stress_of_calculix_where_the_formulations_
     sheared = np.array([[1.0, 0.2, 0.1], [0.0, 0.8, 0.3], [0.1, 0.0, 1.2]])
     mesh = bricks((3, 2, 2), (0.03, 0.02, 0.02))
     mesh = Mesh(mesh.points @ sheared, mesh.cells)
-    displacement = seven_digits(1e-5 * np.random.default_rng(1).standard_normal(mesh.points.shape))
+    displacement = rounded(1e-5 * np.random.default_rng(1).standard_normal(mesh.points.shape))
     at_points, _ = calculix_stress(tmp_path, mesh, "C3D8I", displacement)
     structure = assemble(mesh, STEEL)
-    np.testing.assert_allclose(ours(structure, displacement), at_points, atol=1e-6 * np.abs(at_points).max(), rtol=0)
+    np.testing.assert_allclose(
+        our_stress(structure, displacement), at_points, atol=1e-6 * np.abs(at_points).max(), rtol=0
+    )
