@@ -129,6 +129,7 @@ def test_wrong_requests_are_rejected_before_anything_is_written(folder: Path, tm
     save_results(tmp_path / "results.nc", synthetic_response())
     with rejects(InputError):
         export_tables(tmp_path, "csv")
+    assert not (tmp_path / "tables").exists()
     with rejects(InputError):
         replace(synthetic_study(), inputs="not = = toml").input_values()
     with rejects(InputError):

@@ -6,9 +6,11 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.io import loadmat
 from typer.testing import CliRunner
 
 from browser_pages import WIDTHS, opened_page, require_readable
@@ -48,7 +50,7 @@ def two(tmp_path: Path) -> list[Path]:
 
 
 def test_the_page_has_curves_differences_and_inputs(two: list[Path], tmp_path: Path) -> None:
-    target = compare(two, tmp_path / "page.html")
+    (target,) = compare(two, tmp_path / "page.html")
     text = target.read_text(encoding="utf-8")
     assert "first &lt;run&gt;" in text
     assert "<run>" not in text.split("<script")[0]
@@ -101,6 +103,25 @@ def test_wrong_requests_are_rejected_before_anything_is_written(two: list[Path],
     assert target.stat().st_size > 1e6
 
 
+def test_the_tables_of_a_comparison_are_those_of_the_page(two: list[Path], tmp_path: Path) -> None:
+    page, file = compare(two, tmp_path / "page.html", to="mat")
+    assert (page.name, file.name) == ("page.html", "page.mat")
+    content: Any = loadmat(file, simplify_cells=True)
+    measures = content["measures"]
+    at = list(measures["measure"]).index("peak_amplitude_m")
+    assert measures["second_over_first_run_1"][at] == pytest.approx(0.1)
+    assert measures["second"][at] == pytest.approx(1.1 * measures["first_run"][at])
+    assert list(content["inputs"]["key"]) == ["contact.friction_coefficient", "damping.ratio"]
+    assert content["curves"]["frequency"].size == 2 * synthetic_response().n_points
+    page.unlink()
+    with rejects(InputError):
+        compare(two, page, to="mat")
+    assert not page.exists()
+    with rejects(InputError, "to"):
+        compare(two, tmp_path / "third.html", to="ods")
+    assert not (tmp_path / "third.html").exists()
+
+
 def test_results_that_do_not_fit_together_are_rejected(two: list[Path], tmp_path: Path) -> None:
     response = synthetic_response()
     factors = np.linspace(0.5, 1.5, response.n_points)
@@ -121,7 +142,8 @@ def test_folders_of_one_name_are_told_apart_by_their_paths(tmp_path: Path, monke
     monkeypatch.chdir(tmp_path)
     for name in ("a", "b"):
         write(Path(name) / "run", synthetic_response())
-    text = compare([Path("a/run"), Path("b/run")]).read_text(encoding="utf-8")
+    (page,) = compare([Path("a/run"), Path("b/run")])
+    text = page.read_text(encoding="utf-8")
     assert "Comparison of a/run, b/run" in text.replace("\\", "/")
     assert "The study files of all results have the same keys and values." in text
 
@@ -129,9 +151,14 @@ def test_folders_of_one_name_are_told_apart_by_their_paths(tmp_path: Path, monke
 def test_the_command_writes_the_page_and_exits_with_two_for_a_wrong_folder(two: list[Path], tmp_path: Path) -> None:
     runner = CliRunner()
     target = tmp_path / "page.html"
-    done = runner.invoke(app, ["compare", *map(str, two), "--out", str(target)])
+    done = runner.invoke(app, ["compare", *map(str, two), "--out", str(target), "--to", "csv"])
     assert done.exit_code == 0
     assert target.exists()
+    assert sorted(path.name for path in (tmp_path / "page_tables").iterdir()) == [
+        "curves.csv",
+        "inputs.csv",
+        "measures.csv",
+    ]
     wrong = runner.invoke(app, ["compare", str(two[0]), "--out", str(target)])
     assert wrong.exit_code == 2
     printed_sentence(wrong.output.replace(str(tmp_path), "<folder>"))
@@ -142,7 +169,7 @@ def test_the_command_writes_the_page_and_exits_with_two_for_a_wrong_folder(two: 
 
 @pytest.mark.slow
 def test_the_page_is_readable_in_a_browser(two: list[Path], tmp_path: Path) -> None:
-    target = compare(two, tmp_path / "page.html")
+    (target,) = compare(two, tmp_path / "page.html")
     with opened_browser() as browser:
         for width in WIDTHS:
             with opened_page(browser, target, width) as page:

@@ -225,14 +225,16 @@ def compare(
         list[Path], typer.Argument(metavar="DIR DIR...", help="Folders of runs; the first is the reference.")
     ],
     out: Annotated[Path, typer.Option("--out", metavar="FILE", help="The page.")] = Path("compare.html"),
-    force: Annotated[bool, typer.Option("--force", help="Overwrite an existing page.")] = False,
+    to: Annotated[str | None, typer.Option("--to", help="Also write the tables: csv, xlsx or mat.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
     debug: Debug = False,
 ) -> None:
     """Show several solved studies on one page: curves, differences, inputs that differ."""
     with error_messages(debug):
         from stickslip.study.compare import compare as write_comparison
 
-        echo(f"Wrote {write_comparison(folders, out, force)}")
+        for file in write_comparison(folders, out, force, to):
+            echo(f"Wrote {file}")
 
 
 @app.command()

@@ -12,6 +12,7 @@ from stickslip.results.measures import SUMMARY_COLUMNS
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.sweep_table import SweepCurve, curve_and_measures
+from stickslip.results.tables import Table, column_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +71,37 @@ def differing_inputs(studies: Sequence[StudyRecord]) -> dict[str, tuple[str | No
     keys = dict.fromkeys(key for each in flat for key in each)
     values = {key: tuple(each.get(key) for each in flat) for key in keys}
     return {key: row for key, row in values.items() if len(set(row)) > 1}
+
+
+def comparison_tables(compared: Sequence[Compared]) -> tuple[Table, ...]:
+    """Measures with differences to the first result, inputs that differ, and the curves, in SI units."""
+    both = [each.curve_and_measures() for each in compared]
+    names = [each.name for each in compared]
+    rows = compared_measures([numbers for _, numbers in both])
+    inputs = differing_inputs([each.study for each in compared])
+    measures = [
+        column_of("measure", "", [row.name for row in rows]),
+        column_of("unit", "", [row.unit for row in rows]),
+        column_of("meaning", "", [row.meaning for row in rows]),
+        *(column_of(name, "", [row.values[at] for row in rows]) for at, name in enumerate(names)),
+        *(
+            column_of(f"{name} over {names[0]} - 1", "1", [row.differences[at] for row in rows])
+            for at, name in enumerate(names[1:], start=1)
+        ),
+    ]
+    keys = [column_of("key", "", list(inputs))]
+    keys += [column_of(name, "", [row[at] for row in inputs.values()]) for at, name in enumerate(names)]
+    curves = [
+        column_of("result", "", [name for name, (curve, _) in zip(names, both, strict=True) for _ in curve.part]),
+        column_of("frequency", "Hz", np.concatenate([curve.frequency_hz for curve, _ in both])),
+        column_of("amplitude", "m", np.concatenate([curve.amplitude_m for curve, _ in both])),
+        column_of("stable", "", np.concatenate([curve.stable for curve, _ in both])),
+    ]
+    return (
+        Table("measures", "measures at the highest peak of each result", tuple(measures)),
+        Table("inputs", "inputs that differ", tuple(keys)),
+        Table("curves", "amplitude of the response of each result, 0-to-peak", tuple(curves)),
+    )
 
 
 def amplitude_at(curve: SweepCurve, frequency_hz: FloatArray) -> FloatArray:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from stickslip.core.errors import InputError
-from stickslip.core.files import whole_file
+from stickslip.core.files import require_folder, whole_file
 from stickslip.results.tables import Cell, Column, Table
 
 _WIDEST = 60  # letters of a column of a workbook
@@ -26,8 +27,9 @@ def heading(column: Column) -> str:
 def write_csv_tables(folder: Path, tables: Sequence[Table]) -> tuple[Path, ...]:
     """One file for each table, comma-separated text (UTF-8) with units in the heading, numbers with every digit.
 
-    ``folder`` exists. Raises InputError if a file cannot be written.
+    The folder is made. Raises OutputError or InputError if it or a file cannot be written.
     """
+    require_folder(folder)
     files = []
     for table in tables:
         target = folder / f"{table.name}.csv"
@@ -86,11 +88,18 @@ def write_matlab(path: Path, tables: Sequence[Table]) -> tuple[Path, ...]:
     return (path,)
 
 
-# Name of a format -> name of its file or folder beside the results, and the function that writes it.
-FORMATS: dict[str, tuple[str, Callable[[Path, Sequence[Table]], tuple[Path, ...]]]] = {
-    "csv": ("tables", write_csv_tables),
-    "xlsx": ("tables.xlsx", write_workbook),
-    "mat": ("tables.mat", write_matlab),
+@dataclass(frozen=True)
+class TableFormat:
+    """A format of tables: the name of its file or folder beside results, and the function that writes it."""
+
+    default_name: str
+    write: Callable[[Path, Sequence[Table]], tuple[Path, ...]]
+
+
+FORMATS = {
+    "csv": TableFormat("tables", write_csv_tables),
+    "xlsx": TableFormat("tables.xlsx", write_workbook),
+    "mat": TableFormat("tables.mat", write_matlab),
 }
 
 

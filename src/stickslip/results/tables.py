@@ -79,38 +79,38 @@ def _curve(response: ForcedResponse, study: StudyRecord) -> Table:
     row = study.outputs[study.response_output]
     coefficients = response.coefficients(row)
     columns = [
-        _column("point", "", np.arange(1, response.n_points + 1)),
-        _column("frequency", "Hz", response.frequency_hz),
-        *(_column(f"amplitude of {name}", "m", response.amplitude(each)) for name, each in study.outputs.items()),
-        _column(f"first harmonic of {study.response_output}, cosine", "m", coefficients[:, 1]),
-        _column(f"first harmonic of {study.response_output}, sine", "m", coefficients[:, 2]),
-        _column(f"mean of {study.response_output}", "m", coefficients[:, 0]),
-        *(_column(f"pairs {state.name.lower().replace('_', '-')}", "", counts[:, state]) for state in ContactState),
-        _column("friction energy", "J", response.friction_energy.sum(axis=1)),
-        _column("viscous energy", "J", response.viscous_energy),
-        _column("input energy", "J", response.input_energy),
-        _column("kinetic energy", "J", response.kinetic_energy),
-        _column("equivalent damping ratio", "1", equivalent_damping(response)),
-        _column("energy imbalance", "1", energy_imbalance(response)),
-        _column("load factor", "1", response.load_factor),
-        _column("stable", "", response.stable_points.astype(int)),
-        _column("part", "", response.part),
-        _column("residual", "1", response.residual),
-        _column("iterations", "", response.iterations),
+        column_of("point", "", np.arange(1, response.n_points + 1)),
+        column_of("frequency", "Hz", response.frequency_hz),
+        *(column_of(f"amplitude of {name}", "m", response.amplitude(each)) for name, each in study.outputs.items()),
+        column_of(f"first harmonic of {study.response_output}, cosine", "m", coefficients[:, 1]),
+        column_of(f"first harmonic of {study.response_output}, sine", "m", coefficients[:, 2]),
+        column_of(f"mean of {study.response_output}", "m", coefficients[:, 0]),
+        *(column_of(f"pairs {state.name.lower().replace('_', '-')}", "", counts[:, state]) for state in ContactState),
+        column_of("friction energy", "J", response.friction_energy.sum(axis=1)),
+        column_of("viscous energy", "J", response.viscous_energy),
+        column_of("input energy", "J", response.input_energy),
+        column_of("kinetic energy", "J", response.kinetic_energy),
+        column_of("equivalent damping ratio", "1", equivalent_damping(response)),
+        column_of("energy imbalance", "1", energy_imbalance(response)),
+        column_of("load factor", "1", response.load_factor),
+        column_of("stable", "", response.stable_points.astype(int)),
+        column_of("part", "", response.part),
+        column_of("residual", "1", response.residual),
+        column_of("iterations", "", response.iterations),
     ]
     if response.estimated_error is not None and response.point_harmonics is not None:
-        columns.append(_column("harmonics", "", response.point_harmonics))
-        columns.append(_column("estimated error", "1", response.estimated_error))
+        columns.append(column_of("harmonics", "", response.point_harmonics))
+        columns.append(column_of("estimated error", "1", response.estimated_error))
     return Table("curve", "points of the curve, in its order; amplitudes 0-to-peak, energies per cycle", tuple(columns))
 
 
 def _linear(response: ForcedResponse, study: StudyRecord) -> Table:
     row = study.outputs[study.response_output]
     limits = [
-        _column(f"amplitude of {study.response_output}, {limit}", "m", response.linear_amplitude(row, limit))
+        column_of(f"amplitude of {study.response_output}, {limit}", "m", response.linear_amplitude(row, limit))
         for limit in ("stuck", "free")
     ]
-    columns = (_column("frequency", "Hz", response.linear.frequency_hz), *limits)
+    columns = (column_of("frequency", "Hz", response.linear.frequency_hz), *limits)
     return Table("linear_limits", "linear responses, pairs closed at rest stuck, and without contact", columns)
 
 
@@ -127,10 +127,10 @@ def _outputs_at_peak(response: ForcedResponse, study: StudyRecord) -> Table:
     """Fourier coefficients of all outputs at the highest peak."""
     point = summary(response, study.outputs[study.response_output]).peak.point
     names, series = list(study.outputs), [response.coefficients(row)[point] for row in study.outputs.values()]
-    columns = [_column("output", "", names), _column("mean", "m", [each[0] for each in series])]
+    columns = [column_of("output", "", names), column_of("mean", "m", [each[0] for each in series])]
     for harmonic in range(1, response.harmonics + 1):
-        columns.append(_column(f"cosine {harmonic}", "m", [each[2 * harmonic - 1] for each in series]))
-        columns.append(_column(f"sine {harmonic}", "m", [each[2 * harmonic] for each in series]))
+        columns.append(column_of(f"cosine {harmonic}", "m", [each[2 * harmonic - 1] for each in series]))
+        columns.append(column_of(f"sine {harmonic}", "m", [each[2 * harmonic] for each in series]))
     return Table("outputs_at_peak", "Fourier coefficients of the responses at the highest peak", tuple(columns))
 
 
@@ -140,15 +140,15 @@ def _pairs_at_peak(response: ForcedResponse, study: StudyRecord) -> Table:
     names = pairs.state_names
     states = [names.get(ContactState(code), "") for code in response.contact_state[point].tolist()]
     columns = (
-        _column("pair", "", np.arange(1, pairs.n_pairs + 1)),
-        _column("face", "", [study.face_names[face] for face in study.pair_face]),
-        _column("position along", "m", study.pair_position[:, 0]),
-        _column("position across", "m", study.pair_position[:, 1]),
-        _column("area", "m2", study.pair_area),
-        _column("normal load at rest", "N", pairs.normal_load),
-        _column("state", "", states),
-        _column("dissipated energy", "J", response.dissipated_energy[point]),
-        _column("work of the normal force", "J", response.normal_work[point]),
+        column_of("pair", "", np.arange(1, pairs.n_pairs + 1)),
+        column_of("face", "", [study.face_names[face] for face in study.pair_face]),
+        column_of("position along", "m", study.pair_position[:, 0]),
+        column_of("position across", "m", study.pair_position[:, 1]),
+        column_of("area", "m2", study.pair_area),
+        column_of("normal load at rest", "N", pairs.normal_load),
+        column_of("state", "", states),
+        column_of("dissipated energy", "J", response.dissipated_energy[point]),
+        column_of("work of the normal force", "J", response.normal_work[point]),
     )
     return Table("pairs_at_peak", "contact pairs at the highest peak; energies per cycle", columns)
 
@@ -156,10 +156,10 @@ def _pairs_at_peak(response: ForcedResponse, study: StudyRecord) -> Table:
 def _jumps(response: ForcedResponse, study: StudyRecord) -> Table:
     jumps = response.jumps(study.outputs[study.response_output])
     columns = (
-        _column("sweep", "", [jump.direction for jump in jumps]),
-        _column("frequency", "Hz", [jump.frequency_hz for jump in jumps]),
-        _column("amplitude before", "m", [jump.amplitude_from for jump in jumps]),
-        _column("amplitude after", "m", [jump.amplitude_to for jump in jumps]),
+        column_of("sweep", "", [jump.direction for jump in jumps]),
+        column_of("frequency", "Hz", [jump.frequency_hz for jump in jumps]),
+        column_of("amplitude before", "m", [jump.amplitude_from for jump in jumps]),
+        column_of("amplitude after", "m", [jump.amplitude_to for jump in jumps]),
     )
     return Table("jumps", "jumps of slow sweeps up and down", columns)
 
@@ -172,9 +172,9 @@ def _natural_frequencies(response: ForcedResponse) -> Table:
     count = max(stuck.size, free.size)
     padded = [np.pad(each, (0, count - each.size), constant_values=np.nan) for each in (stuck, free)]
     columns = (
-        _column("mode", "", np.arange(1, count + 1)),
-        _column("stuck", "Hz", padded[0]),
-        _column("free", "Hz", padded[1]),
+        column_of("mode", "", np.arange(1, count + 1)),
+        column_of("stuck", "Hz", padded[0]),
+        column_of("free", "Hz", padded[1]),
     )
     words = "natural frequencies without damping, pairs closed at rest stuck, and without contact"
     return Table("natural_frequencies", words, columns)
@@ -184,7 +184,7 @@ def _modes(study: StudyRecord) -> Table:
     used = [key for key in MODE_COLUMNS if any(key in row for row in study.mode_table)]
     units = {"difference_percent": "%"} | {key: "Hz" for key in MODE_COLUMNS if key.endswith("_hz")}
     columns = [
-        _column(
+        column_of(
             key.removesuffix("_hz").removesuffix("_percent"),
             units.get(key, ""),
             [row.get(key) for row in study.mode_table],
@@ -192,7 +192,7 @@ def _modes(study: StudyRecord) -> Table:
         for key in used
     ]
     return Table(
-        "modes", f"full and reduced model, contact {study.mode_contact}", tuple(columns or [_column("mode", "", [])])
+        "modes", f"full and reduced model, contact {study.mode_contact}", tuple(columns or [column_of("mode", "", [])])
     )
 
 
@@ -203,10 +203,10 @@ def _side_curves(response: ForcedResponse, study: StudyRecord) -> Iterator[Table
     for name, side in sides.items():
         curves = () if side is None else side.curves(row)
         columns = (
-            _column("curve", "", [curve.name for curve in curves for _ in curve.frequency_hz]),
-            _column("frequency", "Hz", [value for curve in curves for value in curve.frequency_hz]),
-            _column(f"amplitude of {study.response_output}", "m", [a for curve in curves for a in curve.amplitude]),
-            _column("stable", "", [flag for curve in curves for flag in curve.stable]),
+            column_of("curve", "", [curve.name for curve in curves for _ in curve.frequency_hz]),
+            column_of("frequency", "Hz", [value for curve in curves for value in curve.frequency_hz]),
+            column_of(f"amplitude of {study.response_output}", "m", [a for curve in curves for a in curve.amplitude]),
+            column_of("stable", "", [flag for curve in curves for flag in curve.stable]),
         )
         yield Table(name, f"{name.replace('_', ' ')} beside the curve", columns)
 
@@ -215,10 +215,10 @@ def _nonlinear_mode(mode: NonlinearMode | None) -> Iterator[Table]:
     if mode is None:
         return
     columns = (
-        _column("modal amplitude", "m kg^0.5", mode.modal_amplitude),
-        _column("frequency", "Hz", mode.frequency_hz),
-        _column("damping ratio", "1", mode.damping_ratio),
-        _column("dissipated energy", "J", mode.dissipated_energy.sum(axis=1)),
+        column_of("modal amplitude", "m kg^0.5", mode.modal_amplitude),
+        column_of("frequency", "Hz", mode.frequency_hz),
+        column_of("damping ratio", "1", mode.damping_ratio),
+        column_of("dissipated energy", "J", mode.dissipated_energy.sum(axis=1)),
     )
     yield Table("nonlinear_mode", f"nonlinear mode {mode.mode}", columns)
 
@@ -232,10 +232,10 @@ def _stress(study: StudyRecord) -> Iterator[Table]:
         ("safety_factors", "smallest safety factors of the Goodman check", study.stress.goodman),
     ):
         columns = (
-            _column("measure", "", [row.quantity for row in rows]),
-            _column("value", "1" if name == "safety_factors" else "Pa", [row.value for row in rows]),
-            _column("body", "", [row.body for row in rows]),
-            *(_column(axis, "m", [row.position[at] for row in rows]) for at, axis in enumerate("xyz")),
+            column_of("measure", "", [row.quantity for row in rows]),
+            column_of("value", "1" if name == "safety_factors" else "Pa", [row.value for row in rows]),
+            column_of("body", "", [row.body for row in rows]),
+            *(column_of(axis, "m", [row.position[at] for row in rows]) for at, axis in enumerate("xyz")),
         )
         yield Table(name, f"extremes of stress at the peak, {words}", columns)
 
@@ -246,17 +246,17 @@ def _warnings(response: ForcedResponse, study: StudyRecord) -> list[tuple[str]]:
 
 def _rows(name: str, meaning: str, columns: Sequence[tuple[str, str]], rows: Sequence[Any]) -> Table:
     """A table of attributes of objects."""
-    made = (_column(key.removesuffix("_hz"), unit, [getattr(row, key) for row in rows]) for key, unit in columns)
+    made = (column_of(key.removesuffix("_hz"), unit, [getattr(row, key) for row in rows]) for key, unit in columns)
     return Table(name, meaning, tuple(made))
 
 
 def _tuples(name: str, meaning: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> Table:
     """A table of rows whose cells have no units, or whose units are in a column."""
-    made = (_column(column, "", [row[at] for row in rows]) for at, column in enumerate(columns))
+    made = (column_of(column, "", [row[at] for row in rows]) for at, column in enumerate(columns))
     return Table(name, meaning, tuple(made))
 
 
-def _column(name: str, unit: str, values: Any) -> Column:
+def column_of(name: str, unit: str, values: Any) -> Column:
     """A column of plain numbers and words; a number that is not finite is an empty cell."""
     return Column(name, unit, tuple(_cell(value) for value in values))
 

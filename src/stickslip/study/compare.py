@@ -10,8 +10,10 @@ import numpy as np
 
 from stickslip.core.errors import InputError
 from stickslip.core.files import require_folder
-from stickslip.results.comparison import Compared
+from stickslip.results.comparison import Compared, comparison_tables
 from stickslip.results.storage import load_results
+from stickslip.results.table_files import FORMATS
+from stickslip.study.export import require_free, target_of_tables
 from stickslip.study.places import RESULTS_FILE
 
 COMPARE_FILE = "compare.html"
@@ -19,8 +21,11 @@ MOST_RESULTS = 12  # chosen: more curves cannot be told apart in one figure
 
 
 def compare(
-    folders: Sequence[str | PathLike[str]], path: str | PathLike[str] = COMPARE_FILE, force: bool = False
-) -> Path:
+    folders: Sequence[str | PathLike[str]],
+    path: str | PathLike[str] = COMPARE_FILE,
+    force: bool = False,
+    to: str | None = None,
+) -> tuple[Path, ...]:
     """Write one page with curves, measures, differences and differing inputs of several solved studies.
 
     Parameters
@@ -30,13 +35,21 @@ def compare(
     path:
         the page, a file that ends in ``.html``.
     force:
-        whether to overwrite an existing file.
+        whether to overwrite existing files.
+    to:
+        "csv", "xlsx" or "mat" to write the tables of the page too, beside it: a folder ``NAME_tables``, or a file with
+        the name of the page and this ending.
+
+    Returns
+    -------
+    tuple of Path
+        the page and the files of its tables.
 
     Raises
     ------
     InputError
         for fewer than two folders or too many, a folder twice, one without a result of a run, results of different
-        kinds, and a page that exists or cannot be written.
+        kinds, another format, and a page or tables that exist or cannot be written.
     ResultsFileError
         for a results file that is damaged or has no study.
     """
@@ -44,15 +57,22 @@ def compare(
     sources = _sources(folders)
     if target.suffix != ".html":
         raise InputError(f'"{target}" must end in .html, because browsers open the page by this ending.')
-    if target.exists() and not force:
-        raise InputError(f'"{target}" exists already. Give another name with --out, or --force to overwrite it.')
+    require_free(target, force)
     require_folder(target.absolute().parent, files=(target.name,))
+    tables = None if to is None else target_of_tables(to, _beside(target, to), force)
     compared = tuple(_read(sources))
     _require_one_kind(compared)
     from stickslip.reporting.compare_page import write_compare_page
 
     write_compare_page(target, compared)
-    return target
+    if to is None or tables is None:
+        return (target,)
+    return (target, *FORMATS[to].write(tables, comparison_tables(compared)))
+
+
+def _beside(page: Path, to: str) -> Path:
+    """The tables of a page: a folder for CSV, else a file."""
+    return page.with_name(f"{page.stem}_tables") if to == "csv" else page.with_suffix(f".{to}")
 
 
 def _sources(folders: Sequence[str | PathLike[str]]) -> list[Path]:

@@ -45,26 +45,34 @@ def export_tables(
         for a results file that is damaged.
     """
     require_choice("to", to, tuple(FORMATS))
-    default, write = FORMATS[to]
     source = Path(folder) / RESULTS_FILE
     if not source.is_file():
         raise InputError(
             f'the folder "{folder}" contains no {RESULTS_FILE}, the result of a run. Give the --out folder of '
             "stickslip run; the table of a sweep is its sweep.csv."
         )
-    target = Path(folder) / default if path is None else Path(path)
-    if to != "csv" and target.suffix != f".{to}":
-        raise InputError(f'"{target}" must end in .{to}, the ending of files of this format.')
-    if target.exists() and not force:
-        raise InputError(f'"{target}" exists already. Give another name with --out, or --force to overwrite it.')
-    if to == "csv":
-        require_folder(target)
-    else:
-        require_folder(target.absolute().parent, files=(target.name,))
+    target = target_of_tables(to, Path(folder) / FORMATS[to].default_name if path is None else Path(path), force)
     saved = load_results(source)
     if saved.study is None:
         raise InputError(
             f'"{source}" contains a response without a study, so its outputs are unknown. Only "stickslip run" writes '
             "files with tables."
         )
-    return write(target, study_tables(saved.response, saved.study))
+    return FORMATS[to].write(target, study_tables(saved.response, saved.study))
+
+
+def target_of_tables(to: str, target: Path, force: bool) -> Path:
+    """``target`` after a check that tables can be written there. Raises InputError."""
+    require_choice("to", to, tuple(FORMATS))
+    if to != "csv" and target.suffix != f".{to}":
+        raise InputError(f'"{target}" must end in .{to}, the ending of files of this format.')
+    require_free(target, force)
+    names = {"folders" if to == "csv" else "files": (target.name,)}
+    require_folder(target.absolute().parent, **names)
+    return target
+
+
+def require_free(target: Path, force: bool) -> None:
+    """Raise InputError for a file or folder that exists, unless ``force`` allows to overwrite it."""
+    if target.exists() and not force:
+        raise InputError(f'"{target}" exists already. Give another name with --out, or --force to overwrite it.')
