@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from own_cases import MATRIX_STUDY, mesh_case
-from sentences import rejects
+from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
 from stickslip.core.errors import InputError, StudyFileError
 from stickslip.core.fourier import synthesis_matrix
@@ -22,6 +22,7 @@ from stickslip.structure.stress_cycle import principal_stresses, von_mises
 from stickslip.study.rest import displacement_at_rest
 from stickslip.study.solution import Solution, solve_case
 from stickslip.study.stress import goodman_factor, stress_at_peak
+from stickslip.study.stress_summary import stress_summary
 from sweep_cases import quick_case
 
 STRENGTHS = {"material.fatigue_limit": "300 MPa", "material.tensile_strength": "900 MPa"}
@@ -163,6 +164,27 @@ def test_without_a_mesh_or_without_the_wish_there_is_no_stress(vibration: Soluti
     assert stress_at_peak(vibration.case, matrices, vibration.response) is None
     unwanted = vibration.case.replace({"output.stress": False})
     assert stress_at_peak(unwanted, vibration.model, vibration.response) is None
+
+
+@pytest.mark.slow
+def test_a_body_that_is_not_checked_is_named_with_its_reason(loaded: Solution) -> None:
+    stress = loaded.stress
+    assert stress is not None
+    assert stress.safety is not None
+    body = stress.nodal.body
+    factor, region = stress.safety.copy(), stress.region.copy()
+    factor[body == 0] = np.nan
+    region[body == 2] = Region.CONTACT
+    factor[body == 1] *= 1e-3
+    changed = replace(stress, safety=factor, region=region)
+    summary = stress_summary(loaded.case, loaded.model, loaded.response, changed)
+    assert [row.body for row in summary.goodman] == ["right blade"]
+    assert summary.goodman[0].value < 1.0
+    printed_sentence(summary.goodman_message)
+    everything = replace(changed, region=np.full_like(region, Region.LOAD))
+    summary = stress_summary(loaded.case, loaded.model, loaded.response, everything)
+    assert summary.extremes == summary.goodman == ()
+    assert len(summary.everywhere) == 8
 
 
 def test_the_goodman_line() -> None:

@@ -115,16 +115,22 @@ def _goodman(stress: StressAtPeak, names: tuple[str, ...], rows: IntArray) -> tu
     """Smallest safety factor of each body, and the check in words."""
     if stress.safety is None:
         return (), NO_STRENGTHS
-    weakest = []
-    for body in range(len(names)):
+    weakest: list[StressExtreme] = []
+    without: list[str] = []
+    hidden: list[str] = []
+    for body, name in enumerate(names):
+        of_body = stress.safety[stress.nodal.body == body]
         here = rows[(stress.nodal.body[rows] == body) & np.isfinite(stress.safety[rows])]
         if here.size:
             row = int(here[stress.safety[here].argmin()])
             weakest.append(_extreme(SAFETY, float(stress.safety[row]), row, stress, names))
-    unchecked = [name for name in names if name not in {row.body for row in weakest}]
+        else:
+            (without if np.isnan(of_body).all() else hidden).append(name)
     message = "1 / S = alternating / fatigue limit + mean / tensile strength, at each node."
-    if unchecked:
-        message += f" Not checked, without both strengths: {', '.join(unchecked)}."
+    if without:
+        message += f" Not checked, without both strengths: {', '.join(without)}."
+    if hidden:
+        message += f" Not checked, because all cells are at a contact or a load: {', '.join(hidden)}."
     below = [row.body for row in weakest if row.value < 1.0]
     if below:
         message += f" Below 1, so the material does not endure this vibration: {', '.join(below)}."
