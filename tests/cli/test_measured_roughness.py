@@ -15,7 +15,8 @@ from sentences import printed_sentence
 from stickslip.case.case import Case
 from stickslip.cli.main import app
 from stickslip.contact.stiffness import roughness_fit
-from stickslip.contact.stiffness.fractal import ContactStatus, contact_stiffness
+from stickslip.contact.stiffness.face_stiffness import contact_stiffness
+from stickslip.contact.stiffness.fractal import ContactStatus
 from stickslip.model.joint import case_material, case_roughness
 
 PROFILE = Path(__file__).parents[2] / "examples" / "data" / "profile.csv"

@@ -73,12 +73,24 @@ class RoughnessSection(Section):
     seed: Annotated[int, Count(at_least=0, at_most=LARGEST_INTEGER)] = Field(
         default=1, description="of the random phases"
     )
+    law: Literal["fractal", "persson", "greenwood-williamson", "bush-gibson-thomas"] = Field(
+        default="fractal",
+        description="contact stiffness from the roughness; persson agrees best with boundary elements",
+    )
     # "paper" is the earlier name of "varying-curvature" in study files.
     mode: Annotated[
         Literal["consistent", "varying-curvature", "unloading"], Respelled("paper", "varying-curvature")
     ] = Field(
         default="consistent",
-        description="varying-curvature: K_n along spots of all sizes; unloading: plastic spots respond too",
+        description="fractal: varying-curvature: K_n along spots of all sizes; unloading: plastic spots respond too",
+    )
+    tangential_law: Literal["mindlin", "sherif-kossa"] = Field(
+        default="mindlin", description="K_t / K_n: mindlin 2 (1-nu)/(2-nu); sherif-kossa pi (1-nu)/(2 (2-nu))"
+    )
+    form_length: Length | None = Field(
+        default=None,
+        description="not fractal: longer waves are form, which the mesh has as gaps; default: all waves count",
+        examples=["2 mm"],
     )
     allocation: Literal["area", "pressure"] = Field(
         default="area", description="stiffness of a pair by its fraction of the area, or by its own pressure"
@@ -91,6 +103,16 @@ class RoughnessSection(Section):
     domain_extension: Annotated[float, Quantity("pure number", at_least=1.0, at_most=1e3)] = Field(
         default=1.0, description="psi of the size distribution; 1 omits it"
     )
+
+    @field_validator("mode", "tangential_law", "form_length", "reference_area", "domain_extension")
+    @classmethod
+    def _of_the_law(cls, value: Any, info: ValidationInfo) -> Any:
+        is_default = value == cls.model_fields[str(info.field_name)].default
+        of_fractal = info.field_name in ("mode", "reference_area", "domain_extension")
+        if "law" in info.data and not is_default and of_fractal != (info.data["law"] == "fractal"):
+            laws = 'the law "fractal"' if of_fractal else "the other laws"
+            raise InputError(f'belongs to {laws}, but law is "{info.data["law"]}". Remove it, or choose another law.')
+        return value
 
     @field_validator("shortest_length")
     @classmethod
