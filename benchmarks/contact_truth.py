@@ -59,6 +59,9 @@ class Truth:
     seconds: float
 
 
+NOT_CONVERGED = Truth(nan, nan, 0, nan, nan, nan, nan, nan, nan)
+
+
 def drawn(group: str, number: int) -> TruthCase:
     """Case ``number`` of ``fit`` or ``test``: D 2.1 to 2.6, Sq 0.2 to 20 um, 0.3 to 100 MPa, waves over 8 to 64."""
     rng = np.random.default_rng([{"fit": 11, "test": 2026}[group], number])
@@ -142,10 +145,11 @@ def main(group: str, first: int, last: int) -> None:
         if (case.group, case.number, case.points) in done:
             continue
         try:
-            row = asdict(case) | asdict(truth(case))
+            found = truth(case)
         except RuntimeError as error:
             print(f"{case.group} {case.number}: {error}", flush=True)
-            continue
+            found = NOT_CONVERGED
+        row = asdict(case) | asdict(found)
         new = not TABLE.exists()
         with TABLE.open("a", encoding="utf-8", newline="") as stream:
             table = csv.DictWriter(stream, fieldnames=list(row), lineterminator="\n")

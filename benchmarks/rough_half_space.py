@@ -95,7 +95,7 @@ def pressed(heights: FloatArray, side: float, modulus: float, mean: float, hardn
         Topography(heights, (side, side), periodic=True),
         external_force=mean * side**2,
         pentol=1e-6 * float(heights.std()),
-        maxiter=1500,
+        maxiter=400,
         **limit,
     )
     if not result.success:

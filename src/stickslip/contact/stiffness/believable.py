@@ -42,17 +42,16 @@ class Believable:
 
     def message(self, name: str) -> str:
         """A message on a stiffness outside of the band; ``name`` of the law."""
-        than = (
-            f"{self.ratio:.3g} times"
-            if self.ratio >= 1.0
-            else f"1/{1.0 / self.ratio:.3g} of"
-            if self.chosen
-            else "0 of"
-        )
+        if self.chosen == 0.0:
+            found = "gives no stiffness instead of"
+        elif self.ratio >= 1.0:
+            found = f"gives {1e-9 * self.chosen:.3g} N/mm3, {self.ratio:.3g} times"
+        else:
+            found = f"gives {1e-9 * self.chosen:.3g} N/mm3, 1/{1.0 / self.ratio:.3g} of"
         low, high = self.band
         return (
-            f"Believable band: under {1e-6 * self.pressure:.3g} MPa {name} gives {1e-9 * self.chosen:.3g} N/mm3, "
-            f"{than} the {1e-9 * self.persson:.3g} N/mm3 of Persson's law, which boundary elements confirm; "
+            f"Believable band: under {1e-6 * self.pressure:.3g} MPa {name} {found} "
+            f"the {1e-9 * self.persson:.3g} N/mm3 of Persson's law, which boundary elements confirm; "
             f"believable are {1e-9 * low:.3g} to {1e-9 * high:.3g} N/mm3. "
             'Choose law = "persson", or give a measured stiffness.'
         )

@@ -136,10 +136,14 @@ class PerssonStiffness:
 
     @cached_property
     def _partial_slope(self) -> FloatArray:
-        """(k,) s_i: slope of the waves from the longest to the middle of wave i, over sqrt(2)."""
+        """(k,) s_i: root mean square slope of the waves up to wave i, over sqrt(2).
+
+        Within a wave the square of s rises evenly from its start to its end, so the mean of 1/s is 2 / (start + end).
+        """
         waves = self.elastic_waves
         square = 0.5 * waves.variance * waves.wave_number**2
-        return np.asarray(np.sqrt(np.cumsum(square) - 0.5 * square))
+        end = np.sqrt(np.cumsum(square))
+        return np.asarray(0.5 * (end + np.append(0.0, end[:-1])))
 
     @cached_property
     def _patch(self) -> tuple[FloatArray, FloatArray]:

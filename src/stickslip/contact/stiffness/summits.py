@@ -171,6 +171,8 @@ def _above(separation: FloatArray, mean: float, spread: float) -> tuple[FloatArr
     # The tail beyond the flat falls within a few spreads, or within spread^2 / distance far out.
     width = np.minimum(8.0 * spread, np.maximum(8.0 * spread - low, 40.0 * spread**2 / np.maximum(low, spread)))
     width = np.where(low < 0.0, 8.0 * spread - low, width)
-    height = low[:, None] + 0.5 * width[:, None] * (nodes + 1.0)
-    fraction = 0.5 * width[:, None] * weights * np.exp(-0.5 * (height / spread) ** 2) / (spread * sqrt(2.0 * pi))
+    # Steps in the square root of the compression: the integrands have a root of it at the flat.
+    root = 0.5 * (nodes + 1.0)
+    height = low[:, None] + width[:, None] * root**2
+    fraction = width[:, None] * root * weights * np.exp(-0.5 * (height / spread) ** 2) / (spread * sqrt(2.0 * pi))
     return height + mean - separation[:, None], fraction
