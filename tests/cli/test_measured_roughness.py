@@ -33,6 +33,8 @@ def test_prints_lines_that_a_study_file_accepts_and_writes_files(tmp_path: Path)
     assert result.exit_code == 0, result.output
     for words in ("1500 at 2 um, 3 mm long", "Sq ", "Sdq", "mean straight line", "4 um to 300 um"):
         assert words in result.stdout
+    for words in ("1 MPa    Persson", "believable", "fractal"):
+        assert words in result.stdout
     section = result.stdout.split("For the study file:\n")[1]
     values = Case.from_text(section).roughness
     assert values is not None

@@ -35,7 +35,7 @@ def exponent(values: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def test_stiffness_of_many_patches_is_pressure_over_a_fraction_of_sq() -> None:
-    """H = 0.8, a wide band: u0 = g sqrt(1.6) sqrt(0.8) / (2 sqrt(pi)) 2.5 B(2, 1/2) Sq, which is 0.479 Sq at g = 0.45."""
+    """H = 0.8, a wide band: u0 = g sqrt(1.28) / (2 sqrt(pi)) 2.5 B(2, 1/2) Sq, which is 0.479 Sq at g = 0.45."""
     closed_form = ENERGY_REDUCTION * sqrt(1.6 * 0.8) / (2 * sqrt(pi)) * 2.5 * 4 / 3 * 1e-6
     assert closed_form / ENERGY_REDUCTION == pytest.approx(0.479e-6 / 0.45, rel=1e-3)
     pressure = np.array([1e-3])
