@@ -278,7 +278,6 @@ def why_no_stiffness(roughness: Roughness, mode: StiffnessMode, load: float) -> 
     dimension = _least_dimension(roughness, load)
     if dimension is not None:
         ways.append(f"raise D to {dimension:g} (a smoother face)")
-    ways.append('use law "persson", in which plastic faces have a stiffness')
     if mode != "unloading":
         ways.append(
             'use mode "unloading", where plastic spots respond to oscillation too (it requires shortest_length)'
