@@ -2,8 +2,8 @@
 
 Run ``python benchmarks/contact_truth.py SET FIRST LAST``; it appends rows to ``benchmarks/data/contact_truth.csv`` and
 omits those that are there. Sets: ``fit`` (the constants of the laws were chosen with these), ``test`` (other seeds,
-dimensions and bands, drawn by another generator; no constant saw them), ``resolution`` (cases of ``test`` with half and
-twice as many points). Requires the extra ``bench``.
+dimensions and bands, drawn by another generator; no constant saw them), ``wide`` (beyond the range of both),
+``resolution`` (cases of ``test`` with half and twice as many points). Requires the extra ``bench``.
 """
 
 from __future__ import annotations
@@ -62,37 +62,32 @@ class Truth:
 NOT_CONVERGED = Truth(nan, nan, 0, nan, nan, nan, nan, nan, nan)
 
 
+SEEDS = {"fit": 11, "test": 2026, "wide": 77}
+
+
 def drawn(group: str, number: int) -> TruthCase:
-    """Case ``number`` of ``fit`` or ``test``: D 2.1 to 2.6, Sq 0.2 to 20 um, 0.3 to 100 MPa, waves over 8 to 64."""
-    rng = np.random.default_rng([{"fit": 11, "test": 2026}[group], number])
-    dimension = float(rng.uniform(2.1, 2.6))
-    height, pressure = (
-        float(np.exp(rng.uniform(*np.log((0.2e-6, 20e-6))))),
-        float(np.exp(rng.uniform(*np.log((0.3e6, 100e6))))),
-    )
-    # A slope of Sq / L from 1/2000 to 1/60: ground to coarsely milled faces.
+    """Case ``number`` of a set: D 2.1 to 2.6, Sq 0.2 to 20 um, 0.3 to 100 MPa, waves over a factor 8 to 64.
+
+    ``wide``: D 2.1 to 2.8, waves over a factor 128 for one longest wave along the face and 64 for two.
+    """
+    rng = np.random.default_rng([SEEDS[group], number])
+    dimension = float(rng.uniform(2.1, 2.8 if group == "wide" else 2.6))
+    height, pressure = (float(np.exp(rng.uniform(*np.log(ends)))) for ends in ((0.2e-6, 20e-6), (0.3e6, 100e6)))
+    # Sq over the longest wave from 1/2000 to 1/60: ground to coarsely milled faces.
     longest = height * float(np.exp(rng.uniform(*np.log((60.0, 2000.0)))))
     band, waves = float(np.exp(rng.uniform(*np.log((8.0, 64.0))))), int(rng.choice([1, 2, 4]))
-    band = min(band, MOST_POINTS / (PIXELS * waves))
+    most = MOST_POINTS
+    if group == "wide":
+        most, waves, band = 2 * MOST_POINTS, min(waves, 2), np.inf
+    band = min(band, most / (PIXELS * waves))
     modulus = float(rng.choice([108.24e9, 113e9, 60e9]))
     hardness = float(np.exp(rng.uniform(*np.log((1e9, 6e9))))) if rng.random() < 0.6 else nan
     shortest = longest / band
     scale = fractal_roughness_from_sq(height, dimension, longest, shortest, RATIO)
-    points = 2 ** int(np.ceil(np.log2(PIXELS * waves * band)))
-    seed = 1000 * {"fit": 1, "test": 2}[group] + number
+    points = min(2 ** int(np.ceil(np.log2(PIXELS * waves * band))), most)
+    seed = 1000 * (1 + list(SEEDS).index(group)) + number
     return TruthCase(
-        group,
-        number,
-        min(points, MOST_POINTS),
-        dimension,
-        scale,
-        longest,
-        shortest,
-        waves,
-        seed,
-        modulus,
-        hardness,
-        pressure,
+        group, number, points, dimension, scale, longest, shortest, waves, seed, modulus, hardness, pressure
     )
 
 

@@ -106,9 +106,7 @@ def pressed(heights: FloatArray, side: float, modulus: float, mean: float, hardn
     return Pressed(np.asarray(result.jac / pixel), int(result.nit))
 
 
-def pressed_by_projection(
-    heights: FloatArray, side: float, modulus: float, mean: float, hardness: float
-) -> Pressed:
+def pressed_by_projection(heights: FloatArray, side: float, modulus: float, mean: float, hardness: float) -> Pressed:
     """The same: the least energy of all pressures from 0 to the hardness with this mean, by projected gradients.
 
     Steps by Barzilai and Borwein; the projection on limits and mean is a shift, found by bisection. Converged if the
@@ -127,8 +125,8 @@ def pressed_by_projection(
         free = (pressure > 0.0) & (pressure < hardness)
         if count % 20 == 0 and free.any():
             gap = gradient - gradient[free].mean()
-            wrong = max(np.abs(gap[free]).max(), -gap[pressure == 0.0].min(), gap[pressure == hardness].max(initial=0.0))
-            if wrong < goal:
+            wrong = (np.abs(gap[free]).max(), -gap[pressure == 0.0].min(), gap[pressure == hardness].max(initial=0.0))
+            if max(wrong) < goal:
                 return Pressed(pressure, count)
         bend = float((change * (gradient - before)).sum())
         step = float((change**2).sum()) / bend if bend > 0.0 else step

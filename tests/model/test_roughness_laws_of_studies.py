@@ -12,7 +12,7 @@ from stickslip.model.joint import Joint, case_material, case_roughness
 from stickslip.model.model import load_joint, set_up
 from stickslip.study.facts import derived_quantities, study_warnings
 
-SMOOTH = {"roughness.fractal_roughness": "1e-12 m"}
+SMOOTH: dict[str, object] = {"roughness.fractal_roughness": "1e-12 m"}
 
 
 def joint_of(changes: dict[str, object]) -> tuple[TwoBladeCase, Joint]:
@@ -32,6 +32,7 @@ def test_a_study_names_the_law_of_its_roughness(law: str) -> None:
 
 def test_the_default_remains_the_fractal_law_and_is_believable() -> None:
     case, joint = joint_of({})
+    assert case.roughness is not None
     assert case.roughness.law == "fractal"
     assert joint.face_sum(joint.normal_stiffness)[0] == pytest.approx(7.856e7, rel=1e-3)
     face = joint.rough_faces[0]

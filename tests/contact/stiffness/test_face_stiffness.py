@@ -58,7 +58,7 @@ def test_arguments_that_do_not_fit_the_law() -> None:
     with rejects(ss.InputError, "tangential_law"):
         ss.contact_stiffness(face, LOAD, tangential_law="sherif-kossa")
     with rejects(ss.InputError, "tangential_law"):
-        ss.contact_stiffness(face, LOAD, area=NOMINAL_AREA, law="persson", tangential_law="other")  # type: ignore[arg-type]
+        ss.contact_stiffness(face, LOAD, area=NOMINAL_AREA, law="persson", tangential_law="other")  # type: ignore[call-overload]
     with rejects(ss.InputError, "sample_length", "shortest_length"):
         ss.contact_stiffness(rough(), LOAD, area=NOMINAL_AREA, law="persson")
 

@@ -29,7 +29,7 @@ def test_height_and_slope_are_those_of_the_discrete_surface(dimension: float) ->
 def test_moments_of_a_profile() -> None:
     """Of one wave: m0, m2 = Sdq^2/2 and m4 = 3/8 of variance q^4."""
     q = 2 * pi / 1e-3
-    height, slope, curvature = HeightSpectrum([1e-3], [4e-12]).profile_moments
+    height, slope, curvature = HeightSpectrum(np.array([1e-3]), np.array([4e-12])).profile_moments
     assert (height, slope, curvature) == pytest.approx((4e-12, 0.5 * 4e-12 * q**2, 0.375 * 4e-12 * q**4))
 
 
@@ -64,9 +64,9 @@ def test_a_law_of_the_spectrum_needs_both_ends_of_the_waves() -> None:
 
 def test_values_that_no_spectrum_has() -> None:
     with rejects(ss.InputError, "variance"):
-        HeightSpectrum([1e-3], [-1.0])
+        HeightSpectrum(np.array([1e-3]), np.array([-1.0]))
     with rejects(ss.InputError, "wavelength"):
-        HeightSpectrum([1e-4, 1e-3], [1e-12, 1e-12])
+        HeightSpectrum(np.array([1e-4, 1e-3]), np.array([1e-12, 1e-12]))
 
 
 @pytest.mark.parametrize(("dimension", "slope"), [(2.2, 0.02), (2.2, 0.3), (2.5, 0.1)])
