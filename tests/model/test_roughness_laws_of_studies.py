@@ -84,6 +84,22 @@ def test_keys_of_another_law_are_rejected(key: str, value: object, law: str) -> 
         TwoBladeCase().replace({"roughness.law": law, f"roughness.{key}": value})
 
 
+def test_sq_in_place_of_g() -> None:
+    case = TwoBladeCase.from_text('[roughness]\nsq = "1.2 um"\nlaw = "persson"\n')
+    again = TwoBladeCase.from_text(case.to_text())
+    assert again == case
+    assert 'sq = "1.2 um"' in case.to_text()
+    joint = load_joint(case, set_up(case).layout)
+    found = {name: value for name, value, _, _ in derived_quantities(case, joint)}
+    assert found["Sq"] == pytest.approx(1.2, rel=1e-9)
+    rough = case_roughness(case, *[case_material(case)] * 2)
+    assert found["Fractal roughness G"] == rough.fractal_roughness
+    with rejects(ss.StudyFileError, "roughness.sq"):
+        TwoBladeCase.from_text('[roughness]\nsq = "1.2 um"\nfractal_roughness = "1e-8 m"\n')
+    with rejects(ss.StudyFileError, "roughness.sq"):
+        TwoBladeCase().replace({"roughness.sq": "0 um"})
+
+
 def test_a_constant_stiffness_per_area() -> None:
     case = TwoBladeCase.from_text(
         '[contact_stiffness]\nstiffness_law = "constant"\n'

@@ -49,17 +49,28 @@ class RoughnessSection(Section):
         default=2.4, description="D of the surface, 2 < D < 3"
     )
     # A fit of a nearly smooth profile gives 1e-100 m as D nears 2; heights grow with G^(D-2).
-    fractal_roughness: Annotated[
-        float,
-        Quantity(
-            "length",
-            at_least=NEGLIGIBLE,
-            at_most=1e-3,
-            usual=(NEGLIGIBLE, 1e-5),
-            unit_required="Publications omit it, and m and mm differ by a factor of 1000.",
-            example='"1e-8 m"',
-        ),
-    ] = Field(default=1e-8, description="G; the unit is required")
+    fractal_roughness: (
+        Annotated[
+            float,
+            Quantity(
+                "length",
+                at_least=NEGLIGIBLE,
+                at_most=1e-3,
+                usual=(NEGLIGIBLE, 1e-5),
+                unit_required="Publications omit it, and m and mm differ by a factor of 1000.",
+                example='"1e-8 m"',
+            ),
+        ]
+        | None
+    ) = Field(default=1e-8, description="G; the unit is required")
+    # Polished glass has 1 nm, a sand casting 100 um.
+    sq: Annotated[float, Quantity("length", shown="um", at_least=1e-12, at_most=1e-2, usual=(1e-10, 1e-3))] | None = (
+        Field(
+            default=None,
+            description="root mean square height over sample_length, instead of fractal_roughness",
+            examples=["1.2 um"],
+        )
+    )
     # Soft rubber 0.1 MPa, lead 40 MPa, diamond 100 GPa (Tabor, The Hardness of Metals).
     hardness: Annotated[
         float, Quantity("pressure", shown="GPa", at_least=1e4, at_most=1e13, usual=(1e7, 2e11), example='"3 GPa"')
@@ -103,6 +114,18 @@ class RoughnessSection(Section):
     domain_extension: Annotated[float, Quantity("pure number", at_least=1.0, at_most=1e3)] = Field(
         default=1.0, description="psi of the size distribution; 1 omits it"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _sq_replaces_the_default(cls, data: Any) -> Any:
+        return without_default(data, ("sq",), "fractal_roughness")
+
+    @field_validator("sq")
+    @classmethod
+    def _one_scale(cls, value: Any, info: ValidationInfo) -> Any:
+        if value is None and "fractal_roughness" in info.data and info.data["fractal_roughness"] is None:
+            raise InputError("or fractal_roughness must be given. Give exactly one of them.")
+        return instead_of(value, info, "fractal_roughness")
 
     @field_validator("mode", "tangential_law", "form_length", "reference_area", "domain_extension")
     @classmethod

@@ -27,7 +27,7 @@ from stickslip.contact.stiffness.fractal import (
     reduced_modulus,
 )
 from stickslip.contact.stiffness.stiffness_law import Allocation, StiffnessLaw, pair_pressure, springs_of_pairs
-from stickslip.contact.stiffness.surface import SurfaceStatistics, surface_statistics
+from stickslip.contact.stiffness.surface import SurfaceStatistics, fractal_roughness_from_sq, surface_statistics
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.plausible import OddValue
 from stickslip.core.units import LARGEST_STIFFNESS
@@ -366,7 +366,7 @@ def case_roughness(case: Case, first: Material, second: Material) -> Roughness:
     section = roughness_section(case)
     return Roughness(
         fractal_dimension=section.fractal_dimension,
-        fractal_roughness=section.fractal_roughness,
+        fractal_roughness=fractal_roughness_of(section),
         hardness=section.hardness,
         reduced_modulus=reduced_modulus(
             first.young_modulus, first.poisson_ratio, second.young_modulus, second.poisson_ratio
@@ -376,6 +376,18 @@ def case_roughness(case: Case, first: Material, second: Material) -> Roughness:
         sample_length=section.sample_length,
         shortest_length=section.shortest_length,
     )
+
+
+def fractal_roughness_of(section: RoughnessSection) -> float:
+    """G in m of [roughness]: as given, or that of the surface with the given Sq. Raises InputError."""
+    if section.fractal_roughness is not None:
+        return section.fractal_roughness
+    if section.sq is None:
+        raise InputError("roughness.sq or roughness.fractal_roughness must be given.", ("roughness.sq",))
+    with concerning("roughness.sq"):
+        return fractal_roughness_from_sq(
+            section.sq, section.fractal_dimension, section.sample_length, section.shortest_length
+        )
 
 
 def _joint_poisson_ratio(first: Material, second: Material) -> float:

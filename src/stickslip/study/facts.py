@@ -12,7 +12,7 @@ from stickslip.contact.constants import NORMAL_LOAD
 from stickslip.contact.law.law import BoolArray, ContactLaw, ContactState
 from stickslip.core.validation import FloatArray
 from stickslip.model.face_laws import NamedLaw
-from stickslip.model.joint import Joint, RoughFace, odd_values
+from stickslip.model.joint import Joint, RoughFace, fractal_roughness_of, odd_values
 from stickslip.model.layout import Derived, Setup
 from stickslip.results.measures import hertz, summary
 from stickslip.results.response import ForcedResponse
@@ -92,7 +92,7 @@ def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
         return
     section, first = case.roughness, rough[0]
     yield "Fractal dimension D", section.fractal_dimension, "-", "of the surface; a measure of its fine-scale content"
-    yield "Fractal roughness G", section.fractal_roughness, "m", "scale of the heights"
+    yield "Fractal roughness G", fractal_roughness_of(section), "m", "scale of the heights"
     yield "Sq", float(1e6 * first.statistics.sq), "µm", "root mean square height between the longest and shortest wave"
     yield "Sdq", float(first.statistics.sdq), "-", "root mean square slope"
     yield (
