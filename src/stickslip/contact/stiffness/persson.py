@@ -130,9 +130,13 @@ class PerssonStiffness:
         if self.hardness is None:
             return self.spectrum
         waves = self.spectrum
-        slope = np.sqrt(np.cumsum(waves.variance * waves.wave_number**2))
-        elastic = max(int(np.count_nonzero(self.reduced_modulus * slope <= SLOPE_OVER_PRESSURE * self.hardness)), 1)
-        return HeightSpectrum(waves.wavelength[:elastic], waves.variance[:elastic])
+        square = waves.variance * waves.wave_number**2
+        before = np.append(0.0, np.cumsum(square)[:-1])
+        limit = (SLOPE_OVER_PRESSURE * self.hardness / self.reduced_modulus) ** 2
+        # The wave at the limit counts with the fraction of its variance below it.
+        fraction = np.clip((limit - before) / square, 0.0, 1.0)
+        elastic = fraction > 0.0
+        return HeightSpectrum(waves.wavelength[elastic], (fraction * waves.variance)[elastic])
 
     @cached_property
     def _partial_slope(self) -> FloatArray:
