@@ -22,8 +22,11 @@ from .contact.pairing.pairing import pair_faces as pair_faces
 from .contact.pairing.pairing import pair_surfaces as pair_surfaces
 from .contact.pairing.pairing import pair_with_ground as pair_with_ground
 from .contact.pairing.pairing import write_pairs as write_pairs
-from .contact.stiffness.fractal import Roughness as Roughness
-from .contact.stiffness.fractal import contact_stiffness as contact_stiffness
+from .contact.stiffness.asperities import Roughness as Roughness
+from .contact.stiffness.constant_law import ConstantStiffness as ConstantStiffness
+from .contact.stiffness.face_stiffness import contact_stiffness as contact_stiffness
+from .contact.stiffness.face_stiffness import law_of_roughness as law_of_roughness
+from .contact.stiffness.measured_heights import roughness_of_heights as roughness_of_heights
 from .contact.stiffness.measured_law import MeasuredStiffness as MeasuredStiffness
 from .contact.stiffness.registry import register_stiffness_law as register_stiffness_law
 from .contact.stiffness.roughness_fit import RoughnessFit as RoughnessFit

@@ -15,7 +15,8 @@ from sentences import printed_sentence
 from stickslip.case.case import Case
 from stickslip.cli.main import app
 from stickslip.contact.stiffness import roughness_fit
-from stickslip.contact.stiffness.fractal import ContactStatus, contact_stiffness
+from stickslip.contact.stiffness.face_stiffness import contact_stiffness
+from stickslip.contact.stiffness.fractal import ContactStatus
 from stickslip.model.joint import case_material, case_roughness
 
 PROFILE = Path(__file__).parents[2] / "examples" / "data" / "profile.csv"
@@ -31,6 +32,8 @@ def test_prints_lines_that_a_study_file_accepts_and_writes_files(tmp_path: Path)
     result = invoke(PROFILE, "--out", tmp_path)
     assert result.exit_code == 0, result.output
     for words in ("1500 at 2 um, 3 mm long", "Sq ", "Sdq", "mean straight line", "4 um to 300 um"):
+        assert words in result.stdout
+    for words in ("1 MPa    Persson", "believable", "fractal"):
         assert words in result.stdout
     section = result.stdout.split("For the study file:\n")[1]
     values = Case.from_text(section).roughness

@@ -7,7 +7,7 @@ import pytest
 
 from sentences import rejects
 from stickslip.case.case import Case
-from stickslip.contact.stiffness.fractal import contact_stiffness
+from stickslip.contact.stiffness.face_stiffness import contact_stiffness
 from stickslip.core.errors import InputError, RoughnessError
 from stickslip.model.joint import case_roughness
 from stickslip.model.model import Model, build_joint, build_model, build_structure

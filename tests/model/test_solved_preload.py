@@ -12,7 +12,7 @@ import pytest
 from sentences import rejects
 from stickslip.case.case import Case
 from stickslip.contact.stiffness.asperities import fully_plastic_load
-from stickslip.contact.stiffness.fractal import contact_stiffness
+from stickslip.contact.stiffness.face_stiffness import contact_stiffness
 from stickslip.core.errors import StudyFileError
 from stickslip.model.joint import case_roughness
 from stickslip.model.model import Model, build_model, load_joint, set_up

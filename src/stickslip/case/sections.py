@@ -49,17 +49,28 @@ class RoughnessSection(Section):
         default=2.4, description="D of the surface, 2 < D < 3"
     )
     # A fit of a nearly smooth profile gives 1e-100 m as D nears 2; heights grow with G^(D-2).
-    fractal_roughness: Annotated[
-        float,
-        Quantity(
-            "length",
-            at_least=NEGLIGIBLE,
-            at_most=1e-3,
-            usual=(NEGLIGIBLE, 1e-5),
-            unit_required="Publications omit it, and m and mm differ by a factor of 1000.",
-            example='"1e-8 m"',
-        ),
-    ] = Field(default=1e-8, description="G; the unit is required")
+    fractal_roughness: (
+        Annotated[
+            float,
+            Quantity(
+                "length",
+                at_least=NEGLIGIBLE,
+                at_most=1e-3,
+                usual=(NEGLIGIBLE, 1e-5),
+                unit_required="Publications omit it, and m and mm differ by a factor of 1000.",
+                example='"1e-8 m"',
+            ),
+        ]
+        | None
+    ) = Field(default=1e-8, description="G; the unit is required")
+    # Polished glass has 1 nm, a sand casting 100 um.
+    sq: Annotated[float, Quantity("length", shown="um", at_least=1e-12, at_most=1e-2, usual=(1e-10, 1e-3))] | None = (
+        Field(
+            default=None,
+            description="root mean square height over sample_length, instead of fractal_roughness",
+            examples=["1.2 um"],
+        )
+    )
     # Soft rubber 0.1 MPa, lead 40 MPa, diamond 100 GPa (Tabor, The Hardness of Metals).
     hardness: Annotated[
         float, Quantity("pressure", shown="GPa", at_least=1e4, at_most=1e13, usual=(1e7, 2e11), example='"3 GPa"')
@@ -73,12 +84,24 @@ class RoughnessSection(Section):
     seed: Annotated[int, Count(at_least=0, at_most=LARGEST_INTEGER)] = Field(
         default=1, description="of the random phases"
     )
+    law: Literal["fractal", "persson", "greenwood-williamson", "bush-gibson-thomas"] = Field(
+        default="fractal",
+        description="contact stiffness from the roughness; persson agrees best with boundary elements",
+    )
     # "paper" is the earlier name of "varying-curvature" in study files.
     mode: Annotated[
         Literal["consistent", "varying-curvature", "unloading"], Respelled("paper", "varying-curvature")
     ] = Field(
         default="consistent",
-        description="varying-curvature: K_n along spots of all sizes; unloading: plastic spots respond too",
+        description="fractal: varying-curvature: K_n along spots of all sizes; unloading: plastic spots respond too",
+    )
+    tangential_law: Literal["mindlin", "sherif-kossa"] = Field(
+        default="mindlin", description="K_t / K_n: mindlin 2 (1-nu)/(2-nu); sherif-kossa pi (1-nu)/(2 (2-nu))"
+    )
+    form_length: Length | None = Field(
+        default=None,
+        description="not fractal: longer waves are form, which the mesh has as gaps; default: all waves count",
+        examples=["2 mm"],
     )
     allocation: Literal["area", "pressure"] = Field(
         default="area", description="stiffness of a pair by its fraction of the area, or by its own pressure"
@@ -91,6 +114,28 @@ class RoughnessSection(Section):
     domain_extension: Annotated[float, Quantity("pure number", at_least=1.0, at_most=1e3)] = Field(
         default=1.0, description="psi of the size distribution; 1 omits it"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _sq_replaces_the_default(cls, data: Any) -> Any:
+        return without_default(data, ("sq",), "fractal_roughness")
+
+    @field_validator("sq")
+    @classmethod
+    def _one_scale(cls, value: Any, info: ValidationInfo) -> Any:
+        if value is None and "fractal_roughness" in info.data and info.data["fractal_roughness"] is None:
+            raise InputError("or fractal_roughness must be given. Give exactly one of them.")
+        return instead_of(value, info, "fractal_roughness")
+
+    @field_validator("mode", "tangential_law", "form_length", "reference_area", "domain_extension")
+    @classmethod
+    def _of_the_law(cls, value: Any, info: ValidationInfo) -> Any:
+        is_default = value == cls.model_fields[str(info.field_name)].default
+        of_fractal = info.field_name in ("mode", "reference_area", "domain_extension")
+        if "law" in info.data and not is_default and of_fractal != (info.data["law"] == "fractal"):
+            laws = 'the law "fractal"' if of_fractal else "the other laws"
+            raise InputError(f'belongs to {laws}, but law is "{info.data["law"]}". Remove it, or choose another law.')
+        return value
 
     @field_validator("shortest_length")
     @classmethod

@@ -257,7 +257,7 @@ def export(
 
 @app.command()
 def roughness(
-    path: Annotated[Path, typer.Argument(metavar="FILE", help="Line profile: position, height.", show_default=False)],
+    path: Annotated[Path, typer.Argument(metavar="FILE", help="Profile, or map of an instrument.", show_default=False)],
     unit: Annotated[str | None, typer.Option("--unit", help="Unit of both columns, such as um.")] = None,
     position_unit: Annotated[str | None, typer.Option("--position-unit", help="Unit of the first column.")] = None,
     height_unit: Annotated[str | None, typer.Option("--height-unit", help="Unit of the second column.")] = None,
@@ -275,7 +275,7 @@ def roughness(
     ] = None,
     debug: Debug = False,
 ) -> None:
-    """Fractal dimension and fractal roughness of a measured profile."""
+    """Fractal dimension, fractal roughness and contact stiffness of a measured profile or map."""
     with error_messages(debug):
         if out is not None:
             require_folder(out)
@@ -291,6 +291,8 @@ def roughness(
             echo(f"Wrote {file}")
         lines = measured_roughness.study_lines(measured.fit, hardness)
         echo(measured_roughness.contact_message(measured.fit, hardness))
+        echo("\nNormal contact stiffness per area of a face of 1 cm2 with the waves of the measurement:")
+        _print_rows(measured_roughness.stiffness_rows(measured, hardness))
         echo(f"\nFor the study file:\n{lines.rstrip()}")
 
 

@@ -1,33 +1,59 @@
-"""From a measured profile to the lines of a study file: what ``stickslip roughness`` prints and writes."""
+"""From a measured profile or map to the lines of a study file: what ``stickslip roughness`` prints and writes."""
 
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp
 from os import PathLike
 from pathlib import Path
 
 from stickslip.case.case import TwoBladeCase
 from stickslip.contact.stiffness.asperities import fully_plastic_load, log_critical_area
+from stickslip.contact.stiffness.believable import compared
+from stickslip.contact.stiffness.face_stiffness import law_of_roughness, persson_law
 from stickslip.contact.stiffness.measured_lines import Interval
 from stickslip.contact.stiffness.roughness_fit import RoughnessFit, fit_roughness
 from stickslip.core.errors import InputError
 from stickslip.core.files import whole_file
 from stickslip.core.units import Quantity
 from stickslip.formats.profile_file import Profile, read_profile
+from stickslip.formats.topography_file import Topography, is_topography, read_topography
 from stickslip.model.joint import case_material, case_roughness
 
 TABLE = "structure_function.csv"
 FORMATS = ("svg", "png")
+FACE_AREA = 1e-4  # m2, of the face whose stiffness the command shows
+PRESSURES = (1e6, 1e7, 1e8)  # Pa
 
 
 @dataclass(frozen=True)
 class MeasuredRoughness:
-    """A profile and its fit."""
+    """A profile or a map, and its fit."""
 
-    profile: Profile
+    surface: Profile | Topography
     fit: RoughnessFit
+
+    @property
+    def points(self) -> str:
+        """Number of points, their spacing and the size of the measurement, in words."""
+        if isinstance(self.surface, Profile):
+            points, spacing = self.surface.heights.size, self.surface.spacing
+            return f"{points} at {_shown(spacing)}, {_shown(points * spacing)} long"
+        rows, columns = self.surface.heights.shape
+        along_y, along_x = self.surface.spacing
+        return (
+            f"{columns} by {rows} at {_shown(along_x)} by {_shown(along_y)}, {_shown(columns * along_x)} by "
+            f"{_shown(rows * along_y)}"
+        )
+
+    @property
+    def waves(self) -> tuple[float, float]:
+        """Longest and shortest wave of the measurement in m: its length, and two spacings."""
+        if isinstance(self.surface, Profile):
+            return self.surface.heights.size * self.surface.spacing, 2.0 * self.surface.spacing
+        along = [n * step for n, step in zip(self.surface.heights.shape, self.surface.spacing, strict=True)]
+        return max(along), 2.0 * min(self.surface.spacing)
 
 
 def measure(
@@ -43,13 +69,20 @@ def measure(
     """
     limits = None if scales is None else (_length("scale", scales[0]), _length("scale", scales[1]))
     wave = None if longest_wave is None else _length("longest wave", longest_wave)
-    profile = read_profile(path, position_unit, height_unit)
+    surface = _read(path, position_unit, height_unit)
     try:
-        return MeasuredRoughness(
-            profile, fit_roughness(profile.heights, profile.spacing, scales=limits, longest_wave=wave)
-        )
+        fit = fit_roughness(surface.heights, surface.spacing, scales=limits, longest_wave=wave)
+        return MeasuredRoughness(surface, fit)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
+
+
+def _read(path: str | PathLike[str], position_unit: str | None, height_unit: str | None) -> Profile | Topography:
+    if not is_topography(path):
+        return read_profile(path, position_unit, height_unit)
+    if position_unit != height_unit:
+        raise InputError(f"{path}: a map has one unit of length. Give --unit instead of the units of the columns.")
+    return read_topography(path, height_unit)
 
 
 def _length(name: str, text: str) -> float:
@@ -62,12 +95,16 @@ def _length(name: str, text: str) -> float:
 
 def rows(measured: MeasuredRoughness) -> list[tuple[str, str]]:
     """(label, value) of the result."""
-    profile, fit = measured.profile, measured.fit
-    points, length = profile.heights.size, profile.heights.size * profile.spacing
+    surface, fit = measured.surface, measured.fit
     low, high = fit.scale_range
-    table = [
-        ("points", f"{points} at {_shown(profile.spacing)}, {_shown(length)} long"),
-        ("units", f"position in {profile.units[0]}, height in {profile.units[1]}"),
+    table = [("points", measured.points)]
+    if isinstance(surface, Profile):
+        table.append(("units", f"position in {surface.units[0]}, height in {surface.units[1]}"))
+    else:
+        form = f"plane ({100 * surface.tilt_fraction:.2g} % of the variance), second-order form "
+        table.append(("missing points", f"{surface.missing}, filled from their edges" if surface.missing else "none"))
+        table.append(("form removed", f"{form}({100 * surface.form_fraction:.2g} %)"))
+    table += [
         ("removed", "mean straight line; the fit allows for it"),
         ("Sq", f"{_shown(fit.rms_height)} about that line"),
         ("Sdq", f"{fit.rms_slope:.3g} at the scale {_shown(fit.slope_scale)}, if the surface is isotropic"),
@@ -83,6 +120,31 @@ def rows(measured: MeasuredRoughness) -> list[tuple[str, str]]:
     return table
 
 
+def stiffness_rows(measured: MeasuredRoughness, hardness: str | None = None) -> list[tuple[str, str]]:
+    """(pressure, stiffness by each law) of a face with the measured waves; the material is that of a study file.
+
+    Raises InputError for a fit without D and G.
+    """
+    case = _case(measured.fit, hardness)
+    longest, shortest = measured.waves
+    roughness = replace(
+        case_roughness(case, *[case_material(case)] * 2), sample_length=longest, shortest_length=shortest
+    )
+    persson, fractal = persson_law(roughness, FACE_AREA), law_of_roughness(roughness, FACE_AREA)
+    table = []
+    for pressure in PRESSURES:
+        found = compared(fractal, persson, pressure)
+        low, high = (1e-9 * end for end in found.band)
+        table.append(
+            (
+                f"{1e-6 * pressure:g} MPa",
+                f"Persson {1e-9 * found.persson:.3g} N/mm3 (believable {low:.3g} to {high:.3g}), fractal "
+                f"{1e-9 * found.chosen:.3g} N/mm3, {found.ratio:.3g} of it",
+            )
+        )
+    return table
+
+
 def require_hardness(text: str) -> None:
     """Raise InputError unless the text is a valid hardness of a study file."""
     TwoBladeCase().replace({"roughness.hardness": text})
@@ -95,11 +157,7 @@ def contact_message(fit: RoughnessFit, hardness: str | None = None) -> str:
     consistent and the varying-curvature mode. Material, wave range and, if ``hardness`` is None, hardness are the
     defaults of a study file. Raises InputError for a hardness that is not usable or a fit without D and G.
     """
-    chosen: dict[str, float | str] = {
-        "roughness.fractal_dimension": fit.fractal_dimension,
-        "roughness.fractal_roughness": f"{fit.fractal_roughness!r} m",
-    }
-    case = TwoBladeCase().replace(chosen | ({} if hardness is None else {"roughness.hardness": hardness}))
+    case = _case(fit, hardness)
     roughness = case_roughness(case, *[case_material(case)] * 2)
     least = fully_plastic_load(roughness)
     origin = "" if hardness else "the default "
@@ -109,6 +167,15 @@ def contact_message(fit: RoughnessFit, hardness: str | None = None) -> str:
         "other spots, and the law gives it no stiffness (mode unloading does). Above this load it has a stiffness; "
         "stickslip check shows it."
     )
+
+
+def _case(fit: RoughnessFit, hardness: str | None) -> TwoBladeCase:
+    """The default case with the D and G of a fit, and the hardness if one is given."""
+    chosen: dict[str, float | str] = {
+        "roughness.fractal_dimension": fit.fractal_dimension,
+        "roughness.fractal_roughness": f"{fit.fractal_roughness!r} m",
+    }
+    return TwoBladeCase().replace(chosen | ({} if hardness is None else {"roughness.hardness": hardness}))
 
 
 def study_lines(fit: RoughnessFit, hardness: str | None = None) -> str:

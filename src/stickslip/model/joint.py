@@ -18,15 +18,16 @@ from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.contact.law.law import ContactLaw
 from stickslip.contact.pairing.pairing import FacePairs
 from stickslip.contact.preload import area_fraction, face_sum
+from stickslip.contact.stiffness.believable import Believable, compared
+from stickslip.contact.stiffness.face_stiffness import law_of_roughness, persson_law
 from stickslip.contact.stiffness.fractal import (
     ContactStiffness,
     Roughness,
-    contact_stiffness,
+    fractal_contact,
     reduced_modulus,
 )
-from stickslip.contact.stiffness.fractal_law import FractalStiffness
 from stickslip.contact.stiffness.stiffness_law import Allocation, StiffnessLaw, pair_pressure, springs_of_pairs
-from stickslip.contact.stiffness.surface import SurfaceStatistics, surface_statistics
+from stickslip.contact.stiffness.surface import SurfaceStatistics, fractal_roughness_from_sq, surface_statistics
 from stickslip.core.errors import InputError, concerning, keys_of_section
 from stickslip.core.plausible import OddValue
 from stickslip.core.units import LARGEST_STIFFNESS
@@ -44,9 +45,11 @@ STARTING_PRESSURE = 3e6
 class RoughFace:
     """Contact stiffness and regime of one rough contact face under its preload."""
 
-    stiffness: ContactStiffness  # of ``reference_area`` under the mean pressure of the face
+    stiffness: ContactStiffness  # fractal law, of ``reference_area`` under the mean pressure of the face
     statistics: SurfaceStatistics
     reference_area: float  # m2, roughness.reference_area or the area of the face
+    believable: Believable | None  # the law of the study against Persson's; None for a face without load
+    messages: tuple[str, ...]  # on the law of the study under this pressure
 
 
 @dataclass(frozen=True)
@@ -239,17 +242,37 @@ def describe_faces(
             faces.append(None)
             continue
         area, load = float(pairs.area[members].sum()), float(np.maximum(preload[members], 0.0).sum())
-        reference = section.reference_area or area
         with concerning(*_stiffness_keys(case, own)):
-            roughness = case_roughness(case, *layout.face_materials[face])
-            faces.append(
-                RoughFace(
-                    contact_stiffness(roughness, load * (reference / area), mode=section.mode, nominal_area=reference),
-                    surface_statistics(roughness, section.sample_length, section.shortest_length),
-                    reference,
-                )
-            )
+            faces.append(_rough_face(case_roughness(case, *layout.face_materials[face]), section, area, load))
     return tuple(faces)
+
+
+def _rough_face(roughness: Roughness, section: RoughnessSection, area: float, load: float) -> RoughFace:
+    """A rough face of ``area`` (m2) under ``load`` (N): its fractal contact, and its law against Persson's."""
+    reference = section.reference_area or area
+    pressure = load / area
+    fractal = fractal_contact(roughness, pressure * reference, mode=section.mode, area=reference)
+    statistics = surface_statistics(roughness, section.sample_length, section.shortest_length)
+    if not load > 0.0:
+        return RoughFace(fractal, statistics, reference, None, fractal.messages)
+    law = law_of_section(roughness, section, area)
+    believable = compared(law, persson_law(roughness, area, section.form_length), pressure)
+    messages = fractal.messages if section.law == "fractal" else law.valid(np.array([pressure]))
+    if not believable.is_inside:
+        messages = (*messages, believable.message(f'the law "{section.law}"'))
+    return RoughFace(fractal, statistics, reference, believable, messages)
+
+
+def law_of_section(roughness: Roughness, section: RoughnessSection, area: float) -> StiffnessLaw:
+    """The law that [roughness] names, for a face of ``area`` (m2)."""
+    return law_of_roughness(
+        roughness,
+        section.reference_area or area,
+        section.law,
+        mode=section.mode,
+        tangential_law=section.tangential_law,
+        form_length=section.form_length,
+    )
 
 
 def pair_springs(
@@ -305,8 +328,7 @@ def face_law(case: Case, layout: Layout, face: int, settings: FaceSettings) -> S
             ("roughness.reference_area",),
         )
     area = float(layout.face_pairs.area[layout.face_pairs.face == face].sum())
-    roughness = case_roughness(case, *layout.face_materials[face])
-    return FractalStiffness(roughness, section.reference_area or area, section.mode)
+    return law_of_section(case_roughness(case, *layout.face_materials[face]), section, area)
 
 
 def _stiffness_keys(case: Case, settings: FaceSettings) -> tuple[str, ...]:
@@ -352,7 +374,7 @@ def case_roughness(case: Case, first: Material, second: Material) -> Roughness:
     section = roughness_section(case)
     return Roughness(
         fractal_dimension=section.fractal_dimension,
-        fractal_roughness=section.fractal_roughness,
+        fractal_roughness=fractal_roughness_of(section),
         hardness=section.hardness,
         reduced_modulus=reduced_modulus(
             first.young_modulus, first.poisson_ratio, second.young_modulus, second.poisson_ratio
@@ -362,6 +384,18 @@ def case_roughness(case: Case, first: Material, second: Material) -> Roughness:
         sample_length=section.sample_length,
         shortest_length=section.shortest_length,
     )
+
+
+def fractal_roughness_of(section: RoughnessSection) -> float:
+    """G in m of [roughness]: as given, or that of the surface with the given Sq. Raises InputError."""
+    if section.fractal_roughness is not None:
+        return section.fractal_roughness
+    if section.sq is None:
+        raise InputError("roughness.sq or roughness.fractal_roughness must be given.", ("roughness.sq",))
+    with concerning("roughness.sq"):
+        return fractal_roughness_from_sq(
+            section.sq, section.fractal_dimension, section.sample_length, section.shortest_length
+        )
 
 
 def _joint_poisson_ratio(first: Material, second: Material) -> float:

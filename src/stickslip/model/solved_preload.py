@@ -146,7 +146,8 @@ def _lowest_pressure(case: Case, joint: Joint, normal_force: FloatArray) -> Floa
     mean = _mean_pressure(joint, normal_force)
     lowest = LOWEST_PRESSURE * mean
     for face, rough in enumerate(joint.rough_faces):
-        if rough is not None and case.roughness is not None and case.roughness.mode != "unloading":
+        section = case.roughness
+        if rough is not None and section is not None and section.law == "fractal" and section.mode != "unloading":
             load = fully_plastic_load(case_roughness(case, *joint.layout.face_materials[face]))
             plastic = load / rough.reference_area
             lowest[face] = min(max(lowest[face], LOWEST_ABOVE_PLASTIC * plastic), mean[face])

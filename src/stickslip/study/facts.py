@@ -12,7 +12,7 @@ from stickslip.contact.constants import NORMAL_LOAD
 from stickslip.contact.law.law import BoolArray, ContactLaw, ContactState
 from stickslip.core.validation import FloatArray
 from stickslip.model.face_laws import NamedLaw
-from stickslip.model.joint import Joint, odd_values
+from stickslip.model.joint import Joint, RoughFace, fractal_roughness_of, odd_values
 from stickslip.model.layout import Derived, Setup
 from stickslip.results.measures import hertz, summary
 from stickslip.results.response import ForcedResponse
@@ -56,6 +56,19 @@ def _faces(joint: Joint) -> Iterator[Derived]:
         )
 
 
+def _stiffness_by_laws(face: RoughFace) -> Iterator[Derived]:
+    """The stiffness per area of a rough face by its own law, by the fractal law and by Persson's, with the band."""
+    found = face.believable
+    if found is None:
+        return
+    low, high = (float(1e-9 * end) for end in found.band)
+    fractal = face.stiffness.normal / face.reference_area
+    yield "Stiffness per unit area by Persson's law", float(1e-9 * found.persson), "N/mm³", "of one face, normal"
+    yield "Stiffness per unit area by the fractal law", float(1e-9 * fractal), "N/mm³", "of the same face"
+    yield "Believable stiffness per unit area", f"{low:.3g} to {high:.3g}", "N/mm³", "1/3 to 3 of Persson's law"
+    yield "Stiffness of this study over Persson's law", float(found.ratio), "-", "believable: 1/3 to 3"
+
+
 def _law_of_face(name: str, named: NamedLaw, law: ContactLaw) -> Iterator[Derived]:
     """A face whose contact law is not Coulomb's: its load where the law has one, its springs at rest, its constants."""
     yield f"Contact law, {name}", named.name, "-", "of all pairs of the face"
@@ -79,7 +92,7 @@ def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
         return
     section, first = case.roughness, rough[0]
     yield "Fractal dimension D", section.fractal_dimension, "-", "of the surface; a measure of its fine-scale content"
-    yield "Fractal roughness G", section.fractal_roughness, "m", "scale of the heights"
+    yield "Fractal roughness G", fractal_roughness_of(section), "m", "scale of the heights"
     yield "Sq", float(1e6 * first.statistics.sq), "µm", "root mean square height between the longest and shortest wave"
     yield "Sdq", float(first.statistics.sdq), "-", "root mean square slope"
     yield (
@@ -94,6 +107,7 @@ def _roughness(case: Case, joint: Joint) -> Iterator[Derived]:
         yield "Reference area", float(1e6 * area), "mm²", "area for which the contact law uses the pressure of a pair"
     yield "Largest spot area", float(1e6 * first.stiffness.largest_area), "mm²", where
     yield "Real over nominal area", float(first.stiffness.real_area / area), "-", "of one face"
+    yield from _stiffness_by_laws(first)
     yield "Load on plastic spots", float(100.0 * first.stiffness.plastic_load_share), "%", "fraction of the preload"
 
 
@@ -190,7 +204,7 @@ def linear_natural_frequencies(response: ForcedResponse, count: int = 4) -> tupl
 
 def study_warnings(case: Case, joint: Joint) -> tuple[str, ...]:
     """Warnings of the input and of the roughness law, each message once."""
-    sentences = dict.fromkeys(message for face in joint.rough_faces if face for message in face.stiffness.messages)
+    sentences = dict.fromkeys(message for face in joint.rough_faces if face for message in face.messages)
     found = (*(odd.sentence for odd in odd_values(case, joint.layout)), *joint.layout.messages, *sentences)
     return (*found, *joint.stiffness_warnings)
 

@@ -26,6 +26,7 @@ from stickslip.contact.stiffness.surface import draw_phases, fractal_surface, fr
 from stickslip.core.errors import InputError, StickslipError
 from stickslip.core.files import remove_abandoned, remove_own_unfinished
 from stickslip.core.processes import leave_signals_to_parent, python_command
+from stickslip.model.joint import fractal_roughness_of
 from stickslip.model.model import kind_of
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
@@ -47,7 +48,7 @@ def rough_patch(case: Case, grid: tuple[int, int]) -> RoughPatch | None:
     section = case.roughness
     if section is None or not case.has_rough_faces:
         return None
-    spectrum = section.fractal_dimension, section.fractal_roughness, section.sample_length
+    spectrum = section.fractal_dimension, fractal_roughness_of(section), section.sample_length
     along, across = kind_of(case).rough_face_size(case)
     x, y = np.meshgrid(np.linspace(0.0, along, grid[1]), np.linspace(0.0, across, grid[0]))
     phases = draw_phases(section.seed, section.ridges, frequency_count(section.sample_length, section.shortest_length))

@@ -7,7 +7,7 @@ import pytest
 
 from rough_faces import MINDLIN, NOMINAL_AREA, pair_stiffness, rough
 from sentences import rejects
-from stickslip.contact.stiffness.fractal import contact_stiffness
+from stickslip.contact.stiffness.face_stiffness import contact_stiffness
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
 from stickslip.contact.stiffness.stiffness_law import springs_of_pairs
 from stickslip.core.errors import RoughnessError

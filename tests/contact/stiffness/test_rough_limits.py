@@ -16,7 +16,8 @@ from stickslip.contact.stiffness.asperities import (
     fully_plastic_load,
     spots_under_load,
 )
-from stickslip.contact.stiffness.fractal import ContactStatus, contact_stiffness, reduced_modulus
+from stickslip.contact.stiffness.face_stiffness import contact_stiffness
+from stickslip.contact.stiffness.fractal import ContactStatus, reduced_modulus
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
 from stickslip.contact.stiffness.stiffness_law import springs_of_pairs
 from stickslip.contact.stiffness.surface import fractal_roughness_from_sq, frequency_count, structure_function_limit
@@ -131,7 +132,7 @@ def test_an_unloaded_face_beside_a_plastic_one_is_named_alone() -> None:
         ("domain_extension", lambda bad: rough(domain_extension=bad)),
         ("shortest_length", lambda bad: rough(shortest_length=bad)),
         ("load", lambda bad: contact_stiffness(rough(), bad)),
-        ("nominal_area", lambda bad: contact_stiffness(rough(), 1.0, nominal_area=bad)),
+        ("area", lambda bad: contact_stiffness(rough(), 1.0, area=bad)),
         ("first_young_modulus", lambda bad: reduced_modulus(bad, 0.3, 1.0, 0.3)),
         ("second_poisson_ratio", lambda bad: reduced_modulus(1.0, 0.3, 1.0, bad)),
         ("fractal_dimension", lambda bad: domain_extension_factor(bad)),

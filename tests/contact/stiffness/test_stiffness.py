@@ -23,7 +23,8 @@ from stickslip.contact.stiffness.asperities import (
     log_critical_area,
     spots_under_load,
 )
-from stickslip.contact.stiffness.fractal import ContactStatus, Roughness, contact_stiffness, reduced_modulus
+from stickslip.contact.stiffness.face_stiffness import contact_stiffness
+from stickslip.contact.stiffness.fractal import ContactStatus, Roughness, reduced_modulus
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
 from stickslip.contact.stiffness.stiffness_law import springs_of_pairs
 from stickslip.core.errors import InputError, RoughnessError
@@ -156,7 +157,7 @@ def test_stiffness_equals_quadrature_over_single_spots(dimension: float) -> None
 @pytest.mark.parametrize("row", table(), ids=lambda row: "D{:g} G{:g} {:g}N".format(*list(row.values())[:3]))
 def test_tabulated_values(row: dict[str, float]) -> None:
     face = rough(row["fractal_dimension"], row["fractal_roughness_m"])
-    actual = contact_stiffness(face, row["load_n"], nominal_area=NOMINAL_AREA)
+    actual = contact_stiffness(face, row["load_n"], area=NOMINAL_AREA)
     printed = contact_stiffness(face, row["load_n"], mode="varying-curvature")
     four_digits = {"rel": 6e-4}
     assert actual.critical_area == pytest.approx(row["critical_area_m2"], **four_digits)
@@ -334,7 +335,7 @@ def test_no_load_no_stiffness(load: float) -> None:
     ],
 )
 def test_every_doubtful_regime_has_a_sentence(face: Roughness, load: float, status: str, words: str) -> None:
-    actual = contact_stiffness(face, load, nominal_area=NOMINAL_AREA)
+    actual = contact_stiffness(face, load, area=NOMINAL_AREA)
     assert any(words in message for message in actual.messages), (actual.status, actual.messages)
     assert actual.status == status  # the worst of what was found
 
@@ -347,7 +348,7 @@ def test_the_slope_is_that_of_the_spot_that_halves_the_load() -> None:
 
 
 def test_the_status_is_the_worst_finding() -> None:
-    valid = contact_stiffness(rough(), 500.0, nominal_area=NOMINAL_AREA)
+    valid = contact_stiffness(rough(), 500.0, area=NOMINAL_AREA)
     assert (valid.status, valid.messages) == (ContactStatus.VALID, ())
     several = contact_stiffness(rough(2.2, sample_length=0.028, shortest_length=1e-6), 500.0)
     assert several.status == ContactStatus.FULLY_PLASTIC == "fully plastic"
@@ -385,8 +386,8 @@ def test_arguments_out_of_range() -> None:
         contact_stiffness(rough(), 1.0, "printed")
     with rejects(InputError, "load"):
         contact_stiffness(rough(), float("nan"))
-    with rejects(InputError, "nominal_area"):
-        contact_stiffness(rough(), 1.0, nominal_area=0.0)
+    with rejects(InputError, "area"):
+        contact_stiffness(rough(), 1.0, area=0.0)
     with rejects(InputError, "allocation"):
         pair_stiffness(rough(), np.ones(2), 1.0, allocation="pair")
     with rejects(InputError, "area"):

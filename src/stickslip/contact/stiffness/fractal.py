@@ -22,6 +22,7 @@ from stickslip.contact.stiffness.asperities import (
     spots_under_load,
 )
 from stickslip.contact.stiffness.surface import surface_statistics
+from stickslip.contact.stiffness.tangential import tangential_ratio
 from stickslip.core.errors import InputError
 from stickslip.core.validation import positive_number, real_number, require_choice
 
@@ -29,7 +30,7 @@ __all__ = [
     "ContactStatus",
     "ContactStiffness",
     "Roughness",
-    "contact_stiffness",
+    "fractal_contact",
     "reduced_modulus",
 ]
 
@@ -61,17 +62,23 @@ Finding = tuple[ContactStatus, str]  # the status, and a message with numbers
 
 
 @dataclass(frozen=True)
-class ContactStiffness:
-    """Stiffness of a whole rough face under one load, with areas, status and messages of the contact law."""
+class FaceStiffness:
+    """Stiffness of a whole rough face under one load, with the messages of its law."""
 
     normal: float  # N/m
     tangential: float  # N/m
+    messages: tuple[str, ...]  # worst first
+
+
+@dataclass(frozen=True)
+class ContactStiffness(FaceStiffness):
+    """Stiffness of a whole rough face by the fractal law, with its spots; one message for each finding."""
+
     critical_area: float  # a_c' in m2: smaller spots are plastic
     largest_area: float  # a_l' in m2
     real_area: float  # A_r in m2
     plastic_load_share: float  # load on plastic spots over the whole load
     status: ContactStatus  # the worst of all findings
-    messages: tuple[str, ...]  # one for each finding, worst first
 
 
 def reduced_modulus(
@@ -93,10 +100,10 @@ def reduced_modulus(
     return 1.0 / compliance
 
 
-def contact_stiffness(
-    roughness: Roughness, load: float, mode: StiffnessMode = "consistent", nominal_area: float | None = None
+def fractal_contact(
+    roughness: Roughness, load: float, mode: StiffnessMode = "consistent", area: float | None = None
 ) -> ContactStiffness:
-    """Normal and tangential stiffness (N/m) of a face under ``load`` (N); all zero for a load <= 0.
+    """The fractal contact of a face under ``load`` (N), with its stiffness (N/m); all zero for a load <= 0.
 
     consistent: K_n is the sum of dF/ddelta = 2 E* r over the elastic spots at fixed curvature (Hertz),
         K_n = sqrt(2/pi) E* b,   b = psi^((2-d)/2) d/(d-1) [a_l'^(d/2) a_c'^((1-d)/2) - a_l'^(1/2)],   d = D - 1.
@@ -107,31 +114,32 @@ def contact_stiffness(
     K_t = K_n(fixed curvature) 2(1-nu)/(2-nu) (Mindlin, equal materials) in all modes.
     Derivation and sources: docs/theory_roughness.md, sections 2 to 4.
 
-    ``nominal_area`` in m2 is optional, for comparison with the real area. A stiffness of zero is a valid result, with
-    its status and message; ``springs_of_pairs`` rejects it. Raises InputError for values that are not usable.
+    ``area`` in m2, the nominal one, is optional, for comparison with the real area. A stiffness of zero is a valid
+    result, with its status and message; ``springs_of_pairs`` rejects it. Raises InputError for values that are not
+    usable.
     """
     require_choice("mode", mode, get_args(StiffnessMode))
     load = real_number("load", load)
-    if nominal_area is not None:
-        nominal_area = positive_number("nominal_area", nominal_area, "m2")
+    if area is not None:
+        area = positive_number("area", area, "m2")
     log_smallest = _log_smallest_area(roughness, mode)
     critical_area = exp(log_critical_area(roughness))
     if load <= 0:
         message = f"The load is {load:g} N: the face is not pressed, so it has no contact stiffness."
-        return ContactStiffness(0.0, 0.0, critical_area, 0.0, 0.0, 0.0, ContactStatus.NO_CONTACT, (message,))
+        return ContactStiffness(0.0, 0.0, (message,), critical_area, 0.0, 0.0, 0.0, ContactStatus.NO_CONTACT)
     spots = spots_under_load(roughness, load, log_smallest)
     normal, tangential = _spot_stiffness(spots, mode)
     worst_first = list(ContactStatus)
-    findings = sorted(_findings(spots, load, mode, nominal_area), key=lambda finding: worst_first.index(finding[0]))
+    findings = sorted(_findings(spots, load, mode, area), key=lambda finding: worst_first.index(finding[0]))
     return ContactStiffness(
         normal=normal,
         tangential=tangential,
+        messages=tuple(message for _, message in findings),
         critical_area=critical_area,
         largest_area=exp(spots.log_largest),
         real_area=spots.real_area,
         plastic_load_share=spots.plastic_load / spots.load,
         status=findings[0][0] if findings else ContactStatus.VALID,
-        messages=tuple(message for _, message in findings),
     )
 
 
@@ -161,15 +169,14 @@ def _spot_stiffness(spots: SpotPopulation, mode: StiffnessMode) -> tuple[float, 
     if mode == "unloading":
         fixed_curvature += 2.0 / sqrt(pi) * roughness.reduced_modulus * spots.plastic_moment(exponent)
     along_family = 2.0 * (3.0 - d) / (3.0 * (2.0 - d)) if mode == "varying-curvature" else 1.0
-    mindlin = 2.0 * (1.0 - roughness.poisson_ratio) / (2.0 - roughness.poisson_ratio)
-    return along_family * fixed_curvature, mindlin * fixed_curvature
+    return along_family * fixed_curvature, tangential_ratio("mindlin", roughness.poisson_ratio) * fixed_curvature
 
 
-def _findings(spots: SpotPopulation, load: float, mode: StiffnessMode, nominal_area: float | None) -> Iterator[Finding]:
+def _findings(spots: SpotPopulation, load: float, mode: StiffnessMode, area: float | None) -> Iterator[Finding]:
     """Every regime in which the contact law is not reliable."""
     yield from _plasticity_findings(spots, load, mode)
-    if nominal_area is not None:
-        yield from _area_findings(spots, nominal_area)
+    if area is not None:
+        yield from _area_findings(spots, area)
     yield from _wave_findings(spots.roughness)
     slope, dimension = _asperity_slope(spots), spots.roughness.fractal_dimension
     if slope > LARGEST_ASPERITY_SLOPE:
@@ -208,12 +215,12 @@ def _plasticity_findings(spots: SpotPopulation, load: float, mode: StiffnessMode
         )
 
 
-def _area_findings(spots: SpotPopulation, nominal_area: float) -> Iterator[Finding]:
-    share, largest = spots.real_area / nominal_area, exp(spots.log_largest)
+def _area_findings(spots: SpotPopulation, area: float) -> Iterator[Finding]:
+    share, largest = spots.real_area / area, exp(spots.log_largest)
     if share > 1.0:
         yield (
             ContactStatus.REAL_AREA_ABOVE_NOMINAL,
-            f"The real contact area, {spots.real_area:.3g} m2, is above the nominal area, {nominal_area:.3g} m2: this "
+            f"The real contact area, {spots.real_area:.3g} m2, is above the nominal area, {area:.3g} m2: this "
             "load is beyond the contact law.",
         )
     elif share > LARGEST_AREA_RATIO:
@@ -222,10 +229,10 @@ def _area_findings(spots: SpotPopulation, nominal_area: float) -> Iterator[Findi
             f"The real contact area is {100 * share:.3g} % of the nominal area; above {100 * LARGEST_AREA_RATIO:g} % "
             "neighbouring spots merge, which the contact law neglects.",
         )
-    if largest > nominal_area:
+    if largest > area:
         yield (
             ContactStatus.LARGEST_AREA_ABOVE_NOMINAL,
-            f"The largest contact spot, {largest:.3g} m2, does not fit on the nominal area, {nominal_area:.3g} m2.",
+            f"The largest contact spot, {largest:.3g} m2, does not fit on the nominal area, {area:.3g} m2.",
         )
 
 

@@ -10,7 +10,7 @@ from stickslip.contact.stiffness.fractal import (
     ContactStiffness,
     Roughness,
     StiffnessMode,
-    contact_stiffness,
+    fractal_contact,
     why_no_stiffness,
 )
 from stickslip.core.validation import FloatArray, positive_number
@@ -18,7 +18,7 @@ from stickslip.core.validation import FloatArray, positive_number
 
 @dataclass(frozen=True)
 class FractalStiffness:
-    """``kappa(p) = K(p A_ref) / A_ref`` with the stiffness K of a whole face (:func:`contact_stiffness`).
+    """``kappa(p) = K(p A_ref) / A_ref`` with the stiffness K of a whole face (:func:`fractal_contact`).
 
     The fractal law has no nominal area, so its stiffness per area depends on the area of the face: with one fixed
     physical face ``A_ref`` it is independent of the mesh.
@@ -61,6 +61,6 @@ class FractalStiffness:
 
     def _faces(self, pressure: FloatArray) -> list[ContactStiffness]:
         return [
-            contact_stiffness(self.roughness, float(value) * self.reference_area, self.mode, self.reference_area)
+            fractal_contact(self.roughness, float(value) * self.reference_area, self.mode, self.reference_area)
             for value in pressure
         ]

@@ -5,13 +5,16 @@ Another package offers a law through an entry point of the group ``stickslip.sti
 
 from __future__ import annotations
 
+from stickslip.contact.stiffness.constant_law import ConstantStiffness
 from stickslip.contact.stiffness.fractal_law import FractalStiffness
 from stickslip.contact.stiffness.measured_law import MeasuredStiffness
 from stickslip.contact.stiffness.stiffness_law import StiffnessLaw
 from stickslip.core.registry import Registry
 
 _LAWS: Registry[StiffnessLaw] = Registry(
-    "stiffness law", "stickslip.stiffness_laws", {"fractal": FractalStiffness, "measured": MeasuredStiffness}
+    "stiffness law",
+    "stickslip.stiffness_laws",
+    {"constant": ConstantStiffness, "fractal": FractalStiffness, "measured": MeasuredStiffness},
 )
 
 register_stiffness_law = _LAWS.register

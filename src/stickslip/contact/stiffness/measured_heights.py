@@ -1,0 +1,65 @@
+"""A roughness from the root mean square height and slope that an instrument reports."""
+
+from __future__ import annotations
+
+from math import exp, log, pi
+
+from scipy.optimize import brentq
+
+from stickslip.contact.stiffness.asperities import Roughness
+from stickslip.contact.stiffness.surface import check_surface, fractal_roughness_from_sq, sdq, sq
+from stickslip.core.errors import InputError
+from stickslip.core.validation import positive_number
+
+# D of ground, blasted and worn metal, Hurst exponent 0.8: B. N. J. Persson, Tribol. Lett. 54 (2014) 99.
+USUAL_DIMENSION = 2.2
+RATIO, SMALLEST_RATIO, LARGEST_RATIO = 1.5, 1.05, 3.0  # of successive waves: the usual one, and chosen limits
+MOST_WAVES = 60  # 1.5^60 = 4e10: more than a metre over an atom
+
+
+def roughness_of_heights(
+    sq_height: float,
+    sdq_slope: float,
+    sample_length: float,
+    hardness: float,
+    reduced_modulus: float,
+    poisson_ratio: float,
+    fractal_dimension: float = USUAL_DIMENSION,
+) -> Roughness:
+    """The surface with the measured ``sq_height`` (Sq in m) and ``sdq_slope`` (Sdq) over ``sample_length`` (m).
+
+    The number of waves follows from Sdq at the given D, and G from Sq; the ratio of successive waves is adjusted about
+    1.5, and the surface then has both values exactly. Hardness and reduced modulus in Pa. Raises InputError for values
+    out of range, and an Sdq that no band of waves up to the sample length has.
+    """
+    height, slope = positive_number("sq_height", sq_height, "m"), positive_number("sdq_slope", sdq_slope, "(a slope)")
+    longest = positive_number("sample_length", sample_length, "m")
+    check_surface(fractal_dimension, 1.0, longest)
+
+    def excess(ratio: float, waves: int) -> float:
+        shortest = longest / ratio ** (waves - 1)
+        over = sdq(fractal_dimension, longest, longest, shortest, ratio)
+        return log(over / sq(fractal_dimension, longest, longest, shortest, ratio) * height / slope)
+
+    for waves in range(2, MOST_WAVES + 1):
+        if excess(RATIO, waves) > 0.0 and excess(SMALLEST_RATIO, waves) < 0.0:
+            ratio = float(brentq(excess, SMALLEST_RATIO, LARGEST_RATIO, args=(waves,), xtol=1e-13))
+            shortest = longest / ratio ** (waves - 1)
+            scale = fractal_roughness_from_sq(height, fractal_dimension, longest, shortest, ratio)
+            return Roughness(
+                fractal_dimension,
+                scale,
+                hardness,
+                reduced_modulus,
+                poisson_ratio,
+                frequency_ratio=ratio,
+                sample_length=longest,
+                shortest_length=shortest,
+            )
+    least = 2.0 * pi * height / longest
+    raise InputError(
+        f"sdq_slope is {slope:g}, but a surface with Sq = {height:g} m and waves of at most {longest:g} m has a slope "
+        f"above {least:.3g}, and below {slope * exp(excess(RATIO, MOST_WAVES)):.3g}. Check the units of Sq and of "
+        "the sample length.",
+        arguments=["sdq_slope"],
+    )

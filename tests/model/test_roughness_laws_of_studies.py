@@ -1,0 +1,110 @@
+"""The law of [roughness] in a study: its stiffness, its keys, and its comparison with the believable band."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from sentences import printed_sentence, rejects
+from stickslip.case.case import TwoBladeCase
+from stickslip.model.joint import Joint, case_material, case_roughness
+from stickslip.model.model import load_joint, set_up
+from stickslip.study.facts import derived_quantities, study_warnings
+
+SMOOTH: dict[str, object] = {"roughness.fractal_roughness": "1e-12 m"}
+
+
+def joint_of(changes: dict[str, object]) -> tuple[TwoBladeCase, Joint]:
+    case = TwoBladeCase().replace(changes)
+    return case, load_joint(case, set_up(case).layout)
+
+
+@pytest.mark.parametrize("law", ["persson", "greenwood-williamson", "bush-gibson-thomas"])
+def test_a_study_names_the_law_of_its_roughness(law: str) -> None:
+    case, joint = joint_of({**SMOOTH, "roughness.law": law})
+    rough = case_roughness(case, *[case_material(case)] * 2)
+    area, load = joint.face_sum(joint.face_pairs.area)[0], joint.face_sum(joint.preload)[0]
+    wanted = ss.contact_stiffness(rough, load, area=area, law=law)  # type: ignore[call-overload]
+    assert joint.face_sum(joint.normal_stiffness)[0] == pytest.approx(wanted.normal, rel=1e-9)
+    assert joint.face_sum(joint.tangential_stiffness)[0] == pytest.approx(wanted.tangential, rel=1e-9)
+
+
+def test_the_default_remains_the_fractal_law_and_is_believable() -> None:
+    case, joint = joint_of({})
+    assert case.roughness is not None
+    assert case.roughness.law == "fractal"
+    assert joint.face_sum(joint.normal_stiffness)[0] == pytest.approx(7.856e7, rel=1e-3)
+    face = joint.rough_faces[0]
+    assert face is not None
+    assert face.believable is not None
+    assert 0.5 < face.believable.ratio < 2.0
+    assert not any("Believable" in sentence for sentence in study_warnings(case, joint))
+
+
+def test_a_law_outside_of_the_band_is_reported_with_its_ratio() -> None:
+    case, joint = joint_of(SMOOTH)
+    sentences = [each for each in study_warnings(case, joint) if each.startswith("Believable")]
+    assert len(sentences) == 1  # both faces have the same
+    printed_sentence(sentences[0])
+
+
+def test_the_laws_are_beside_each_other_in_the_quantities() -> None:
+    case, joint = joint_of({**SMOOTH, "roughness.law": "persson"})
+    found = {name: value for name, value, _, _ in derived_quantities(case, joint)}
+    fractal, persson = (found[f"Stiffness per unit area by {law} law"] for law in ("the fractal", "Persson's"))
+    assert found["Stiffness of this study over Persson's law"] == 1.0
+    assert found["Normal stiffness per unit area, left face"] == pytest.approx(persson, rel=1e-9)
+    assert float(fractal) > 50 * float(persson)
+    low, high = (float(end) for end in str(found["Believable stiffness per unit area"]).split(" to "))
+    assert (low, high) == pytest.approx((float(persson) / 3, 3 * float(persson)), rel=0.01)
+
+
+def test_each_pair_at_its_own_pressure_and_form_that_the_mesh_has() -> None:
+    _, even = joint_of({**SMOOTH, "roughness.law": "persson"})
+    _, own = joint_of({**SMOOTH, "roughness.law": "persson", "roughness.allocation": "pressure"})
+    assert own.normal_stiffness == pytest.approx(even.normal_stiffness, rel=1e-9)  # uniform pressure
+    _, short = joint_of({**SMOOTH, "roughness.law": "persson", "roughness.form_length": "2 mm"})
+    assert (short.normal_stiffness > 2 * even.normal_stiffness).all()
+    _, other = joint_of({**SMOOTH, "roughness.law": "persson", "roughness.tangential_law": "sherif-kossa"})
+    assert other.tangential_stiffness == pytest.approx(np.pi / 4 * even.tangential_stiffness, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "law"),
+    [
+        ("mode", "unloading", "persson"),
+        ("domain_extension", 2.0, "persson"),
+        ("form_length", "2 mm", "fractal"),
+        ("tangential_law", "sherif-kossa", "fractal"),
+    ],
+)
+def test_keys_of_another_law_are_rejected(key: str, value: object, law: str) -> None:
+    with rejects(ss.StudyFileError, f"roughness.{key}"):
+        TwoBladeCase().replace({"roughness.law": law, f"roughness.{key}": value})
+
+
+def test_sq_in_place_of_g() -> None:
+    case = TwoBladeCase.from_text('[roughness]\nsq = "1.2 um"\nlaw = "persson"\n')
+    again = TwoBladeCase.from_text(case.to_text())
+    assert again == case
+    assert 'sq = "1.2 um"' in case.to_text()
+    joint = load_joint(case, set_up(case).layout)
+    found = {name: value for name, value, _, _ in derived_quantities(case, joint)}
+    assert found["Sq"] == pytest.approx(1.2, rel=1e-9)
+    rough = case_roughness(case, *[case_material(case)] * 2)
+    assert found["Fractal roughness G"] == rough.fractal_roughness
+    with rejects(ss.StudyFileError, "roughness.sq"):
+        TwoBladeCase.from_text('[roughness]\nsq = "1.2 um"\nfractal_roughness = "1e-8 m"\n')
+    with rejects(ss.StudyFileError, "roughness.sq"):
+        TwoBladeCase().replace({"roughness.sq": "0 um"})
+
+
+def test_a_constant_stiffness_per_area() -> None:
+    case = TwoBladeCase.from_text(
+        '[contact_stiffness]\nstiffness_law = "constant"\n'
+        'stiffness_constants = { normal_stiffness = "500 N/mm^3", tangential_stiffness = "400 N/mm^3" }\n'
+    )
+    joint = load_joint(case, set_up(case).layout)
+    assert joint.normal_stiffness == pytest.approx(5e11 * joint.face_pairs.area)
+    assert joint.tangential_stiffness == pytest.approx(4e11 * joint.face_pairs.area)
