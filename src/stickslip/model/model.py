@@ -86,9 +86,10 @@ class ReducedModel:
 
 @dataclass(frozen=True)
 class Model(ReducedModel):
-    """Data to solve one case and to show it."""
+    """Data to solve one case and to show it; cases with other joints or forces share the ``reduced`` structure."""
 
     structure: Structure | Superelement
+    reduced: ReducedStructure
 
 
 def set_up(case: Case) -> Setup:
@@ -177,7 +178,7 @@ def build_model(
         setup = set_up(case)
         structure, joint = structure or setup.assemble(), joint or load_joint(case, setup.layout)
     reduced = reduce_structure(case, structure, joint.layout, threads, progress)
-    return Model(**vars(connect(case, reduced, joint)), structure=structure)
+    return Model(**vars(connect(case, reduced, joint)), structure=structure, reduced=reduced)
 
 
 def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel:

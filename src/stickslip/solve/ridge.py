@@ -1,0 +1,460 @@
+"""The ridge of peaks: the highest maximum of an output, followed directly while a parameter changes."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike
+from threadpoolctl import threadpool_limits
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb_harmonics import Update
+from stickslip.contact.law.law import ContactState
+from stickslip.core.errors import ConvergenceError, InputError
+from stickslip.core.progress import ProgressCallback
+from stickslip.core.threads import blas_threads, thread_count
+from stickslip.core.validation import FloatArray, finite_array
+from stickslip.results.peak_ridge import PeakRidge, log_interpolated
+from stickslip.results.peaks import Peak, peaks
+from stickslip.solve.excitation import Excitation
+from stickslip.solve.harmonic.balance import relative_norm
+from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
+from stickslip.solve.harmonic.peak import PeakSearch
+from stickslip.solve.harmonic.resonances import Resonances
+from stickslip.solve.harmonic.start import first_point
+from stickslip.solve.path.continuation import Branch
+from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.stepping import ContinuationSettings
+from stickslip.solve.ridge_walk import Pace, RidgePoint, follow
+from stickslip.solve.setting_up import Balances, StageReport, checked_window, prepare_balances
+from stickslip.structure.superelement import Superelement
+
+# chosen: a peak of a whole curve is followed if it has at least this fraction of the highest one: others rarely rise
+# above it within the range, and the curve at its other end shows those that do.
+LEAST_FRACTION = 0.25
+# chosen: two peaks at one value of the parameter are one if their amplitudes agree so far, and their motions (mass norm):
+# a peak has an error of 1e-4 at most, and its motion turns by a few hundredths of a radian over this rise.
+SAME_AMPLITUDE, SAME_MOTION = 1e-3, 0.1
+# chosen: largest estimated error of the interpolated highest peak; the demand is 0.1 %.
+INTERPOLATION_ERROR = 5e-4
+# A point left out has intervals of twice the length, whose interpolation has at least so many times the error (a corner
+# of the ridge; eight times where it is smooth).
+ERROR_OF_LEFT_OUT = 4.0
+# chosen: rounds of refinement, each of which halves intervals.
+MOST_ROUNDS = 4
+Problem = tuple[Superelement, ContactPairs, Excitation]
+
+
+@dataclass(frozen=True)
+class RidgeOptions:
+    """Options that all values of the parameter share; see :func:`peak_ridge`."""
+
+    frequency_hz: tuple[float, float]
+    harmonics: int = 5
+    samples: int = 256
+    update: Update = "tractrix"
+    newton: NewtonSettings = field(default_factory=NewtonSettings)
+
+
+@dataclass(frozen=True)
+class RidgeStage:
+    """The equations at one value of the parameter."""
+
+    balances: Balances
+    output: FloatArray
+    solver: Newton[BalancePoint]
+    search: PeakSearch
+    window: tuple[float, float]  # Hz, rising
+
+    @classmethod
+    def of(
+        cls,
+        problem: Problem,
+        output: FloatArray,
+        options: RidgeOptions,
+        modal_damping_ratio: float | None,
+        report: StageReport,
+        earlier: RidgeStage | None = None,
+    ) -> RidgeStage:
+        """The equations of a structure, joint and excitation, with the modes of an ``earlier`` stage where they are the
+        same. Raises InputError."""
+        window = min(options.frequency_hz), max(options.frequency_hz)
+        balances = prepare_balances(
+            *problem, 2.0 * math.pi * window[1], options.harmonics, options.samples, modal_damping_ratio,
+            options.update, lambda words: None, None if earlier is None else earlier.balances.stuck,
+        )  # fmt: skip
+        curve = FrequencyCurve(balances.with_harmonics(options.harmonics))
+        solver = Newton(curve, options.newton, report.iteration)
+        search = PeakSearch(
+            curve, solver, output, lambda trial: balances.mean_row(trial, output), tuple(2.0 * math.pi * f for f in window)
+        )
+        return cls(balances, output, solver, search, window)
+
+    @property
+    def curve(self) -> FrequencyCurve:
+        """The frequency curve."""
+        return self.search.curve
+
+    def stuck_peak(self) -> Peak:
+        """The highest linear peak with stuck contacts."""
+        force = self.balances.force
+        return self.balances.closed.highest_peak(self.window, force, self.output)
+
+    def free_peak(self) -> Peak:
+        """The highest linear peak without contacts."""
+        return self.balances.free.highest_peak(self.window, self.balances.force, self.output)
+
+    def amplitude(self, points: Sequence[BalancePoint]) -> FloatArray:
+        """(n_points,) amplitude of the output at points of the curve."""
+        return np.array([self.search.amplitude(point.trial) for point in points])
+
+    def whole_curve(self) -> Branch[BalancePoint]:
+        """The frequency curve over the window. Raises ConvergenceError without a first point."""
+        balances, (start, stop) = self.balances, (2.0 * math.pi * f for f in self.window)
+        resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
+
+        def walk(point: BalancePoint, end: float = start) -> Branch[BalancePoint]:
+            return Branch(self.solver, point, end, ContinuationSettings(), landmarks=resonances)
+
+        point, _ = first_point(self.solver, self.curve, start, balances.with_harmonics, walk)
+        branch = walk(point, stop)
+        branch.follow()
+        return branch
+
+
+@dataclass
+class _Ridge:
+    """A ridge in the order of the parameter, and the reasons why it ends below and above."""
+
+    points: list[RidgePoint]
+    ends: tuple[str, str]
+
+
+class RidgeMap:
+    """Ridges over a range of the parameter.
+
+    ``stage_at`` gives the equations at a value; ``most_iterations`` of Newton's method limit the work, None for no
+    limit.
+    """
+
+    def __init__(
+        self,
+        stage_at: Callable[[float], RidgeStage],
+        bounds: tuple[float, float],
+        report: StageReport,
+        pace: Pace | None = None,
+        named: Callable[[float], str] = "{:.4g}".format,
+    ) -> None:
+        self._stage_at = lru_cache(maxsize=2)(stage_at)
+        self._bounds = bounds
+        self._report = report
+        self._pace = pace or Pace()
+        self._named = named
+        self._stuck: dict[float, Peak] = {}
+        self._free: dict[float, Peak] = {}
+        self.ridges: list[_Ridge] = []
+        self.warnings: list[str] = []
+        self.points_of_curves = 0
+
+    def add_curve(self, value: float) -> None:
+        """Compute the whole frequency curve at a value, and follow its peaks that are on no ridge yet."""
+        self._report.stage(f"frequency curve at {self._named(value)}")
+        stage = self._stage_at(value)
+        self._free[value] = stage.free_peak()
+        try:
+            branch = stage.whole_curve()
+        except ConvergenceError as error:
+            self.warnings.append(f"There is no frequency curve at {self._named(value)}: {error}")
+            return
+        if not branch.complete:
+            self.warnings.append(
+                f"The frequency curve at {self._named(value)} is not complete, so that a peak beyond its end may be "
+                f"missing. {branch.message}"
+            )
+        points = [each.point for each in branch.points]
+        self.points_of_curves += len(points)
+        self.add_peaks(value, points)
+
+    def add_peaks(self, value: float, points: Sequence[BalancePoint]) -> None:
+        """Follow the peaks of a curve, given by its points, that are on no ridge yet."""
+        stage = self._stage_at(value)
+        hertz = np.array([point.trial.omega for point in points]) / (2.0 * math.pi)
+        heights = stage.amplitude(points)
+        found = peaks(hertz, heights)
+        if not found[0].bracketed:
+            self.warnings.append(
+                f"At {self._named(value)} the largest amplitude is at an end of the frequency range, "
+                f"{found[0].frequency_hz:.2f} Hz: widen the range."
+            )
+        tops = [each for each in found if each.bracketed and each.amplitude >= LEAST_FRACTION * found[0].amplitude]
+        for top in tops:
+            self.add_from(value, points[top.point])
+
+    def add_from(self, value: float, point: BalancePoint) -> str:
+        """Follow the peak near a point of a curve in both directions; why there is none, or "" """
+        stage = self._stage_at(value)
+        peak = stage.search.from_point(point)
+        if isinstance(peak, str):
+            return peak
+        start = RidgePoint(value, peak)
+        if self._is_known(start):
+            return ""
+        self._see(value, stage)
+        parts, ends = [], []
+        for stop in self._bounds:
+            part, end = follow(self._searched, start, stop, self._pace)
+            parts.append(part)
+            ends.append(end)
+        self.ridges.append(_Ridge([*reversed(parts[0]), start, *parts[1]], (ends[0], ends[1])))
+        return ""
+
+    def _searched(self, value: float) -> PeakSearch:
+        """The search at a value, which is reported."""
+        low, high = map(math.log, self._bounds)
+        fraction = 0.0 if high == low else (math.log(value) - low) / (high - low)
+        self._report.stage(f"peak at {self._named(value)}", min(0.99, max(0.0, fraction)))
+        stage = self._stage_at(value)
+        self._see(value, stage)
+        return stage.search
+
+    def _see(self, value: float, stage: RidgeStage) -> None:
+        """The linear stuck peak at a value of a ridge."""
+        if value not in self._stuck:
+            self._stuck[value] = stage.stuck_peak()
+
+    def _is_known(self, start: RidgePoint) -> bool:
+        """Whether a ridge has this point."""
+        return any(
+            each.parameter == start.parameter
+            and abs(math.log(each.peak.amplitude / start.peak.amplitude)) < SAME_AMPLITUDE
+            and relative_norm(each.trial.amplitude - start.trial.amplitude, start.trial.amplitude) < SAME_MOTION
+            for ridge in self.ridges
+            for each in ridge.points
+        )
+
+    def refine(self) -> None:
+        """Add points where the interpolation of the highest ridge is not accurate enough."""
+        for _ in range(MOST_ROUNDS):
+            added = sum(self._refined(ridge) for ridge in self.ridges)
+            if not added:
+                return
+
+    def _refined(self, ridge: _Ridge) -> int:
+        """Halve the intervals of one ridge beside points whose interpolation from the others is far away."""
+        points = ridge.points
+        places = np.log([each.parameter for each in points])
+        heights = np.log([each.peak.amplitude for each in points])
+        wrong: set[int] = set()
+        for i in range(1, len(points) - 1):
+            others = np.arange(len(points)) != i
+            error = abs(float(log_interpolated(places[others], heights[others], places[i : i + 1])[0] - heights[i]))
+            if error > ERROR_OF_LEFT_OUT * INTERPOLATION_ERROR and self._is_near_top(points[i]):
+                wrong |= {i - 1, i}
+        added = 0
+        for i in sorted(wrong, reverse=True):
+            low, high = points[i], points[i + 1]
+            if high.parameter / low.parameter < 1.0 + self._pace.smallest_step:
+                continue
+            value = math.sqrt(low.parameter * high.parameter)
+            between = self._between(value, low, high)
+            if between is not None:
+                points.insert(i + 1, between)
+                added += 1
+        return added
+
+    def _between(self, value: float, low: RidgePoint, high: RidgePoint) -> RidgePoint | None:
+        near = [low, high]
+        found, _ = self._pace.next_point(self._searched(value), near, value)
+        return None if isinstance(found, str) else found
+
+    def _is_near_top(self, point: RidgePoint) -> bool:
+        """Whether no other ridge is clearly higher at the value of a point."""
+        for ridge in self.ridges:
+            places = np.log([each.parameter for each in ridge.points])
+            at = math.log(point.parameter)
+            if places[0] <= at <= places[-1]:
+                heights = np.log([each.peak.amplitude for each in ridge.points])
+                if float(log_interpolated(places, heights, np.array([at]))[0]) > math.log(point.peak.amplitude) + 0.05:
+                    return False
+        return True
+
+    def result(self, name: str, unit: str, output_name: str) -> PeakRidge:
+        """The ridges as a result. Raises ConvergenceError without any."""
+        if not self.ridges:
+            reasons = " ".join(self.warnings)
+            raise ConvergenceError(f"no peak was found that could be followed over {name}. {reasons}".rstrip())
+        self._see_ends()
+        points = [each for ridge in self.ridges for each in ridge.points]
+        counts = [np.bincount(each.trial.contact.state, minlength=len(ContactState)) for each in points]
+        stuck, free = (sorted(each.items()) for each in (self._stuck, self._free))
+        start, stop = self._bounds
+        ridge = PeakRidge(
+            parameter=np.array([each.parameter for each in points]),
+            amplitude=np.array([each.peak.amplitude for each in points]),
+            frequency_hz=np.array([each.peak.omega for each in points]) / (2.0 * math.pi),
+            ridge=np.repeat(np.arange(len(self.ridges)), [len(each.points) for each in self.ridges]),
+            is_corner=np.array([each.peak.is_corner for each in points]),
+            curvature=np.array([each.peak.curvature for each in points]),
+            pairs_stuck=np.array([each[ContactState.STUCK] for each in counts]),
+            pairs_stick_slip=np.array([each[ContactState.STICK_SLIP] for each in counts]),
+            pairs_separating=np.array([each[ContactState.SEPARATING] for each in counts]),
+            residual=np.array([each.trial.error for each in points]),
+            iterations=np.array([each.peak.iterations for each in points]),
+            stuck_parameter=np.array([value for value, _ in stuck]),
+            stuck_amplitude=np.array([peak.amplitude for _, peak in stuck]),
+            stuck_frequency_hz=np.array([peak.frequency_hz for _, peak in stuck]),
+            free_parameter=np.array([value for value, _ in free]),
+            free_amplitude=np.array([peak.amplitude for _, peak in free]),
+            free_frequency_hz=np.array([peak.frequency_hz for _, peak in free]),
+            parameter_name=name,
+            parameter_unit=unit,
+            output_name=output_name,
+            start=np.asarray(start),
+            stop=np.asarray(stop),
+            ends=tuple(each.ends for each in self.ridges),
+            converged=False,
+            message="",
+            warnings=tuple(self.warnings),
+            settings={},
+            provenance={},
+        )
+        converged, message = self._coverage(ridge)
+        probes = sum(each.peak.points for each in points)
+        work = {"points_of_peaks": probes, "points_of_whole_curves": self.points_of_curves}
+        return replace(ridge, converged=converged, message=message, settings=work)
+
+    def _see_ends(self) -> None:
+        """Linear limits at the ends of the ridges."""
+        if not self._free:
+            low = min(each.points[0].parameter for each in self.ridges)
+            self._free[low] = self._stage_at(low).free_peak()
+
+    def _coverage(self, ridge: PeakRidge) -> tuple[bool, str]:
+        """Whether the highest peak is known over the whole range, and words on it."""
+        top = ridge.highest()
+        missing = top.parameter[top.ridge < 0]
+        if not missing.size:
+            return True, "The highest peak is known over the whole range."
+        known = top.parameter[top.ridge >= 0]
+        reasons = "; ".join(dict.fromkeys(reason for ends in ridge.ends for reason in ends if reason))
+        return False, (
+            f"The highest peak is known from {self._named(float(known.min()))} to {self._named(float(known.max()))} "
+            f"only{' with gaps' if self._has_gap(ridge) else ''}: {reasons}."
+        )
+
+    @staticmethod
+    def _has_gap(ridge: PeakRidge) -> bool:
+        top = ridge.highest()
+        known = np.flatnonzero(top.ridge >= 0)
+        return bool(known[-1] - known[0] + 1 > known.size)
+
+
+def peak_ridge(
+    problem_at: Callable[[float], Problem],
+    parameter: tuple[float, float],
+    output: ArrayLike,
+    *,
+    frequency_hz: tuple[float, float],
+    name: str = "parameter",
+    unit: str = "",
+    harmonics: int = 5,
+    samples: int = 256,
+    modal_damping_ratio: float | None = None,
+    update: Update = "tractrix",
+    newton: NewtonSettings | None = None,
+    threads: int | None = None,
+    progress: ProgressCallback | None = None,
+) -> PeakRidge:
+    """Follow the peaks of an output directly while a parameter changes.
+
+    At each value the equations of a periodic motion are solved together with the stationarity of the amplitude along
+    the frequency curve (docs/theory_ridge.md). Whole frequency curves are computed at both ends of the range; their
+    peaks are followed over it, and the highest one counts.
+
+    Parameters
+    ----------
+    problem_at:
+        gives superelement, pairs and excitation at a value of the parameter.
+    parameter:
+        (start, stop) of the parameter, both above zero; steps are in its logarithm.
+    output:
+        (n,) row whose 0-to-peak amplitude counts.
+    frequency_hz:
+        range in which peaks count.
+    name, unit:
+        of the parameter, for messages and figures.
+    harmonics, samples, modal_damping_ratio, update, newton, threads, progress:
+        as in :func:`forced_response`.
+
+    Returns
+    -------
+    PeakRidge
+        also if a ridge ends early: ``converged`` is then False and ``message`` gives the reason.
+
+    Raises
+    ------
+    InputError
+        for inputs that cannot be used. ConvergenceError if no peak can be followed.
+    """
+    bounds = checked_bounds(parameter)
+    options = RidgeOptions(checked_window(frequency_hz), harmonics, samples, update, newton or NewtonSettings())
+    report = StageReport(progress)
+    row = finite_array("output", output)
+
+    def stage_at(value: float) -> RidgeStage:
+        problem = problem_at(value)
+        if row.shape != (problem[0].size,) or not row.any():
+            raise InputError(
+                f"output must have shape ({problem[0].size},) with an entry that is not zero.", arguments=["output"]
+            )
+        return RidgeStage.of(problem, row, options, modal_damping_ratio, report)
+
+    return ridge_between(stage_at, bounds, report, threads, name, unit)
+
+
+def ridge_between(
+    stage_at: Callable[[float], RidgeStage],
+    bounds: tuple[float, float],
+    report: StageReport,
+    threads: int | None,
+    name: str,
+    unit: str,
+    output_name: str = "",
+) -> PeakRidge:
+    """The ridges of the peaks of the curves at both ends of a range. Raises InputError, ConvergenceError."""
+    began = time.perf_counter()
+    first = stage_at(bounds[0])
+    n_pairs = first.balances.pairs.n_pairs
+    with threadpool_limits(limits=blas_threads(3 * n_pairs, thread_count(threads))):
+        named = f"{name} = {{:.4g}} {unit}".rstrip().format
+        ridges = RidgeMap(stage_at, bounds, report, named=named)
+        for value in bounds:
+            ridges.add_curve(value)
+        ridges.refine()
+        result = ridges.result(name, unit, output_name)
+    options = {
+        "frequency_start_hz": first.window[0],
+        "frequency_stop_hz": first.window[1],
+        "harmonics": first.search.balance.harmonics,
+        "samples": first.search.balance.samples,
+    }
+    report.stage(f"{result.n_points} points", 1.0)
+    provenance = {"solve_seconds": f"{time.perf_counter() - began:.2f}"}
+    return replace(result, settings={**options, **result.settings}, provenance=provenance)
+
+
+def checked_bounds(parameter: tuple[float, float]) -> tuple[float, float]:
+    """(start, stop), rising. Raises InputError unless both are above zero and differ."""
+    values = finite_array("parameter", parameter)
+    if values.shape != (2,) or not (values > 0.0).all() or values[0] == values[1]:
+        raise InputError(
+            f"parameter is {np.array2string(values, separator=', ')}, but it must be (start, stop), two different values "
+            "above zero: steps are in its logarithm.",
+            arguments=["parameter"],
+        )
+    return float(values.min()), float(values.max())
