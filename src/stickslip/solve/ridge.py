@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.contact.law.coulomb_harmonics import Update
 from stickslip.contact.law.law import ContactState
-from stickslip.core.errors import ConvergenceError, InputError
+from stickslip.core.errors import ConvergenceError, InputError, StickslipError
 from stickslip.core.progress import ProgressCallback
 from stickslip.core.threads import blas_threads, thread_count
 from stickslip.core.validation import FloatArray, finite_array
@@ -29,8 +29,9 @@ from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.problem import Plane
 from stickslip.solve.path.stepping import ContinuationSettings
-from stickslip.solve.ridge_walk import Pace, RidgePoint, follow
+from stickslip.solve.ridge_walk import TOO_MUCH_WORK, Pace, RidgePoint, follow
 from stickslip.solve.setting_up import Balances, StageReport, checked_window, prepare_balances
 from stickslip.structure.superelement import Superelement
 
@@ -47,6 +48,8 @@ INTERPOLATION_ERROR = 5e-4
 ERROR_OF_LEFT_OUT = 4.0
 # chosen: rounds of refinement, each of which halves intervals.
 MOST_ROUNDS = 4
+# Measured on the two blades with 110 pairs: the modes of a structure take as long as so many iterations.
+PREPARATION = 10.0
 Problem = tuple[Superelement, ContactPairs, Excitation]
 
 
@@ -95,6 +98,17 @@ class RidgeStage:
         )
         return cls(balances, output, solver, search, window)
 
+    def counted(self, work: Work) -> RidgeStage:
+        """The same equations, whose iterations of Newton's method are counted too."""
+        listen = self.solver.on_iteration
+
+        def count(number: int, error: float) -> None:
+            work.iterate(number, error)
+            listen(number, error)
+
+        self.solver.on_iteration = count
+        return self
+
     @property
     def curve(self) -> FrequencyCurve:
         """The frequency curve."""
@@ -103,11 +117,11 @@ class RidgeStage:
     def stuck_peak(self) -> Peak:
         """The highest linear peak with stuck contacts."""
         force = self.balances.force
-        return self.balances.closed.highest_peak(self.window, force, self.output)
+        return self.balances.closed.peaks(self.window, force, self.output)[0]
 
     def free_peak(self) -> Peak:
         """The highest linear peak without contacts."""
-        return self.balances.free.highest_peak(self.window, self.balances.force, self.output)
+        return self.balances.free.peaks(self.window, self.balances.force, self.output)[0]
 
     def amplitude(self, points: Sequence[BalancePoint]) -> FloatArray:
         """(n_points,) amplitude of the output at points of the curve."""
@@ -127,6 +141,28 @@ class RidgeStage:
         return branch
 
 
+class Work:
+    """Iterations of Newton's method so far, with the preparation of the equations counted too, and the largest number
+    of them."""
+
+    def __init__(self, most: float = math.inf) -> None:
+        self.most, self.done, self.iterations = most, 0.0, 0
+
+    def iterate(self, number: int, error: float) -> None:
+        """Count an iteration."""
+        self.done += 1.0
+        self.iterations += 1
+
+    def prepare(self) -> None:
+        """Count the preparation of the equations at a value."""
+        self.done += PREPARATION
+
+    @property
+    def is_used_up(self) -> bool:
+        """Whether no further point is allowed."""
+        return self.done >= self.most
+
+
 @dataclass
 class _Ridge:
     """A ridge in the order of the parameter, and the reasons why it ends below and above."""
@@ -138,8 +174,7 @@ class _Ridge:
 class RidgeMap:
     """Ridges over a range of the parameter.
 
-    ``stage_at`` gives the equations at a value; ``most_iterations`` of Newton's method limit the work, None for no
-    limit.
+    ``stage_at`` gives the equations at a value, ``named`` a value in words; ``work`` limits the work.
     """
 
     def __init__(
@@ -149,8 +184,11 @@ class RidgeMap:
         report: StageReport,
         pace: Pace | None = None,
         named: Callable[[float], str] = "{:.4g}".format,
+        work: Work | None = None,
     ) -> None:
-        self._stage_at = lru_cache(maxsize=2)(stage_at)
+        self._make_stage = stage_at
+        self._stage_at = lru_cache(maxsize=2)(self._counted_stage)
+        self.work = work or Work()
         self._bounds = bounds
         self._report = report
         self._pace = pace or Pace()
@@ -160,6 +198,13 @@ class RidgeMap:
         self.ridges: list[_Ridge] = []
         self.warnings: list[str] = []
         self.points_of_curves = 0
+
+    def _counted_stage(self, value: float) -> RidgeStage:
+        """The equations at a value."""
+        self.work.prepare()
+        stage = self._make_stage(value)
+        self._stuck[value] = stage.stuck_peak()
+        return stage.counted(self.work)
 
     def add_curve(self, value: float) -> None:
         """Compute the whole frequency curve at a value, and follow its peaks that are on no ridge yet."""
@@ -193,39 +238,50 @@ class RidgeMap:
             )
         tops = [each for each in found if each.bracketed and each.amplitude >= LEAST_FRACTION * found[0].amplitude]
         for top in tops:
-            self.add_from(value, points[top.point])
+            point = points[top.point]
+            self.add_from(value, point.unknowns, point.trial.omega)
 
-    def add_from(self, value: float, point: BalancePoint) -> str:
-        """Follow the peak near a point of a curve in both directions; why there is none, or "" """
+    def add_stuck(self, value: float) -> None:
+        """Follow the peaks near those of the linear stuck structure at a value, where they are also solutions."""
         stage = self._stage_at(value)
-        peak = stage.search.from_point(point)
+        found = stage.balances.closed.peaks(stage.window, stage.balances.force, stage.output)
+        for top in found:
+            if top.bracketed and top.amplitude >= LEAST_FRACTION * found[0].amplitude:
+                omega = 2.0 * math.pi * top.frequency_hz
+                self.add_from(value, stage.search.balance.linear(omega), omega)
+
+    def add_from(self, value: float, unknowns: FloatArray, omega: float) -> None:
+        """Follow the peak near a solution in both directions; a warning where there is none."""
+        stage = self._stage_at(value)
+        point = stage.curve.at(unknowns, omega)
+        correction = stage.solver.correct(point, Plane.fixed(unknowns, omega))
+        peak = "Newton's method did not converge" if not correction.converged else stage.search.from_point(correction.point)
         if isinstance(peak, str):
-            return peak
+            self.warnings.append(
+                f"A peak near {omega / (2.0 * math.pi):.2f} Hz at {self._named(value)} was not followed: {peak}."
+            )
+            return
         start = RidgePoint(value, peak)
         if self._is_known(start):
-            return ""
-        self._see(value, stage)
+            return
         parts, ends = [], []
         for stop in self._bounds:
             part, end = follow(self._searched, start, stop, self._pace)
             parts.append(part)
             ends.append(end)
         self.ridges.append(_Ridge([*reversed(parts[0]), start, *parts[1]], (ends[0], ends[1])))
-        return ""
 
-    def _searched(self, value: float) -> PeakSearch:
-        """The search at a value, which is reported."""
+    def _searched(self, value: float) -> PeakSearch | str:
+        """The search at a value, which is reported; or why there are no equations there."""
+        if self.work.is_used_up:
+            return TOO_MUCH_WORK
         low, high = map(math.log, self._bounds)
         fraction = 0.0 if high == low else (math.log(value) - low) / (high - low)
         self._report.stage(f"peak at {self._named(value)}", min(0.99, max(0.0, fraction)))
-        stage = self._stage_at(value)
-        self._see(value, stage)
-        return stage.search
-
-    def _see(self, value: float, stage: RidgeStage) -> None:
-        """The linear stuck peak at a value of a ridge."""
-        if value not in self._stuck:
-            self._stuck[value] = stage.stuck_peak()
+        try:
+            return self._stage_at(value).search
+        except StickslipError as error:  # a law or a static state that does not exist there
+            return str(error)
 
     def _is_known(self, start: RidgePoint) -> bool:
         """Whether a ridge has this point."""
@@ -268,8 +324,9 @@ class RidgeMap:
         return added
 
     def _between(self, value: float, low: RidgePoint, high: RidgePoint) -> RidgePoint | None:
-        near = [low, high]
-        found, _ = self._pace.next_point(self._searched(value), near, value)
+        """A point between two neighbours of a ridge; None if there is none."""
+        search = self._searched(value)
+        found = search if isinstance(search, str) else self._pace.next_point(search, [low, high], value)[0]
         return None if isinstance(found, str) else found
 
     def _is_near_top(self, point: RidgePoint) -> bool:

@@ -20,6 +20,7 @@ from stickslip.solve.harmonic.peak import CurvePeak, PeakSearch
 GROWTH, SHRINKAGE = 2.0, 0.5
 # Polynomials through at most so many points predict the next one.
 PREDICTED_FROM = 3
+TOO_MUCH_WORK = "more work was not allowed"
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ class Pace:
 
 
 def follow(
-    search_at: Callable[[float], PeakSearch], start: RidgePoint, stop: float, pace: Pace
+    search_at: Callable[[float], PeakSearch | str], start: RidgePoint, stop: float, pace: Pace
 ) -> tuple[list[RidgePoint], str]:
     """Points after ``start`` towards the value ``stop``, and why they end earlier, "" if they do not."""
     points, end = [start], math.log(stop)
@@ -92,8 +93,14 @@ def follow(
         is_last = step > 0.7 * left  # no tiny step at the end
         length = left if is_last else step
         value = stop if is_last else math.exp(here + direction * length)
-        after, error = pace.next_point(search_at(value), points[-PREDICTED_FROM:], value)
+        search, after, error = search_at(value), "", math.inf
+        if isinstance(search, str):
+            after = search
+        else:
+            after, error = pace.next_point(search, points[-PREDICTED_FROM:], value)
         if isinstance(after, str):
+            if after == TOO_MUCH_WORK:
+                return points[1:], after
             step = SHRINKAGE * length
             if step < pace.smallest_step:
                 return points[1:], f"beyond {points[-1].parameter:.4g}, {after}"

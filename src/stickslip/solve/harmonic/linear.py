@@ -100,11 +100,11 @@ class LinearLimit:
                 answer[:, 2 * order] -= signal.imag
         return answer
 
-    def highest_peak(self, window_hz: tuple[float, float], force: ExcitationForce, output: FloatArray) -> Peak:
-        """The highest peak of an output in a window; not bracketed if it is at an end."""
+    def peaks(self, window_hz: tuple[float, float], force: ExcitationForce, output: FloatArray) -> list[Peak]:
+        """The peaks of an output in a window, highest first; not bracketed at an end."""
         frequency_hz = _refined_grid(window_hz, self.natural_hz)
         signal = self.output_to(2.0 * np.pi * frequency_hz, force, output)
-        return peaks(frequency_hz, periodic_amplitude(signal))[0]
+        return peaks(frequency_hz, periodic_amplitude(signal))
 
     def response(self, omega: FloatArray, force: FloatArray) -> FloatArray:
         """Displacement coefficients (n_frequencies, n, 2H+1) under ``force`` (2H+1, n); the mean is zero."""
