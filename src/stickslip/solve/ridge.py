@@ -24,7 +24,8 @@ from stickslip.results.peaks import Peak, peaks
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.balance import relative_norm
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
-from stickslip.solve.harmonic.peak import PeakSearch
+from stickslip.solve.harmonic.peak import BoundedCurve, PeakSearch
+from stickslip.solve.harmonic.reduced import LastFactor
 from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.path.continuation import Branch
@@ -35,9 +36,9 @@ from stickslip.solve.ridge_walk import TOO_MUCH_WORK, Pace, RidgePoint, follow
 from stickslip.solve.setting_up import Balances, StageReport, checked_window, prepare_balances
 from stickslip.structure.superelement import Superelement
 
-# chosen: a peak of a whole curve is followed if it has at least this fraction of the highest one: others rarely rise
-# above it within the range, and the curve at its other end shows those that do.
-LEAST_FRACTION = 0.25
+# chosen: a peak is followed as long as it has at least this fraction of the highest one: others rarely rise above it
+# within the range, and the curve at its other end shows those that do.
+LEAST_FRACTION = 0.5
 # chosen: two peaks at one value of the parameter are one if their amplitudes agree so far, and their motions (mass norm):
 # a peak has an error of 1e-4 at most, and its motion turns by a few hundredths of a radian over this rise.
 SAME_AMPLITUDE, SAME_MOTION = 1e-3, 0.1
@@ -46,10 +47,12 @@ INTERPOLATION_ERROR = 5e-4
 # A point left out has intervals of twice the length, whose interpolation has at least so many times the error (a corner
 # of the ridge; eight times where it is smooth).
 ERROR_OF_LEFT_OUT = 4.0
+# chosen: a ridge is refined where it has more than this fraction of the highest one, on both sides of a switch.
+NEAR_HIGHEST = 0.95
 # chosen: rounds of refinement, each of which halves intervals.
 MOST_ROUNDS = 4
 # Measured on the two blades with 110 pairs: the modes of a structure take as long as so many iterations.
-PREPARATION = 10.0
+PREPARATION = 20.0
 Problem = tuple[Superelement, ContactPairs, Excitation]
 
 
@@ -91,11 +94,14 @@ class RidgeStage:
             *problem, 2.0 * math.pi * window[1], options.harmonics, options.samples, modal_damping_ratio,
             options.update, lambda words: None, None if earlier is None else earlier.balances.stuck,
         )  # fmt: skip
-        curve = FrequencyCurve(balances.with_harmonics(options.harmonics))
+        last = LastFactor() if earlier is None else earlier.search.last_factor
+        limits = tuple(2.0 * math.pi * each for each in window)
+        curve = BoundedCurve(balances.with_harmonics(options.harmonics), last, limits)
         solver = Newton(curve, options.newton, report.iteration)
         search = PeakSearch(
-            curve, solver, output, lambda trial: balances.mean_row(trial, output), tuple(2.0 * math.pi * f for f in window)
-        )
+            curve, solver, output, lambda trial: balances.mean_row(trial, output), balances.stuck.circular_frequency,
+            last,
+        )  # fmt: skip
         return cls(balances, output, solver, search, window)
 
     def counted(self, work: Work) -> RidgeStage:
@@ -141,6 +147,10 @@ class RidgeStage:
         return branch
 
 
+# The equations at a value, with what they share with those of an earlier one.
+StageMaker = Callable[[float, RidgeStage | None], RidgeStage]
+
+
 class Work:
     """Iterations of Newton's method so far, with the preparation of the equations counted too, and the largest number
     of them."""
@@ -179,14 +189,14 @@ class RidgeMap:
 
     def __init__(
         self,
-        stage_at: Callable[[float], RidgeStage],
+        stage_at: StageMaker,
         bounds: tuple[float, float],
         report: StageReport,
         pace: Pace | None = None,
         named: Callable[[float], str] = "{:.4g}".format,
         work: Work | None = None,
     ) -> None:
-        self._make_stage = stage_at
+        self._make_stage, self._earlier = stage_at, None
         self._stage_at = lru_cache(maxsize=2)(self._counted_stage)
         self.work = work or Work()
         self._bounds = bounds
@@ -202,7 +212,7 @@ class RidgeMap:
     def _counted_stage(self, value: float) -> RidgeStage:
         """The equations at a value."""
         self.work.prepare()
-        stage = self._make_stage(value)
+        stage = self._earlier = self._make_stage(value, self._earlier)
         self._stuck[value] = stage.stuck_peak()
         return stage.counted(self.work)
 
@@ -261,12 +271,12 @@ class RidgeMap:
                 f"A peak near {omega / (2.0 * math.pi):.2f} Hz at {self._named(value)} was not followed: {peak}."
             )
             return
-        start = RidgePoint(value, peak)
+        start = RidgePoint.start(value, peak, stage.search.stuck_omega)
         if self._is_known(start):
             return
         parts, ends = [], []
         for stop in self._bounds:
-            part, end = follow(self._searched, start, stop, self._pace)
+            part, end = follow(self._searched, start, stop, self._pace, self._needless)
             parts.append(part)
             ends.append(end)
         self.ridges.append(_Ridge([*reversed(parts[0]), start, *parts[1]], (ends[0], ends[1])))
@@ -309,7 +319,7 @@ class RidgeMap:
         for i in range(1, len(points) - 1):
             others = np.arange(len(points)) != i
             error = abs(float(log_interpolated(places[others], heights[others], places[i : i + 1])[0] - heights[i]))
-            if error > ERROR_OF_LEFT_OUT * INTERPOLATION_ERROR and self._is_near_top(points[i]):
+            if error > ERROR_OF_LEFT_OUT * INTERPOLATION_ERROR and self._fraction_of_highest(points[i]) > NEAR_HIGHEST:
                 wrong |= {i - 1, i}
         added = 0
         for i in sorted(wrong, reverse=True):
@@ -329,16 +339,21 @@ class RidgeMap:
         found = search if isinstance(search, str) else self._pace.next_point(search, [low, high], value)[0]
         return None if isinstance(found, str) else found
 
-    def _is_near_top(self, point: RidgePoint) -> bool:
-        """Whether no other ridge is clearly higher at the value of a point."""
+    def _needless(self, point: RidgePoint) -> str:
+        """Why a ridge need not be followed beyond a point, or "" """
+        if self._fraction_of_highest(point) >= LEAST_FRACTION:
+            return ""
+        return f"beyond {self._named(point.parameter)}, it is below {LEAST_FRACTION:g} of the highest peak"
+
+    def _fraction_of_highest(self, point: RidgePoint) -> float:
+        """Amplitude of a point over that of the highest ridge at its value."""
+        at, highest = math.log(point.parameter), math.log(point.peak.amplitude)
         for ridge in self.ridges:
             places = np.log([each.parameter for each in ridge.points])
-            at = math.log(point.parameter)
             if places[0] <= at <= places[-1]:
                 heights = np.log([each.peak.amplitude for each in ridge.points])
-                if float(log_interpolated(places, heights, np.array([at]))[0]) > math.log(point.peak.amplitude) + 0.05:
-                    return False
-        return True
+                highest = max(highest, float(log_interpolated(places, heights, np.array([at]))[0]))
+        return point.peak.amplitude / math.exp(highest)
 
     def result(self, name: str, unit: str, output_name: str) -> PeakRidge:
         """The ridges as a result. Raises ConvergenceError without any."""
@@ -463,19 +478,19 @@ def peak_ridge(
     report = StageReport(progress)
     row = finite_array("output", output)
 
-    def stage_at(value: float) -> RidgeStage:
+    def stage_at(value: float, earlier: RidgeStage | None) -> RidgeStage:
         problem = problem_at(value)
         if row.shape != (problem[0].size,) or not row.any():
             raise InputError(
                 f"output must have shape ({problem[0].size},) with an entry that is not zero.", arguments=["output"]
             )
-        return RidgeStage.of(problem, row, options, modal_damping_ratio, report)
+        return RidgeStage.of(problem, row, options, modal_damping_ratio, report, earlier)
 
     return ridge_between(stage_at, bounds, report, threads, name, unit)
 
 
 def ridge_between(
-    stage_at: Callable[[float], RidgeStage],
+    stage_at: StageMaker,
     bounds: tuple[float, float],
     report: StageReport,
     threads: int | None,
@@ -485,7 +500,7 @@ def ridge_between(
 ) -> PeakRidge:
     """The ridges of the peaks of the curves at both ends of a range. Raises InputError, ConvergenceError."""
     began = time.perf_counter()
-    first = stage_at(bounds[0])
+    first = stage_at(bounds[0], None)
     n_pairs = first.balances.pairs.n_pairs
     with threadpool_limits(limits=blas_threads(3 * n_pairs, thread_count(threads))):
         named = f"{name} = {{:.4g}} {unit}".rstrip().format

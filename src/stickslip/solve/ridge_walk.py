@@ -17,7 +17,7 @@ from stickslip.solve.harmonic.balance import Trial
 from stickslip.solve.harmonic.peak import CurvePeak, PeakSearch
 
 # chosen: the step grows or shrinks at most by these factors.
-GROWTH, SHRINKAGE = 2.0, 0.5
+GROWTH, SHRINKAGE = 1.6, 0.5
 # Polynomials through at most so many points predict the next one.
 PREDICTED_FROM = 3
 TOO_MUCH_WORK = "more work was not allowed"
@@ -25,10 +25,22 @@ TOO_MUCH_WORK = "more work was not allowed"
 
 @dataclass(frozen=True)
 class RidgePoint:
-    """A maximum at a value of the parameter."""
+    """A maximum at a value of the parameter.
+
+    ``mode`` is the number from 0 of the stuck mode that was closest to the start of the ridge, ``mode_omega`` its
+    circular frequency at this value: the frequency of the peak follows that of the mode.
+    """
 
     parameter: float
     peak: CurvePeak
+    mode: int
+    mode_omega: float
+
+    @classmethod
+    def start(cls, parameter: float, peak: CurvePeak, stuck_omega: FloatArray) -> RidgePoint:
+        """The first point of a ridge; ``stuck_omega`` (n,) are the frequencies of the stuck modes there."""
+        mode = int(np.abs(stuck_omega - peak.omega).argmin())
+        return cls(parameter, peak, mode, float(stuck_omega[mode]))
 
     @property
     def trial(self) -> Trial:
@@ -67,7 +79,9 @@ class Pace:
             return np.asarray(sum(weight * of(each) for weight, each in zip(weights, near, strict=True)))
 
         height = float(predicted(lambda each: math.log(each.peak.amplitude)))
-        omega = math.exp(float(predicted(lambda each: math.log(each.trial.omega))))
+        mode = near[-1].mode
+        mode_omega = float(search.stuck_omega[mode])
+        omega = mode_omega * math.exp(float(predicted(lambda each: math.log(each.trial.omega / each.mode_omega))))
         unknowns = math.exp(height) * predicted(lambda each: each.shape)
         last = near[-1].peak
         found = search.from_estimate(unknowns, omega, last.probe.tangent, last.curvature)
@@ -76,13 +90,20 @@ class Pace:
         error = abs(math.log(found.amplitude) - height)
         if error > self.largest_error:
             return "the peak becomes another one", error
-        return RidgePoint(value, found), error
+        return RidgePoint(value, found, mode, mode_omega), error
 
 
 def follow(
-    search_at: Callable[[float], PeakSearch | str], start: RidgePoint, stop: float, pace: Pace
+    search_at: Callable[[float], PeakSearch | str],
+    start: RidgePoint,
+    stop: float,
+    pace: Pace,
+    is_needless: Callable[[RidgePoint], str] = lambda point: "",
 ) -> tuple[list[RidgePoint], str]:
-    """Points after ``start`` towards the value ``stop``, and why they end earlier, "" if they do not."""
+    """Points after ``start`` towards the value ``stop``, and why they end earlier, "" if they do not.
+
+    ``is_needless`` gives a reason to end at a point, or "".
+    """
     points, end = [start], math.log(stop)
     direction, step = math.copysign(1.0, end - math.log(start.parameter)), pace.first_step
     while len(points) < pace.most_points:
@@ -106,6 +127,8 @@ def follow(
                 return points[1:], f"beyond {points[-1].parameter:.4g}, {after}"
             continue
         points.append(after)
+        if reason := is_needless(after):
+            return points[1:], reason
         # The error of a polynomial of n points grows with the n-th power of the step.
         factor = (pace.wanted_error / max(error, 1e-12)) ** (1.0 / min(len(points), PREDICTED_FROM))
         step = min(pace.largest_step, length * min(GROWTH, max(SHRINKAGE, factor)))

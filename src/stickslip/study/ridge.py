@@ -71,22 +71,23 @@ class CaseFamily:
         return low, high
 
 
+@dataclass(frozen=True)
 class CaseStages:
     """The equations of a family of cases at each value; ``model`` is that of the case of the family."""
 
-    def __init__(self, family: CaseFamily, model: Model, report: StageReport, threads: int) -> None:
-        self.family, self.model, self.report, self.threads = family, model, report, threads
-        self._last: RidgeStage | None = None
+    family: CaseFamily
+    model: Model
+    report: StageReport
+    threads: int
 
-    def __call__(self, value: float) -> RidgeStage:
+    def __call__(self, value: float, earlier: RidgeStage | None) -> RidgeStage:
         """Raises InputError, RoughnessError, ConvergenceError (solved preload)."""
         case = self.family.at(value)
         model = self.model_at(case)
         output = next(iter(model.outputs.values()))
         problem = model.superelement, model.pairs, model.excitation
         ratio = case.damping.modal_damping_ratio
-        self._last = RidgeStage.of(problem, output, ridge_options(case), ratio, self.report, self._last)
-        return self._last
+        return RidgeStage.of(problem, output, ridge_options(case), ratio, self.report, earlier)
 
     def model_at(self, case: Case) -> ReducedModel:
         """The model of a case of the family."""

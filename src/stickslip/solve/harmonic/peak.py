@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,11 +29,19 @@ from stickslip.solve.harmonic.reduced import BorderedSystem, LastFactor, NewtonS
 from stickslip.solve.path.newton import Newton
 from stickslip.solve.path.problem import Plane, Step
 
-# chosen: relative rise of the amplitude from the last point to the peak that a parabola supplies; its own error is of
-# the next order, about a tenth of this.
-LAST_RISE = 1e-4
+# chosen: relative rise of the amplitude from the last point to the peak that a parabola supplies. Half of it is wrong at
+# most where sampling blurs the curvature: 0.01 %.
+LAST_RISE = 2e-4
 # chosen: largest step along the curve in rad of lag, and the largest way of a search: beyond it is another peak.
 LARGEST_STEP, LONGEST_WAY = 0.4, 1.2
+# A linear resonance has the slope tan(lag): beyond this one the point is more than 70 degrees from its peak.
+STEEPEST = 3.0
+# chosen: range of curvatures that a step assumes; differences between points close together are blurred by sampling.
+FLATTEST, SHARPEST = -0.3, -10.0
+# chosen: iterations may leave the frequency range by this factor.
+MARGIN = 1.1
+# chosen: fractions of a step, until Newton's method converges.
+SHORTENED = (1.0, 0.4, 0.15)
 # chosen: most points of one search; a smooth peak needs two or three.
 MOST_PROBES = 14
 # chosen: a trial in a bracket stays away from its ends by this fraction.
@@ -72,27 +80,44 @@ class CurvePeak:
     points: int
 
 
+class BoundedCurve(FrequencyCurve):
+    """A frequency curve on which iterations that leave a ``window`` (rad/s, rising) by far stop, before they reach
+    frequencies that cost much and mean nothing."""
+
+    def __init__(self, balance: Balance, last: LastFactor, window: tuple[float, float]) -> None:
+        super().__init__(balance, last=last)
+        self.window = window
+
+    def evaluate(self, unknowns: FloatArray, parameters: FloatArray) -> BalancePoint:
+        omega = float(parameters[0])
+        if self.window[0] / MARGIN <= omega <= self.window[1] * MARGIN:
+            return super().evaluate(unknowns, parameters)
+        inside = min(max(omega, self.window[0]), self.window[1]) if math.isfinite(omega) else self.window[0]
+        return replace(super().evaluate(unknowns, np.array([inside])), parameters=parameters, error=math.inf)
+
+
 class PeakSearch:
     """Searches maxima of one output along one frequency curve.
 
-    ``mean_row`` gives the row of the output for the mean of a trial, without the way of a body that walks; peaks
-    count in a ``window`` (lowest, highest) of the circular frequency in rad/s.
+    ``mean_row`` gives the row of the output for the mean of a trial, without the way of a body that walks;
+    ``stuck_omega`` (n,) are the frequencies of the stuck modes in rad/s; the ``last`` factor may be shared with searches at other values.
     """
 
     def __init__(
         self,
-        curve: FrequencyCurve,
+        curve: BoundedCurve,
         newton: Newton[BalancePoint],
         output: FloatArray,
         mean_row: Callable[[Trial], FloatArray],
-        window: tuple[float, float],
+        stuck_omega: FloatArray,
+        last: LastFactor,
     ) -> None:
         self.curve = curve
         self._newton = newton
         self._modes = curve.balance.compliance.output_modes(output)
         self._mean_row = mean_row
-        self._window = window
-        self._last = LastFactor()
+        self.stuck_omega = stuck_omega
+        self.last_factor = last
 
     @property
     def balance(self) -> Balance:
@@ -119,7 +144,8 @@ class PeakSearch:
             plane = Plane(normal / size**2, 0.0, guess.unknowns, omega)
         else:  # the relative motion does not change along the curve: the frequency remains
             plane = Plane.fixed(guess.unknowns, omega)
-        correction = self._newton.correct(guess, plane)
+        with np.errstate(over="ignore", invalid="ignore"):  # of an iteration that diverges
+            correction = self._newton.correct(guess, plane)
         return self._probe(correction.point, correction.iterations) if correction.converged else None
 
     def _probe(self, point: BalancePoint, iterations: int) -> Probe:
@@ -128,7 +154,7 @@ class PeakSearch:
         by_omega = balance.amplitude_slope(trial)
         lag = _lag_weights(trial.amplitude)
         rows = [amplitude_row(balance, trial, lag, [by_omega])]
-        system = BorderedSystem(NewtonSystem(balance, trial), [balance.residual_slope(by_omega)], rows, self._last)
+        system = BorderedSystem(NewtonSystem(balance, trial), [balance.residual_slope(by_omega)], rows, self.last_factor)
         tangent = system.solve(np.zeros_like(trial.residual), np.ones(1), TANGENT_TOLERANCE)
         if not np.isfinite(tangent.parameters).all():
             return Probe(point, math.nan, math.nan, tangent, iterations)
@@ -157,6 +183,8 @@ class PeakSearch:
         rising: Probe | None = None  # the best point before the maximum, with slope above zero
         falling: Probe | None = None
         iterations = probe.iterations
+        if abs(probe.slope) > STEEPEST:
+            return "the estimate is far from a maximum"
         for count in range(1, MOST_PROBES + 1):
             if not (math.isfinite(probe.slope) and probe.amplitude > 0.0):
                 return "the tangent of the frequency curve is not determined"
@@ -170,9 +198,9 @@ class PeakSearch:
                 if _rise_of_corner(rising, falling) <= LAST_RISE:
                     best = max(rising, falling, key=lambda each: each.amplitude)
                     return self._inside(_peak_of(best, curvature, True, iterations, count))
-                step = _inside_bracket(rising, falling) - probe.lag
+                step = _inside_bracket(rising, falling, count % 2 == 0) - probe.lag
             else:
-                wanted = -probe.slope / curvature if curvature < 0.0 else math.inf
+                wanted = probe.slope / -min(FLATTEST, max(SHARPEST, curvature))
                 step = math.copysign(min(abs(wanted), LARGEST_STEP), probe.slope)
             if abs(probe.lag + step) > LONGEST_WAY:
                 return "the amplitude has no maximum near the estimate"
@@ -186,14 +214,14 @@ class PeakSearch:
 
     def _inside(self, peak: CurvePeak) -> CurvePeak | str:
         """The peak if it is in the window."""
-        low, high = self._window
+        low, high = self.curve.window
         if low <= peak.omega <= high:
             return peak
         return f"the peak leaves the frequency range, at {peak.omega / (2.0 * math.pi):.2f} Hz"
 
     def _moved(self, probe: Probe, step: float) -> Probe | None:
         """The point at a lag, from a tangent."""
-        for fraction in (1.0, 0.5, 0.25, 0.125):
+        for fraction in SHORTENED:
             length, tangent = fraction * step, probe.tangent
             guess = self.curve.at(
                 probe.point.unknowns + length * tangent.unknowns,
@@ -226,16 +254,22 @@ def _peak_of(probe: Probe, curvature: float, is_corner: bool, iterations: int, p
     return CurvePeak(probe, amplitude, omega, curvature, is_corner, iterations, points)
 
 
-def _rise_of_corner(rising: Probe, falling: Probe) -> float:
-    """Rise of the logarithm from the higher end of a bracket to the intersection of its tangents, at most there."""
+def _corner(rising: Probe, falling: Probe) -> float:
+    """The lag, from the rising end of a bracket, at which the tangents of its ends intersect."""
     width = falling.lag - rising.lag
-    first, last = math.log(rising.amplitude), math.log(falling.amplitude)
-    top = first + rising.slope * (last - first - falling.slope * width) / (rising.slope - falling.slope)
-    return top - max(first, last)
+    drop = math.log(falling.amplitude / rising.amplitude)
+    return (drop - falling.slope * width) / (rising.slope - falling.slope)
 
 
-def _inside_bracket(rising: Probe, falling: Probe) -> float:
-    """The lag at which the slope, linear between the ends of a bracket, is zero."""
-    fraction = rising.slope / (rising.slope - falling.slope)
-    fraction = min(1.0 - INSIDE, max(INSIDE, fraction))
-    return rising.lag + fraction * (falling.lag - rising.lag)
+def _rise_of_corner(rising: Probe, falling: Probe) -> float:
+    """Rise of the logarithm from the higher end of a bracket to the intersection of its tangents: a concave curve does
+    not rise more."""
+    ends = math.log(rising.amplitude), math.log(falling.amplitude)
+    return ends[0] + rising.slope * _corner(rising, falling) - max(ends)
+
+
+def _inside_bracket(rising: Probe, falling: Probe, is_corner: bool) -> float:
+    """A lag in a bracket: where the slope, linear between its ends, is zero; or at the corner of the tangents."""
+    width = falling.lag - rising.lag
+    ahead = _corner(rising, falling) if is_corner else width * rising.slope / (rising.slope - falling.slope)
+    return rising.lag + min((1.0 - INSIDE) * width, max(INSIDE * width, ahead))
