@@ -72,6 +72,7 @@ class ReducedModel:
 
     ``outputs`` are rows (n,); ``static_load`` (n,) N are the constant forces and the load of rotation; if the preload
     was solved from them, ``preload`` contains the state at rest, and ``joint`` and ``pairs`` are those of this state.
+    Cases with other joints or forces share the ``reduced`` structure.
     """
 
     superelement: Superelement
@@ -82,14 +83,14 @@ class ReducedModel:
     outputs: Mapping[str, FloatArray]
     signal_groups: Mapping[str, tuple[str, ...]]
     preload: SolvedPreload | None
+    reduced: ReducedStructure
 
 
 @dataclass(frozen=True)
 class Model(ReducedModel):
-    """Data to solve one case and to show it; cases with other joints or forces share the ``reduced`` structure."""
+    """Data to solve one case and to show it."""
 
     structure: Structure | Superelement
-    reduced: ReducedStructure
 
 
 def set_up(case: Case) -> Setup:
@@ -178,7 +179,7 @@ def build_model(
         setup = set_up(case)
         structure, joint = structure or setup.assemble(), joint or load_joint(case, setup.layout)
     reduced = reduce_structure(case, structure, joint.layout, threads, progress)
-    return Model(**vars(connect(case, reduced, joint)), structure=structure, reduced=reduced)
+    return Model(**vars(connect(case, reduced, joint)), structure=structure)
 
 
 def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel:
@@ -210,7 +211,7 @@ def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel
         joint = resting_joint(case, joint, settings, solved.state, pairs)
     else:
         pairs = joint.contact_pairs(joint.face_pairs.operator(superelement))
-    return ReducedModel(superelement, joint, pairs, excitation, static_load, outputs, groups, solved)
+    return ReducedModel(superelement, joint, pairs, excitation, static_load, outputs, groups, solved, reduced)
 
 
 def _excitation(

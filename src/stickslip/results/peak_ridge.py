@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicHermiteSpline
+from scipy.signal import find_peaks
 
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, require_positive
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 _POINTS, _STUCK, _FREE = ("ridge_point",), ("stuck_point",), ("free_point",)
 # chosen: values between the points at which the highest ridge is determined.
 GRID_PER_INTERVAL = 8
+# chosen: rise of the logarithm on both sides of an optimum; smaller valleys are blurred by sampling.
+LEAST_RISE = 0.01
 
 
 @dataclass(frozen=True)
@@ -35,7 +38,7 @@ class HighestPeak:
 
 @dataclass(frozen=True)
 class Optimum:
-    """The value of the parameter with the lowest highest peak; ``is_inside``: not at an end of the known range."""
+    """A value of the parameter with a low highest peak; ``is_inside``: not at an end of the known range."""
 
     parameter: float
     amplitude: float
@@ -160,6 +163,14 @@ class PeakRidge(Labelled):
         """Number of ridges."""
         return len(self.ends)
 
+    def over(self, scale: float, name: str, unit: str) -> PeakRidge:
+        """The same ridges over the parameter divided by ``scale``, with another name and unit."""
+        scaled = {
+            key: np.asarray(getattr(self, key)) / scale
+            for key in ("parameter", "stuck_parameter", "free_parameter", "start", "stop")
+        }
+        return replace(self, **scaled, parameter_name=name, parameter_unit=unit)
+
     def of(self, ridge: int) -> NDArray[np.int64]:
         """The points of a ridge."""
         return np.flatnonzero(self.ridge == ridge)
@@ -224,14 +235,22 @@ class PeakRidge(Labelled):
 
     @property
     def optimum(self) -> Optimum:
-        """The lowest of the highest peaks: where the parameter is best."""
+        """The best value of the parameter: the lowest local minimum of the highest peak inside the known range, between
+        rises of at least 1 %; without one the lowest point, at an end."""
         top = self.highest()
         known = np.flatnonzero(top.ridge >= 0)
-        best = known[int(np.argmin(top.amplitude[known]))]
-        inside = known[0] < best < known[-1]
-        return Optimum(
-            float(top.parameter[best]), float(top.amplitude[best]), float(top.frequency_hz[best]), bool(inside)
-        )
+        valleys, _ = find_peaks(-np.log(top.amplitude[known]), prominence=LEAST_RISE)
+        if not valleys.size:
+            return self.lowest
+        return _optimum(top, int(known[valleys[np.argmin(top.amplitude[known[valleys]])]]), True)
+
+    @property
+    def lowest(self) -> Optimum:
+        """The lowest of all highest peaks in the known range."""
+        top = self.highest()
+        known = np.flatnonzero(top.ridge >= 0)
+        best = int(known[np.argmin(top.amplitude[known])])
+        return _optimum(top, best, bool(known[0] < best < known[-1]))
 
     def plot(self) -> Figure:
         """Peak amplitude and frequency against the parameter, as a figure of matplotlib, on logarithmic axes.
@@ -251,16 +270,28 @@ class PeakRidge(Labelled):
         )  # fmt: skip
 
     def words(self) -> Iterator[str]:
-        """Sentences on the range, the optimum, and switches."""
-        best, unit = self.optimum, self.parameter_unit
-        where = "inside the range" if best.is_inside else "at an end of the known range"
-        yield (
-            f"The lowest highest peak is {1e6 * best.amplitude:.4g} µm at {best.frequency_hz:.2f} Hz, with "
-            f"{self.parameter_name} = {best.parameter:.4g} {unit}".rstrip()
-            + f", {where}."
-        )
+        """Sentences on the optimum and on switches."""
+        best, lowest = self.optimum, self.lowest
+        if best.is_inside:
+            yield f"The optimum is {self._place(best)}."
+            if lowest.amplitude < (1.0 - LEAST_RISE) * best.amplitude:
+                yield f"Only towards an end of the range are peaks lower: {self._place(lowest)}."
+        else:
+            yield f"There is no optimum inside the range; the lowest peak is {self._place(lowest)}."
         for value in self.switches():
-            yield f"At {value:.4g} {unit}".rstrip() + " another peak becomes the highest."
+            yield f"At {self._named(value)} another peak becomes the highest."
+
+    def _place(self, at: Optimum) -> str:
+        return f"{1e6 * at.amplitude:.4g} µm at {at.frequency_hz:.2f} Hz, with {self._named(at.parameter)}"
+
+    def _named(self, value: float) -> str:
+        return f"{self.parameter_name} = {value:.4g} {self.parameter_unit}".rstrip()
+
+
+def _optimum(top: HighestPeak, place: int, is_inside: bool) -> Optimum:
+    return Optimum(
+        float(top.parameter[place]), float(top.amplitude[place]), float(top.frequency_hz[place]), is_inside
+    )
 
 
 def log_interpolated(places: FloatArray, curve: FloatArray, at: FloatArray) -> FloatArray:

@@ -51,8 +51,9 @@ ERROR_OF_LEFT_OUT = 4.0
 NEAR_HIGHEST = 0.95
 # chosen: rounds of refinement, each of which halves intervals.
 MOST_ROUNDS = 4
-# Measured on the two blades with 110 pairs: the modes of a structure take as long as so many iterations.
-PREPARATION = 20.0
+# Measured on the two blades (700 unknowns n, 330 rows m of pairs): the modes of a structure, which take a time of n^3,
+# last as long as 20 iterations of Newton's method, which take n m.
+PREPARATION = 20.0 * 330.0 / 700.0**2
 Problem = tuple[Superelement, ContactPairs, Excitation]
 
 
@@ -163,9 +164,10 @@ class Work:
         self.done += 1.0
         self.iterations += 1
 
-    def prepare(self) -> None:
-        """Count the preparation of the equations at a value."""
-        self.done += PREPARATION
+    def prepare(self, stage: RidgeStage, earlier: RidgeStage | None) -> None:
+        """Count the preparation of the equations at a value; those with the modes of an earlier stage cost little."""
+        if earlier is None or earlier.balances.stuck.modes is not stage.balances.stuck.modes:
+            self.done += PREPARATION * stage.output.size**2 / stage.search.balance.rows
 
     @property
     def is_used_up(self) -> bool:
@@ -211,8 +213,9 @@ class RidgeMap:
 
     def _counted_stage(self, value: float) -> RidgeStage:
         """The equations at a value."""
-        self.work.prepare()
-        stage = self._earlier = self._make_stage(value, self._earlier)
+        stage = self._make_stage(value, self._earlier)
+        self.work.prepare(stage, self._earlier)
+        self._earlier = stage
         self._stuck[value] = stage.stuck_peak()
         return stage.counted(self.work)
 
@@ -360,7 +363,7 @@ class RidgeMap:
         if not self.ridges:
             reasons = " ".join(self.warnings)
             raise ConvergenceError(f"no peak was found that could be followed over {name}. {reasons}".rstrip())
-        self._see_ends()
+        self._see_free()
         points = [each for ridge in self.ridges for each in ridge.points]
         counts = [np.bincount(each.trial.contact.state, minlength=len(ContactState)) for each in points]
         stuck, free = (sorted(each.items()) for each in (self._stuck, self._free))
@@ -400,11 +403,11 @@ class RidgeMap:
         work = {"points_of_peaks": probes, "points_of_whole_curves": self.points_of_curves}
         return replace(ridge, converged=converged, message=message, settings=work)
 
-    def _see_ends(self) -> None:
-        """Linear limits at the ends of the ridges."""
+    def _see_free(self) -> None:
+        """The peak without contacts, which no contact changes, if no whole curve gave it."""
         if not self._free:
-            low = min(each.points[0].parameter for each in self.ridges)
-            self._free[low] = self._stage_at(low).free_peak()
+            stage = self._stage_at(self.ridges[0].points[0].parameter)
+            self._free |= dict.fromkeys(self._bounds, stage.free_peak())
 
     def _coverage(self, ridge: PeakRidge) -> tuple[bool, str]:
         """Whether the highest peak is known over the whole range, and words on it."""

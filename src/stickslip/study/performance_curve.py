@@ -14,8 +14,7 @@ import numpy as np
 from stickslip.case.case import Case, TwoBladeCase
 from stickslip.core.errors import StickslipError
 from stickslip.core.progress import Progress
-from stickslip.core.validation import FloatArray
-from stickslip.model.model import Model
+from stickslip.model.model import ReducedModel
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import peaks
 from stickslip.results.response import ForcedResponse
@@ -25,6 +24,7 @@ from stickslip.solve.setting_up import StageReport
 from stickslip.study.ridge import CaseFamily, CaseStages
 
 KEY = "preload.centrifugal_force"
+NAME = "centrifugal force over excitation force"
 # chosen: three decades of centrifugal force over excitation force contain the optimum of dampers (of the order of 1 to
 # 10) and come near both limits.
 LOWEST_RATIO, HIGHEST_RATIO = 0.1, 100.0
@@ -35,37 +35,49 @@ PACE = Pace(first_step=0.2, smallest_step=0.02, largest_step=0.8, wanted_error=0
 MOST_CURVES = 2.0
 
 
-def performance_curve(
-    case: Case, model: Model, response: ForcedResponse, progress: Progress, threads: int
-) -> PeakRidge | str:
-    """The ridge of peaks over the centrifugal force, from the peaks of the response of the case; or why there is none.
-
-    The highest peak of the response and those of the stuck structure under the largest force are followed.
-    """
-    assert isinstance(case, TwoBladeCase)
+def with_performance_curve(
+    case: Case, model: ReducedModel, response: ForcedResponse, progress: Progress, threads: int
+) -> ForcedResponse:
+    """The response with its performance curve, if the case has one; a warning where it could not be computed."""
+    if not isinstance(case, TwoBladeCase) or not case.analysis.performance_curve:
+        return response
     force = case.preload.centrifugal_force
-    if force is None:
-        return "the study gives no centrifugal_force"
-    family = CaseFamily.of(case, KEY)
-    amplitude = case.excitation.amplitude
-    low, high = (ratio * amplitude for ratio in (LOWEST_RATIO, HIGHEST_RATIO))
+    if force is None:  # the loads of the pairs are given, or follow from rotation
+        return response
+    try:
+        curve = performance_curve(case, force, model, response, progress, threads)
+    except StickslipError as error:
+        return replace(response, warnings=(*response.warnings, f"The performance curve was not computed: {error}"))
+    return replace(response, performance_curve=curve)
+
+
+def performance_curve(
+    case: TwoBladeCase, force: float, model: ReducedModel, response: ForcedResponse, progress: Progress, threads: int
+) -> PeakRidge:
+    """The ridge of peaks over the centrifugal force over the excitation force, from the peaks of the response.
+
+    The high peaks of the response at the centrifugal ``force`` (N) of the case, and those of the stuck structure under
+    the largest force, are followed. Raises InputError, ConvergenceError.
+    """
+    excitation = case.excitation.amplitude
+    low, high = (ratio * excitation for ratio in (LOWEST_RATIO, HIGHEST_RATIO))
     bounds = min(low, force), max(high, force)
     report = StageReport(lambda fraction, detail: progress.update("Performance curve", fraction, detail))
-    stages = CaseStages(family, model, report, threads)
+    stages = CaseStages(CaseFamily.of(case, KEY), model, report, threads)
     work = Work(MOST_CURVES * float(response.iterations.sum() + response.n_points))
-    ridges = RidgeMap(stages, bounds, report, PACE, "{:.4g} N".format, work)
-    try:
-        _follow_response(ridges, stages, force, response)
-        ridges.add_stuck(bounds[1])
-        ridges.refine()
-        return ridges.result(KEY, "N", next(iter(model.outputs)))
-    except StickslipError as error:
-        return str(error)
+    ridges = RidgeMap(stages, bounds, report, PACE, lambda value: f"{value:.4g} N", work)
+    _follow_response(ridges, model, force, response)
+    ridges.add_stuck(bounds[1])
+    ridges.refine()
+    name = next(iter(model.outputs))
+    curve = ridges.result(KEY, "N", name).over(excitation, NAME, "")
+    settings = {**curve.settings, "excitation_force_n": excitation, "centrifugal_force_n": force}
+    return replace(curve, settings=settings)
 
 
-def _follow_response(ridges: RidgeMap, stages: CaseStages, force: float, response: ForcedResponse) -> None:
+def _follow_response(ridges: RidgeMap, model: ReducedModel, force: float, response: ForcedResponse) -> None:
     """Follow the high peaks of the response of the case."""
-    output = next(iter(stages.model.outputs.values()))
+    output = next(iter(model.outputs.values()))
     found = peaks(response.frequency_hz, response.amplitude(output), response.part)
     for top in found:
         if top.bracketed and top.amplitude >= LEAST_FRACTION * found[0].amplitude:

@@ -10,7 +10,8 @@ from stickslip.core.errors import InputError
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import thread_count
 from stickslip.core.units import Quantity
-from stickslip.model.model import Model, ReducedModel, build_model, connect, load_joint, set_up
+from stickslip.model.model import ReducedModel, build_model, connect, load_joint, set_up
+from stickslip.model.layout import Layout
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.record import run_provenance
 from stickslip.solve.forced import DEFAULT_HARMONICS
@@ -76,7 +77,7 @@ class CaseStages:
     """The equations of a family of cases at each value; ``model`` is that of the case of the family."""
 
     family: CaseFamily
-    model: Model
+    model: ReducedModel
     report: StageReport
     threads: int
 
@@ -108,12 +109,27 @@ def ridge_options(case: Case) -> RidgeOptions:
     )
 
 
+def checked_range(
+    case: Case, key: str, limits: tuple[float | str, float | str], layout: Layout
+) -> tuple[CaseFamily, tuple[float, float]]:
+    """The family of a key and its range in SI units, after a check that both ends have a joint.
+
+    Raises InputError, StudyFileError, and RoughnessError where the roughness gives no usable contact.
+    """
+    family = CaseFamily.of(case, key)
+    bounds = family.bounds(limits)
+    if not family.changes_structure:
+        for value in bounds:
+            load_joint(family.at(value), layout)
+    return family, bounds
+
+
 def ridge(
     case: Case,
     key: str,
     limits: tuple[float | str, float | str],
     *,
-    model: Model | None = None,
+    model: ReducedModel | None = None,
     progress: Progress | None = None,
     threads: int | None = None,
 ) -> PeakRidge:
@@ -144,13 +160,9 @@ def ridge(
         for an unknown key, and values that the key or its law does not allow; StudyFileError if they contradict other
         keys. ConvergenceError if no peak can be followed.
     """
-    family = CaseFamily.of(case, key)
-    bounds = family.bounds(limits)
     listener, count = progress or SilentProgress(), thread_count(threads)
-    if not family.changes_structure:
-        layout = (model.joint.layout if model is not None else set_up(case).layout)
-        for value in bounds:  # the law of the stiffness may reject them
-            load_joint(family.at(value), layout)
+    layout = set_up(case).layout if model is None else model.joint.layout
+    family, bounds = checked_range(case, key, limits, layout)
     model = model or build_model(case, threads=count)
     report = StageReport(lambda fraction, detail: listener.update("Ridge of peaks", fraction, detail))
     stages = CaseStages(family, model, report, count)
