@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
@@ -49,8 +49,6 @@ INTERPOLATION_ERROR = 5e-4
 ERROR_OF_LEFT_OUT = 4.0
 # chosen: a ridge is refined where it has more than this fraction of the highest one, on both sides of a switch.
 NEAR_HIGHEST = 0.95
-# chosen: rounds of refinement, each of which halves intervals.
-MOST_ROUNDS = 4
 # Measured on the two blades (700 unknowns n, 330 rows m of pairs): the modes of a structure, which take a time of n^3,
 # last as long as 20 iterations of Newton's method, which take n m.
 PREPARATION = 20.0 * 330.0 / 700.0**2
@@ -307,40 +305,38 @@ class RidgeMap:
         )
 
     def refine(self) -> None:
-        """Add points where the interpolation of the highest ridge is not accurate enough."""
-        for _ in range(MOST_ROUNDS):
-            added = sum(self._refined(ridge) for ridge in self.ridges)
-            if not added:
+        """Add points where the interpolation of the highest ridge is least accurate, until it is accurate enough."""
+        given_up: set[float] = set()
+        while not self.work.is_used_up:
+            intervals = [each for ridge in self.ridges for each in self._inaccurate(ridge)]
+            worth = [each for each in intervals if each[2] not in given_up]
+            if not worth:
                 return
+            _, ridge, value, place = max(worth, key=lambda each: each[0])
+            low, high = ridge.points[place : place + 2]
+            search = self._searched(value)
+            found = search if isinstance(search, str) else self._pace.next_point(search, [low, high], value)[0]
+            if isinstance(found, str):
+                given_up.add(value)
+            else:
+                ridge.points.insert(place + 1, found)
 
-    def _refined(self, ridge: _Ridge) -> int:
-        """Halve the intervals of one ridge beside points whose interpolation from the others is far away."""
+    def _inaccurate(self, ridge: _Ridge) -> Iterator[tuple[float, _Ridge, float, int]]:
+        """Errors of the interpolation, with the middle and the number of the longer interval beside each of them.
+
+        The error at a point is the distance from the interpolation through all others.
+        """
         points = ridge.points
         places = np.log([each.parameter for each in points])
         heights = np.log([each.peak.amplitude for each in points])
-        wrong: set[int] = set()
         for i in range(1, len(points) - 1):
             others = np.arange(len(points)) != i
             error = abs(float(log_interpolated(places[others], heights[others], places[i : i + 1])[0] - heights[i]))
-            if error > ERROR_OF_LEFT_OUT * INTERPOLATION_ERROR and self._fraction_of_highest(points[i]) > NEAR_HIGHEST:
-                wrong |= {i - 1, i}
-        added = 0
-        for i in sorted(wrong, reverse=True):
-            low, high = points[i], points[i + 1]
-            if high.parameter / low.parameter < 1.0 + self._pace.smallest_step:
+            if error <= ERROR_OF_LEFT_OUT * INTERPOLATION_ERROR or self._fraction_of_highest(points[i]) < NEAR_HIGHEST:
                 continue
-            value = math.sqrt(low.parameter * high.parameter)
-            between = self._between(value, low, high)
-            if between is not None:
-                points.insert(i + 1, between)
-                added += 1
-        return added
-
-    def _between(self, value: float, low: RidgePoint, high: RidgePoint) -> RidgePoint | None:
-        """A point between two neighbours of a ridge; None if there is none."""
-        search = self._searched(value)
-        found = search if isinstance(search, str) else self._pace.next_point(search, [low, high], value)[0]
-        return None if isinstance(found, str) else found
+            longer = i if places[i + 1] - places[i] > places[i] - places[i - 1] else i - 1
+            if places[longer + 1] - places[longer] > 2.0 * self._pace.smallest_step:
+                yield error, ridge, math.exp(0.5 * (places[longer] + places[longer + 1])), longer
 
     def _needless(self, point: RidgePoint) -> str:
         """Why a ridge need not be followed beyond a point, or "" """

@@ -80,6 +80,7 @@ class CaseStages:
     model: ReducedModel
     report: StageReport
     threads: int
+    options: RidgeOptions
 
     def __call__(self, value: float, earlier: RidgeStage | None) -> RidgeStage:
         """Raises InputError, RoughnessError, ConvergenceError (solved preload)."""
@@ -88,7 +89,7 @@ class CaseStages:
         output = next(iter(model.outputs.values()))
         problem = model.superelement, model.pairs, model.excitation
         ratio = case.damping.modal_damping_ratio
-        return RidgeStage.of(problem, output, ridge_options(case), ratio, self.report, earlier)
+        return RidgeStage.of(problem, output, self.options, ratio, self.report, earlier)
 
     def model_at(self, case: Case) -> ReducedModel:
         """The model of a case of the family."""
@@ -97,15 +98,15 @@ class CaseStages:
         return connect(case, self.model.reduced, load_joint(case, self.model.joint.layout))
 
 
-def ridge_options(case: Case) -> RidgeOptions:
-    """The options of [solver]."""
+def ridge_options(case: Case, tolerance: float) -> RidgeOptions:
+    """The options of [solver], with a tolerance of Newton's method."""
     settings = case.solver
     return RidgeOptions(
         (settings.frequency_start, settings.frequency_stop),
         settings.harmonics or DEFAULT_HARMONICS,
         settings.samples,
         settings.update,
-        NewtonSettings(tolerance=settings.tolerance),
+        NewtonSettings(tolerance=tolerance),
     )
 
 
@@ -165,7 +166,7 @@ def ridge(
     family, bounds = checked_range(case, key, limits, layout)
     model = model or build_model(case, threads=count)
     report = StageReport(lambda fraction, detail: listener.update("Ridge of peaks", fraction, detail))
-    stages = CaseStages(family, model, report, count)
+    stages = CaseStages(family, model, report, count, ridge_options(case, case.solver.tolerance))
     name = next(iter(model.outputs))
     result = ridge_between(stages, bounds, report, count, key, family.quantity.si_unit, name)
     return replace(result, provenance={**result.provenance, **run_provenance()})

@@ -202,7 +202,6 @@ class StuckStructure:
     circular_frequency: FloatArray  # (n,) rad/s, ascending
     modes: FloatArray  # (n, n), mass-normalised
     modal_damping: FloatArray  # (n,) if the modes diagonalise the damping, else (n, n)
-    damping: FloatArray  # (n, n) N s/m, also with modal damping ratios
     highest_omega: float  # rad/s
     origin: Origin  # superelement, highest circular frequency, and damping ratio of the modes, that it was computed from
 
@@ -216,6 +215,14 @@ class StuckStructure:
             and np.array_equal(own.resting_stiffness(), pairs.resting_stiffness())
             and np.array_equal(restrained(own), restrained(pairs))
         )
+
+    @cached_property
+    def damping(self) -> FloatArray:
+        """(n, n) N s/m, also with modal damping ratios."""
+        superelement, _, ratio = self.origin
+        if ratio is not None:
+            return modal_damping_matrix(superelement.mass, self.modes, self.modal_damping)
+        return np.zeros(self.modes.shape) if superelement.damping is None else superelement.damping
 
     @cached_property
     def contact_modes(self) -> FloatArray:
@@ -265,15 +272,13 @@ def stuck_structure(
     modal: FloatArray | None
     if modal_damping_ratio is not None:
         modal = modal_damping(frequency, modal_damping_ratio, highest_omega)
-        damping = modal_damping_matrix(superelement.mass, modes, modal)
     elif superelement.damping is None:
-        damping, modal = np.zeros((n, n)), np.zeros(n)
+        modal = np.zeros(n)
     else:
-        damping = superelement.damping
-        modal = diagonal_modal_damping(damping, modes)
+        modal = diagonal_modal_damping(superelement.damping, modes)
         if modal is None:
-            modal = modes.T @ damping @ modes
-    return StuckStructure(pairs, mean, restraint, frequency, modes, modal, damping, highest_omega, origin)
+            modal = modes.T @ superelement.damping @ modes
+    return StuckStructure(pairs, mean, restraint, frequency, modes, modal, highest_omega, origin)
 
 
 def require_one_size(superelement: Superelement, pairs: ContactPairs) -> None:
