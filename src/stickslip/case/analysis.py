@@ -75,7 +75,9 @@ class RidgeAnalysis(AnalysisSection):
 
     kind: Literal["ridge"] = Field(default="ridge", description=KIND)
     over: str = Field(
-        default="preload.centrifugal_force", description="the key that changes: any quantity, section.key", max_length=200
+        default="preload.centrifugal_force",
+        description="the key that changes: any quantity, section.key",
+        max_length=200,
     )
     over_from: float | str = Field(default="50 N", description="its range, each value as at its own place; above zero")
     over_to: float | str = Field(default="5 kN")

@@ -29,7 +29,10 @@ def _peaks_over_a_key(view: View) -> PeakRidge | None:
 
 
 def _axis_words(ridge: PeakRidge) -> str:
-    words = f"{ridge.parameter_name[:1].upper()}{ridge.parameter_name[1:]}" if " " in ridge.parameter_name else ridge.parameter_name
+    """Name and unit of the parameter; a key of a study stays as it is."""
+    words = ridge.parameter_name
+    if " " in words:
+        words = words[:1].upper() + words[1:]
     return f"{words}, {ridge.parameter_unit}" if ridge.parameter_unit else words
 
 
@@ -57,7 +60,10 @@ def _panel(ridge: PeakRidge, here: Optimum | None, of_amplitude: bool) -> list[d
 
     unit = "µm" if of_amplitude else "Hz"
     hover = PlotMarkup("%{{y:.5g}} {} at %{{x:.4g}} {}").format(unit, ridge.parameter_unit)
-    stuck, free = chosen(ridge.stuck_amplitude, ridge.stuck_frequency_hz), chosen(ridge.free_amplitude, ridge.free_frequency_hz)
+    stuck, free = (
+        chosen(ridge.stuck_amplitude, ridge.stuck_frequency_hz),
+        chosen(ridge.free_amplitude, ridge.free_frequency_hz),
+    )
     traces = [
         line_trace("linear, all stuck", ridge.stuck_parameter, stuck, BLUE, "dash", hovertemplate=hover),
         line_trace("linear, no contact", ridge.free_parameter, free, ORANGE, "dot", hovertemplate=hover),
@@ -67,9 +73,16 @@ def _panel(ridge: PeakRidge, here: Optimum | None, of_amplitude: bool) -> list[d
         values = chosen(ridge.amplitude[points], ridge.frequency_hz[points])
         traces.append(
             line_trace(
-                "computed peaks", ridge.parameter[points], values, GREY, width=1.0, mode="markers",
-                marker={"size": 5, "color": GREY}, showlegend=place == 0, hovertemplate=hover,
-            )  # fmt: skip
+                "computed peaks",
+                ridge.parameter[points],
+                values,
+                GREY,
+                width=1.0,
+                mode="markers",
+                marker={"size": 5, "color": GREY},
+                showlegend=place == 0,
+                hovertemplate=hover,
+            )
         )
     values = chosen(top.amplitude, top.frequency_hz)
     highest = line_trace("highest peak", [], [], INK, width=2.5, hovertemplate=hover)
@@ -126,14 +139,14 @@ def _performance_words(view: View) -> Iterator[str]:
     force = float(ridge.settings["excitation_force_n"])
     best, lowest = ridge.optimum, ridge.lowest
     yield (
-        f"Highest peak of {view.study.response_output} under the excitation of this study, {number(force)} N, while the "
-        "centrifugal force of the damper changes: another mass, or another speed. The normal load and the contact "
+        f"Highest peak of {view.study.response_output} under the excitation of this study, {number(force)} N, while "
+        "the centrifugal force of the damper changes: another mass, or another speed. The normal load and the contact "
         "stiffness of the study follow from that force, so that the linear stuck limit changes too."
     )
     if best.is_inside:
         yield (
-            f"The optimum is at {number(best.parameter, 3)} times the excitation force, {number(force * best.parameter, 3)} N: "
-            f"{number(MICRO * best.amplitude)} µm at {best.frequency_hz:.2f} Hz."
+            f"The optimum is at {number(best.parameter, 3)} times the excitation force, "
+            f"{number(force * best.parameter, 3)} N: {number(MICRO * best.amplitude)} µm at {best.frequency_hz:.2f} Hz."
         )
         if lowest.amplitude < 0.99 * best.amplitude:
             yield (

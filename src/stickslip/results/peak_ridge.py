@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -98,9 +98,7 @@ class PeakRidge(Labelled):
 
     parameter: FloatArray = field(metadata=stored(Numbers(_POINTS, "1", "parameter, in parameter_unit")))
     amplitude: FloatArray = field(metadata=stored(Numbers(_POINTS, "m", "peak amplitude of the output, 0-to-peak")))
-    frequency_hz: FloatArray = field(
-        metadata=stored(Numbers(_POINTS, "Hz", "frequency of the peak", name="frequency"))
-    )
+    frequency_hz: FloatArray = field(metadata=stored(Numbers(_POINTS, "Hz", "frequency of the peak", name="frequency")))
     ridge: NDArray[np.int64] = field(metadata=stored(WholeNumbers(_POINTS, "1", "number of the ridge")))
     is_corner: NDArray[np.bool_] = field(metadata=stored(Flags(_POINTS, "1", "1 at a corner of the frequency curve")))
     curvature: FloatArray = field(
@@ -165,7 +163,7 @@ class PeakRidge(Labelled):
 
     def over(self, scale: float, name: str, unit: str) -> PeakRidge:
         """The same ridges over the parameter divided by ``scale``, with another name and unit."""
-        scaled = {
+        scaled: dict[str, Any] = {
             key: np.asarray(getattr(self, key)) / scale
             for key in ("parameter", "stuck_parameter", "free_parameter", "start", "stop")
         }
@@ -176,7 +174,7 @@ class PeakRidge(Labelled):
         return np.flatnonzero(self.ridge == ridge)
 
     def at(self, parameter: ArrayLike) -> HighestPeak:
-        """The highest peak at values of the parameter (n,), between the points by cubic interpolation of the logarithms.
+        """The highest peak at values of the parameter (n,): between the points, by cubic interpolation of logarithms.
 
         Raises InputError for a value that is not above zero.
         """
@@ -209,7 +207,7 @@ class PeakRidge(Labelled):
         """(n,) values of the parameter from start to stop, with all points and others between them."""
         places = np.unique(np.log(np.append(self.parameter, [self.start, self.stop])))
         between = np.linspace(places[:-1], places[1:], GRID_PER_INTERVAL, endpoint=False)
-        return np.exp(np.append(between.T.ravel(), places[-1]))
+        return np.asarray(np.exp(np.append(between.T.ravel(), places[-1])))
 
     def highest(self) -> HighestPeak:
         """The highest peak on :attr:`grid`."""
@@ -265,8 +263,8 @@ class PeakRidge(Labelled):
         return RidgePicture(
             top.parameter, top.amplitude, top.frequency_hz, self.parameter, self.amplitude, self.frequency_hz,
             self.ridge, self.stuck_parameter, self.stuck_amplitude, self.stuck_frequency_hz, self.free_parameter,
-            self.free_amplitude, self.free_frequency_hz, best.parameter, best.amplitude, best.frequency_hz, self.parameter_name,
-            self.parameter_unit, self.output_name,
+            self.free_amplitude, self.free_frequency_hz, best.parameter, best.amplitude, best.frequency_hz,
+            self.parameter_name, self.parameter_unit, self.output_name,
         )  # fmt: skip
 
     def words(self) -> Iterator[str]:
@@ -289,9 +287,7 @@ class PeakRidge(Labelled):
 
 
 def _optimum(top: HighestPeak, place: int, is_inside: bool) -> Optimum:
-    return Optimum(
-        float(top.parameter[place]), float(top.amplitude[place]), float(top.frequency_hz[place]), is_inside
-    )
+    return Optimum(float(top.parameter[place]), float(top.amplitude[place]), float(top.frequency_hz[place]), is_inside)
 
 
 def log_interpolated(places: FloatArray, curve: FloatArray, at: FloatArray) -> FloatArray:
@@ -299,5 +295,5 @@ def log_interpolated(places: FloatArray, curve: FloatArray, at: FloatArray) -> F
     through three neighbours; linear for two points, constant for one."""
     if places.size == 1:
         return np.full(at.size, curve[0])
-    slopes = np.gradient(curve, places, edge_order=min(2, places.size - 1))
+    slopes = np.gradient(curve, places, edge_order=2 if places.size > 2 else 1)
     return np.asarray(CubicHermiteSpline(places, curve, slopes)(at))

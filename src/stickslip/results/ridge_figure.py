@@ -66,7 +66,9 @@ def ridge_figure(picture: RidgePicture) -> Figure:
             axes.plot(picture.parameter[here], scale * points[here], ".-", color=GREY, linewidth=0.8, markersize=4)
         axes.plot(picture.highest_parameter, scale * highest, color=INK, linewidth=2.0, label="highest peak")
         axes.set_xscale("log")
-    label = f"optimum: {_MICRO * picture.best_amplitude:.4g} µm at {picture.best_parameter:.4g} {picture.parameter_unit}"
+    label = (
+        f"optimum: {_MICRO * picture.best_amplitude:.4g} µm at {picture.best_parameter:.4g} {picture.parameter_unit}"
+    )
     above.plot(picture.best_parameter, _MICRO * picture.best_amplitude, "D", color=VERMILLION, label=label.rstrip())
     below.plot(picture.best_parameter, picture.best_hz, "D", color=VERMILLION)
     above.set_yscale("log")

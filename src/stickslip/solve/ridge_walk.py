@@ -114,9 +114,10 @@ def follow(
         is_last = step > 0.7 * left  # no tiny step at the end
         length = left if is_last else step
         value = stop if is_last else math.exp(here + direction * length)
-        search, after, error = search_at(value), "", math.inf
+        search = search_at(value)
+        after: RidgePoint | str
         if isinstance(search, str):
-            after = search
+            after, error = search, math.inf
         else:
             after, error = pace.next_point(search, points[-PREDICTED_FROM:], value)
         if isinstance(after, str):

@@ -18,7 +18,8 @@ from stickslip.model.model import ReducedModel
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.peaks import peaks
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.ridge import LEAST_FRACTION, RidgeMap, Work
+from stickslip.solve.ridge_map import LEAST_FRACTION, RidgeMap
+from stickslip.solve.ridge_stage import Work
 from stickslip.solve.ridge_walk import Pace
 from stickslip.solve.setting_up import StageReport
 from stickslip.study.ridge import CaseFamily, CaseStages, ridge_options
@@ -30,38 +31,47 @@ NAME = "centrifugal force over excitation force"
 LOWEST_RATIO, HIGHEST_RATIO = 0.1, 100.0
 # A picture: coarser steps than those of a ridge, and it ends where a bouncing damper would need tiny ones.
 PACE = Pace(first_step=0.2, smallest_step=0.02, largest_step=0.8, wanted_error=0.04)
-# chosen: relative error of the balance, of which an amplitude has 1e-5 at most: a third less iterations than with that of
-# [solver].
+# chosen: relative error of the balance. That of the amplitude is below 1e-5, and it takes a third less iterations than
+# the tolerance of [solver].
 TOLERANCE = 1e-6
 # chosen: work of the curve over that of the frequency curve of the study; with the preparation of the values it takes
 # less than the time of three of them.
 MOST_CURVES = 1.9
 
 
+def has_performance_curve(case: Case) -> bool:
+    """Whether a run computes the curve: of two blades whose loads follow from a centrifugal force."""
+    return (
+        isinstance(case, TwoBladeCase)
+        and case.analysis.performance_curve
+        and case.preload.centrifugal_force is not None
+    )
+
+
 def with_performance_curve(
     case: Case, model: ReducedModel, response: ForcedResponse, progress: Progress, threads: int
 ) -> ForcedResponse:
     """The response with its performance curve, if the case has one; a warning where it could not be computed."""
-    if not isinstance(case, TwoBladeCase) or not case.analysis.performance_curve:
-        return response
-    force = case.preload.centrifugal_force
-    if force is None:  # the loads of the pairs are given, or follow from rotation
+    if not has_performance_curve(case):
         return response
     try:
-        curve = performance_curve(case, force, model, response, progress, threads)
+        curve = performance_curve(case, model, response, progress, threads)
     except StickslipError as error:
         return replace(response, warnings=(*response.warnings, f"The performance curve was not computed: {error}"))
     return replace(response, performance_curve=curve)
 
 
 def performance_curve(
-    case: TwoBladeCase, force: float, model: ReducedModel, response: ForcedResponse, progress: Progress, threads: int
+    case: Case, model: ReducedModel, response: ForcedResponse, progress: Progress, threads: int
 ) -> PeakRidge:
     """The ridge of peaks over the centrifugal force over the excitation force, from the peaks of the response.
 
-    The high peaks of the response at the centrifugal ``force`` (N) of the case, and those of the stuck structure under
-    the largest force, are followed. Raises InputError, ConvergenceError.
+    The high peaks of the response, and those of the stuck structure under the largest centrifugal force, are followed.
+    Raises InputError, ConvergenceError.
     """
+    assert isinstance(case, TwoBladeCase)
+    force = case.preload.centrifugal_force
+    assert force is not None  # see has_performance_curve
     excitation = case.excitation.amplitude
     low, high = (ratio * excitation for ratio in (LOWEST_RATIO, HIGHEST_RATIO))
     bounds = min(low, force), max(high, force)

@@ -10,13 +10,14 @@ from stickslip.core.errors import InputError
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.core.threads import thread_count
 from stickslip.core.units import Quantity
-from stickslip.model.model import ReducedModel, build_model, connect, load_joint, set_up
 from stickslip.model.layout import Layout
+from stickslip.model.model import ReducedModel, build_model, connect, load_joint, set_up
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.record import run_provenance
 from stickslip.solve.forced import DEFAULT_HARMONICS
 from stickslip.solve.path.newton import NewtonSettings
-from stickslip.solve.ridge import RidgeOptions, RidgeStage, ridge_between
+from stickslip.solve.ridge import ridge_between
+from stickslip.solve.ridge_stage import RidgeOptions, RidgeStage
 from stickslip.solve.setting_up import StageReport
 
 # Sections whose keys change neither the mesh nor its reduction.
@@ -141,8 +142,8 @@ def ridge(
     case:
         the study.
     key:
-        a quantity, ``section.key`` or ``section.NAME.key``, such as "preload.centrifugal_force", "excitation.amplitude",
-        "friction.coefficient", "roughness.fractal_dimension".
+        a quantity, ``section.key`` or ``section.NAME.key``, such as "preload.centrifugal_force",
+        "excitation.amplitude", "friction.coefficient", "roughness.fractal_dimension".
     limits:
         (start, stop) of the key, each as in a study file: a number in SI units or a text with a unit; above zero.
     model:

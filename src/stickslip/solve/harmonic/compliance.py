@@ -203,7 +203,9 @@ class StuckStructure:
     modes: FloatArray  # (n, n), mass-normalised
     modal_damping: FloatArray  # (n,) if the modes diagonalise the damping, else (n, n)
     highest_omega: float  # rad/s
-    origin: Origin  # superelement, highest circular frequency, and damping ratio of the modes, that it was computed from
+    origin: (
+        Origin  # superelement, highest circular frequency, and damping ratio of the modes, that it was computed from
+    )
 
     def is_of(self, origin: Origin, pairs: ContactPairs) -> bool:
         """Whether the structure of other pairs has these modes: the same matrices, positions and springs at rest."""

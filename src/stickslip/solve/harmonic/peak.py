@@ -7,9 +7,9 @@ resonance, also where the curve folds. The tangent ``t = (x', w')`` per radian o
 
 and the condition of a maximum is ``g' = grad(log amplitude) . t = 0`` with ``g'' < 0``. The amplitude is the largest
 absolute value over the period; at fixed instant its gradient is that of the output (envelope theorem). Of a linear
-resonance ``g = log(cos(s)) + constant``, so ``g'' = -1`` at its peak. ``g''`` is the difference of slopes between points
-of the curve: sampled forces change slope when a sample changes its state, and only a difference over many such events
-contains the shift of the instants of slip (docs/theory_ridge.md).
+resonance ``g = log(cos(s)) + constant``, so ``g'' = -1`` at its peak. ``g''`` is the difference of slopes between
+points of the curve: sampled forces change slope when a sample changes its state, and only a difference over many such
+events contains the shift of the instants of slip (docs/theory_ridge.md).
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from stickslip.solve.harmonic.reduced import BorderedSystem, LastFactor, NewtonS
 from stickslip.solve.path.newton import Newton
 from stickslip.solve.path.problem import Plane, Step
 
-# chosen: relative rise of the amplitude from the last point to the peak that a parabola supplies. Half of it is wrong at
-# most where sampling blurs the curvature: 0.01 %.
+# chosen: relative rise of the amplitude from the last point to the peak that a parabola supplies. Half of it is wrong
+# at most where sampling blurs the curvature: 0.01 %.
 LAST_RISE = 2e-4
 # chosen: largest step along the curve in rad of lag, and the largest way of a search: beyond it is another peak.
 LARGEST_STEP, LONGEST_WAY = 0.4, 1.2
@@ -67,8 +67,7 @@ class CurvePeak:
     """A maximum of the amplitude along a frequency curve.
 
     ``probe`` is its last computed point, ``curvature`` is g'' there; ``is_corner``: slopes of both signs meet, so that
-    the curve has a corner at the peak. ``iterations`` are those of Newton's method in the whole search, ``points`` its
-    points of the curve.
+    the curve has a corner at the peak. ``iterations`` are those of Newton's method in the whole search.
     """
 
     probe: Probe
@@ -77,7 +76,6 @@ class CurvePeak:
     curvature: float
     is_corner: bool
     iterations: int
-    points: int
 
 
 class BoundedCurve(FrequencyCurve):
@@ -100,7 +98,8 @@ class PeakSearch:
     """Searches maxima of one output along one frequency curve.
 
     ``mean_row`` gives the row of the output for the mean of a trial, without the way of a body that walks;
-    ``stuck_omega`` (n,) are the frequencies of the stuck modes in rad/s; the ``last`` factor may be shared with searches at other values.
+    ``stuck_omega`` (n,) are the frequencies of the stuck modes in rad/s; searches at other values may share the
+    ``last`` factor.
     """
 
     def __init__(
@@ -118,6 +117,7 @@ class PeakSearch:
         self._mean_row = mean_row
         self.stuck_omega = stuck_omega
         self.last_factor = last
+        self.on_point: Callable[[], None] = lambda: None
 
     @property
     def balance(self) -> Balance:
@@ -150,11 +150,14 @@ class PeakSearch:
 
     def _probe(self, point: BalancePoint, iterations: int) -> Probe:
         """Amplitude, slope and tangent at a point of the curve."""
+        self.on_point()
         balance, trial = self.balance, point.trial
         by_omega = balance.amplitude_slope(trial)
         lag = _lag_weights(trial.amplitude)
         rows = [amplitude_row(balance, trial, lag, [by_omega])]
-        system = BorderedSystem(NewtonSystem(balance, trial), [balance.residual_slope(by_omega)], rows, self.last_factor)
+        system = BorderedSystem(
+            NewtonSystem(balance, trial), [balance.residual_slope(by_omega)], rows, self.last_factor
+        )
         tangent = system.solve(np.zeros_like(trial.residual), np.ones(1), TANGENT_TOLERANCE)
         if not np.isfinite(tangent.parameters).all():
             return Probe(point, math.nan, math.nan, tangent, iterations)
@@ -193,11 +196,11 @@ class PeakSearch:
             else:
                 falling = probe
             if curvature < 0.0 and probe.slope**2 <= 2.0 * LAST_RISE * -curvature:
-                return self._inside(_peak_of(probe, curvature, False, iterations, count))
+                return self._inside(_peak_of(probe, curvature, False, iterations))
             if rising is not None and falling is not None:
                 if _rise_of_corner(rising, falling) <= LAST_RISE:
                     best = max(rising, falling, key=lambda each: each.amplitude)
-                    return self._inside(_peak_of(best, curvature, True, iterations, count))
+                    return self._inside(_peak_of(best, curvature, True, iterations))
                 step = _inside_bracket(rising, falling, count % 2 == 0) - probe.lag
             else:
                 wanted = probe.slope / -min(FLATTEST, max(SHARPEST, curvature))
@@ -246,12 +249,12 @@ def _lag_weights(amplitude: FloatArray) -> FloatArray:
     return turned / size if size > 0.0 else turned
 
 
-def _peak_of(probe: Probe, curvature: float, is_corner: bool, iterations: int, points: int) -> CurvePeak:
+def _peak_of(probe: Probe, curvature: float, is_corner: bool, iterations: int) -> CurvePeak:
     """The maximum of the parabola at the last point; a corner is that point."""
     ahead = 0.0 if is_corner else -probe.slope / curvature
     omega = float(probe.point.parameters[0] + ahead * probe.tangent.parameters[0])
     amplitude = probe.amplitude * math.exp(0.5 * ahead * probe.slope)
-    return CurvePeak(probe, amplitude, omega, curvature, is_corner, iterations, points)
+    return CurvePeak(probe, amplitude, omega, curvature, is_corner, iterations)
 
 
 def _corner(rising: Probe, falling: Probe) -> float:
