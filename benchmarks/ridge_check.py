@@ -2,6 +2,7 @@
 
     python benchmarks/ridge_check.py              # all rows, about an hour on one core
     python benchmarks/ridge_check.py blade        # rows whose name begins so
+    python benchmarks/ridge_check.py performance  # process time of the performance curve over that of its study
 
 Each row compares the highest peak of the ridge with that of whole frequency curves, with steps of at most FINE of the
 range, at VALUES values over the range, most of them between the points of the ridge. The points of the ridge, those of
@@ -17,8 +18,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from blade_problem import load_blade_problem
+from threadpoolctl import threadpool_limits
 
 import stickslip as ss
+from stickslip.core.progress import SilentProgress
+from stickslip.study.analyses import solve
+from stickslip.study.performance_curve import with_performance_curve
 
 VALUES, DENSE, FINE = 13, 40, 0.03
 STIFFNESS = {"contact_stiffness.normal_stiffness": 1.34e8, "contact_stiffness.tangential_stiffness": 1.11e8}
@@ -96,15 +101,37 @@ ROWS = (
     lambda: case_row("excitation.amplitude", (30.0, 1000.0), {}),
     lambda: case_row("friction.coefficient", (0.1, 0.8), {}),
     lambda: case_row("contact_stiffness.tangential_stiffness", (1e7, 1e9), STIFFNESS),
-    lambda: case_row("roughness.fractal_dimension", (2.2, 2.6), {}),
+    lambda: case_row("roughness.fractal_dimension", (2.38, 2.7), {}),
     lambda: case_row("roughness.fractal_roughness", (1e-9, 1e-7), {}),
     lambda: blade_row("force", (0.2, 3.0)),
     lambda: blade_row("normal load", (0.35, 5.0)),
 )
 
 
+def performance() -> None:
+    """Print the process time of the performance curve of the default study over that of its frequency curve."""
+    case = ss.TwoBladeCase()
+    seconds = []
+    for with_curve in (False, False, True):  # the first compiles
+        chosen = case.replace({"analysis.performance_curve": with_curve})
+        model = ss.build_model(chosen)
+        with threadpool_limits(limits=1):
+            began = time.process_time()
+            response = solve(chosen, model, threads=1)
+            curve_seconds = time.process_time() - began
+            began = time.process_time()
+            response = with_performance_curve(chosen, model, response, SilentProgress(), 1)
+            seconds = [curve_seconds, time.process_time() - began]
+    curve = response.performance_curve
+    print(f"{curve!r}: {curve.message}", *curve.words(), sep="\n")
+    print(f"{seconds[1]:.1f} s over {seconds[0]:.1f} s of the frequency curve: {seconds[1] / seconds[0]:.2f}")
+
+
 def main(names: list[str]) -> None:
     """Print the table."""
+    if names == ["performance"]:
+        performance()
+        return
     print("| key | range | errors of the ridge | switches | points of ridge / dense | process time of ridge / dense |")
     print("|---|---|---|---|---|---|")
     for make in ROWS:

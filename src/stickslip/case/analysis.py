@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
 
 from stickslip.case.section import Section, of_kind
 from stickslip.core.errors import InputError
@@ -44,6 +44,10 @@ class AnalysisSection(Section):
     )
 
 
+# A value of another key: it is read as that key, so a number is stored as its text.
+Limit = Annotated[
+    str, BeforeValidator(lambda value: repr(value) if type(value) in (int, float) else value), Field(max_length=100)
+]
 MODE_KEYS = ("mode", "limit", "smallest_amplitude", "largest_amplitude")
 RIDGE_KEYS = ("over", "over_from", "over_to")
 KIND = "forced, mode or ridge"
@@ -79,8 +83,10 @@ class RidgeAnalysis(AnalysisSection):
         description="the key that changes: any quantity, section.key",
         max_length=200,
     )
-    over_from: float | str = Field(default="50 N", description="its range, each value as at its own place; above zero")
-    over_to: float | str = Field(default="5 kN")
+    over_from: Limit = Field(
+        default="50 N", description="its range: values above zero, with a unit as at its own place"
+    )
+    over_to: Limit = Field(default="5 kN")
 
 
 class ModeAnalysis(AnalysisSection):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from os import PathLike
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -13,6 +14,7 @@ from scipy.signal import find_peaks
 
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, finite_array, require_positive
+from stickslip.results.groups import read_groups, write_groups
 from stickslip.results.ridge_figure import RidgePicture, ridge_figure
 from stickslip.results.variables import Attribute, Flags, Json, Labelled, Numbers, Text, WholeNumbers, stored
 
@@ -266,6 +268,15 @@ class PeakRidge(Labelled):
             self.free_amplitude, self.free_frequency_hz, best.parameter, best.amplitude, best.frequency_hz,
             self.parameter_name, self.parameter_unit, self.output_name,
         )  # fmt: skip
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write one NetCDF-4 file, completely or not at all. Raises ResultsFileError if it cannot be written."""
+        write_groups(path, self.to_groups())
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> PeakRidge:
+        """Read a file of :meth:`save`; the object is equal. Raises ResultsFileError."""
+        return read_groups(path, cls.from_group)
 
     def words(self) -> Iterator[str]:
         """Sentences on the optimum and on switches."""

@@ -48,7 +48,8 @@ class _Ridge:
 class RidgeMap:
     """Ridges over a range of the parameter.
 
-    ``stage_at`` gives the equations at a value, ``named`` a value in words; ``work`` limits the work.
+    ``stage_at`` gives the equations at a value, ``named`` a value in words; ``work`` limits the work; ``modes`` are the
+    numbers from 0 of the stuck modes whose linear peaks count, None for all.
     """
 
     def __init__(
@@ -59,11 +60,13 @@ class RidgeMap:
         pace: Pace | None = None,
         named: Callable[[float], str] = "{:.4g}".format,
         work: Work | None = None,
+        modes: frozenset[int] | None = None,
     ) -> None:
         self._make_stage = stage_at
         self._earlier: RidgeStage | None = None
         self._stage_at = lru_cache(maxsize=2)(self._counted_stage)
         self.work = work or Work()
+        self._modes = modes
         self._bounds = bounds
         self._report = report
         self._pace = pace or Pace()
@@ -79,7 +82,8 @@ class RidgeMap:
         stage = self._make_stage(value, self._earlier)
         self.work.prepare(stage, self._earlier)
         self._earlier = stage
-        self._stuck[value] = stage.stuck_peak()
+        if stuck := stage.stuck_peaks(self._modes):
+            self._stuck[value] = stuck[0]
         return stage.counted(self.work)
 
     def add_curve(self, value: float) -> None:
@@ -120,7 +124,7 @@ class RidgeMap:
     def add_stuck(self, value: float) -> None:
         """Follow the peaks near those of the linear stuck structure at a value, where they are also solutions."""
         stage = self._stage_at(value)
-        found = stage.balances.closed.peaks(stage.window, stage.balances.force, stage.output)
+        found = stage.stuck_peaks(self._modes)
         for top in found:
             if top.bracketed and top.amplitude >= LEAST_FRACTION * found[0].amplitude:
                 omega = 2.0 * math.pi * top.frequency_hz

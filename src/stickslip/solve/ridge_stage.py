@@ -94,10 +94,21 @@ class RidgeStage:
         """The frequency curve."""
         return self.search.curve
 
-    def stuck_peak(self) -> Peak:
-        """The highest linear peak with stuck contacts."""
-        force = self.balances.force
-        return self.balances.closed.peaks(self.window, force, self.output)[0]
+    def stuck_peaks(self, modes: frozenset[int] | None = None) -> list[Peak]:
+        """The linear peaks with stuck contacts, highest first; those closest to some ``modes`` (from 0), None for all.
+
+        If the highest amplitude is at an end of the window, this is a peak that is not bracketed.
+        """
+        found = self.balances.closed.peaks(self.window, self.balances.force, self.output)
+        if modes is None:
+            return found
+        natural_hz = self.balances.closed.natural_hz
+        return [each for each in found if int(np.abs(natural_hz - each.frequency_hz).argmin()) in modes]
+
+    def modes_between(self, window: tuple[float, float]) -> frozenset[int]:
+        """Numbers from 0 of the stuck modes in a frequency range, Hz."""
+        natural_hz = self.balances.closed.natural_hz
+        return frozenset(np.flatnonzero((natural_hz >= min(window)) & (natural_hz <= max(window))).tolist())
 
     def free_peak(self) -> Peak:
         """The highest linear peak without contacts."""

@@ -61,14 +61,15 @@ class Pace:
         of the extrapolated logarithm of the amplitude. The interpolation between the points is then some ten times
         better than 0.1 %.
     largest_error:
-        above it the step is repeated with half its length: the search arrived at another peak.
+        above it the step is repeated with half its length: the search arrived at another peak. After the first point,
+        which predicts no change, twice this error is allowed.
     """
 
     first_step: float = 0.1
     smallest_step: float = 2e-3
     largest_step: float = 0.6
     wanted_error: float = 0.02
-    largest_error: float = 0.2
+    largest_error: float = 0.1
     most_points: int = 200
 
     def next_point(self, search: PeakSearch, near: list[RidgePoint], value: float) -> tuple[RidgePoint | str, float]:
@@ -88,7 +89,7 @@ class Pace:
         if isinstance(found, str):
             return found, math.inf
         error = abs(math.log(found.amplitude) - height)
-        if error > self.largest_error:
+        if error > self.largest_error * (2.0 if len(near) == 1 else 1.0):
             return "the peak becomes another one", error
         return RidgePoint(value, found, mode, mode_omega), error
 

@@ -58,7 +58,7 @@ class CaseFamily:
         values = []
         for limit in limits:
             try:
-                values.append(self.quantity.parse(limit))
+                values.append(self.quantity.parse(_number_or_text(limit)))
             except InputError as error:
                 raise InputError(f"{self.key} = {limit} {error}", arguments=[self.key]) from error
         low, high = min(values), max(values)
@@ -71,6 +71,14 @@ class CaseFamily:
         for value in (low, high):
             self.at(value)
         return low, high
+
+
+def _number_or_text(limit: float | str) -> float | str:
+    """The number that a text is, or the text with its unit."""
+    try:
+        return float(limit)
+    except ValueError:
+        return limit
 
 
 @dataclass(frozen=True)
