@@ -83,9 +83,7 @@ class RidgeAnalysis(AnalysisSection):
         description="the key that changes: any quantity, section.key",
         max_length=200,
     )
-    over_from: Limit = Field(
-        default="50 N", description="its range: values above zero, with a unit as at its own place"
-    )
+    over_from: Limit = Field(default="50 N", description="its range: values above zero, each with its unit")
     over_to: Limit = Field(default="5 kN")
 
 

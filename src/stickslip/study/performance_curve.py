@@ -71,9 +71,8 @@ def performance_curve(
 ) -> PeakRidge:
     """The ridge of peaks over the centrifugal force over the excitation force, from the peaks of the response.
 
-    The high peaks of the response are followed, and those of the stuck structure under the largest centrifugal force, of
-    the modes that are in the frequency range of the study under its own force.
-    Raises InputError, ConvergenceError.
+    The high peaks of the response are followed, and those of the stuck structure under the largest centrifugal force,
+    of the modes that are in the frequency range of the study under its own force. Raises InputError, ConvergenceError.
     """
     assert isinstance(case, TwoBladeCase)
     force = case.preload.centrifugal_force
