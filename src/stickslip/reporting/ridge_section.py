@@ -178,17 +178,20 @@ def _ridge_words(view: View) -> Iterator[str]:
     yield from (words for words in _common_words(ridge) if "another peak" not in words)
 
 
+_TEMPLATE = """\
+<p class="note">{{ words }}</p>
+  <div class="two">
+    {{ parts.figure(prefix ~ "-amplitude", "Peak amplitude", "Peak amplitude: " ~ title) }}
+    {{ parts.figure(prefix ~ "-frequency", "Peak frequency", "Peak frequency: " ~ title) }}
+  </div>
+"""
+
+
 def _section(heading: str, prefix: str, ridge_of: RidgeOf, words: Callable[[View], Iterator[str]]) -> Section:
     return Section(
         heading,
-        f"""\
-<p class="note">{{{{ words }}}}</p>
-  <div class="two">
-    {{{{ parts.figure("{prefix}-amplitude", "Peak amplitude", "Peak amplitude, {heading}") }}}}
-    {{{{ parts.figure("{prefix}-frequency", "Peak frequency", "Peak frequency, {heading}") }}}}
-  </div>
-""",
-        lambda view: {"words": " ".join(words(view))},
+        _TEMPLATE,
+        lambda view: {"words": " ".join(words(view)), "prefix": prefix, "title": heading},
         _figures(ridge_of, prefix),
         applies=lambda view: ridge_of(view) is not None,
     )
