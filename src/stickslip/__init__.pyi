@@ -56,6 +56,7 @@ from .formats.profile_file import read_profile as read_profile
 from .model.model import build_model as build_model
 from .results.nonlinear_mode import NonlinearMode as NonlinearMode
 from .results.other_solutions import OtherSolutions as OtherSolutions
+from .results.peak_ridge import PeakRidge as PeakRidge
 from .results.quasi_static_mode import QuasiStaticMode as QuasiStaticMode
 from .results.response import ForcedResponse as ForcedResponse
 from .results.traction_band import TractionBand as TractionBand
@@ -72,6 +73,7 @@ from .solve.path.problem import Problem as Problem
 from .solve.path.problem import Step as Step
 from .solve.path.stepping import ContinuationSettings as ContinuationSettings
 from .solve.quasi_static_mode import quasi_static_mode as quasi_static_mode
+from .solve.ridge import peak_ridge as peak_ridge
 from .solve.static.ramp_to_rest import static_preload as static_preload
 from .solve.static.state import StaticState as StaticState
 from .solve.transient.integrate import integrate_to_steady_state as integrate_to_steady_state
@@ -88,6 +90,7 @@ from .structure.stress_cycle import stress_cycle as stress_cycle
 from .structure.superelement import Superelement as Superelement
 from .study.compare import compare as compare
 from .study.export import export_tables as export_tables
+from .study.ridge import ridge as ridge
 from .study.run import report as report
 from .study.run import run as run
 from .study.solution import solve_case as solve_case

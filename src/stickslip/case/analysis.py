@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
 
 from stickslip.case.section import Section, of_kind
 from stickslip.core.errors import InputError
@@ -24,6 +24,10 @@ class AnalysisSection(Section):
     """What is computed, whatever its kind: always the forced response."""
 
     kind: str
+    performance_curve: bool = Field(
+        default=True,
+        description="two blades: peaks over centrifugal force over excitation force, in the time of up to three curves",
+    )
     traction_band: bool = Field(
         default=False,
         description="compute how far the peak moves with the residual tractions of pairs; takes several curves more",
@@ -40,22 +44,55 @@ class AnalysisSection(Section):
     )
 
 
+# A value of another key: it is read as that key, so a number is stored as its text.
+Limit = Annotated[
+    str, BeforeValidator(lambda value: repr(value) if type(value) in (int, float) else value), Field(max_length=100)
+]
+MODE_KEYS = ("mode", "limit", "smallest_amplitude", "largest_amplitude")
+RIDGE_KEYS = ("over", "over_from", "over_to")
+KIND = "forced, mode or ridge"
+
+
+def _foreign(kind: str, **keys: tuple[str, ...]) -> dict[str, str]:
+    """Key of another kind -> the rest of an error about it."""
+    return {
+        key: f'belongs to kind = "{owner}", but kind is "{kind}". Set the kind, or remove this key.'
+        for owner, each in keys.items()
+        for key in each
+    }
+
+
 class ForcedAnalysis(AnalysisSection):
     """The computed result: forced is the periodic response to the excitation over the frequency range of [solver]; mode
-    is this response and, beside it, a nonlinear mode over a range of amplitudes."""
+    is this response and, beside it, a nonlinear mode over a range of amplitudes; ridge is this response and, beside it,
+    its peaks over a key."""
 
-    foreign: ClassVar[Mapping[str, str]] = dict.fromkeys(
-        ("mode", "limit", "smallest_amplitude", "largest_amplitude"),
-        'belongs to kind = "mode", but kind is "forced". Set the kind, or remove this key.',
+    foreign: ClassVar[Mapping[str, str]] = _foreign("forced", mode=MODE_KEYS, ridge=RIDGE_KEYS)
+
+    kind: Literal["forced"] = Field(default="forced", description=KIND)
+
+
+class RidgeAnalysis(AnalysisSection):
+    """The forced response, and beside it the peaks of the first output while a key of the study changes."""
+
+    foreign: ClassVar[Mapping[str, str]] = _foreign("ridge", mode=MODE_KEYS)
+
+    kind: Literal["ridge"] = Field(default="ridge", description=KIND)
+    over: str = Field(
+        default="preload.centrifugal_force",
+        description="the key that changes: any quantity, section.key",
+        max_length=200,
     )
-
-    kind: Literal["forced"] = Field(default="forced", description="forced or mode")
+    over_from: Limit = Field(default="50 N", description="its range: values above zero, each with its unit")
+    over_to: Limit = Field(default="5 kN")
 
 
 class ModeAnalysis(AnalysisSection):
     """The forced response, and beside it a nonlinear mode: frequency and damping ratio against amplitude."""
 
-    kind: Literal["mode"] = Field(default="mode", description="forced or mode")
+    foreign: ClassVar[Mapping[str, str]] = _foreign("mode", ridge=RIDGE_KEYS)
+
+    kind: Literal["mode"] = Field(default="mode", description=KIND)
     mode: Annotated[int, Count(at_least=1, at_most=MOST_MODES)] = Field(
         default=1, description="number of the linear mode, from 1, in the order of frequencies"
     )
@@ -77,4 +114,7 @@ class ModeAnalysis(AnalysisSection):
         return value
 
 
-Analysis = Annotated[ForcedAnalysis | ModeAnalysis, of_kind({"forced": ForcedAnalysis, "mode": ModeAnalysis}, "forced")]
+Analysis = Annotated[
+    ForcedAnalysis | ModeAnalysis | RidgeAnalysis,
+    of_kind({"forced": ForcedAnalysis, "mode": ModeAnalysis, "ridge": RidgeAnalysis}, "forced"),
+]

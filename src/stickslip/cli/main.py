@@ -137,6 +137,16 @@ def run(
         bool,
         typer.Option("--search", help="Search for motions off the curve too, as analysis.search = true in FILE."),
     ] = False,
+    ridge: Annotated[
+        str | None,
+        typer.Option(
+            "--ridge",
+            metavar="KEY=FROM:TO",
+            help="Follow the peaks while a key of the study changes, such as "
+            '"preload.centrifugal_force=50 N:5 kN"; as analysis.kind = "ridge" in FILE.',
+            show_default=False,
+        ),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print only errors.")] = False,
     debug: Debug = False,
 ) -> None:
@@ -144,12 +154,24 @@ def run(
     with error_messages(debug, log_folder=out):
         case, places = _load(path, quiet)
         case = case.replace({"analysis.search": True}) if search else case
+        case = case.replace(_ridge_keys(ridge)) if ridge is not None else case
         require_folder(out)  # before the packages of the solver are loaded, which takes seconds
         from stickslip.study import run as study
 
         with terminal_progress(quiet) as progress, _about(places):
             outcome = study.run(case, out, progress=progress, threads=threads)
         _close(outcome, quiet)
+
+
+def _ridge_keys(option: str) -> dict[str, str]:
+    """The keys of [analysis] of ``KEY=FROM:TO``. Raises InputError for another form."""
+    key, equals, limits = (part.strip() for part in option.partition("="))
+    start, colon, stop = (part.strip() for part in limits.partition(":"))
+    if not (key and equals and start and colon and stop):
+        raise InputError(
+            f'--ridge "{option}" must be KEY=FROM:TO, for example --ridge "preload.centrifugal_force=50 N:5 kN".'
+        )
+    return {"analysis.kind": "ridge", "analysis.over": key, "analysis.over_from": start, "analysis.over_to": stop}
 
 
 @app.command()

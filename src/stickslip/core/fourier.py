@@ -24,6 +24,14 @@ def synthesis_matrix(harmonics: int, samples: int) -> FloatArray:
     return matrix
 
 
+def synthesis_row(harmonics: int, angle: float) -> FloatArray:
+    """(2 * harmonics + 1,) row whose product with coefficients is the signal at an angle ``tau`` in rad."""
+    order = np.arange(1, harmonics + 1)
+    row = np.ones(2 * harmonics + 1)
+    row[1::2], row[2::2] = np.cos(order * angle), np.sin(order * angle)
+    return row
+
+
 @lru_cache(maxsize=32)
 def analysis_matrix(harmonics: int, samples: int) -> FloatArray:
     """(2 * harmonics + 1, samples) read-only matrix that turns samples into coefficients (Fourier projection).

@@ -72,6 +72,7 @@ class ReducedModel:
 
     ``outputs`` are rows (n,); ``static_load`` (n,) N are the constant forces and the load of rotation; if the preload
     was solved from them, ``preload`` contains the state at rest, and ``joint`` and ``pairs`` are those of this state.
+    Cases with other joints or forces share the ``reduced`` structure.
     """
 
     superelement: Superelement
@@ -82,6 +83,7 @@ class ReducedModel:
     outputs: Mapping[str, FloatArray]
     signal_groups: Mapping[str, tuple[str, ...]]
     preload: SolvedPreload | None
+    reduced: ReducedStructure
 
 
 @dataclass(frozen=True)
@@ -205,7 +207,7 @@ def connect(case: Case, reduced: ReducedStructure, joint: Joint) -> ReducedModel
         joint = resting_joint(case, joint, settings, solved.state, pairs)
     else:
         pairs = joint.contact_pairs(joint.face_pairs.operator(superelement))
-    return ReducedModel(superelement, joint, pairs, excitation, static_load, outputs, groups, solved)
+    return ReducedModel(superelement, joint, pairs, excitation, static_load, outputs, groups, solved, reduced)
 
 
 def make_static_load(case: Case, node_groups: Mapping[str, FloatArray], body_load: FloatArray) -> FloatArray:

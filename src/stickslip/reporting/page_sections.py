@@ -16,6 +16,7 @@ from stickslip.reporting.curve_plot import amplitude_frequency
 from stickslip.reporting.look import Figure
 from stickslip.reporting.mode_section import NONLINEAR_MODE
 from stickslip.reporting.other_words import OTHER_SOLUTIONS
+from stickslip.reporting.ridge_section import PEAK_RIDGE, PERFORMANCE_CURVE
 from stickslip.reporting.section import Section
 from stickslip.reporting.stress_section import STRESS
 from stickslip.reporting.structure_section import STRUCTURE
@@ -165,6 +166,8 @@ CURVE = Section(
 )
 
 SECTIONS = (
+    PERFORMANCE_CURVE,
+    PEAK_RIDGE,
     STRUCTURE,
     STRESS,
     Section(

@@ -1,4 +1,4 @@
-"""The largest absolute value of a periodic signal from its Fourier coefficients."""
+"""The largest absolute value of a periodic signal from its Fourier coefficients, and its instant."""
 
 from __future__ import annotations
 
@@ -9,14 +9,20 @@ from stickslip.core.validation import FloatArray
 
 
 def periodic_amplitude(coefficients: FloatArray) -> FloatArray:
-    """(m,) largest absolute value over the period of each row of Fourier coefficients (m, 2 * harmonics + 1).
+    """(m,) largest absolute value over the period of each row of Fourier coefficients (m, 2 * harmonics + 1)."""
+    return periodic_maximum(coefficients)[0]
+
+
+def periodic_maximum(coefficients: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(m,) largest absolute value over the period of each row (m, 2 * harmonics + 1), and (m,) its angle ``w t`` in
+    rad.
 
     Each local maximum on a grid of 32 samples per highest harmonic is refined by a parabola; Newton steps on ``x'(tau)
     = 0`` then refine the best of them, so the result is exact to round-off where that maximum is smooth.
     """
     harmonics = (coefficients.shape[1] - 1) // 2
     if harmonics == 0:
-        return np.abs(coefficients[:, 0])
+        return np.abs(coefficients[:, 0]), np.zeros(len(coefficients))
     samples = 32 * harmonics
     values = np.abs(coefficients @ synthesis_matrix(harmonics, samples).T)
     before, after = np.roll(values, 1, axis=1), np.roll(values, -1, axis=1)
@@ -38,5 +44,6 @@ def periodic_amplitude(coefficients: FloatArray) -> FloatArray:
         angle = angle + np.clip(move, -step, step)
     c, s = np.cos(np.outer(angle, order)), np.sin(np.outer(angle, order))
     polished = np.abs(coefficients[:, 0] + (cosine * c + sine * s).sum(axis=1))
-    amplitude: FloatArray = np.maximum(polished, values[rows, best])
-    return amplitude
+    sampled = values[rows, best]
+    is_polished = polished >= sampled
+    return np.where(is_polished, polished, sampled), np.where(is_polished, angle, best * step)

@@ -107,6 +107,10 @@ class ForcedResponse(ResponseData):
     nonlinear_mode:
         a nonlinear mode of the same structure, with its contacts about the same rest; None without ``[analysis] kind =
         "mode"``.
+    peak_ridge:
+        the peaks over a key of the study; None without ``[analysis] kind = "ridge"``.
+    performance_curve:
+        of two blades: the peaks over centrifugal force over excitation force; None if it was not computed.
 
     Raises
     ------

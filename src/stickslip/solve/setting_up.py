@@ -26,7 +26,7 @@ from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.compliance import StuckStructure, stuck_structure
 from stickslip.solve.harmonic.linear import LinearLimit
 from stickslip.solve.harmonic.support import only_friction_supports
-from stickslip.solve.harmonic.walk import without_walk
+from stickslip.solve.harmonic.walk import mean_without_walk, walking_points, without_walk
 from stickslip.structure.superelement import Superelement
 
 # Largest ratio of contact stiffness to the stiffness of the structure at the pair. Numbers have 16 digits, and the
@@ -79,6 +79,12 @@ class Balances:
         """See :func:`without_walk`."""
         return without_walk(self.superelement.mass, self.free, self.pairs, trials, displacement)
 
+    def mean_row(self, trial: Trial, output: FloatArray) -> FloatArray:
+        """See :func:`mean_without_walk`; the modes of the free structure, which take long, only where a body walks."""
+        if not walking_points(self.pairs, [trial])[0].size:
+            return output
+        return mean_without_walk(self.superelement.mass, self.free, self.pairs, trial, output)
+
     def with_harmonics(self, harmonics: int, samples: int | None = None) -> Balance:
         """The balance with a number of harmonics, and of samples if they differ."""
         force = self.force.with_harmonics(harmonics)
@@ -95,8 +101,12 @@ def prepare_balances(
     modal_damping_ratio: float | None,
     update: Update,
     on_stage: Callable[[str], None],
+    known: StuckStructure | None = None,
 ) -> Balances:
-    """Check the input and compute the modes of the stuck structure. Raises InputError."""
+    """Check the input and compute the modes of the stuck structure, or use ``known`` ones if they are the same.
+
+    Raises InputError.
+    """
     _check_counts(harmonics, samples)
     require_choice("update", update, get_args(Update))
     if modal_damping_ratio is not None:
@@ -109,7 +119,7 @@ def prepare_balances(
     force = excitation.on(superelement, harmonics)
     _require_comparable(superelement, pairs, highest_omega)
     on_stage(f"modes of the stuck structure, {superelement.size} unknowns")
-    stuck = stuck_structure(superelement, pairs, highest_omega, modal_damping_ratio)
+    stuck = stuck_structure(superelement, pairs, highest_omega, modal_damping_ratio, known)
     on_stage(f"compliance of {pairs.n_pairs} pairs")
     return Balances(superelement, pairs, stuck, excitation, force, samples, update, modal_damping_ratio)
 

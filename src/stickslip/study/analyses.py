@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip.case.analysis import AnalysisSection, ForcedAnalysis, ModeAnalysis
+from stickslip.case.analysis import AnalysisSection, ForcedAnalysis, ModeAnalysis, RidgeAnalysis
 from stickslip.case.case import Case
 from stickslip.core.errors import ConvergenceError, InputError, concerning
 from stickslip.core.progress import Progress, SilentProgress
@@ -21,6 +21,7 @@ from stickslip.solve.other_solutions import search_other_solutions
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.transient.integrate import check_integration
+from stickslip.study.ridge import checked_range, ridge
 
 # chosen: an output that moves less in a mode, over the largest unknown, is at a node of it.
 LEAST_MOTION = 1e-9
@@ -116,5 +117,24 @@ def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | No
     return replace(response, nonlinear_mode=mode)
 
 
+def _ridge(case: Case, model: ReducedModel, listener: Progress, threads: int | None) -> ForcedResponse:
+    """The forced response, and beside it the ridge of peaks. Raises InputError for a key or range that cannot be
+    used."""
+    analysis = case.analysis
+    assert isinstance(analysis, RidgeAnalysis)
+    limits = analysis.over_from, analysis.over_to
+    checked_range(case, analysis.over, limits, model.joint.layout)
+    response = _forced(case, model, listener, threads)
+    try:
+        peaks = ridge(case, analysis.over, limits, model=model, progress=listener, threads=threads)
+    except ConvergenceError as error:  # the response is a result without it
+        return replace(response, warnings=(*response.warnings, f"The ridge of peaks was not computed: {error}"))
+    return replace(response, peak_ridge=peaks)
+
+
 # Class of the section [analysis] -> function that computes it.
-_ANALYSES: dict[type[AnalysisSection], Analyse] = {ForcedAnalysis: _forced, ModeAnalysis: _mode}
+_ANALYSES: dict[type[AnalysisSection], Analyse] = {
+    ForcedAnalysis: _forced,
+    ModeAnalysis: _mode,
+    RidgeAnalysis: _ridge,
+}

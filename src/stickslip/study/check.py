@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from stickslip.case.analysis import AnalysisSection, ModeAnalysis
+from stickslip.case.analysis import AnalysisSection, ModeAnalysis, RidgeAnalysis
 from stickslip.case.case import Case
 from stickslip.core.plausible import suspecting
 from stickslip.model.joint import odd_values
+from stickslip.model.layout import Layout
 from stickslip.model.model import kind_of, load_joint, set_up
 from stickslip.results.measures import hertz
 from stickslip.structure.elasticity import Structure
@@ -19,7 +20,9 @@ from stickslip.study.facts import (
     sizes,
     study_warnings,
 )
+from stickslip.study.performance_curve import HIGHEST_RATIO, LOWEST_RATIO, has_performance_curve
 from stickslip.study.record import CLOSED_AT_REST
+from stickslip.study.ridge import checked_range
 
 SHOWN_FREQUENCIES = 4  # chosen: the lowest ones, as a check of the model
 
@@ -53,6 +56,7 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
                 ("excitation", kind_of(case).description(case)),
                 ("resolution", f"{solver.resolution}, {solver.samples} samples"),
                 *_mode(case.analysis),
+                *_ridge(case, setup.layout),
             ],
         ),
     ]
@@ -87,6 +91,16 @@ def _mode(analysis: AnalysisSection) -> Iterator[tuple[str, str]]:
     if isinstance(analysis, ModeAnalysis):
         low, high = (f"{1e6 * value:g}" for value in (analysis.smallest_amplitude, analysis.largest_amplitude))
         yield "nonlinear mode", f"mode {analysis.mode}, {low} to {high} um at the first output"
+
+
+def _ridge(case: Case, layout: Layout) -> Iterator[tuple[str, str]]:
+    """The ridges of peaks of a run. Raises InputError for a key or a range that cannot be used."""
+    analysis = case.analysis
+    if isinstance(analysis, RidgeAnalysis):
+        family, (low, high) = checked_range(case, analysis.over, (analysis.over_from, analysis.over_to), layout)
+        yield "peaks over a key", f"{analysis.over} from {low:g} to {high:g} {family.quantity.si_unit}".rstrip()
+    if has_performance_curve(case):
+        yield "performance curve", f"centrifugal force {LOWEST_RATIO:g} to {HIGHEST_RATIO:g} times the excitation force"
 
 
 def _is_undamped(case: Case, structure: Structure | Superelement) -> bool:

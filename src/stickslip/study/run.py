@@ -18,6 +18,7 @@ from stickslip.core.threads import thread_count
 from stickslip.model.model import Model
 from stickslip.results.measures import summary, summary_table
 from stickslip.results.nonlinear_mode import NonlinearMode
+from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, results_bytes
@@ -88,7 +89,8 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
         files = [out / RESULTS_FILE, page, *artist.files(), *shapes]
     progress.update("Files", 1.0, f"{len(files)} files")
     mode = response.nonlinear_mode
-    converged = response.converged and (mode is None or mode.converged)
+    ridge = response.peak_ridge
+    converged = response.converged and (mode is None or mode.converged) and (ridge is None or ridge.converged)
     return StudyOutcome(response, tuple(files), converged, _closing_words(response, record))
 
 
@@ -145,7 +147,17 @@ def _closing_words(response: ForcedResponse, record: StudyRecord) -> str:
     lines += [f"Warning: {sentence}" for sentence in (*record.warnings, *response.warnings)]
     if response.nonlinear_mode is not None:
         lines += _words_of_mode(response.nonlinear_mode)
+    for title, ridge in (("Performance curve", response.performance_curve), ("Ridge of peaks", response.peak_ridge)):
+        if ridge is not None:
+            lines += _words_of_ridge(title, ridge)
     return "\n".join(lines)
+
+
+def _words_of_ridge(title: str, ridge: PeakRidge) -> Iterator[str]:
+    """The message of a ridge of peaks, its optimum, and its warnings."""
+    yield f"{title}: {ridge.message} {ridge.n_points} peaks."
+    yield from (f"  {sentence}" for sentence in ridge.words())
+    yield from (f"Warning: {sentence}" for sentence in ridge.warnings)
 
 
 def _words_of_mode(mode: NonlinearMode) -> Iterator[str]:

@@ -9,20 +9,15 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Mapping, Sequence
-from types import UnionType
-from typing import Annotated, Literal, Union, get_args, get_origin
 
 import numpy as np
 
-from stickslip.case.case import Case, parts_of_key
-from stickslip.case.law_constants import LawConstants
-from stickslip.case.template import metadata_of, quantity_of
+from stickslip.case.case import Case
+from stickslip.case.key_kinds import kind_of_key
 from stickslip.core.errors import InputError
-from stickslip.core.units import Count, NodeNumber, Quantity, Respelled
+from stickslip.core.units import Count, Quantity, Respelled
 from stickslip.results.sweep_table import SweptKey, Value
 
-# These change the files beside the results of a single run, never a result.
-UNSWEPT_SECTIONS = ("study", "output")
 LARGEST_COUNT = 10_000
 _RANGE = "A range is start:stop:count, evenly spaced with both ends, or start:stop:count:log, for example 50:1000:10."
 Vary = Mapping[str, str | Sequence[Value]]
@@ -56,7 +51,7 @@ def swept_keys(vary: Vary, case: Case | None = None) -> tuple[SweptKey, ...]:
 
 
 def _swept_key(name: str, values: str | Sequence[Value], case: Case | None) -> SweptKey:
-    kind = _kind(name, case)
+    kind = kind_of_key(name, case)
     if isinstance(values, str):
         parsed = [value for item in values.split(",") for value in _item(name, kind, item.strip())]
     else:
@@ -72,66 +67,6 @@ def _swept_key(name: str, values: str | Sequence[Value], case: Case | None) -> S
     labels = tuple(_label(kind, value) for value in parsed)
     unit = kind.si_unit if isinstance(kind, Quantity) else ""
     return SweptKey(name, unit, tuple(parsed), shown, _shown(kind, parsed[0])[1], labels)
-
-
-def _kind(name: str, case: Case | None) -> Quantity | Count | tuple[str, ...]:
-    """Type of the values of a key: a quantity, a count, or the words of a choice. Raises InputError."""
-    all_keys = Case.allowed_keys()
-    named = Case.named_sections()
-    section, entry, table, key = parts_of_key(name)
-    if table:
-        return _constant_kind(name, case)
-    entry = entry if section in named else "NAME"
-    if section not in all_keys or key not in all_keys.get(section, ()) or not entry:
-        between = {each: ".NAME." if each in named else "." for each in all_keys}
-        everything = [f"{each}{between[each]}{inner}" for each, keys in all_keys.items() for inner in keys]
-        homes = [full for full in everything if full.partition(".")[2] == name.split(".")[-1]]
-        nearest = homes or difflib.get_close_matches(name, everything, n=1)
-        advice = f"Did you mean {nearest[0]}?" if nearest else '"stickslip new FILE" writes a file with all keys.'
-        raise InputError(
-            f"{name} is not a key of a study file (section.key or section.NAME.key). {advice}", arguments=[name]
-        )
-    if section in UNSWEPT_SECTIONS:
-        raise InputError(f"{name} does not change the result of a case. Remove it.", arguments=[name])
-    model, field = Case.field_of(section, key)
-    quantity, annotation = quantity_of(model, key), field.annotation
-    counts = [entry for entry in metadata_of(model, key) if isinstance(entry, Count)]
-    count = next((entry for entry in counts if not isinstance(entry, NodeNumber)), None)
-    value_type = next(kind for kind in (annotation, *get_args(annotation)) if kind is not None and not _is_union(kind))
-    value_type = get_args(value_type)[0] if get_origin(value_type) is Annotated else value_type
-    if get_origin(value_type) is Literal:
-        return get_args(value_type)
-    if quantity is not None and get_origin(value_type) is not tuple:
-        return quantity
-    if count is not None:
-        return count
-    words = "a text" if value_type is str else "the number of a node" if value_type is int else "a list of values"
-    raise InputError(
-        f"{name} is {words}; a sweep varies only quantities, counts and choices.",
-        arguments=[name],
-    )
-
-
-def _constant_kind(name: str, case: Case | None) -> Quantity:
-    """What values a constant of a law takes, by what the law declares. Raises InputError."""
-    section, entry, table, key = parts_of_key(name)
-    holder = None if case is None else case.sections.get(section)
-    if isinstance(holder, Mapping):
-        holder = holder.get(entry)
-    constants: LawConstants | None = getattr(holder, table, None)
-    above = name.removesuffix(f".{table}.{key}")
-    if constants is None:
-        raise InputError(f"{name} is not in the study: its section [{above}] has no law with such constants.")
-    declared = constants.declared.get(key)
-    if declared is None:
-        raise InputError(f"{name} is not a constant of the law; its constants are: {', '.join(constants.declared)}.")
-    if declared.quantity is None or declared.is_table:
-        raise InputError(f"{name} is {'a list' if declared.is_table else 'true or false'}; a sweep varies quantities.")
-    return declared.quantity
-
-
-def _is_union(kind: object) -> bool:
-    return get_origin(kind) in (Union, UnionType)
 
 
 def _item(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> list[Value]:

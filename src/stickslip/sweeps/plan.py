@@ -11,10 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stickslip.case.case import Case
+from stickslip.case.key_kinds import UNSWEPT_SECTIONS
 from stickslip.core.errors import InputError, StudyFileError
 from stickslip.results.groups import FORMAT_VERSION
 from stickslip.results.sweep_table import SweptKey, Value
-from stickslip.sweeps.axes import UNSWEPT_SECTIONS, study_value
+from stickslip.sweeps.axes import study_value
 from stickslip.sweeps.work import worker_version
 
 LARGEST_SWEEP = 20_000  # cases; chosen: every case is validated and hashed before the first one is solved

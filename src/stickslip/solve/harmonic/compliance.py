@@ -10,7 +10,7 @@ slider is at the mean displacement), so ``k`` contains only the normal springs t
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -31,6 +31,7 @@ from stickslip.solve.harmonic.support import StaticFactor, mean_factor, require_
 from stickslip.structure.superelement import Superelement
 
 IndexArray = NDArray[np.int64]
+Origin = tuple[Superelement, float, float | None]
 
 # In Newton's matrix, modes above this multiple of the highest harmonic are springs: an error of 1/30^2 of their part of
 # the matrix alone, which costs no accuracy (all modes are exact in the residual) and hardly an iteration.
@@ -201,8 +202,29 @@ class StuckStructure:
     circular_frequency: FloatArray  # (n,) rad/s, ascending
     modes: FloatArray  # (n, n), mass-normalised
     modal_damping: FloatArray  # (n,) if the modes diagonalise the damping, else (n, n)
-    damping: FloatArray  # (n, n) N s/m, also with modal damping ratios
     highest_omega: float  # rad/s
+    origin: (
+        Origin  # superelement, highest circular frequency, and damping ratio of the modes, that it was computed from
+    )
+
+    def is_of(self, origin: Origin, pairs: ContactPairs) -> bool:
+        """Whether the structure of other pairs has these modes: the same matrices, positions and springs at rest."""
+        own = self.pairs
+        return (
+            self.origin[0] is origin[0]
+            and self.origin[1:] == origin[1:]
+            and np.array_equal(own.operator, pairs.operator)
+            and np.array_equal(own.resting_stiffness(), pairs.resting_stiffness())
+            and np.array_equal(restrained(own), restrained(pairs))
+        )
+
+    @cached_property
+    def damping(self) -> FloatArray:
+        """(n, n) N s/m, also with modal damping ratios."""
+        superelement, _, ratio = self.origin
+        if ratio is not None:
+            return modal_damping_matrix(superelement.mass, self.modes, self.modal_damping)
+        return np.zeros(self.modes.shape) if superelement.damping is None else superelement.damping
 
     @cached_property
     def contact_modes(self) -> FloatArray:
@@ -227,15 +249,20 @@ def stuck_structure(
     pairs: ContactPairs,
     highest_omega: float,
     modal_damping_ratio: float | None,
+    known: StuckStructure | None = None,
 ) -> StuckStructure:
     """Modes, damping and static response of the stuck structure.
 
     ``modal_damping_ratio`` gives the stuck modes one ratio (see :func:`stickslip.solve.harmonic.damping.modal_damping`;
     ``highest_omega`` in rad/s is the highest excitation); None uses ``superelement.damping`` (zero if absent).
-    Raises InputError for an operator of another size, for both kinds of damping at once, or a singular structure.
+    A ``known`` structure gives its modes and static response if they are the same. Raises InputError for an operator of
+    another size, for both kinds of damping at once, or a singular structure.
     """
     n = superelement.size
     require_one_size(superelement, pairs)
+    origin = superelement, highest_omega, modal_damping_ratio
+    if known is not None and known.is_of(origin, pairs):
+        return replace(known, pairs=pairs)
     if modal_damping_ratio is not None and superelement.damping is not None:
         raise InputError(
             "give either a damping matrix in the superelement or modal_damping_ratio, not both.",
@@ -247,15 +274,13 @@ def stuck_structure(
     modal: FloatArray | None
     if modal_damping_ratio is not None:
         modal = modal_damping(frequency, modal_damping_ratio, highest_omega)
-        damping = modal_damping_matrix(superelement.mass, modes, modal)
     elif superelement.damping is None:
-        damping, modal = np.zeros((n, n)), np.zeros(n)
+        modal = np.zeros(n)
     else:
-        damping = superelement.damping
-        modal = diagonal_modal_damping(damping, modes)
+        modal = diagonal_modal_damping(superelement.damping, modes)
         if modal is None:
-            modal = modes.T @ damping @ modes
-    return StuckStructure(pairs, mean, restraint, frequency, modes, modal, damping, highest_omega)
+            modal = modes.T @ superelement.damping @ modes
+    return StuckStructure(pairs, mean, restraint, frequency, modes, modal, highest_omega, origin)
 
 
 def require_one_size(superelement: Superelement, pairs: ContactPairs) -> None:

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 from stickslip.core.validation import FloatArray
 from stickslip.results.linear_curves import LinearCurves
+from stickslip.results.peaks import Peak, peaks
+from stickslip.results.periodic_amplitude import periodic_amplitude
 from stickslip.solve.excitation import ExcitationForce
 from stickslip.solve.harmonic.damping import modal_basis
 from stickslip.solve.harmonic.gain import ComplexArray, to_complex
@@ -86,6 +88,23 @@ class LinearLimit:
             rows = 2 * highest + 1
             answer[:, :, :rows] += (omega**power)[:, None, None] * self.response(omega, array[:rows])
         return answer
+
+    def output_to(self, omega: FloatArray, force: ExcitationForce, output: FloatArray) -> FloatArray:
+        """Coefficients (n_frequencies, 2H+1) of ``output @ u`` under an excitation; the mean is zero."""
+        row, answer = output @ self.modes, np.zeros((omega.size, 2 * force.harmonics + 1))
+        for power, array in force.terms:
+            modal = to_complex(array[1:] @ self.modes)
+            for order in np.flatnonzero(modal.any(axis=1)) + 1:
+                signal = omega**power * (row @ self._modal(order * omega, modal[order - 1]))
+                answer[:, 2 * order - 1] += signal.real
+                answer[:, 2 * order] -= signal.imag
+        return answer
+
+    def peaks(self, window_hz: tuple[float, float], force: ExcitationForce, output: FloatArray) -> list[Peak]:
+        """The peaks of an output in a window, highest first; not bracketed at an end."""
+        frequency_hz = _refined_grid(window_hz, self.natural_hz)
+        signal = self.output_to(2.0 * np.pi * frequency_hz, force, output)
+        return peaks(frequency_hz, periodic_amplitude(signal))
 
     def response(self, omega: FloatArray, force: FloatArray) -> FloatArray:
         """Displacement coefficients (n_frequencies, n, 2H+1) under ``force`` (2H+1, n); the mean is zero."""

@@ -1,0 +1,201 @@
+"""Ridges of peaks on the page: the performance curve of two blades, and the peaks over a key of the study."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from stickslip.core.plain_figure import BLUE, GREY, INK, ORANGE, VERMILLION
+from stickslip.core.validation import FloatArray
+from stickslip.reporting.look import Figure, PlotMarkup, axis_look, figure_of, line_trace, plain_list
+from stickslip.reporting.section import Section
+from stickslip.reporting.style import MICRO, number
+from stickslip.reporting.view import View
+from stickslip.results.peak_ridge import Optimum, PeakRidge
+
+RidgeOf = Callable[[View], PeakRidge | None]
+# Prefixes of the ids of figures.
+_PERFORMANCE, _RIDGE = "performance", "ridge"
+
+
+def _performance(view: View) -> PeakRidge | None:
+    return view.response.performance_curve
+
+
+def _peaks_over_a_key(view: View) -> PeakRidge | None:
+    return view.response.peak_ridge
+
+
+def _axis_words(ridge: PeakRidge) -> str:
+    """Name and unit of the parameter; a key of a study stays as it is."""
+    words = ridge.parameter_name
+    if " " in words:
+        words = words[:1].upper() + words[1:]
+    return f"{words}, {ridge.parameter_unit}" if ridge.parameter_unit else words
+
+
+def _mark(name: str, ridge: PeakRidge, at: Optimum, value: float, symbol: str, colour: str) -> dict[str, Any]:
+    """A mark at a value of the parameter."""
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "name": name,
+        "x": plain_list([at.parameter]),
+        "y": plain_list([value]),
+        "marker": {"symbol": symbol, "size": 11, "color": colour, "line": {"color": "#ffffff", "width": 1}},
+        "hovertemplate": PlotMarkup("{}: %{{y:.4g}}<br>at %{{x:.4g}} {}<extra></extra>").format(
+            name, ridge.parameter_unit
+        ),
+    }
+
+
+def _panel(ridge: PeakRidge, here: Optimum | None, of_amplitude: bool) -> list[dict[str, Any]]:
+    """Traces of the amplitude in µm or of the frequency in Hz against the parameter."""
+    scale, top = MICRO if of_amplitude else 1.0, ridge.highest()
+
+    def chosen(amplitude: FloatArray, frequency_hz: FloatArray) -> FloatArray:
+        return scale * np.asarray(amplitude if of_amplitude else frequency_hz)
+
+    unit = "µm" if of_amplitude else "Hz"
+    hover = PlotMarkup("%{{y:.5g}} {} at %{{x:.4g}} {}").format(unit, ridge.parameter_unit)
+    stuck, free = (
+        chosen(ridge.stuck_amplitude, ridge.stuck_frequency_hz),
+        chosen(ridge.free_amplitude, ridge.free_frequency_hz),
+    )
+    traces = [
+        line_trace("linear, all stuck", ridge.stuck_parameter, stuck, BLUE, "dash", hovertemplate=hover),
+        line_trace("linear, no contact", ridge.free_parameter, free, ORANGE, "dot", hovertemplate=hover),
+    ]
+    for place in range(ridge.n_ridges):
+        points = ridge.of(place)
+        values = chosen(ridge.amplitude[points], ridge.frequency_hz[points])
+        traces.append(
+            line_trace(
+                "computed peaks",
+                ridge.parameter[points],
+                values,
+                GREY,
+                width=1.0,
+                mode="markers",
+                marker={"size": 5, "color": GREY},
+                showlegend=place == 0,
+                hovertemplate=hover,
+            )
+        )
+    values = chosen(top.amplitude, top.frequency_hz)
+    highest = line_trace("highest peak", [], [], INK, width=2.5, hovertemplate=hover)
+    highest["x"], highest["y"] = plain_list(top.parameter), [v if np.isfinite(v) else None for v in _rounded(values)]
+    traces.append(highest)
+    if here is not None:
+        value = float(chosen(np.array(here.amplitude), np.array(here.frequency_hz)))
+        traces.append(_mark("this study", ridge, here, value, "circle", INK))
+    best = ridge.optimum
+    if best.is_inside:
+        value = float(chosen(np.array(best.amplitude), np.array(best.frequency_hz)))
+        traces.append(_mark("optimum", ridge, best, value, "diamond", VERMILLION))
+    return traces
+
+
+def _rounded(values: FloatArray) -> list[float]:
+    return [float(f"{value:.7g}") for value in values]
+
+
+def _here(view: View, ridge: PeakRidge) -> Optimum | None:
+    """The point of the study itself on its performance curve."""
+    settings = ridge.settings
+    if "centrifugal_force_n" not in settings:
+        return None
+    ratio = float(settings["centrifugal_force_n"]) / float(settings["excitation_force_n"])
+    at = ridge.at(ratio)
+    return Optimum(ratio, float(at.amplitude[0]), float(at.frequency_hz[0]), True) if at.ridge[0] >= 0 else None
+
+
+def _figures(ridge_of: RidgeOf, prefix: str) -> Callable[[View], dict[str, Figure]]:
+    def figures(view: View) -> dict[str, Figure]:
+        ridge = ridge_of(view)
+        assert ridge is not None  # else the page has no such section
+        words, here = _axis_words(ridge), _here(view, ridge)
+        across = {"type": "log", "dtick": 1, "exponentformat": "power"}
+        up = {"type": "log", "dtick": "D2", "tickformat": ".3~g"}
+        return {
+            f"{prefix}-amplitude": figure_of(
+                _panel(ridge, here, of_amplitude=True), 380, hovermode="closest",
+                xaxis=axis_look(words, **across), yaxis=axis_look("Peak amplitude, 0-to-peak, µm", **up),
+            ),
+            f"{prefix}-frequency": figure_of(
+                _panel(ridge, here, of_amplitude=False), 380, hovermode="closest",
+                xaxis=axis_look(words, **across), yaxis=axis_look("Frequency of the peak, Hz"),
+            ),
+        }  # fmt: skip
+
+    return figures
+
+
+def _performance_words(view: View) -> Iterator[str]:
+    ridge = view.response.performance_curve
+    assert ridge is not None
+    force = float(ridge.settings["excitation_force_n"])
+    best, lowest = ridge.optimum, ridge.lowest
+    yield (
+        f"Highest peak of {view.study.response_output} under the excitation of this study, {number(force)} N, while "
+        "the centrifugal force of the damper changes: another mass, or another speed. The normal load and the contact "
+        "stiffness of the study follow from that force, so that the linear stuck limit changes too."
+    )
+    if best.is_inside:
+        yield (
+            f"The optimum is at {number(best.parameter, 3)} times the excitation force, "
+            f"{number(force * best.parameter, 3)} N: {number(MICRO * best.amplitude)} µm at {best.frequency_hz:.2f} Hz."
+        )
+        if lowest.amplitude < 0.99 * best.amplitude:
+            yield (
+                f"Only towards an end of the range are peaks lower: {number(MICRO * lowest.amplitude)} µm at "
+                f"{number(force * lowest.parameter, 3)} N."
+            )
+    else:
+        yield (
+            "There is no optimum inside the range; the lowest peak, "
+            f"{number(MICRO * lowest.amplitude)} µm, is at its end with {number(force * lowest.parameter, 3)} N."
+        )
+    yield from _common_words(ridge)
+
+
+def _common_words(ridge: PeakRidge) -> Iterator[str]:
+    for value in ridge.switches():
+        yield f"At {number(value)} {ridge.parameter_unit}".rstrip() + " another peak becomes the highest."
+    yield "A peak counts also if it is unstable, or if a slow sweep does not reach it."
+    if not ridge.converged:
+        yield ridge.message
+    yield from ridge.warnings
+
+
+def _ridge_words(view: View) -> Iterator[str]:
+    ridge = view.response.peak_ridge
+    assert ridge is not None
+    yield f"Highest peak of {ridge.output_name} over {ridge.parameter_name}; all other keys are those of this study."
+    yield from ridge.words()
+    yield from (words for words in _common_words(ridge) if "another peak" not in words)
+
+
+_TEMPLATE = """\
+<p class="note">{{ words }}</p>
+  <div class="two">
+    {{ parts.figure(prefix ~ "-amplitude", "Peak amplitude", "Peak amplitude: " ~ title) }}
+    {{ parts.figure(prefix ~ "-frequency", "Peak frequency", "Peak frequency: " ~ title) }}
+  </div>
+"""
+
+
+def _section(heading: str, prefix: str, ridge_of: RidgeOf, words: Callable[[View], Iterator[str]]) -> Section:
+    return Section(
+        heading,
+        _TEMPLATE,
+        lambda view: {"words": " ".join(words(view)), "prefix": prefix, "title": heading},
+        _figures(ridge_of, prefix),
+        applies=lambda view: ridge_of(view) is not None,
+    )
+
+
+PERFORMANCE_CURVE = _section("Performance curve of the damper", _PERFORMANCE, _performance, _performance_words)
+PEAK_RIDGE = _section("Peaks over a key of the study", _RIDGE, _peaks_over_a_key, _ridge_words)

@@ -1,0 +1,310 @@
+"""The result of a ridge of peaks: the maxima of an output against a parameter, and the highest of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from os import PathLike
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicHermiteSpline
+from scipy.signal import find_peaks
+
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, finite_array, require_positive
+from stickslip.results.groups import read_groups, write_groups
+from stickslip.results.ridge_figure import RidgePicture, ridge_figure
+from stickslip.results.variables import Attribute, Flags, Json, Labelled, Numbers, Text, WholeNumbers, stored
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_POINTS, _STUCK, _FREE = ("ridge_point",), ("stuck_point",), ("free_point",)
+# chosen: values between the points at which the highest ridge is determined.
+GRID_PER_INTERVAL = 8
+# chosen: rise of the logarithm on both sides of an optimum; smaller valleys are blurred by sampling.
+LEAST_RISE = 0.01
+
+
+@dataclass(frozen=True)
+class HighestPeak:
+    """The highest peak at some values of the parameter, (n,) each; NaN, and ridge -1, where no ridge is known."""
+
+    parameter: FloatArray
+    amplitude: FloatArray
+    frequency_hz: FloatArray
+    ridge: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """A value of the parameter with a low highest peak; ``is_inside``: not at an end of the known range."""
+
+    parameter: float
+    amplitude: float
+    frequency_hz: float
+    is_inside: bool
+
+
+@dataclass(frozen=True, eq=False)
+class PeakRidge(Labelled):
+    """Maxima of the 0-to-peak amplitude of an output over the frequency, against one parameter.
+
+    A ridge is one local maximum of the frequency curve, followed while the parameter changes. Points are in the order
+    of the ridges, and in each of them in that of the parameter. Theory: docs/theory_ridge.md.
+
+    Parameters
+    ----------
+    parameter_name, parameter_unit, output_name:
+        the parameter, such as "preload.centrifugal_force" and "N", and the output.
+    start, stop:
+        range of the parameter, start below stop.
+    parameter, amplitude, frequency_hz:
+        (n_points,) value of the parameter, peak amplitude (0-to-peak, mean included; m for a displacement), and
+        frequency of the peak in Hz.
+    ridge:
+        (n_points,) number from 0 of the ridge of a point.
+    is_corner:
+        (n_points,) whether the frequency curve has a corner at the peak, not a tangent of zero slope.
+    curvature:
+        (n_points,) second derivative of the logarithm of the amplitude by the phase lag in rad, -1 for a linear
+        resonance. (At a corner it has no meaning.)
+    pairs_stuck, pairs_stick_slip, pairs_separating:
+        (n_points,) numbers of pairs in each contact state at the peak.
+    residual:
+        (n_points,) relative error of the balance at the last point of the search.
+    iterations:
+        (n_points,) of Newton's method for the peak.
+    stuck_parameter, stuck_amplitude, stuck_frequency_hz:
+        (n_stuck,) highest peaks of the linear structure with stuck contacts at values of the parameter.
+    free_parameter, free_amplitude, free_frequency_hz:
+        (n_free,) the same without contacts.
+    ends:
+        for each ridge the reasons why it ends below and above; "" where it reaches the end of the range.
+    converged, message:
+        whether the highest peak is known over the whole range, and a message.
+    warnings:
+        messages, for example on a curve at an end of the range that is not complete.
+    settings, provenance:
+        options of the run; software and machine.
+
+    Raises
+    ------
+    InputError
+        for an array of the wrong shape or with an entry that is not finite.
+    """
+
+    DATASET_TITLE: ClassVar[str] = "Ridge of peaks of a structure with rough, dry-friction joints"
+
+    parameter: FloatArray = field(metadata=stored(Numbers(_POINTS, "1", "parameter, in parameter_unit")))
+    amplitude: FloatArray = field(metadata=stored(Numbers(_POINTS, "m", "peak amplitude of the output, 0-to-peak")))
+    frequency_hz: FloatArray = field(metadata=stored(Numbers(_POINTS, "Hz", "frequency of the peak", name="frequency")))
+    ridge: NDArray[np.int64] = field(metadata=stored(WholeNumbers(_POINTS, "1", "number of the ridge")))
+    is_corner: NDArray[np.bool_] = field(metadata=stored(Flags(_POINTS, "1", "1 at a corner of the frequency curve")))
+    curvature: FloatArray = field(
+        metadata=stored(Numbers(_POINTS, "rad-2", "second derivative of log amplitude by the phase lag"))
+    )
+    pairs_stuck: NDArray[np.int64] = field(metadata=stored(WholeNumbers(_POINTS, "1", "pairs stuck")))
+    pairs_stick_slip: NDArray[np.int64] = field(metadata=stored(WholeNumbers(_POINTS, "1", "pairs in stick-slip")))
+    pairs_separating: NDArray[np.int64] = field(metadata=stored(WholeNumbers(_POINTS, "1", "pairs separating")))
+    residual: FloatArray = field(metadata=stored(Numbers(_POINTS, "1", "relative residual of the balance")))
+    iterations: NDArray[np.int64] = field(metadata=stored(WholeNumbers(_POINTS, "1", "Newton iterations")))
+    stuck_parameter: FloatArray = field(metadata=stored(Numbers(_STUCK, "1", "parameter of the stuck limit")))
+    stuck_amplitude: FloatArray = field(metadata=stored(Numbers(_STUCK, "m", "highest linear peak, contacts stuck")))
+    stuck_frequency_hz: FloatArray = field(metadata=stored(Numbers(_STUCK, "Hz", "frequency of that peak")))
+    free_parameter: FloatArray = field(metadata=stored(Numbers(_FREE, "1", "parameter of the free limit")))
+    free_amplitude: FloatArray = field(metadata=stored(Numbers(_FREE, "m", "highest linear peak, no contact")))
+    free_frequency_hz: FloatArray = field(metadata=stored(Numbers(_FREE, "Hz", "frequency of that peak")))
+    parameter_name: str = field(metadata=stored(Text("name of the parameter")))
+    parameter_unit: str = field(metadata=stored(Text("unit of the parameter")))
+    output_name: str = field(metadata=stored(Text("name of the output")))
+    start: FloatArray = field(metadata=stored(Numbers((), "1", "lower end of the range")))
+    stop: FloatArray = field(metadata=stored(Numbers((), "1", "upper end of the range")))
+    ends: tuple[tuple[str, str], ...] = field(
+        metadata=stored(Json(list[tuple[str, str]], "reasons for the ends of each ridge, JSON list"))
+    )
+    converged: bool = field(metadata=stored(Attribute(0, 1, bool)))
+    message: str = field(metadata=stored(Text("message at the end")))
+    warnings: tuple[str, ...] = field(metadata=stored(Json(list[str], "warnings, JSON list")))
+    settings: dict[str, str | float | int] = field(
+        metadata=stored(Json(dict[str, str | float | int | None], "settings, JSON object"))
+    )
+    provenance: dict[str, str] = field(metadata=stored(Json(dict[str, str], "software and machine, JSON object")))
+
+    def __post_init__(self) -> None:
+        sizes = {
+            "ridge_point": np.size(self.parameter),
+            "stuck_point": np.size(self.stuck_parameter),
+            "free_point": np.size(self.free_parameter),
+        }
+        self._require_sizes(sizes)
+        if not sizes["ridge_point"]:
+            raise InputError("a ridge requires at least one point.", arguments=["parameter"])
+        require_positive("parameter", self.parameter, "A ridge is over its logarithm.")
+        object.__setattr__(self, "warnings", tuple(self.warnings))
+        object.__setattr__(self, "ends", tuple((below, above) for below, above in self.ends))
+
+    def __repr__(self) -> str:
+        return (
+            f"PeakRidge({self.parameter_name} from {float(self.start):g} to {float(self.stop):g} "
+            f"{self.parameter_unit}: {self.n_points} points on {self.n_ridges} ridge(s), "
+            f"{'converged' if self.converged else 'NOT converged'})"
+        )
+
+    @property
+    def n_points(self) -> int:
+        """Number of points of all ridges."""
+        return int(self.parameter.size)
+
+    @property
+    def n_ridges(self) -> int:
+        """Number of ridges."""
+        return len(self.ends)
+
+    def over(self, scale: float, name: str, unit: str) -> PeakRidge:
+        """The same ridges over the parameter divided by ``scale``, with another name and unit."""
+        scaled: dict[str, Any] = {
+            key: np.asarray(getattr(self, key)) / scale
+            for key in ("parameter", "stuck_parameter", "free_parameter", "start", "stop")
+        }
+        return replace(self, **scaled, parameter_name=name, parameter_unit=unit)
+
+    def of(self, ridge: int) -> NDArray[np.int64]:
+        """The points of a ridge."""
+        return np.flatnonzero(self.ridge == ridge)
+
+    def at(self, parameter: ArrayLike) -> HighestPeak:
+        """The highest peak at values of the parameter (n,): between the points, by cubic interpolation of logarithms.
+
+        Raises InputError for a value that is not above zero.
+        """
+        values = np.atleast_1d(finite_array("parameter", parameter))
+        require_positive("parameter", values, "A ridge is over its logarithm.")
+        amplitude = np.full(values.size, -np.inf)
+        frequency = np.full(values.size, np.nan)
+        number = np.full(values.size, -1)
+        for ridge in range(self.n_ridges):
+            height, hertz = self._interpolated(ridge, values)
+            higher = height > amplitude
+            amplitude[higher], frequency[higher], number[higher] = height[higher], hertz[higher], ridge
+        return HighestPeak(values, np.where(number >= 0, amplitude, np.nan), frequency, number)
+
+    def _interpolated(self, ridge: int, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Amplitude and frequency of a ridge at values; not a number outside of its range."""
+        points = self.of(ridge)
+        low, high = self.parameter[points[[0, -1]]]
+        inside = (values >= low * (1.0 - 1e-12)) & (values <= high * (1.0 + 1e-12))
+        places = np.log(self.parameter[points])
+        answer = []
+        for curve in (self.amplitude[points], self.frequency_hz[points]):
+            value = np.full(values.size, np.nan)
+            value[inside] = np.exp(log_interpolated(places, np.log(curve), np.log(values[inside])))
+            answer.append(value)
+        return answer[0], answer[1]
+
+    @property
+    def grid(self) -> FloatArray:
+        """(n,) values of the parameter from start to stop, with all points and others between them."""
+        places = np.unique(np.log(np.append(self.parameter, [self.start, self.stop])))
+        between = np.linspace(places[:-1], places[1:], GRID_PER_INTERVAL, endpoint=False)
+        return np.asarray(np.exp(np.append(between.T.ravel(), places[-1])))
+
+    def highest(self) -> HighestPeak:
+        """The highest peak on :attr:`grid`."""
+        return self.at(self.grid)
+
+    def switches(self) -> tuple[float, ...]:
+        """Values of the parameter at which another ridge becomes the highest, rising."""
+        top = self.highest()
+        known = np.flatnonzero(top.ridge >= 0)
+        changes = known[:-1][np.diff(top.ridge[known]) != 0]
+        return tuple(self._crossing(top.parameter[i], top.parameter[i + 1]) for i in changes if i + 1 in known)
+
+    def _crossing(self, low: float, high: float) -> float:
+        """The value at which the highest ridge changes, between two neighbours of the grid, by bisection."""
+        before = self.at(low).ridge[0]
+        while high / low > 1.0 + 1e-9:
+            middle = float(np.sqrt(low * high))
+            if self.at(middle).ridge[0] == before:
+                low = middle
+            else:
+                high = middle
+        return float(np.sqrt(low * high))
+
+    @property
+    def optimum(self) -> Optimum:
+        """The best value of the parameter: the lowest local minimum of the highest peak inside the known range, between
+        rises of at least 1 %; without one the lowest point, at an end."""
+        top = self.highest()
+        known = np.flatnonzero(top.ridge >= 0)
+        valleys, _ = find_peaks(-np.log(top.amplitude[known]), prominence=LEAST_RISE)
+        if not valleys.size:
+            return self.lowest
+        return _optimum(top, int(known[valleys[np.argmin(top.amplitude[known[valleys]])]]), True)
+
+    @property
+    def lowest(self) -> Optimum:
+        """The lowest of all highest peaks in the known range."""
+        top = self.highest()
+        known = np.flatnonzero(top.ridge >= 0)
+        best = int(known[np.argmin(top.amplitude[known])])
+        return _optimum(top, best, bool(known[0] < best < known[-1]))
+
+    def plot(self) -> Figure:
+        """Peak amplitude and frequency against the parameter, as a figure of matplotlib, on logarithmic axes.
+
+        The highest peak is a thick line, the other ridges are thin; linear limits beside, the optimum marked.
+        """
+        return ridge_figure(self.picture())
+
+    def picture(self) -> RidgePicture:
+        """The data of figures."""
+        top, best = self.highest(), self.optimum
+        return RidgePicture(
+            top.parameter, top.amplitude, top.frequency_hz, self.parameter, self.amplitude, self.frequency_hz,
+            self.ridge, self.stuck_parameter, self.stuck_amplitude, self.stuck_frequency_hz, self.free_parameter,
+            self.free_amplitude, self.free_frequency_hz, best.parameter, best.amplitude, best.frequency_hz,
+            self.parameter_name, self.parameter_unit, self.output_name,
+        )  # fmt: skip
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write one NetCDF-4 file, completely or not at all. Raises ResultsFileError if it cannot be written."""
+        write_groups(path, self.to_groups())
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> PeakRidge:
+        """Read a file of :meth:`save`; the object is equal. Raises ResultsFileError."""
+        return read_groups(path, cls.from_group)
+
+    def words(self) -> Iterator[str]:
+        """Sentences on the optimum and on switches."""
+        best, lowest = self.optimum, self.lowest
+        if best.is_inside:
+            yield f"The optimum is {self._place(best)}."
+            if lowest.amplitude < (1.0 - LEAST_RISE) * best.amplitude:
+                yield f"Only towards an end of the range are peaks lower: {self._place(lowest)}."
+        else:
+            yield f"There is no optimum inside the range; the lowest peak is {self._place(lowest)}."
+        for value in self.switches():
+            yield f"At {self._named(value)} another peak becomes the highest."
+
+    def _place(self, at: Optimum) -> str:
+        return f"{1e6 * at.amplitude:.4g} µm at {at.frequency_hz:.2f} Hz, with {self._named(at.parameter)}"
+
+    def _named(self, value: float) -> str:
+        return f"{self.parameter_name} = {value:.4g} {self.parameter_unit}".rstrip()
+
+
+def _optimum(top: HighestPeak, place: int, is_inside: bool) -> Optimum:
+    return Optimum(float(top.parameter[place]), float(top.amplitude[place]), float(top.frequency_hz[place]), is_inside)
+
+
+def log_interpolated(places: FloatArray, curve: FloatArray, at: FloatArray) -> FloatArray:
+    """A curve (n,) over rising places (n,), at others between them: cubic pieces whose slopes are those of parabolas
+    through three neighbours; linear for two points, constant for one."""
+    if places.size == 1:
+        return np.full(at.size, curve[0])
+    slopes = np.gradient(curve, places, edge_order=2 if places.size > 2 else 1)
+    return np.asarray(CubicHermiteSpline(places, curve, slopes)(at))

@@ -1,0 +1,79 @@
+"""The plain figure of a ridge of peaks, for publications and notebooks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stickslip.core.plain_figure import BLUE, GREY, INK, ORANGE, VERMILLION, blank_figure, plain_axes
+from stickslip.core.validation import FloatArray
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_MICRO = 1e6  # m to µm
+
+
+@dataclass(frozen=True)
+class RidgePicture:
+    """Data of figures: the highest peak on a grid, the points of all ridges, the linear limits, and the optimum.
+
+    Amplitudes in m, frequencies in Hz, values of the parameter in its unit.
+    """
+
+    highest_parameter: FloatArray
+    highest_amplitude: FloatArray
+    highest_hz: FloatArray
+    parameter: FloatArray
+    amplitude: FloatArray
+    frequency_hz: FloatArray
+    ridge: NDArray[np.int64]
+    stuck_parameter: FloatArray
+    stuck_amplitude: FloatArray
+    stuck_hz: FloatArray
+    free_parameter: FloatArray
+    free_amplitude: FloatArray
+    free_hz: FloatArray
+    best_parameter: float
+    best_amplitude: float
+    best_hz: float
+    parameter_name: str
+    parameter_unit: str
+    output_name: str
+
+    @property
+    def parameter_words(self) -> str:
+        """Name and unit of the parameter, for an axis."""
+        return f"{self.parameter_name}, {self.parameter_unit}" if self.parameter_unit else self.parameter_name
+
+
+def ridge_figure(picture: RidgePicture) -> Figure:
+    """Peak amplitude above, peak frequency below, against the parameter; amplitude and parameter logarithmic."""
+    figure = blank_figure(6.5, 6.5)
+    above, below = (plain_axes(axes) for axes in figure.subplots(2, 1, sharex=True))
+    panels = (
+        (above, _MICRO, picture.amplitude, picture.highest_amplitude, picture.stuck_amplitude, picture.free_amplitude),
+        (below, 1.0, picture.frequency_hz, picture.highest_hz, picture.stuck_hz, picture.free_hz),
+    )
+    for axes, scale, points, highest, stuck, free in panels:
+        axes.plot(picture.stuck_parameter, scale * stuck, "--", color=BLUE, label="linear, all stuck")
+        axes.plot(picture.free_parameter, scale * free, ":", color=ORANGE, linewidth=2.0, label="linear, no contact")
+        for ridge in np.unique(picture.ridge):
+            here = picture.ridge == ridge
+            axes.plot(picture.parameter[here], scale * points[here], ".-", color=GREY, linewidth=0.8, markersize=4)
+        axes.plot(picture.highest_parameter, scale * highest, color=INK, linewidth=2.0, label="highest peak")
+        axes.set_xscale("log")
+    label = (
+        f"optimum: {_MICRO * picture.best_amplitude:.4g} µm at {picture.best_parameter:.4g} {picture.parameter_unit}"
+    )
+    above.plot(picture.best_parameter, _MICRO * picture.best_amplitude, "D", color=VERMILLION, label=label.rstrip())
+    below.plot(picture.best_parameter, picture.best_hz, "D", color=VERMILLION)
+    above.set_yscale("log")
+    above.set_ylabel("\n".join(filter(None, ["Peak amplitude, 0-to-peak, µm", picture.output_name])), parse_math=False)
+    above.legend(frameon=False)
+    below.set_xlabel(picture.parameter_words, parse_math=False)
+    below.set_ylabel("Frequency of the peak, Hz")
+    return figure

@@ -1,0 +1,278 @@
+"""A maximum of an output along a frequency curve, with the stationarity of the amplitude as a further equation.
+
+Along the curve ``R(x, w) = 0`` the phase lag ``s`` of the motion is the coordinate: it turns by 180 degrees through a
+resonance, also where the curve folds. The tangent ``t = (x', w')`` per radian of lag solves a bordered system,
+
+    [R_x  R_w] t = 0,    lag(t) = 1,
+
+and the condition of a maximum is ``g' = grad(log amplitude) . t = 0`` with ``g'' < 0``. The amplitude is the largest
+absolute value over the period; at fixed instant its gradient is that of the output (envelope theorem). Of a linear
+resonance ``g = log(cos(s)) + constant``, so ``g'' = -1`` at its peak. ``g''`` is the difference of slopes between
+points of the curve: sampled forces change slope when a sample changes its state, and only a difference over many such
+events contains the shift of the instants of slip (docs/theory_ridge.md).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stickslip.core.fourier import synthesis_row
+from stickslip.core.validation import FloatArray
+from stickslip.results.periodic_amplitude import periodic_maximum
+from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve, amplitude_row
+from stickslip.solve.harmonic.reduced import BorderedSystem, LastFactor, NewtonSystem
+from stickslip.solve.path.newton import Newton
+from stickslip.solve.path.problem import Plane, Step
+
+# chosen: relative rise of the amplitude from the last point to the peak that a parabola supplies. Half of it is wrong
+# at most where sampling blurs the curvature: 0.01 %.
+LAST_RISE = 2e-4
+# chosen: largest step along the curve in rad of lag, and the largest way of a search: beyond it is another peak.
+LARGEST_STEP, LONGEST_WAY = 0.4, 1.2
+# A linear resonance has the slope tan(lag): beyond this one the point is more than 70 degrees from its peak.
+STEEPEST = 3.0
+# chosen: range of curvatures that a step assumes; differences between points close together are blurred by sampling.
+FLATTEST, SHARPEST = -0.3, -10.0
+# chosen: iterations may leave the frequency range by this factor.
+MARGIN = 1.1
+# chosen: fractions of a step, until Newton's method converges.
+SHORTENED = (1.0, 0.4, 0.15)
+# chosen: most points of one search; a smooth peak needs two or three.
+MOST_PROBES = 14
+# chosen: a trial in a bracket stays away from its ends by this fraction.
+INSIDE = 0.1
+# chosen: digits of a tangent.
+TANGENT_TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True)
+class Probe:
+    """A point of the curve: amplitude of the output, slope ``g'`` of its logarithm by the lag, and the tangent."""
+
+    point: BalancePoint
+    amplitude: float
+    slope: float
+    tangent: Step
+    iterations: int
+    lag: float = 0.0  # rad, from the first point of the search
+
+
+@dataclass(frozen=True)
+class CurvePeak:
+    """A maximum of the amplitude along a frequency curve.
+
+    ``probe`` is its last computed point, ``curvature`` is g'' there; ``is_corner``: slopes of both signs meet, so that
+    the curve has a corner at the peak. ``iterations`` are those of Newton's method in the whole search.
+    """
+
+    probe: Probe
+    amplitude: float
+    omega: float
+    curvature: float
+    is_corner: bool
+    iterations: int
+
+
+class BoundedCurve(FrequencyCurve):
+    """A frequency curve on which iterations that leave a ``window`` (rad/s, rising) by far stop, before they reach
+    frequencies that cost much and mean nothing."""
+
+    def __init__(self, balance: Balance, last: LastFactor, window: tuple[float, float]) -> None:
+        super().__init__(balance, last=last)
+        self.window = window
+
+    def evaluate(self, unknowns: FloatArray, parameters: FloatArray) -> BalancePoint:
+        omega = float(parameters[0])
+        if self.window[0] / MARGIN <= omega <= self.window[1] * MARGIN:
+            return super().evaluate(unknowns, parameters)
+        inside = min(max(omega, self.window[0]), self.window[1]) if math.isfinite(omega) else self.window[0]
+        return replace(super().evaluate(unknowns, np.array([inside])), parameters=parameters, error=math.inf)
+
+
+class PeakSearch:
+    """Searches maxima of one output along one frequency curve.
+
+    ``mean_row`` gives the row of the output for the mean of a trial, without the way of a body that walks;
+    ``stuck_omega`` (n,) are the frequencies of the stuck modes in rad/s; searches at other values may share the
+    ``last`` factor.
+    """
+
+    def __init__(
+        self,
+        curve: BoundedCurve,
+        newton: Newton[BalancePoint],
+        output: FloatArray,
+        mean_row: Callable[[Trial], FloatArray],
+        stuck_omega: FloatArray,
+        last: LastFactor,
+    ) -> None:
+        self.curve = curve
+        self._newton = newton
+        self._modes = curve.balance.compliance.output_modes(output)
+        self._mean_row = mean_row
+        self.stuck_omega = stuck_omega
+        self.last_factor = last
+        self.on_point: Callable[[], None] = lambda: None
+
+    @property
+    def balance(self) -> Balance:
+        """The balance of the curve."""
+        return self.curve.balance
+
+    def from_estimate(self, unknowns: FloatArray, omega: float, across: Step, curvature: float) -> CurvePeak | str:
+        """The peak near an estimate; Newton's method begins in the plane across a tangent. Or why there is none."""
+        probe = self._corrected(self.curve.at(unknowns, omega), across)
+        if probe is None:
+            return "Newton's method did not converge from the estimate"
+        return self._search(probe, curvature)
+
+    def from_point(self, point: BalancePoint) -> CurvePeak | str:
+        """The peak near a point of the curve, or why there is none."""
+        return self._search(self._probe(point, 0), -1.0)
+
+    def _corrected(self, guess: BalancePoint, across: Step) -> Probe | None:
+        """Newton's method in the plane through a guess, across a tangent."""
+        normal = self.curve.determined(across.unknowns)
+        size = float(np.linalg.norm(normal))
+        omega = float(guess.parameters[0])
+        if size > 0.0:
+            plane = Plane(normal / size**2, 0.0, guess.unknowns, omega)
+        else:  # the relative motion does not change along the curve: the frequency remains
+            plane = Plane.fixed(guess.unknowns, omega)
+        with np.errstate(over="ignore", invalid="ignore"):  # of an iteration that diverges
+            correction = self._newton.correct(guess, plane)
+        return self._probe(correction.point, correction.iterations) if correction.converged else None
+
+    def _probe(self, point: BalancePoint, iterations: int) -> Probe:
+        """Amplitude, slope and tangent at a point of the curve."""
+        self.on_point()
+        balance, trial = self.balance, point.trial
+        by_omega = balance.amplitude_slope(trial)
+        lag = _lag_weights(trial.amplitude)
+        rows = [amplitude_row(balance, trial, lag, [by_omega])]
+        system = BorderedSystem(
+            NewtonSystem(balance, trial), [balance.residual_slope(by_omega)], rows, self.last_factor
+        )
+        tangent = system.solve(np.zeros_like(trial.residual), np.ones(1), TANGENT_TOLERANCE)
+        if not np.isfinite(tangent.parameters).all():
+            return Probe(point, math.nan, math.nan, tangent, iterations)
+        change = balance.compliance.amplitude(trial.omega, None, tangent.detail)
+        change += float(tangent.parameters[0]) * by_omega
+        signal = self._coefficients(trial, trial.amplitude, trial.deviation)
+        moved = self._coefficients(trial, change, tangent.detail)
+        (amplitude,), (angle,) = periodic_maximum(signal[None])
+        at = synthesis_row(balance.harmonics, float(angle))
+        slope = float(at @ moved) / float(at @ signal) if amplitude > 0.0 else math.nan
+        return Probe(point, float(amplitude), slope, tangent, iterations)
+
+    def amplitude(self, trial: Trial) -> float:
+        """0-to-peak amplitude of the output."""
+        return float(periodic_maximum(self._coefficients(trial, trial.amplitude, trial.deviation)[None])[0][0])
+
+    def _coefficients(self, trial: Trial, amplitude: FloatArray, deviation: FloatArray) -> FloatArray:
+        """(2H+1,) coefficients of the output for modal amplitudes (2H, n) and deviations, or for their changes."""
+        mean = 0.0
+        if deviation[0].any():
+            mean = float(self.balance.compliance.mean_transposed(self._mean_row(trial)) @ deviation[0])
+        return np.append(mean, amplitude @ self._modes)
+
+    def _search(self, probe: Probe, curvature: float) -> CurvePeak | str:
+        """Climb along the curve to the maximum, and enclose it."""
+        rising: Probe | None = None  # the best point before the maximum, with slope above zero
+        falling: Probe | None = None
+        iterations = probe.iterations
+        if abs(probe.slope) > STEEPEST:
+            return "the estimate is far from a maximum"
+        for count in range(1, MOST_PROBES + 1):
+            if not (math.isfinite(probe.slope) and probe.amplitude > 0.0):
+                return "the tangent of the frequency curve is not determined"
+            if probe.slope >= 0.0:
+                rising = probe
+            else:
+                falling = probe
+            if curvature < 0.0 and probe.slope**2 <= 2.0 * LAST_RISE * -curvature:
+                return self._inside(_peak_of(probe, curvature, False, iterations))
+            if rising is not None and falling is not None:
+                if _rise_of_corner(rising, falling) <= LAST_RISE:
+                    best = max(rising, falling, key=lambda each: each.amplitude)
+                    return self._inside(_peak_of(best, curvature, True, iterations))
+                step = _inside_bracket(rising, falling, count % 2 == 0) - probe.lag
+            else:
+                wanted = probe.slope / -min(FLATTEST, max(SHARPEST, curvature))
+                step = math.copysign(min(abs(wanted), LARGEST_STEP), probe.slope)
+            if abs(probe.lag + step) > LONGEST_WAY:
+                return "the amplitude has no maximum near the estimate"
+            after = self._moved(probe, step)
+            if after is None:
+                return "Newton's method did not converge on the way to the maximum"
+            iterations += after.iterations
+            curvature = (after.slope - probe.slope) / (after.lag - probe.lag)
+            probe = after
+        return "the search for the maximum did not settle"
+
+    def _inside(self, peak: CurvePeak) -> CurvePeak | str:
+        """The peak if it is in the window."""
+        low, high = self.curve.window
+        if low <= peak.omega <= high:
+            return peak
+        return f"the peak leaves the frequency range, at {peak.omega / (2.0 * math.pi):.2f} Hz"
+
+    def _moved(self, probe: Probe, step: float) -> Probe | None:
+        """The point at a lag, from a tangent."""
+        for fraction in SHORTENED:
+            length, tangent = fraction * step, probe.tangent
+            guess = self.curve.at(
+                probe.point.unknowns + length * tangent.unknowns,
+                float(probe.point.parameters[0] + length * tangent.parameters[0]),
+            )
+            after = self._corrected(guess, tangent)
+            if after is not None:
+                return Probe(
+                    after.point, after.amplitude, after.slope, after.tangent, after.iterations, probe.lag + length
+                )
+        return None
+
+
+def _lag_weights(amplitude: FloatArray) -> FloatArray:
+    """(2H, n) derivative of the phase lag by the modal amplitudes: the shift in time that fits a change best, as an
+    angle of the first harmonic."""
+    order = np.repeat(np.arange(1, len(amplitude) // 2 + 1), 2)[:, None]
+    turned = np.empty_like(amplitude)
+    turned[0::2], turned[1::2] = -amplitude[1::2], amplitude[0::2]
+    turned *= order
+    size = float((turned**2).sum())
+    return turned / size if size > 0.0 else turned
+
+
+def _peak_of(probe: Probe, curvature: float, is_corner: bool, iterations: int) -> CurvePeak:
+    """The maximum of the parabola at the last point; a corner is that point."""
+    ahead = 0.0 if is_corner else -probe.slope / curvature
+    omega = float(probe.point.parameters[0] + ahead * probe.tangent.parameters[0])
+    amplitude = probe.amplitude * math.exp(0.5 * ahead * probe.slope)
+    return CurvePeak(probe, amplitude, omega, curvature, is_corner, iterations)
+
+
+def _corner(rising: Probe, falling: Probe) -> float:
+    """The lag, from the rising end of a bracket, at which the tangents of its ends intersect."""
+    width = falling.lag - rising.lag
+    drop = math.log(falling.amplitude / rising.amplitude)
+    return (drop - falling.slope * width) / (rising.slope - falling.slope)
+
+
+def _rise_of_corner(rising: Probe, falling: Probe) -> float:
+    """Rise of the logarithm from the higher end of a bracket to the intersection of its tangents: a concave curve does
+    not rise more."""
+    ends = math.log(rising.amplitude), math.log(falling.amplitude)
+    return ends[0] + rising.slope * _corner(rising, falling) - max(ends)
+
+
+def _inside_bracket(rising: Probe, falling: Probe, is_corner: bool) -> float:
+    """A lag in a bracket: where the slope, linear between its ends, is zero; or at the corner of the tangents."""
+    width = falling.lag - rising.lag
+    ahead = _corner(rising, falling) if is_corner else width * rising.slope / (rising.slope - falling.slope)
+    return rising.lag + min((1.0 - INSIDE) * width, max(INSIDE * width, ahead))

@@ -1,0 +1,300 @@
+"""All ridges of peaks over a range of a parameter: their starts, their ends, and the highest of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from stickslip.contact.law.law import ContactState
+from stickslip.core.errors import ConvergenceError, StickslipError
+from stickslip.core.validation import FloatArray
+from stickslip.results.peak_ridge import PeakRidge, log_interpolated
+from stickslip.results.peaks import Peak, peaks
+from stickslip.solve.harmonic.balance import relative_norm
+from stickslip.solve.harmonic.curves import BalancePoint
+from stickslip.solve.harmonic.peak import PeakSearch
+from stickslip.solve.path.problem import Plane
+from stickslip.solve.ridge_stage import RidgeStage, StageMaker, Work
+from stickslip.solve.ridge_walk import TOO_MUCH_WORK, Pace, RidgePoint, follow
+from stickslip.solve.setting_up import StageReport
+
+# chosen: a peak is followed as long as it has at least this fraction of the highest one: others rarely rise above it
+# within the range, and the curve at its other end shows those that do.
+LEAST_FRACTION = 0.5
+# chosen: two peaks at one value of the parameter are one if their amplitudes agree so far, and their motions (mass
+# norm): a peak has an error of 1e-4 at most, and its motion turns by a few hundredths of a radian over this rise.
+SAME_AMPLITUDE, SAME_MOTION = 1e-3, 0.1
+# chosen: largest estimated error of the interpolated highest peak; the demand is 0.1 %.
+INTERPOLATION_ERROR = 5e-4
+# A point left out has an interval of twice the length, whose interpolation has at least so many times the error (at a
+# corner of the ridge; eight times where it is smooth).
+ERROR_OF_LEFT_OUT = 2.0
+# chosen: a ridge is refined where it has more than this fraction of the highest one, on both sides of a switch.
+NEAR_HIGHEST = 0.95
+
+
+@dataclass
+class _Ridge:
+    """A ridge in the order of the parameter, and the reasons why it ends below and above."""
+
+    points: list[RidgePoint]
+    ends: tuple[str, str]
+
+
+class RidgeMap:
+    """Ridges over a range of the parameter.
+
+    ``stage_at`` gives the equations at a value, ``named`` a value in words; ``work`` limits the work; ``modes`` are the
+    numbers from 0 of the stuck modes whose linear peaks count, None for all.
+    """
+
+    def __init__(
+        self,
+        stage_at: StageMaker,
+        bounds: tuple[float, float],
+        report: StageReport,
+        pace: Pace | None = None,
+        named: Callable[[float], str] = "{:.4g}".format,
+        work: Work | None = None,
+        modes: frozenset[int] | None = None,
+    ) -> None:
+        self._make_stage = stage_at
+        self._earlier: RidgeStage | None = None
+        self._stage_at = lru_cache(maxsize=2)(self._counted_stage)
+        self.work = work or Work()
+        self._modes = modes
+        self._bounds = bounds
+        self._report = report
+        self._pace = pace or Pace()
+        self._named = named
+        self._stuck: dict[float, Peak] = {}
+        self._free: dict[float, Peak] = {}
+        self.ridges: list[_Ridge] = []
+        self.warnings: list[str] = []
+        self.points_of_curves = 0
+
+    def _counted_stage(self, value: float) -> RidgeStage:
+        """The equations at a value."""
+        stage = self._make_stage(value, self._earlier)
+        self.work.prepare(stage, self._earlier)
+        self._earlier = stage
+        if stuck := stage.stuck_peaks(self._modes):
+            self._stuck[value] = stuck[0]
+        return stage.counted(self.work)
+
+    def add_curve(self, value: float) -> None:
+        """Compute the whole frequency curve at a value, and follow its peaks that are on no ridge yet."""
+        self._report.stage(f"frequency curve at {self._named(value)}")
+        stage = self._stage_at(value)
+        self._free[value] = stage.free_peak()
+        try:
+            branch = stage.whole_curve()
+        except ConvergenceError as error:
+            self.warnings.append(f"There is no frequency curve at {self._named(value)}: {error}")
+            return
+        if not branch.complete:
+            self.warnings.append(
+                f"The frequency curve at {self._named(value)} is not complete, so that a peak beyond its end may be "
+                f"missing. {branch.message}"
+            )
+        points = [each.point for each in branch.points]
+        self.points_of_curves += len(points)
+        self.add_peaks(value, points)
+
+    def add_peaks(self, value: float, points: Sequence[BalancePoint]) -> None:
+        """Follow the peaks of a curve, given by its points, that are on no ridge yet."""
+        stage = self._stage_at(value)
+        hertz = np.array([point.trial.omega for point in points]) / (2.0 * math.pi)
+        heights = stage.amplitude(points)
+        found = peaks(hertz, heights)
+        if not found[0].bracketed:
+            self.warnings.append(
+                f"At {self._named(value)} the largest amplitude is at an end of the frequency range, "
+                f"{found[0].frequency_hz:.2f} Hz: widen the range."
+            )
+        tops = [each for each in found if each.bracketed and each.amplitude >= LEAST_FRACTION * found[0].amplitude]
+        for top in tops:
+            point = points[top.point]
+            self.add_from(value, point.unknowns, point.trial.omega)
+
+    def add_stuck(self, value: float) -> None:
+        """Follow the peaks near those of the linear stuck structure at a value, where they are also solutions."""
+        stage = self._stage_at(value)
+        found = stage.stuck_peaks(self._modes)
+        for top in found:
+            if top.bracketed and top.amplitude >= LEAST_FRACTION * found[0].amplitude:
+                omega = 2.0 * math.pi * top.frequency_hz
+                self.add_from(value, stage.search.balance.linear(omega), omega)
+
+    def add_from(self, value: float, unknowns: FloatArray, omega: float) -> None:
+        """Follow the peak near a solution in both directions; a warning where there is none."""
+        stage = self._stage_at(value)
+        point = stage.curve.at(unknowns, omega)
+        correction = stage.solver.correct(point, Plane.fixed(unknowns, omega))
+        peak = (
+            "Newton's method did not converge"
+            if not correction.converged
+            else stage.search.from_point(correction.point)
+        )
+        if isinstance(peak, str):
+            self.warnings.append(
+                f"A peak near {omega / (2.0 * math.pi):.2f} Hz at {self._named(value)} was not followed: {peak}."
+            )
+            return
+        start = RidgePoint.start(value, peak, stage.search.stuck_omega)
+        if self._is_known(start):
+            return
+        parts, ends = [], []
+        for stop in self._bounds:
+            part, end = follow(self._searched, start, stop, self._pace, self._needless)
+            parts.append(part)
+            ends.append(end)
+        self.ridges.append(_Ridge([*reversed(parts[0]), start, *parts[1]], (ends[0], ends[1])))
+
+    def _searched(self, value: float) -> PeakSearch | str:
+        """The search at a value, which is reported; or why there are no equations there."""
+        if self.work.is_used_up:
+            return TOO_MUCH_WORK
+        low, high = map(math.log, self._bounds)
+        fraction = 0.0 if high == low else (math.log(value) - low) / (high - low)
+        self._report.stage(f"peak at {self._named(value)}", min(0.99, max(0.0, fraction)))
+        try:
+            return self._stage_at(value).search
+        except StickslipError as error:  # a law or a static state that does not exist there
+            return str(error)
+
+    def _is_known(self, start: RidgePoint) -> bool:
+        """Whether a ridge has this point."""
+        return any(
+            each.parameter == start.parameter
+            and abs(math.log(each.peak.amplitude / start.peak.amplitude)) < SAME_AMPLITUDE
+            and relative_norm(each.trial.amplitude - start.trial.amplitude, start.trial.amplitude) < SAME_MOTION
+            for ridge in self.ridges
+            for each in ridge.points
+        )
+
+    def refine(self) -> None:
+        """Add points where the interpolation of the highest ridge is least accurate, until it is accurate enough."""
+        given_up: set[float] = set()
+        while not self.work.is_used_up:
+            intervals = [each for ridge in self.ridges for each in self._inaccurate(ridge)]
+            worth = [each for each in intervals if each[2] not in given_up]
+            if not worth:
+                return
+            _, ridge, value, place = max(worth, key=lambda each: each[0])
+            low, high = ridge.points[place : place + 2]
+            search = self._searched(value)
+            found = search if isinstance(search, str) else self._pace.next_point(search, [low, high], value)[0]
+            if isinstance(found, str):
+                given_up.add(value)
+            else:
+                ridge.points.insert(place + 1, found)
+
+    def _inaccurate(self, ridge: _Ridge) -> Iterator[tuple[float, _Ridge, float, int]]:
+        """Errors of the interpolation, with the middle and the number of the longer interval beside each of them.
+
+        The error at a point is the distance from the interpolation through all others.
+        """
+        points = ridge.points
+        places = np.log([each.parameter for each in points])
+        heights = np.log([each.peak.amplitude for each in points])
+        for i in range(1, len(points) - 1):
+            others = np.arange(len(points)) != i
+            error = abs(float(log_interpolated(places[others], heights[others], places[i : i + 1])[0] - heights[i]))
+            if error <= ERROR_OF_LEFT_OUT * INTERPOLATION_ERROR or self._fraction_of_highest(points[i]) < NEAR_HIGHEST:
+                continue
+            longer = i if places[i + 1] - places[i] > places[i] - places[i - 1] else i - 1
+            if places[longer + 1] - places[longer] > 2.0 * self._pace.smallest_step:
+                yield error, ridge, math.exp(0.5 * (places[longer] + places[longer + 1])), longer
+
+    def _needless(self, point: RidgePoint) -> str:
+        """Why a ridge need not be followed beyond a point, or "" """
+        if self._fraction_of_highest(point) >= LEAST_FRACTION:
+            return ""
+        return f"beyond {self._named(point.parameter)}, it is below {LEAST_FRACTION:g} of the highest peak"
+
+    def _fraction_of_highest(self, point: RidgePoint) -> float:
+        """Amplitude of a point over that of the highest ridge at its value."""
+        at, highest = math.log(point.parameter), math.log(point.peak.amplitude)
+        for ridge in self.ridges:
+            places = np.log([each.parameter for each in ridge.points])
+            if places[0] <= at <= places[-1]:
+                heights = np.log([each.peak.amplitude for each in ridge.points])
+                highest = max(highest, float(log_interpolated(places, heights, np.array([at]))[0]))
+        return point.peak.amplitude / math.exp(highest)
+
+    def result(self, name: str, unit: str, output_name: str) -> PeakRidge:
+        """The ridges as a result. Raises ConvergenceError without any."""
+        if not self.ridges:
+            reasons = " ".join(self.warnings)
+            raise ConvergenceError(f"no peak was found that could be followed over {name}. {reasons}".rstrip())
+        self._see_free()
+        points = [each for ridge in self.ridges for each in ridge.points]
+        counts = [np.bincount(each.trial.contact.state, minlength=len(ContactState)) for each in points]
+        stuck, free = (sorted(each.items()) for each in (self._stuck, self._free))
+        start, stop = self._bounds
+        ridge = PeakRidge(
+            parameter=np.array([each.parameter for each in points]),
+            amplitude=np.array([each.peak.amplitude for each in points]),
+            frequency_hz=np.array([each.peak.omega for each in points]) / (2.0 * math.pi),
+            ridge=np.repeat(np.arange(len(self.ridges)), [len(each.points) for each in self.ridges]),
+            is_corner=np.array([each.peak.is_corner for each in points]),
+            curvature=np.array([each.peak.curvature for each in points]),
+            pairs_stuck=np.array([each[ContactState.STUCK] for each in counts]),
+            pairs_stick_slip=np.array([each[ContactState.STICK_SLIP] for each in counts]),
+            pairs_separating=np.array([each[ContactState.SEPARATING] for each in counts]),
+            residual=np.array([each.trial.error for each in points]),
+            iterations=np.array([each.peak.iterations for each in points]),
+            stuck_parameter=np.array([value for value, _ in stuck]),
+            stuck_amplitude=np.array([peak.amplitude for _, peak in stuck]),
+            stuck_frequency_hz=np.array([peak.frequency_hz for _, peak in stuck]),
+            free_parameter=np.array([value for value, _ in free]),
+            free_amplitude=np.array([peak.amplitude for _, peak in free]),
+            free_frequency_hz=np.array([peak.frequency_hz for _, peak in free]),
+            parameter_name=name,
+            parameter_unit=unit,
+            output_name=output_name,
+            start=np.asarray(start),
+            stop=np.asarray(stop),
+            ends=tuple(each.ends for each in self.ridges),
+            converged=False,
+            message="",
+            warnings=tuple(self.warnings),
+            settings={},
+            provenance={},
+        )
+        converged, message = self._coverage(ridge)
+        work: dict[str, str | float | int] = {
+            "points_of_searches": self.work.points,
+            "points_of_whole_curves": self.points_of_curves,
+        }
+        return replace(ridge, converged=converged, message=message, settings=work)
+
+    def _see_free(self) -> None:
+        """The peak without contacts, which no contact changes, if no whole curve gave it."""
+        if not self._free:
+            stage = self._stage_at(self.ridges[0].points[0].parameter)
+            self._free |= dict.fromkeys(self._bounds, stage.free_peak())
+
+    def _coverage(self, ridge: PeakRidge) -> tuple[bool, str]:
+        """Whether the highest peak is known over the whole range, and words on it."""
+        top = ridge.highest()
+        missing = top.parameter[top.ridge < 0]
+        if not missing.size:
+            return True, "The highest peak is known over the whole range."
+        known = top.parameter[top.ridge >= 0]
+        reasons = "; ".join(dict.fromkeys(reason for ends in ridge.ends for reason in ends if reason))
+        return False, (
+            f"The highest peak is known from {self._named(float(known.min()))} to {self._named(float(known.max()))} "
+            f"only{' with gaps' if self._has_gap(ridge) else ''}: {reasons}."
+        )
+
+    @staticmethod
+    def _has_gap(ridge: PeakRidge) -> bool:
+        top = ridge.highest()
+        known = np.flatnonzero(top.ridge >= 0)
+        return bool(known[-1] - known[0] + 1 > known.size)

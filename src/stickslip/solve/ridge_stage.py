@@ -1,0 +1,162 @@
+"""The equations of a ridge of peaks at one value of its parameter, and the count of the work."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from stickslip.contact.law.contact_pairs import ContactPairs
+from stickslip.contact.law.coulomb_harmonics import Update
+from stickslip.core.validation import FloatArray
+from stickslip.results.peaks import Peak
+from stickslip.solve.excitation import Excitation
+from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
+from stickslip.solve.harmonic.peak import BoundedCurve, PeakSearch
+from stickslip.solve.harmonic.reduced import LastFactor
+from stickslip.solve.harmonic.resonances import Resonances
+from stickslip.solve.harmonic.start import first_point
+from stickslip.solve.path.continuation import Branch
+from stickslip.solve.path.newton import Newton, NewtonSettings
+from stickslip.solve.path.stepping import ContinuationSettings
+from stickslip.solve.setting_up import Balances, StageReport, prepare_balances
+from stickslip.structure.superelement import Superelement
+
+# Measured on the two blades (700 unknowns n, 330 rows m of pairs): the modes of a structure, which take a time of n^3,
+# last as long as 20 iterations of Newton's method, which take n m.
+PREPARATION = 20.0 * 330.0 / 700.0**2
+Problem = tuple[Superelement, ContactPairs, Excitation]
+
+
+@dataclass(frozen=True)
+class RidgeOptions:
+    """Options that all values of the parameter share; see :func:`peak_ridge`."""
+
+    frequency_hz: tuple[float, float]
+    harmonics: int = 5
+    samples: int = 256
+    update: Update = "tractrix"
+    newton: NewtonSettings = field(default_factory=NewtonSettings)
+
+
+@dataclass(frozen=True)
+class RidgeStage:
+    """The equations at one value of the parameter."""
+
+    balances: Balances
+    output: FloatArray
+    solver: Newton[BalancePoint]
+    search: PeakSearch
+    window: tuple[float, float]  # Hz, rising
+
+    @classmethod
+    def of(
+        cls,
+        problem: Problem,
+        output: FloatArray,
+        options: RidgeOptions,
+        modal_damping_ratio: float | None,
+        report: StageReport,
+        earlier: RidgeStage | None = None,
+    ) -> RidgeStage:
+        """The equations of a structure, joint and excitation, with the modes of an ``earlier`` stage where they are the
+        same. Raises InputError."""
+        window = min(options.frequency_hz), max(options.frequency_hz)
+        balances = prepare_balances(
+            *problem, 2.0 * math.pi * window[1], options.harmonics, options.samples, modal_damping_ratio,
+            options.update, lambda words: None, None if earlier is None else earlier.balances.stuck,
+        )  # fmt: skip
+        last = LastFactor() if earlier is None else earlier.search.last_factor
+        limits = 2.0 * math.pi * window[0], 2.0 * math.pi * window[1]
+        curve = BoundedCurve(balances.with_harmonics(options.harmonics), last, limits)
+        solver = Newton(curve, options.newton, report.iteration)
+        search = PeakSearch(
+            curve, solver, output, lambda trial: balances.mean_row(trial, output), balances.stuck.circular_frequency,
+            last,
+        )  # fmt: skip
+        return cls(balances, output, solver, search, window)
+
+    def counted(self, work: Work) -> RidgeStage:
+        """The same equations, whose work is counted."""
+        listen = self.solver.on_iteration
+
+        def count(number: int, error: float) -> None:
+            work.iterate(number, error)
+            listen(number, error)
+
+        self.solver.on_iteration, self.search.on_point = count, work.see_point
+        return self
+
+    @property
+    def curve(self) -> FrequencyCurve:
+        """The frequency curve."""
+        return self.search.curve
+
+    def stuck_peaks(self, modes: frozenset[int] | None = None) -> list[Peak]:
+        """The linear peaks with stuck contacts, highest first; those closest to some ``modes`` (from 0), None for all.
+
+        If the highest amplitude is at an end of the window, this is a peak that is not bracketed.
+        """
+        found = self.balances.closed.peaks(self.window, self.balances.force, self.output)
+        if modes is None:
+            return found
+        natural_hz = self.balances.closed.natural_hz
+        return [each for each in found if int(np.abs(natural_hz - each.frequency_hz).argmin()) in modes]
+
+    def modes_between(self, window: tuple[float, float]) -> frozenset[int]:
+        """Numbers from 0 of the stuck modes in a frequency range, Hz."""
+        natural_hz = self.balances.closed.natural_hz
+        return frozenset(np.flatnonzero((natural_hz >= min(window)) & (natural_hz <= max(window))).tolist())
+
+    def free_peak(self) -> Peak:
+        """The highest linear peak without contacts."""
+        return self.balances.free.peaks(self.window, self.balances.force, self.output)[0]
+
+    def amplitude(self, points: Sequence[BalancePoint]) -> FloatArray:
+        """(n_points,) amplitude of the output at points of the curve."""
+        return np.array([self.search.amplitude(point.trial) for point in points])
+
+    def whole_curve(self) -> Branch[BalancePoint]:
+        """The frequency curve over the window. Raises ConvergenceError without a first point."""
+        balances, (start, stop) = self.balances, (2.0 * math.pi * f for f in self.window)
+        resonances = Resonances(balances.closed, balances.free, balances.stuck, balances.force)
+
+        def walk(point: BalancePoint, end: float = start) -> Branch[BalancePoint]:
+            return Branch(self.solver, point, end, ContinuationSettings(), landmarks=resonances)
+
+        point, _ = first_point(self.solver, self.curve, start, balances.with_harmonics, walk)
+        branch = walk(point, stop)
+        branch.follow()
+        return branch
+
+
+# The equations at a value, with what they share with those of an earlier one.
+StageMaker = Callable[[float, RidgeStage | None], RidgeStage]
+
+
+class Work:
+    """Iterations of Newton's method so far, with the preparation of the equations counted too, at most so many, and
+    points of all searches, also of those without a result."""
+
+    def __init__(self, most: float = math.inf) -> None:
+        self.most, self.done, self.points = most, 0.0, 0
+
+    def iterate(self, number: int, error: float) -> None:
+        """Count an iteration."""
+        self.done += 1.0
+
+    def see_point(self) -> None:
+        """Count a point of a search."""
+        self.points += 1
+
+    def prepare(self, stage: RidgeStage, earlier: RidgeStage | None) -> None:
+        """Count the preparation of the equations at a value; those with the modes of an earlier stage cost little."""
+        if earlier is None or earlier.balances.stuck.modes is not stage.balances.stuck.modes:
+            self.done += PREPARATION * stage.output.size**2 / stage.search.balance.rows
+
+    @property
+    def is_used_up(self) -> bool:
+        """Whether no further point is allowed."""
+        return self.done >= self.most

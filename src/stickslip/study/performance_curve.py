@@ -1,0 +1,136 @@
+"""The performance curve of two blades: peak amplitude and frequency against centrifugal force over excitation force.
+
+Each point is the highest peak under the excitation force of the study. With the centrifugal force of the damper the
+normal load changes, and with it the contact stiffness if that follows from the roughness: this is the damper of the
+study with another mass or at another speed, not only another preload at constant stiffness.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from stickslip.case.case import Case, TwoBladeCase
+from stickslip.core.errors import RoughnessError, StickslipError
+from stickslip.core.progress import Progress
+from stickslip.model.model import ReducedModel, load_joint
+from stickslip.results.peak_ridge import PeakRidge
+from stickslip.results.peaks import peaks
+from stickslip.results.response import ForcedResponse
+from stickslip.solve.ridge_map import LEAST_FRACTION, RidgeMap
+from stickslip.solve.ridge_stage import Work
+from stickslip.solve.ridge_walk import Pace
+from stickslip.solve.setting_up import StageReport
+from stickslip.study.ridge import CaseFamily, CaseStages, ridge_options
+
+KEY = "preload.centrifugal_force"
+NAME = "centrifugal force over excitation force"
+# chosen: three decades of centrifugal force over excitation force contain the optimum of dampers (of the order of 1 to
+# 10) and come near both limits.
+LOWEST_RATIO, HIGHEST_RATIO = 0.1, 100.0
+# chosen: peaks move with the force, so the range of frequencies is that of the study and a fifth more on both sides.
+WIDER = 1.2
+# chosen: the lowest possible force is determined to this factor.
+LOWEST_FORCE_TO = 1.05
+# A picture: coarser steps than those of a ridge, and it ends where a bouncing damper would need tiny ones.
+PACE = Pace(first_step=0.2, smallest_step=0.02, largest_step=0.8, wanted_error=0.04)
+# chosen: relative error of the balance. That of the amplitude is below 1e-5, and it takes a third less iterations than
+# the tolerance of [solver].
+TOLERANCE = 1e-6
+# chosen: work of the curve over that of the frequency curve of the study; with the preparation of the values it takes
+# less than the time of three of them.
+MOST_CURVES = 1.8
+
+
+def has_performance_curve(case: Case) -> bool:
+    """Whether a run computes the curve: of two blades whose loads follow from a centrifugal force."""
+    return (
+        isinstance(case, TwoBladeCase)
+        and case.analysis.performance_curve
+        and case.preload.centrifugal_force is not None
+    )
+
+
+def with_performance_curve(
+    case: Case, model: ReducedModel, response: ForcedResponse, progress: Progress, threads: int
+) -> ForcedResponse:
+    """The response with its performance curve, if the case has one; a warning where it could not be computed."""
+    if not has_performance_curve(case):
+        return response
+    try:
+        curve = performance_curve(case, model, response, progress, threads)
+    except StickslipError as error:
+        return replace(response, warnings=(*response.warnings, f"The performance curve was not computed: {error}"))
+    return replace(response, performance_curve=curve)
+
+
+def performance_curve(
+    case: Case, model: ReducedModel, response: ForcedResponse, progress: Progress, threads: int
+) -> PeakRidge:
+    """The ridge of peaks over the centrifugal force over the excitation force, from the peaks of the response.
+
+    The high peaks of the response are followed, and those of the stuck structure under the largest centrifugal force,
+    of the modes that are in the frequency range of the study under its own force. Raises InputError, ConvergenceError.
+    """
+    assert isinstance(case, TwoBladeCase)
+    force = case.preload.centrifugal_force
+    assert force is not None  # see has_performance_curve
+    excitation = case.excitation.amplitude
+    low, high = (ratio * excitation for ratio in (LOWEST_RATIO, HIGHEST_RATIO))
+    family = CaseFamily.of(case, KEY)
+    lowest = min(low, force)
+    bounds = _lowest_force(family, model, lowest, force), max(high, force)
+    report = StageReport(lambda fraction, detail: progress.update("Performance curve", fraction, detail))
+    options = ridge_options(case, TOLERANCE)
+    window = min(options.frequency_hz), max(options.frequency_hz)
+    options = replace(options, frequency_hz=(window[0] / WIDER, window[1] * WIDER))
+    stages = CaseStages(family, model, report, threads, options)
+    modes = stages(force, None).modes_between(window)
+    work = Work(MOST_CURVES * float(response.iterations.sum() + response.n_points))
+    ridges = RidgeMap(stages, bounds, report, PACE, lambda value: f"{value:.4g} N", work, modes)
+    _follow_response(ridges, model, force, response)
+    ridges.add_stuck(bounds[1])
+    ridges.refine()
+    name = next(iter(model.outputs))
+    curve = ridges.result(KEY, "N", name).over(excitation, NAME, "")
+    settings = {**curve.settings, "excitation_force_n": excitation, "centrifugal_force_n": force}
+    return replace(curve, settings=settings, warnings=(*curve.warnings, *_beginning(lowest, bounds[0])))
+
+
+def _beginning(wanted: float, lowest: float) -> tuple[str, ...]:
+    """A sentence on a curve that begins at a larger force than wanted."""
+    if lowest == wanted:
+        return ()
+    return (f"Below {lowest:.3g} N the roughness gives the faces no contact stiffness, so the curve begins there.",)
+
+
+def _lowest_force(family: CaseFamily, model: ReducedModel, low: float, force: float) -> float:
+    """The lowest centrifugal force from ``low`` to that of the case for which the joint has a stiffness: rough faces
+    have none under small loads."""
+
+    def is_possible(value: float) -> bool:
+        try:
+            load_joint(family.at(value), model.joint.layout)
+        except RoughnessError:
+            return False
+        return True
+
+    if is_possible(low):
+        return low
+    while force / low > LOWEST_FORCE_TO:
+        middle = math.sqrt(low * force)
+        low, force = (low, middle) if is_possible(middle) else (middle, force)
+    return force
+
+
+def _follow_response(ridges: RidgeMap, model: ReducedModel, force: float, response: ForcedResponse) -> None:
+    """Follow the high peaks of the response of the case."""
+    output = next(iter(model.outputs.values()))
+    found = peaks(response.frequency_hz, response.amplitude(output), response.part)
+    for top in found:
+        if top.bracketed and top.amplitude >= LEAST_FRACTION * found[0].amplitude:
+            unknowns = response.pair_coefficients(top.point).reshape(3 * response.pairs.n_pairs, -1).T
+            omega = 2.0 * np.pi * float(response.frequency_hz[top.point])
+            ridges.add_from(force, unknowns, omega)

@@ -1,0 +1,181 @@
+"""Ridges of peaks of a case over a key of its study file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from stickslip.case.case import Case, parts_of_key
+from stickslip.case.key_kinds import kind_of_key
+from stickslip.core.errors import InputError
+from stickslip.core.progress import Progress, SilentProgress
+from stickslip.core.threads import thread_count
+from stickslip.core.units import Quantity
+from stickslip.model.layout import Layout
+from stickslip.model.model import ReducedModel, build_model, connect, load_joint, set_up
+from stickslip.results.peak_ridge import PeakRidge
+from stickslip.results.record import run_provenance
+from stickslip.solve.forced import DEFAULT_HARMONICS
+from stickslip.solve.path.newton import NewtonSettings
+from stickslip.solve.ridge import ridge_between
+from stickslip.solve.ridge_stage import RidgeOptions, RidgeStage
+from stickslip.solve.setting_up import StageReport
+
+# Sections whose keys change neither the mesh nor its reduction.
+JOINT_SECTIONS = ("roughness", "contact_stiffness", "friction", "preload", "excitation", "damping")
+
+
+@dataclass(frozen=True)
+class CaseFamily:
+    """The cases that differ in the value of one key, a quantity."""
+
+    case: Case
+    key: str
+    quantity: Quantity
+
+    @classmethod
+    def of(cls, case: Case, key: str) -> CaseFamily:
+        """Raises InputError for a key that does not exist or is no quantity."""
+        kind = kind_of_key(key, case)
+        if not isinstance(kind, Quantity):
+            raise InputError(
+                f"{key} is not a quantity; a ridge of peaks requires a key that changes continuously, for example "
+                "preload.centrifugal_force.",
+                arguments=[key],
+            )
+        return cls(case, key, kind)
+
+    @property
+    def changes_structure(self) -> bool:
+        """Whether each value requires its own structure."""
+        return parts_of_key(self.key)[0] not in JOINT_SECTIONS
+
+    def at(self, value: float) -> Case:
+        """The case with a value in SI units. Raises StudyFileError."""
+        return self.case.replace({self.key: f"{value!r} {self.quantity.si_unit}".rstrip()})
+
+    def bounds(self, limits: tuple[float | str, float | str]) -> tuple[float, float]:
+        """The range in SI units, rising; each limit as in a study file. Raises InputError, StudyFileError."""
+        values = []
+        for limit in limits:
+            try:
+                values.append(self.quantity.parse(_number_or_text(limit)))
+            except InputError as error:
+                raise InputError(f"{self.key} = {limit} {error}", arguments=[self.key]) from error
+        low, high = min(values), max(values)
+        if not 0.0 < low < high:
+            raise InputError(
+                f"the ridge over {self.key} has the range from {limits[0]} to {limits[1]}. Give two different values "
+                "above zero: the steps are in the logarithm.",
+                arguments=[self.key],
+            )
+        for value in (low, high):
+            self.at(value)
+        return low, high
+
+
+def _number_or_text(limit: float | str) -> float | str:
+    """The number that a text is, or the text with its unit."""
+    try:
+        return float(limit)
+    except ValueError:
+        return limit
+
+
+@dataclass(frozen=True)
+class CaseStages:
+    """The equations of a family of cases at each value; ``model`` is that of the case of the family."""
+
+    family: CaseFamily
+    model: ReducedModel
+    report: StageReport
+    threads: int
+    options: RidgeOptions
+
+    def __call__(self, value: float, earlier: RidgeStage | None) -> RidgeStage:
+        """Raises InputError, RoughnessError, ConvergenceError (solved preload)."""
+        case = self.family.at(value)
+        model = self.model_at(case)
+        output = next(iter(model.outputs.values()))
+        problem = model.superelement, model.pairs, model.excitation
+        ratio = case.damping.modal_damping_ratio
+        return RidgeStage.of(problem, output, self.options, ratio, self.report, earlier)
+
+    def model_at(self, case: Case) -> ReducedModel:
+        """The model of a case of the family."""
+        if self.family.changes_structure:
+            return build_model(case, threads=self.threads)
+        return connect(case, self.model.reduced, load_joint(case, self.model.joint.layout))
+
+
+def ridge_options(case: Case, tolerance: float) -> RidgeOptions:
+    """The options of [solver], with a tolerance of Newton's method."""
+    settings = case.solver
+    return RidgeOptions(
+        (settings.frequency_start, settings.frequency_stop),
+        settings.harmonics or DEFAULT_HARMONICS,
+        settings.samples,
+        settings.update,
+        NewtonSettings(tolerance=tolerance),
+    )
+
+
+def checked_range(
+    case: Case, key: str, limits: tuple[float | str, float | str], layout: Layout
+) -> tuple[CaseFamily, tuple[float, float]]:
+    """The family of a key and its range in SI units, after a check that both ends have a joint.
+
+    Raises InputError, StudyFileError, and RoughnessError where the roughness gives no usable contact.
+    """
+    family = CaseFamily.of(case, key)
+    bounds = family.bounds(limits)
+    if not family.changes_structure:
+        for value in bounds:
+            load_joint(family.at(value), layout)
+    return family, bounds
+
+
+def ridge(
+    case: Case,
+    key: str,
+    limits: tuple[float | str, float | str],
+    *,
+    model: ReducedModel | None = None,
+    progress: Progress | None = None,
+    threads: int | None = None,
+) -> PeakRidge:
+    """Follow the peaks of the first output of a case while a key of its study file changes.
+
+    Parameters
+    ----------
+    case:
+        the study.
+    key:
+        a quantity, ``section.key`` or ``section.NAME.key``, such as "preload.centrifugal_force",
+        "excitation.amplitude", "friction.coefficient", "roughness.fractal_dimension".
+    limits:
+        (start, stop) of the key, each as in a study file: a number in SI units or a text with a unit; above zero.
+    model:
+        of the case, if it exists.
+    progress, threads:
+        as in :func:`solve_case`.
+
+    Returns
+    -------
+    PeakRidge
+        with the parameter in SI units; ``converged`` is False if the highest peak is not known over the whole range.
+
+    Raises
+    ------
+    InputError
+        for an unknown key, and values that the key or its law does not allow; StudyFileError if they contradict other
+        keys. ConvergenceError if no peak can be followed.
+    """
+    listener, count = progress or SilentProgress(), thread_count(threads)
+    layout = set_up(case).layout if model is None else model.joint.layout
+    family, bounds = checked_range(case, key, limits, layout)
+    model = model or build_model(case, threads=count)
+    report = StageReport(lambda fraction, detail: listener.update("Ridge of peaks", fraction, detail))
+    stages = CaseStages(family, model, report, count, ridge_options(case, case.solver.tolerance))
+    name = next(iter(model.outputs))
+    result = ridge_between(stages, bounds, report, count, key, family.quantity.si_unit, name)
+    return replace(result, provenance={**result.provenance, **run_provenance()})

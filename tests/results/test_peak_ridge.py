@@ -1,0 +1,155 @@
+"""The result of a ridge of peaks: interpolation, optimum, switches, its file and its figure."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from sentences import rejects
+from stickslip.core.validation import FloatArray
+
+
+def ridge_of(*curves: tuple[FloatArray, FloatArray], **changes: Any) -> ss.PeakRidge:
+    """Ridges of peaks at 50 Hz from values of the parameter and amplitudes."""
+    parameter, amplitude = (np.concatenate(each) for each in zip(*curves, strict=True))
+    count, limits = parameter.size, np.array([parameter.min(), parameter.max()])
+    fields: dict[str, Any] = {
+        "parameter": parameter,
+        "amplitude": amplitude,
+        "frequency_hz": np.full(count, 50.0),
+        "ridge": np.repeat(np.arange(len(curves)), [len(each) for each, _ in curves]),
+        "is_corner": np.zeros(count, dtype=bool),
+        "curvature": np.full(count, -1.0),
+        **dict.fromkeys(("pairs_stuck", "pairs_stick_slip", "pairs_separating"), np.ones(count, dtype=int)),
+        "residual": np.zeros(count),
+        "iterations": np.ones(count, dtype=int),
+        **{
+            f"{name}_{what}": np.full(2, value) if what != "parameter" else limits
+            for name, value in (("stuck", 2e-5), ("free", 3e-5))
+            for what in ("parameter", "amplitude", "frequency_hz")
+        },
+        "parameter_name": "load",
+        "parameter_unit": "N",
+        "output_name": "tip",
+        "start": limits[0],
+        "stop": limits[1],
+        "ends": (("", ""),) * len(curves),
+        "converged": True,
+        "message": "The highest peak is known over the whole range.",
+        "warnings": (),
+        "settings": {"harmonics": 1},
+        "provenance": {"solve_seconds": "1"},
+    }
+    return ss.PeakRidge(**fields | changes)
+
+
+def valley(load: FloatArray, best: float = 10.0) -> FloatArray:
+    """An amplitude in m with its minimum at the load ``best``."""
+    return np.asarray(1e-5 * np.sqrt(load / best + best / load))
+
+
+LOADS = np.geomspace(1.0, 100.0, 15)
+FALLING = ridge_of((LOADS, 1e-5 / LOADS))
+
+
+def test_the_interpolation_is_that_of_logarithms() -> None:
+    ridge, between = ridge_of((LOADS, valley(LOADS))), np.geomspace(1.0, 100.0, 57)
+    top = ridge.at(between)
+    assert top.amplitude == pytest.approx(valley(between), rel=5e-4)
+    assert top.frequency_hz == pytest.approx(50.0, rel=1e-12)
+    power = FALLING.at(between)
+    assert power.amplitude == pytest.approx(1e-5 / between, rel=1e-12)
+
+
+def test_beyond_the_range_nothing_is_known() -> None:
+    top = FALLING.at([0.5, 1.0, 200.0])
+    assert np.isnan(top.amplitude).tolist() == [True, False, True]
+    assert top.ridge.tolist() == [-1, 0, -1]
+
+
+def test_the_optimum_is_the_lowest_valley_inside() -> None:
+    best = ridge_of((LOADS, valley(LOADS))).optimum
+    assert best.is_inside
+    assert best.parameter == pytest.approx(10.0, rel=0.05)
+    assert best.amplitude == pytest.approx(1e-5 * np.sqrt(2.0), rel=1e-3)
+
+
+def test_a_lower_end_does_not_hide_the_optimum() -> None:
+    rise = np.where(LOADS < 30.0, valley(LOADS), valley(np.full(15, 30.0)) * (30.0 / LOADS) ** 2)
+    ridge = ridge_of((LOADS, rise))
+    assert ridge.optimum.is_inside
+    assert not ridge.lowest.is_inside
+    assert [sentence.split(":")[0] for sentence in ridge.words()][
+        1
+    ] == "Only towards an end of the range are peaks lower"
+
+
+def test_without_a_valley_the_lowest_peak_is_at_an_end() -> None:
+    assert FALLING.optimum == FALLING.lowest
+    assert not FALLING.optimum.is_inside
+    assert FALLING.optimum.parameter == pytest.approx(100.0)
+
+
+def test_the_highest_ridge_switches() -> None:
+    rising = 1e-6 * LOADS
+    ridge = ridge_of((LOADS, 1e-5 / LOADS), (LOADS, rising))
+    assert list(ridge.switches()) == pytest.approx([np.sqrt(10.0)], rel=1e-6)
+    assert ridge.at([2.0, 5.0]).ridge.tolist() == [0, 1]
+    # The highest peak is lowest at the switch.
+    assert ridge.optimum.parameter == pytest.approx(np.sqrt(10.0), rel=0.05)
+
+
+def test_a_ridge_that_begins_inside_counts_where_it_is_known() -> None:
+    ridge = ridge_of((LOADS, 1e-5 / LOADS), (LOADS[10:], np.full(5, 1e-4)))
+    assert ridge.at(LOADS[9:11]).ridge.tolist() == [0, 1]
+
+
+def test_the_file_comes_back_equal(tmp_path: Path) -> None:
+    ridge = replace(FALLING, ends=(("", "beyond 3 N, the peak leaves the frequency range, at 60.00 Hz"),))
+    ridge.save(tmp_path / "ridge.nc")
+    assert ss.PeakRidge.load(tmp_path / "ridge.nc") == ridge
+    assert ridge.to_dataset()["amplitude"].attrs["units"] == "m"
+
+
+def test_another_scale_of_the_parameter() -> None:
+    ratio = FALLING.over(10.0, "load over force", "")
+    assert ratio.at(1.0).amplitude == pytest.approx(FALLING.at(10.0).amplitude)
+    assert float(ratio.start) == pytest.approx(0.1)
+    assert ratio.parameter_name == "load over force"
+
+
+def test_the_figure_shows_peaks_limits_and_optimum() -> None:
+    above, below = ridge_of((LOADS, valley(LOADS))).plot().axes
+    labels = above.get_legend_handles_labels()[1]
+    assert labels == ["linear, all stuck", "linear, no contact", "highest peak", "optimum: 14.14 µm at 10 N"]
+    assert above.get_yscale() == above.get_xscale() == "log"
+    assert below.get_xlabel() == "load, N"
+
+
+def test_one_point_is_a_ridge() -> None:
+    ridge = ridge_of((np.array([2.0]), np.array([1e-5])))
+    assert ridge.at(2.0).amplitude == pytest.approx(1e-5)
+    assert ridge.switches() == ()
+
+
+@pytest.mark.parametrize(
+    ("changes", "argument"),
+    [
+        ({"amplitude": np.ones(3)}, "amplitude"),
+        ({"curvature": np.full(15, np.nan)}, "curvature"),
+        ({"parameter": np.linspace(0.0, 1.0, 15)}, "parameter"),
+    ],
+)
+def test_arrays_that_do_not_fit_are_rejected(changes: dict[str, Any], argument: str) -> None:
+    with rejects(ss.InputError, argument):
+        ridge_of((LOADS, 1e-5 / LOADS), **changes)
+
+
+def test_a_value_that_is_not_positive_is_rejected() -> None:
+    with rejects(ss.InputError, "parameter"):
+        FALLING.at([1.0, 0.0])

@@ -1,0 +1,161 @@
+"""Ridges of peaks: closed forms of linear resonances, slopes by differences, dense sweeps, and ends of ridges."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from helpers import Blade
+from sentences import rejects
+from stickslip.core.validation import FloatArray
+from stickslip.solve.harmonic.peak import CurvePeak
+from stickslip.solve.ridge_stage import Problem, RidgeOptions, RidgeStage
+from stickslip.solve.setting_up import StageReport
+
+RATIO = 0.01
+# Two masses of 1 kg that do not touch each other, each on a spring to the ground; 10 and 15 Hz.
+OMEGA = 2.0 * np.pi * np.array([10.0, 15.0])
+
+
+def two_resonances(force: tuple[float, float], load: float = 1e6) -> Problem:
+    """Both masses under forces; a pair under a high load holds the first one with a tenth of its spring."""
+    spring = 0.1 * OMEGA[0] ** 2
+    structure = ss.Superelement(np.eye(2), np.diag(OMEGA**2 - [spring, 0.0]), np.diag(2.0 * RATIO * OMEGA))
+    operator = np.array([[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
+    return structure, ss.ContactPairs(operator, 1.0, spring, 0.5, load), ss.Excitation.force(list(force))
+
+
+def linear_peak(force: float, omega: float) -> float:
+    """Peak amplitude of a mass of 1 kg on a damped spring."""
+    return force / (2.0 * RATIO * math.sqrt(1.0 - RATIO**2) * omega**2)
+
+
+def stage_of(problem: Problem, output: FloatArray, window: tuple[float, float], **options: Any) -> RidgeStage:
+    return RidgeStage.of(problem, output, RidgeOptions(window, **options), None, StageReport(None))
+
+
+def test_a_search_finds_the_peak_of_a_linear_resonance() -> None:
+    stage = stage_of(two_resonances((1.0, 0.0)), np.array([1.0, 0.0]), (5.0, 12.0), harmonics=1, samples=16)
+    for hertz in (9.85, 10.05):
+        omega = 2.0 * np.pi * hertz
+        peak = stage.search.from_point(stage.curve.at(stage.search.balance.linear(omega), omega))
+        assert isinstance(peak, CurvePeak)
+        width = RATIO * OMEGA[0]
+        assert peak.omega == pytest.approx(OMEGA[0] * math.sqrt(1.0 - 2.0 * RATIO**2), abs=0.005 * width)
+        assert peak.amplitude == pytest.approx(linear_peak(1.0, OMEGA[0]), rel=2e-5)
+        assert -1.5 < peak.curvature < -0.9  # a difference of the slopes -tan(lag)
+        assert not peak.is_corner
+
+
+def test_a_search_far_from_a_peak_gives_a_reason() -> None:
+    stage = stage_of(two_resonances((1.0, 0.0)), np.array([1.0, 0.0]), (5.0, 12.0), harmonics=1, samples=16)
+    omega = 2.0 * np.pi * 6.0
+    reason = stage.search.from_point(stage.curve.at(stage.search.balance.linear(omega), omega))
+    assert reason == "the estimate is far from a maximum"
+
+
+def test_the_highest_peak_switches_where_two_linear_peaks_are_equal() -> None:
+    def problem_at(force: float) -> Problem:
+        return two_resonances((force, 1.0))
+
+    ridge = ss.peak_ridge(
+        problem_at, (0.2, 2.0), [1.0, 1.0], frequency_hz=(8.0, 17.0), harmonics=1, samples=16, name="force", unit="N"
+    )
+    assert ridge.converged, ridge.message
+    # Beside a resonance the other mass moves a little: 0.1 % of the sum of both.
+    value = (OMEGA[0] / OMEGA[1]) ** 2
+    assert list(ridge.switches()) == pytest.approx([value], rel=0.01)
+    top = ridge.at([0.3, 1.5])
+    assert top.frequency_hz == pytest.approx([15.0, 10.0], rel=1e-3)
+    assert top.amplitude == pytest.approx([linear_peak(1.0, OMEGA[1]), linear_peak(1.5, OMEGA[0])], rel=0.02)
+    assert top.ridge[0] != top.ridge[1]
+
+
+def test_the_slope_is_that_of_differences_along_the_curve() -> None:
+    """Ten pairs that slip: the tangent solves the bordered system, the slope follows from it without differences."""
+    stage = stage_of(blade_problem(1.0, 1.0), Blade().tip, Blade().window_hz, harmonics=3, samples=512)
+    peak = peak_of(stage)
+    search, last = stage.search, peak.probe
+    # Over many changes of samples, some degrees of phase.
+    for lag in (0.2, -0.2):
+        beside = search._moved(last, lag)
+        assert beside is not None
+        rise = 0.5 * lag * (beside.slope + last.slope)
+        assert rise < -0.002
+        assert math.log(beside.amplitude / last.amplitude) == pytest.approx(rise, rel=0.05)
+    assert peak.probe.point.error < 1e-9
+
+
+def blade_problem(force: float, load: float) -> Problem:
+    blade = Blade()
+    pairs = blade.pairs_with(load * blade.pairs.normal_load)
+    return blade.superelement, pairs, ss.Excitation.force(force * blade.force_cos, force * blade.force_sin)
+
+
+def peak_of(stage: RidgeStage) -> CurvePeak:
+    """The peak of a whole curve."""
+    points = [each.point for each in stage.whole_curve().points]
+    peak = stage.search.from_point(points[int(np.argmax(stage.amplitude(points)))])
+    assert isinstance(peak, CurvePeak)
+    return peak
+
+
+@pytest.mark.slow
+def test_a_ridge_over_the_normal_load_agrees_with_dense_sweeps() -> None:
+    blade, limits = Blade(), (0.4, 2.5)
+
+    def problem_at(factor: float) -> Problem:
+        return blade_problem(1.0, factor)
+
+    options: dict[str, Any] = {"frequency_hz": blade.window_hz, "harmonics": 1, "samples": 128}
+    ridge = ss.peak_ridge(problem_at, limits, blade.tip, **options)
+    assert ridge.converged, ridge.message
+    values = np.geomspace(*limits, 4)[1:3]
+    settings = ss.ContinuationSettings(largest_step=0.03)
+    dense = [ss.forced_response(*problem_at(value), continuation=settings, **options) for value in values]
+    highest = np.array([response.amplitude(blade.tip).max() for response in dense])
+    assert ridge.at(values).amplitude == pytest.approx(highest, rel=1e-3)
+    usual = ss.forced_response(*problem_at(1.0), **options)
+    own = sum(int(ridge.settings[name]) for name in ("points_of_searches", "points_of_whole_curves"))
+    assert own <= 0.1 * 40 * usual.n_points
+
+
+def test_a_peak_that_leaves_the_frequency_range_ends_its_ridge() -> None:
+    def problem_at(factor: float) -> Problem:
+        structure, pairs, excitation = two_resonances((1.0, 0.0))
+        return ss.Superelement(structure.mass, factor * structure.stiffness, structure.damping), pairs, excitation
+
+    ridge = ss.peak_ridge(
+        problem_at, (0.5, 1.1), [1.0, 0.0], frequency_hz=(8.0, 12.0), harmonics=1, samples=16, name="stiffness"
+    )
+    assert not ridge.converged
+    low = float(ridge.parameter.min())
+    assert 0.6 < low < 0.65  # the spring of the pair does not change: 8 Hz at 0.6
+    assert np.isnan(ridge.at(0.55).amplitude).all()
+    assert "the peak leaves the frequency range" in ridge.message
+
+
+def test_no_peak_in_the_range_is_an_error() -> None:
+    with rejects(ss.ConvergenceError):
+        ss.peak_ridge(
+            lambda factor: two_resonances((factor, 0.0)), (1.0, 2.0), [1.0, 0.0], frequency_hz=(11.0, 12.0),
+            harmonics=1, samples=16,
+        )  # fmt: skip
+
+
+@pytest.mark.parametrize("limits", [(1.0, 1.0), (0.0, 1.0), (-1.0, 2.0), (1.0, 2.0, 3.0), (np.nan, 1.0)])
+def test_a_range_that_cannot_be_used_is_rejected(limits: tuple[float, ...]) -> None:
+    def no_problem(factor: float) -> Problem:
+        raise AssertionError("nothing runs before the range is checked")
+
+    with rejects(ss.InputError, "parameter"):
+        ss.peak_ridge(no_problem, limits, [1.0], frequency_hz=(1.0, 2.0))  # type: ignore[arg-type]
+
+
+def test_an_output_of_another_size_is_rejected() -> None:
+    with rejects(ss.InputError, "output"):
+        ss.peak_ridge(lambda factor: two_resonances((factor, 0.0)), (1.0, 2.0), [1.0], frequency_hz=(8.0, 12.0))

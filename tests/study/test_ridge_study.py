@@ -1,0 +1,127 @@
+"""Ridges of peaks of a study: the performance curve of two blades and the peaks over a key, from file to page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import stickslip as ss
+from own_cases import mesh_case
+from sentences import rejects
+from stickslip.case.case import Case
+from stickslip.core.errors import RoughnessError, StudyFileError
+from stickslip.results.storage import load_results
+from stickslip.study import analyses
+from stickslip.study import run as study
+from stickslip.study.check import check
+from stickslip.study.performance_curve import has_performance_curve
+from stickslip.study.ridge import ridge
+from sweep_cases import quick_case
+
+RIDGE = {
+    "analysis.kind": "ridge",
+    "analysis.over": "excitation.amplitude",
+    "analysis.over_from": "45 N",
+    "analysis.over_to": "60 N",
+}
+
+
+@pytest.mark.slow
+def test_run_writes_both_ridges_and_their_sections(tmp_path: Path) -> None:
+    case = quick_case().replace(RIDGE)
+    outcome = study.run(case, tmp_path)
+    response = load_results(tmp_path / "results.nc").response
+    assert response == outcome.response
+    peaks, curve = response.peak_ridge, response.performance_curve
+    assert peaks is not None
+    assert curve is not None
+    assert peaks.converged, peaks.message
+    # A damper of little mass bounces, and no ridge is followed there.
+    assert curve.message.startswith("The highest peak is known")
+    assert float(curve.parameter.max()) == pytest.approx(100.0)
+    # Both contain the peak of the response itself.
+    row = load_results(tmp_path / "results.nc").study.outputs["blade tip A"]  # type: ignore[union-attr]
+    highest = float(response.amplitude(row).max())
+    ratio = 500.0 / 50.0
+    assert peaks.at(50.0).amplitude[0] == pytest.approx(highest, rel=2e-3)
+    assert curve.at(ratio).amplitude[0] == pytest.approx(highest, rel=2e-3)
+    assert curve.parameter_name == "centrifugal force over excitation force"
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "<h2>Performance curve of the damper</h2>" in page
+    assert "<h2>Peaks over a key of the study</h2>" in page
+    assert f"Performance curve: {curve.message}" in outcome.message
+    assert "Below 15.3 N the roughness gives the faces no contact stiffness" in " ".join(curve.warnings)
+    assert "Ridge of peaks: The highest peak is known over the whole range." in outcome.message
+
+
+@pytest.mark.slow
+def test_a_ridge_over_the_friction_coefficient_agrees_with_a_whole_curve() -> None:
+    case = quick_case()
+    peaks = ridge(case, "friction.coefficient", (0.2, 0.4))
+    assert peaks.converged, peaks.message
+    fine = case.replace(
+        {"friction.coefficient": 0.27, "solver.largest_step": 0.02, "analysis.performance_curve": False}
+    )
+    solution = ss.solve_case(fine)
+    highest = solution.response.amplitude(next(iter(solution.model.outputs.values()))).max()
+    assert peaks.at(0.27).amplitude[0] == pytest.approx(highest, rel=1e-3)
+
+
+def test_a_check_announces_the_ridges() -> None:
+    shown = dict(dict(check(quick_case().replace(RIDGE)))["Would run"])
+    assert shown["peaks over a key"] == "excitation.amplitude from 45 to 60 N"
+    assert shown["performance curve"] == "centrifugal force 0.1 to 100 times the excitation force"
+    without = dict(dict(check(quick_case().replace({"analysis.performance_curve": False})))["Would run"])
+    assert "performance curve" not in without
+    assert "peaks over a key" not in without
+
+
+def test_only_two_blades_under_a_centrifugal_force_have_a_performance_curve() -> None:
+    assert has_performance_curve(Case())
+    assert not has_performance_curve(Case().replace({"preload.values": [1.0] * 110}))
+    assert not has_performance_curve(mesh_case())
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"analysis.over": "preload.mass"}, "preload.mass"),
+        ({"analysis.over": "friction"}, "friction"),
+        ({"analysis.over": "solver.harmonics"}, "solver.harmonics"),
+        ({"analysis.over": "excitation.mode"}, "excitation.mode"),
+        ({"analysis.over_from": "30 mm"}, "excitation.amplitude"),
+        ({"analysis.over_from": "60 N"}, "excitation.amplitude"),
+        ({"analysis.over": "friction.coefficient", "analysis.over_from": 0.2, "analysis.over_to": 20},
+         "friction.coefficient"),
+        ({"analysis.over": "roughness.fractal_roughness", "analysis.over_from": 1e-9, "analysis.over_to": "1e-8 m"},
+         "roughness.fractal_roughness"),
+        ({"analysis.over": "preload.centrifugal_force", "analysis.over_from": 0, "analysis.over_to": 10},
+         "preload.centrifugal_force"),
+    ],
+)  # fmt: skip
+def test_a_key_or_a_range_that_cannot_be_used_is_rejected_before_anything_runs(
+    changes: dict[str, object], key: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def no_run(*_: object, **__: object) -> None:
+        raise AssertionError("nothing runs before the range is checked")
+
+    monkeypatch.setattr(analyses, "forced_response", no_run)
+    case = quick_case().replace(RIDGE | changes)
+    with rejects(ss.InputError, key):
+        check(case)
+    with rejects(ss.InputError, key):
+        ss.solve_case(case)
+
+
+def test_a_range_in_which_the_roughness_gives_no_contact_is_rejected() -> None:
+    changes = {"analysis.over": "preload.centrifugal_force", "analysis.over_from": "1 nN", "analysis.over_to": "100 N"}
+    with rejects(RoughnessError, "preload.centrifugal_force"):
+        check(quick_case().replace(RIDGE | changes))
+
+
+def test_keys_of_a_ridge_belong_to_its_kind() -> None:
+    with rejects(StudyFileError, "analysis.over"):
+        Case.from_text('[analysis]\nover = "friction.coefficient"\n')
+    with rejects(StudyFileError, "analysis.mode"):
+        Case.from_text('[analysis]\nkind = "ridge"\nmode = 2\n')
