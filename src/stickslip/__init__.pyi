@@ -51,6 +51,7 @@ from .formats.meshes.read import read_model as read_model
 from .formats.meshes.read import register_model_format as register_model_format
 from .formats.profile_file import read_profile as read_profile
 from .model.model import build_model as build_model
+from .model.parameters import case_parameters as case_parameters
 from .results.nonlinear_mode import NonlinearMode as NonlinearMode
 from .results.other_solutions import OtherSolutions as OtherSolutions
 from .results.peak_gradients import PeakGradients as PeakGradients

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from typing import Any
+from typing import Any
 
 import numpy as np
 
@@ -115,25 +116,25 @@ class ChangedEquation:
 
     def _work_of_matrices(self, first: SolverInput, second: SolverInput, distance: float) -> FloatArray:
         """``v . Z' u`` of the structure and its damping."""
-        on_mesh = second.structure is not None or first.structure is not None
-        motions = self._motions(on_mesh)
+        on_mesh = first.structure is not None
+        motions = self._motions(first.structure)
         work = np.zeros(len(self._adjoints))
         forms: list[FloatArray | None] = [None, None]
         ratio = self._base.modal_damping_ratio
         for place, name in enumerate(("stiffness", "mass")):
             before, after = (getattr(each.structure if on_mesh else each.superelement, name) for each in (first, second))
-            if before is after:
+            change = None if before is after else (after - before) / distance
+            if change is None or not abs(change).max() > 0.0:
                 continue
-            change = (after - before) / distance
             work += motions.static_work(change) if name == "stiffness" else motions.inertial_work(change)
             if on_mesh:
-                factor = self._base.rayleigh[1 - place]
+                factor = first.rayleigh[1 - place]
                 work += factor * motions.viscous_work(change) if factor else 0.0
             if ratio:
                 forms[place] = motions.modal_form(change)
         before, after = first.superelement.damping, second.superelement.damping
         if before is not after and before is not None and after is not None:
-            work += self._motions(False).viscous_work((after - before) / distance)
+            work += self._motions(None).viscous_work((after - before) / distance)
         if ratio is None:
             return work
         if second.pairs is not first.pairs:
@@ -149,8 +150,9 @@ class ChangedEquation:
             work += motions.modal_viscous_work(np.diag(2.0 * more * omega * damped))
         return work
 
-    def _motions(self, on_mesh: bool) -> Motions:
-        """The motions in the unknowns, or on the mesh."""
+    def _motions(self, structure: Any) -> Motions:
+        """The motions in the unknowns, or in those of a full structure."""
+        on_mesh = structure is not None
         if on_mesh not in self._spaces:
             stuck, base = self._balances.stuck, self._base
             modes = stuck.modes.T
@@ -158,7 +160,7 @@ class ChangedEquation:
             if on_mesh:
                 highest = MODES_ON_MESH * DAMPED_RANGE * stuck.highest_omega
                 modes = modes[: int(np.searchsorted(stuck.circular_frequency, highest))]
-                recovery, free = base.superelement.recovery, base.structure.free_unknowns
+                recovery, free = base.superelement.recovery, structure.free_unknowns
 
                 def lift(rows: FloatArray) -> FloatArray:
                     return np.asarray((recovery @ rows.T)[free].T)
