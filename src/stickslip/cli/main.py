@@ -137,6 +137,12 @@ def run(
         bool,
         typer.Option("--search", help="Search for motions off the curve too, as analysis.search = true in FILE."),
     ] = False,
+    gradients: Annotated[
+        bool,
+        typer.Option(
+            "--gradients", help="Compute what each input changes at the peak, as analysis.gradients = true in FILE."
+        ),
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print only errors.")] = False,
     debug: Debug = False,
 ) -> None:
@@ -144,6 +150,7 @@ def run(
     with error_messages(debug, log_folder=out):
         case, places = _load(path, quiet)
         case = case.replace({"analysis.search": True}) if search else case
+        case = case.replace({"analysis.gradients": True}) if gradients else case
         require_folder(out)  # before the packages of the solver are loaded, which takes seconds
         from stickslip.study import run as study
 

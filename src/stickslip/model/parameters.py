@@ -15,7 +15,7 @@ import numpy as np
 from stickslip.case.case import Case, MeshCase, TwoBladeCase
 from stickslip.case.continuous_keys import ContinuousKey, continuous_keys
 from stickslip.contact.law.contact_pairs import ContactPairs
-from stickslip.core.errors import InputError
+from stickslip.core.errors import InputError, StudyFileError
 from stickslip.model.joint import Joint
 from stickslip.model.layout import Layout
 from stickslip.model.model import Model, ReducedStructure, build_model, connect, load_joint, node_group_rows, set_up
@@ -95,8 +95,11 @@ class _CaseInput:
             if shown == first.shown:
                 return self._own if changes_structure else self._base
             case = self._case
-            for key in keys:
-                case = key.changed(case, key.shown * (shown / first.shown))
+            try:
+                for key in keys:
+                    case = key.changed(case, key.shown * (shown / first.shown))
+            except StudyFileError as error:
+                raise InputError(f"a study with {shown:.6g} {first.unit} is not valid.", (first.path,)) from error
             return self._on_changed_structure(case) if changes_structure else self._on_same_structure(case)
 
         name = " = ".join([first.path, *(key.path.rpartition(".")[2] for key in keys[1:])])

@@ -107,6 +107,8 @@ class ForcedResponse(ResponseData):
     nonlinear_mode:
         a nonlinear mode of the same structure, with its contacts about the same rest; None without ``[analysis] kind =
         "mode"``.
+    gradients:
+        derivatives of the highest peak by the inputs of the study; None without ``[analysis] gradients = true``.
 
     Raises
     ------

@@ -113,8 +113,7 @@ class PeakSensitivity:
             self._of_peak(self._changed.derivative(*pair, step)) for pair in ((below, middle), (middle, above))
         ]  # fmt: skip
         value = 0.5 * (sides[0].value + sides[1].value)
-        error = np.maximum(np.abs(sides[1].value - sides[0].value) / 2.0, sides[0].error)
-        return _Derivatives(value, error)
+        return _Derivatives(value, sides[0].error + _error_of_step(*(side.value for side in sides)))
 
     def _of_peak(self, at_places: FloatArray) -> _Derivatives:
         """From derivatives (7,) at fixed places: the amplitude at all five, frequency and energy at the peak.
@@ -204,6 +203,16 @@ def peak_gradients(
         return _result(sensitivity, chosen, report)
 
 
+def _error_of_step(before: FloatArray, after: FloatArray) -> FloatArray:
+    """Estimated error of the mean of the derivatives to both sides.
+
+    The terms of a smooth function fall as a geometric series with the step: their difference is of first order, the
+    error of the mean of second. At a corner the difference is of the size of the derivative, and so is the estimate.
+    """
+    half, mean = 0.5 * np.abs(after - before), 0.5 * np.abs(after + before)
+    return np.where(half < mean, half**2 / np.where(mean > 0.0, mean, 1.0), half)
+
+
 def _require_own(
     superelement: Superelement, pairs: ContactPairs, response: ForcedResponse, output: FloatArray
 ) -> None:
@@ -276,6 +285,12 @@ def _result(
         differentiated.append(parameter)
         found.append(derivatives)
         messages += _doubts(parameter, derivatives, sensitivity.values)
+    without = [each.name for each, its in zip(differentiated, found, strict=True) if not its.value.any()]
+    if without:
+        messages.append(
+            f"Small changes have no effect: {', '.join(without)}. A position at the nearest node of a mesh has none as "
+            "long as this node is the same one."
+        )
     by = np.array([each.value for each in found]).reshape(-1, 3).T
     errors = np.array([each.error for each in found]).reshape(-1, 3).T
     return PeakGradients(
