@@ -80,7 +80,11 @@ class PeakGradients(Labelled):
         energy = float(self.friction_energy)
         by_energy = self.by_friction_energy / energy if energy > 0.0 else np.zeros(len(self.names))
         return np.asarray(
-            [step * self.by_amplitude / self.amplitude, step * self.by_frequency_hz / self.frequency_hz, step * by_energy]
+            [
+                step * self.by_amplitude / self.amplitude,
+                step * self.by_frequency_hz / self.frequency_hz,
+                step * by_energy,
+            ]
         )
 
     @property

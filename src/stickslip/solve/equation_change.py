@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from typing import Any
-from typing import Any
 
 import numpy as np
 
@@ -122,7 +121,9 @@ class ChangedEquation:
         forms: list[FloatArray | None] = [None, None]
         ratio = self._base.modal_damping_ratio
         for place, name in enumerate(("stiffness", "mass")):
-            before, after = (getattr(each.structure if on_mesh else each.superelement, name) for each in (first, second))
+            before, after = (
+                getattr(each.structure if on_mesh else each.superelement, name) for each in (first, second)
+            )
             change = None if before is after else (after - before) / distance
             if change is None or not abs(change).max() > 0.0:
                 continue

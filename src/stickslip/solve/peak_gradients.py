@@ -196,7 +196,9 @@ def peak_gradients(
             modal_damping_ratio, cast("Update", response.settings["update"]), report.stage,
         )  # fmt: skip
         report.stage("refinement of the peak", 0.1)
-        refined = RefinedPeak.of(balances.exact(response.harmonics, count), row, _around(balances, response, top, count))
+        refined = RefinedPeak.of(
+            balances.exact(response.harmonics, count), row, _around(balances, response, top, count)
+        )
         _require_no_walk(balances, refined)
         report.stage("adjoint solutions at the peak", 0.3)
         sensitivity = PeakSensitivity(balances, base, refined)
@@ -213,9 +215,7 @@ def _error_of_step(before: FloatArray, after: FloatArray) -> FloatArray:
     return np.where(half < mean, half**2 / np.where(mean > 0.0, mean, 1.0), half)
 
 
-def _require_own(
-    superelement: Superelement, pairs: ContactPairs, response: ForcedResponse, output: FloatArray
-) -> None:
+def _require_own(superelement: Superelement, pairs: ContactPairs, response: ForcedResponse, output: FloatArray) -> None:
     """Raise InputError for a response of another model, one with a control, or an output of another length."""
     if response.n_unknowns != superelement.size or response.pairs.n_pairs != pairs.n_pairs:
         raise InputError(
@@ -270,9 +270,7 @@ def _require_no_walk(balances: Balances, peak: RefinedPeak) -> None:
         )
 
 
-def _result(
-    sensitivity: PeakSensitivity, parameters: Sequence[Parameter], report: StageReport
-) -> PeakGradients:
+def _result(sensitivity: PeakSensitivity, parameters: Sequence[Parameter], report: StageReport) -> PeakGradients:
     """The derivatives by all parameters that have one."""
     differentiated, found, messages = [], [], []
     for number, parameter in enumerate(parameters):

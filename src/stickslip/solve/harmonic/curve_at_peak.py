@@ -125,7 +125,9 @@ class CurveAtPeak:
         amplitude = output_amplitude(balance, trial, self._output)
         step = system.solve(np.zeros_like(point.residual), np.ones(1), TANGENT_TOLERANCE)
         if not np.isfinite(step.parameters).all():
-            raise ConvergenceError(f"the equations are singular at {self._curve.named(trial.omega)}, close to the peak.")
+            raise ConvergenceError(
+                f"the equations are singular at {self._curve.named(trial.omega)}, close to the peak."
+            )
         by_place = step.unknowns, step.detail, float(step.parameters[0])
         slope = np.vdot(amplitude.by_deviation, by_place[1]) + amplitude.by_omega * by_place[2]
         return CurvePlace(place, balance, point, system, by_place, amplitude, float(slope))

@@ -257,7 +257,9 @@ class BorderedSystem:
         """
         system = self.system
         by_deviation = deviation[:, system.active.outputs] - system.compliance.apply_transposed(relative)
-        by_parameters = [at - float(np.vdot(relative, slope)) for at, slope in zip(parameters, self._slopes, strict=True)]
+        by_parameters = [
+            at - float(np.vdot(relative, slope)) for at, slope in zip(parameters, self._slopes, strict=True)
+        ]
         right = np.append(by_deviation.ravel(), np.asarray(self._column_scale) * by_parameters)
         answer = self._whole_factor().solve_transposed(right)
         result = relative + system.deviation_change_transposed(answer[: system.size])
