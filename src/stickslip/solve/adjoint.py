@@ -43,15 +43,15 @@ class Adjoint:
 class Motions:
     """The motions u and adjoint motions v (k, 2H+1, N) of k adjoints, and the stuck modes (n_modes, N), in one space.
 
-    The space is that of the unknowns, or that of the full mesh: ``lift`` converts rows (..., n) to rows (..., N). Only
-    the lowest ``n_modes`` stuck modes are part of it.
+    The space is that of the unknowns, or that of the full mesh: ``lift`` converts rows (j, n) that vibrate with circular
+    frequencies squared (j,) to rows (j, N). Only the lowest ``n_modes`` stuck modes are part of it.
     """
 
     def __init__(
         self,
         adjoints: Sequence[Adjoint],
         modes: FloatArray,
-        lift: Callable[[FloatArray], FloatArray],
+        lift: Callable[[FloatArray, FloatArray], FloatArray],
     ) -> None:
         trials = [adjoint.place.point.trial for adjoint in adjoints]
         self.omega = np.array([trial.omega for trial in trials])
@@ -66,18 +66,24 @@ class Motions:
         for adjoint in self._adjoints:
             if adjoint.place.place not in found:
                 place = adjoint.place
-                found[place.place] = self._lift(place.balance.displacement([place.point.trial])[0])
+                trial = place.point.trial
+                found[place.place] = self._lifted(place.balance.displacement([trial])[0], trial.omega)
         return np.array([found[adjoint.place.place] for adjoint in self._adjoints])
 
     @cached_property
     def adjoint(self) -> FloatArray:
         """v (k, 2H+1, N)."""
-        return np.array([self._lift(adjoint.motion) for adjoint in self._adjoints])
+        return np.array([self._lifted(each.motion, each.place.point.trial.omega) for each in self._adjoints])
+
+    def _lifted(self, motion: FloatArray, omega: float) -> FloatArray:
+        """Rows (2H+1, N) of coefficients (2H+1, n)."""
+        order = (np.arange(len(motion)) + 1) // 2
+        return self._lift(motion, (order * omega) ** 2)
 
     @cached_property
     def modes(self) -> FloatArray:
         """(n_modes, N)."""
-        return self._lift(self._modes)
+        return self._lift(self._modes, np.zeros(len(self._modes)))
 
     def static_work(self, matrix: Any) -> FloatArray:
         """(k,) ``v . A u`` over all harmonics."""
@@ -86,11 +92,8 @@ class Motions:
     def inertial_work(self, matrix: Any) -> FloatArray:
         """(k,) ``-(h w)^2 v . A u``."""
         product = (self.adjoint * _times(matrix, self.motion))[:, 1:].sum(axis=2)
-        return np.asarray(-(product * self._order_squares).sum(axis=1) * self.omega**2)
-
-    @property
-    def _order_squares(self) -> FloatArray:
-        return np.repeat(np.arange(1, self.motion.shape[1] // 2 + 1), 2).astype(float) ** 2
+        order = np.repeat(np.arange(1, self.motion.shape[1] // 2 + 1), 2)
+        return np.asarray(-(product * order**2).sum(axis=1) * self.omega**2)
 
     def viscous_work(self, matrix: Any) -> FloatArray:
         """(k,) ``v . A u'``."""

@@ -157,14 +157,12 @@ class ChangedEquation:
         if on_mesh not in self._spaces:
             stuck, base = self._balances.stuck, self._base
             modes = stuck.modes.T
-            lift: Callable[[FloatArray], FloatArray] = np.asarray
             if on_mesh:
                 highest = MODES_ON_MESH * DAMPED_RANGE * stuck.highest_omega
                 modes = modes[: int(np.searchsorted(stuck.circular_frequency, highest))]
-                recovery, free = base.superelement.recovery, structure.free_unknowns
 
-                def lift(rows: FloatArray) -> FloatArray:
-                    return np.asarray((recovery @ rows.T)[free].T)
+            def lift(rows: FloatArray, squares: FloatArray) -> FloatArray:
+                return np.asarray(base.superelement.recovery.vibrating(rows.T, squares).T) if on_mesh else rows
 
             self._spaces[on_mesh] = Motions(self._adjoints, modes, lift)
         return self._spaces[on_mesh]
