@@ -44,6 +44,8 @@ LEAST_SAMPLES = 2048
 TOLERANCE = 1e-11
 # chosen: a message reports an estimated error above this fraction of a derivative by which a change of the parameter by
 # REPORTED_CHANGE changes the peak by more than NOTABLE_EFFECT.
+# A friction energy below this fraction of the kinetic energy is round-off of pairs that stick.
+ROUND_OFF = 1e-12
 LARGEST_ERROR, REPORTED_CHANGE, NOTABLE_EFFECT = 0.05, 0.1, 1e-3
 
 
@@ -103,7 +105,9 @@ class PeakSensitivity:
         self._changed = ChangedEquation(balances, base, adjoints)
         slopes = [place.slope for place in peak.places]
         self._bends = float(peak.along(slopes)), float(peak.along_outer(slopes))
-        self.values = np.array([top.amplitude.value, *(value.value for value in self._others)])
+        hertz, energy = (value.value for value in self._others)
+        moving = 0.5 * trial.omega**2 * float((trial.amplitude**2).sum())
+        self.values = np.array([top.amplitude.value, hertz, energy if energy > ROUND_OFF * moving else 0.0])
 
     def derivative(self, parameter: Parameter) -> _Derivatives:
         """The derivatives by a parameter, with its step to both sides. Raises InputError where the model rejects it."""
@@ -118,13 +122,14 @@ class PeakSensitivity:
     def _of_peak(self, at_places: FloatArray) -> _Derivatives:
         """From derivatives (7,) at fixed places: the amplitude at all five, frequency and energy at the peak.
 
-        The amplitude is stationary along the curve, so a change of the place does not change it. The place of the peak
-        itself, where ``a'(s, p) = 0``, moves by ``-(da'/dp) / a''``.
+        The amplitude is stationary along the curve, so a change of the place does not change it; where the slope jumps
+        across zero by a sample, the rest of the slope enters. The place of the peak, where ``a'(s, p) = 0``, moves by
+        ``-(da'/dp) / a''``.
         """
         peak, top = self._peak, self._peak.top
         amplitude = at_places[:5]
         moves = -peak.along(amplitude) / self._bends[0], -peak.along_outer(amplitude) / self._bends[1]
-        along = np.array([0.0, *(top.along(value) for value in self._others)])
+        along = np.array([top.slope, *(top.along(value) for value in self._others)])
         fixed = np.array([amplitude[2], *at_places[5:]])
         error = np.abs(along * (moves[0] - moves[1]))
         error[0] = abs(top.slope * moves[0])
@@ -306,7 +311,7 @@ def _doubts(parameter: Parameter, found: _Derivatives, values: FloatArray) -> It
     """A sentence for each derivative that matters and has a large estimated error."""
     effect = np.abs(REPORTED_CHANGE * parameter.value * found.value)
     for place, name in enumerate(("amplitude", "frequency", "friction energy")):
-        matters = effect[place] > NOTABLE_EFFECT * values[place]
+        matters = effect[place] > NOTABLE_EFFECT * values[place] > 0.0
         if matters and found.error[place] > LARGEST_ERROR * abs(found.value[place]):
             yield (
                 f"The derivative of the peak {name} by {parameter.name} is uncertain by about "
