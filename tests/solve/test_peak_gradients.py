@@ -1,7 +1,7 @@
 """Gradients of a peak beside central differences of peaks that are solved again, and laws that they obey.
 
-The sampled contact force is piecewise smooth in its unknowns. The models here have their peak inside a piece, which each
-test asserts, so that differences of the solved peaks are exact too.
+The sampled contact force is piecewise smooth in its unknowns. The models here have their peak inside a piece, which
+each test asserts, so that differences of the solved peaks are exact too.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,10 +30,10 @@ OPERATOR = np.array([[0.0, 1.0, 0.1], [0.2, 0.1, 0.0], [0.0, 0.1, 1.0]])
 SLIDER_HZ = np.sqrt(0.5e6) / (2.0 * np.pi)
 
 
-def factor(name: str, base: SolverInput, **changed: Callable[[float], object]) -> ss.Parameter:
+def factor(name: str, base: SolverInput, **changed: Callable[[float], Any]) -> ss.Parameter:
     """A factor of one field of the input."""
     (field, value), *_ = changed.items()
-    return ss.Parameter(name, "1", 1.0, lambda each: replace(base, **{field: value(each)}), 1e-4)  # type: ignore[arg-type]
+    return ss.Parameter(name, "1", 1.0, lambda each: replace(base, **{field: value(each)}), 1e-4)
 
 
 def further_parameters(base: SolverInput) -> tuple[ss.Parameter, ...]:
@@ -53,7 +54,7 @@ def further_parameters(base: SolverInput) -> tuple[ss.Parameter, ...]:
 
 
 def coulomb(ratio: float | None = 0.01, excitation: ss.Excitation | None = None) -> SolverInput:
-    pairs = ss.ContactPairs(OPERATOR, 6e5, 5e5, 0.4, normal_load=30.0)  # type: ignore[arg-type]
+    pairs = ss.ContactPairs(OPERATOR, 6e5, 5e5, 0.4, normal_load=30.0)
     damping = None if ratio else 2e-5 * STIFFNESS
     force = excitation or ss.Excitation.force([60.0, 0.0, 0.0])
     return SolverInput(ss.Superelement(MASS, STIFFNESS, damping), pairs, force, np.array([1.0, 0.2, 0.0]), ratio)
@@ -86,8 +87,7 @@ MODELS: dict[str, tuple[SolverInput, tuple[float, float], int, int, float]] = {
 
 @cache
 def solved(model: str) -> SolvedPeak:
-    base, *options = MODELS[model]
-    return SolvedPeak.of(base, *options)
+    return SolvedPeak.of(*MODELS[model])
 
 
 def parameter(model: str, name: str) -> ss.Parameter:
@@ -98,8 +98,8 @@ def parameter(model: str, name: str) -> ss.Parameter:
 
 CASES = [
     *[("coulomb", name) for name in (
-        "harmonic force", "normal stiffness", "tangential stiffness", "friction coefficient", "normal load", "modal damping ratio",
-        "stiffness", "stiffness entry", "mass", "operator",
+        "harmonic force", "normal stiffness", "tangential stiffness", "friction coefficient", "normal load",
+        "modal damping ratio", "stiffness", "stiffness entry", "mass", "operator",
     )],
     ("matrix damping", "damping matrix"), ("matrix damping", "mass"),
     ("unbalance", "unbalance"), ("unbalance", "base"), ("unbalance", "mass"),
@@ -149,7 +149,7 @@ def test_twice_all_forces_is_twice_the_motion() -> None:
     found = gradients(coulomb(), (150.0, 350.0))
     total = derivative(found, "harmonic force") + derivative(found, "normal load")
     assert total[0] == pytest.approx(found.amplitude, rel=1e-6)
-    assert total[1] == pytest.approx(0.0, abs=1e-6 * found.frequency_hz)
+    assert total[1] == pytest.approx(0.0, abs=1e-6 * float(found.frequency_hz))
     assert total[2] == pytest.approx(2.0 * found.friction_energy, rel=1e-6)
 
 
@@ -157,9 +157,9 @@ def test_twice_the_mass_only_lowers_the_frequency() -> None:
     """With modal damping ratios the same motion solves the equation at a frequency lower by sqrt(2)."""
     base = coulomb()
     found = gradients(base, (150.0, 350.0), parameters=[parameter("coulomb", "mass")])
-    assert found.by_amplitude == pytest.approx([0.0], abs=1e-9 * found.amplitude)
+    assert found.by_amplitude == pytest.approx([0.0], abs=1e-9 * float(found.amplitude))
     assert found.by_frequency_hz == pytest.approx([-0.5 * found.frequency_hz], rel=1e-9)
-    assert found.by_friction_energy == pytest.approx([0.0], abs=1e-6 * found.friction_energy)
+    assert found.by_friction_energy == pytest.approx([0.0], abs=1e-6 * float(found.friction_energy))
 
 
 def test_the_peak_of_a_linear_oscillator() -> None:

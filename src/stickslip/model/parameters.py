@@ -1,8 +1,8 @@
 """The inputs of a case as parameters of its peak: from a key of the study file to the input of the solver.
 
-A key of the joint, a load or the damping changes the joint and the loads on the same reduced structure. A dimension or a
-material changes the mesh or its matrices: the change of the full matrices then acts on the motion of the full mesh,
-through the reduction of the case itself (docs/theory_gradients.md).
+A key of the joint, a load or the damping changes the joint and the loads on the same reduced structure. A dimension or
+a material changes the mesh or its matrices: the change of the full matrices then acts on the motion of the full mesh
+(docs/theory_gradients.md).
 """
 
 from __future__ import annotations
@@ -89,6 +89,7 @@ class _CaseInput:
     def parameter(self, keys: Sequence[ContinuousKey]) -> Parameter:
         """The parameter of keys that change in proportion."""
         first = keys[0]
+        unit = "" if first.unit == "1" else f" {first.unit}"
         changes_structure = first.section in self._of_structure
 
         def change(shown: float) -> SolverInput:
@@ -99,7 +100,7 @@ class _CaseInput:
                 for key in keys:
                     case = key.changed(case, key.shown * (shown / first.shown))
             except StudyFileError as error:
-                raise InputError(f"a study with {shown:.6g} {first.unit} is not valid.", (first.path,)) from error
+                raise InputError(f"the study is not valid with {shown:.6g}{unit}.", (first.path,)) from error
             return self._on_changed_structure(case) if changes_structure else self._on_same_structure(case)
 
         name = " = ".join([first.path, *(key.path.rpartition(".")[2] for key in keys[1:])])
@@ -114,7 +115,8 @@ class _CaseInput:
     def _on_changed_structure(self, case: Case) -> SolverInput:
         setup, own = set_up(case), self._model
         structure = setup.assemble()
-        assert isinstance(structure, Structure) and isinstance(own.structure, Structure)
+        assert isinstance(structure, Structure)
+        assert isinstance(own.structure, Structure)
         _require_same_mesh(structure, own.structure)
         _require_same_places(setup.layout, own.joint.layout)
         joint = load_joint(case, setup.layout)

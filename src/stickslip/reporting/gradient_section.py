@@ -22,6 +22,8 @@ CHANGE = 0.1
 MOST_BARS, LEAST_SHOWN = 15, 0.05
 # chosen: percent. Beyond this change of the peak the first order is no estimate, and the axis ends.
 BEYOND_FIRST_ORDER = 50.0
+# A relative change of the peak below ROUND_OFF is none, and the table shows no smaller number than SMALLEST.
+ROUND_OFF, SMALLEST = 1e-7, 1e-3
 
 
 def _gradients(view: View) -> PeakGradients:
@@ -31,11 +33,19 @@ def _gradients(view: View) -> PeakGradients:
 
 
 def labels(names: Sequence[str]) -> list[str]:
-    """Short names of inputs, "blade length" for "geometry.blade_length"; with their section where two are equal."""
-    short = [": ".join(name.split(".")[1:] or [name]).replace("_", " ") for name in names]
+    """Short names of inputs, "blade length" for "geometry.blade_length"; whole keys where two are equal."""
+    short = [_label(name) for name in names]
     return [
         words if short.count(words) == 1 else name.replace("_", " ") for words, name in zip(short, names, strict=True)
     ]
+
+
+def _label(name: str) -> str:
+    """The words of a key; with its section if they are one word, as "friction coefficient"."""
+    parts = name.replace("_", " ").split(".")
+    if len(parts) == 2 and " " not in parts[1]:
+        return " ".join(parts)
+    return ": ".join(parts[1:] or parts)
 
 
 def _strongest(gradients: PeakGradients) -> list[int]:
@@ -51,7 +61,7 @@ def tornado(view: View) -> Figure:
     percent = 100.0 * gradients.relative_changes(CHANGE)[0][shown]
     names = [labels(gradients.names)[place] for place in shown]
     most = float(np.abs(percent).max(initial=1.0))
-    end = 1.25 * min(most, BEYOND_FIRST_ORDER)
+    end = min(most, BEYOND_FIRST_ORDER) / 0.7  # room for the values beside the bars
     traces = [
         _bars(f"{sign}{100 * CHANGE:.0f} %", names, factor * percent, end, colour, pattern)
         for sign, factor, colour, pattern in (("+", 1.0, BLUE, ""), ("−", -1.0, ORANGE, "/"))
@@ -76,7 +86,7 @@ def _bars(name: str, names: list[str], percent: FloatArray, end: float, colour: 
         "orientation": "h",
         "name": f"input {name}",
         "y": names,
-        "x": plain_list(np.clip(percent, -0.8 * end, 0.8 * end)),
+        "x": plain_list(np.clip(percent, -0.7 * end, 0.7 * end)),
         "text": [_percent(value) for value in percent],
         "textposition": "outside",
         "cliponaxis": False,
@@ -86,7 +96,9 @@ def _bars(name: str, names: list[str], percent: FloatArray, end: float, colour: 
 
 
 def _percent(value: float) -> str:
-    return f"{value:+.2g}".replace("-", "−") if abs(value) < 100.0 else f"{value:+.0f}".replace("-", "−")
+    if abs(value) < SMALLEST:
+        return "0"
+    return (f"{value:+.2g}" if abs(value) < 99.5 else f"{value:+.0f}").replace("-", "−")
 
 
 def table(view: View) -> list[list[str]]:
@@ -95,15 +107,18 @@ def table(view: View) -> list[list[str]]:
     changes = gradients.relative_changes(CHANGE)
     rows = []
     for place in gradients.order:
-        unit = gradients.units[place]
-        shown = number(float(gradients.value[place])) + ("" if unit == "1" else f" {unit}")
+        unit, change = gradients.units[place].replace("um", "µm"), np.abs(changes[:, place])
+        derivatives = (
+            MICRO * gradients.by_amplitude, gradients.by_frequency_hz, MICRO * gradients.by_friction_energy
+        )  # fmt: skip
         rows.append(
             [
                 gradients.names[place],
-                shown,
-                number(MICRO * float(gradients.by_amplitude[place]), 3),
-                number(float(gradients.by_frequency_hz[place]), 3),
-                number(MICRO * float(gradients.by_friction_energy[place]), 3),
+                number(float(gradients.value[place])) + ("" if unit == "1" else f"\u00a0{unit}"),
+                *(
+                    number(float(by[place]), 3) if size > ROUND_OFF else "0"
+                    for by, size in zip(derivatives, change, strict=True)
+                ),
                 _percent(100.0 * changes[0, place]),
                 _percent(float(gradients.frequency_hz) * changes[1, place]),
                 _percent(100.0 * changes[2, place]),
@@ -124,8 +139,8 @@ def _words(view: View) -> Iterator[str]:
     far = [labels(gradients.names)[place] for place in gradients.order if percent[place] > BEYOND_FIRST_ORDER]
     if far:
         yield (
-            f"Beyond {BEYOND_FIRST_ORDER:.0f} % no derivative is an estimate: for {', '.join(far)} it is one of changes "
-            "well below 10 %, and the bars end at the axis."
+            f"Above {BEYOND_FIRST_ORDER:.0f} % the first order is no estimate: use the derivative by {', '.join(far)} "
+            "for smaller changes only; these bars are truncated."
         )
 
 
@@ -133,7 +148,7 @@ GRADIENTS = Section(
     "Which input matters most",
     """\
 <p class="note">{{ words }}</p>
-  {{ parts.panel("tornado", "Change of the peak amplitude by 10 percent of each input; the table below has the numbers") }}
+  {{ parts.panel("tornado", "Change of the peak amplitude by 10 percent of each input, as in the table below") }}
 {% if messages %}<ul class="note">{% for message in messages %}<li>{{ message }}</li>{% endfor %}</ul>{% endif %}
 {% call parts.scrolled("Derivatives of the peak") %}<table><caption>Derivatives over the unit of the input, and the
 changes by 10 % more of it, first order</caption><thead><tr>

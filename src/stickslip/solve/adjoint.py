@@ -43,8 +43,8 @@ class Adjoint:
 class Motions:
     """The motions u and adjoint motions v (k, 2H+1, N) of k adjoints, and the stuck modes (n_modes, N), in one space.
 
-    The space is that of the unknowns, or that of the full mesh: ``lift`` converts rows (j, n) that vibrate with circular
-    frequencies squared (j,) to rows (j, N). Only the lowest ``n_modes`` stuck modes are part of it.
+    The space is that of the unknowns, or that of the full mesh: ``lift`` converts rows (j, n) that vibrate with
+    circular frequencies squared (j,) to rows (j, N). Only the lowest ``n_modes`` stuck modes are part of it.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class Motions:
     def _lifted(self, motion: FloatArray, omega: float) -> FloatArray:
         """Rows (2H+1, N) of coefficients (2H+1, n)."""
         order = (np.arange(len(motion)) + 1) // 2
-        return self._lift(motion, (order * omega) ** 2)
+        return self._lift(motion, np.asarray(order * omega, dtype=float) ** 2)
 
     @cached_property
     def modes(self) -> FloatArray:

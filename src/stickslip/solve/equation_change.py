@@ -10,7 +10,7 @@ multipliers z (``adjoint.py``). A prime is the derivative at fixed x and w: no t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -118,7 +118,7 @@ class ChangedEquation:
         on_mesh = first.structure is not None
         motions = self._motions(first.structure)
         work = np.zeros(len(self._adjoints))
-        forms: list[FloatArray | None] = [None, None]
+        forms: dict[str, FloatArray] = {}
         ratio = self._base.modal_damping_ratio
         for place, name in enumerate(("stiffness", "mass")):
             before, after = (
@@ -132,7 +132,7 @@ class ChangedEquation:
                 factor = first.rayleigh[1 - place]
                 work += factor * motions.viscous_work(change) if factor else 0.0
             if ratio:
-                forms[place] = motions.modal_form(change)
+                forms[name] = motions.modal_form(change)
         before, after = first.superelement.damping, second.superelement.damping
         if before is not after and before is not None and after is not None:
             work += self._motions(None).viscous_work((after - before) / distance)
@@ -140,10 +140,11 @@ class ChangedEquation:
             return work
         if second.pairs is not first.pairs:
             springs = self._springs_in_modes(first.pairs, second.pairs, distance, len(motions.modes))
-            forms[0] = springs if forms[0] is None else forms[0] + springs
-        if ratio and any(form is not None for form in forms):
-            work += motions.modal_viscous_work(self._modal_damping_change(*forms, ratio, len(motions.modes)))
-        assert first.modal_damping_ratio is not None and second.modal_damping_ratio is not None
+            forms["stiffness"] = forms.get("stiffness", 0.0) + springs
+        if ratio and forms:
+            work += motions.modal_viscous_work(self._modal_damping_change(forms, ratio, len(motions.modes)))
+        assert first.modal_damping_ratio is not None
+        assert second.modal_damping_ratio is not None
         more = (second.modal_damping_ratio - first.modal_damping_ratio) / distance
         if more:
             omega = self._balances.stuck.circular_frequency[: len(motions.modes)]
@@ -175,13 +176,11 @@ class ChangedEquation:
             forms.append(rows.T @ (pairs.resting_stiffness()[:, None] * rows))
         return np.asarray((forms[1] - forms[0]) / distance)
 
-    def _modal_damping_change(
-        self, stiffness: FloatArray | None, mass: FloatArray | None, ratio: float, count: int
-    ) -> FloatArray:
+    def _modal_damping_change(self, forms: Mapping[str, FloatArray], ratio: float, count: int) -> FloatArray:
         """(count, count) derivative of the damping of modal ratios, in the stuck modes.
 
-        ``C = M phi diag(g) phi^T M`` with ``g_j = 2 ratio w_j`` up to the damped range, 0 above, follows the modes. With
-        ``K' = phi^T Kbar' phi`` and ``M' = phi^T M' phi`` its derivative is, entry by entry,
+        ``C = M phi diag(g) phi^T M`` with ``g_j = 2 ratio w_j`` up to the damped range, 0 above, follows the modes.
+        With ``K' = phi^T Kbar' phi`` and ``M' = phi^T M' phi`` its derivative is, entry by entry,
 
             C'_ij = K'_ij (g_i - g_j) / (l_i - l_j) + M'_ij (g_j l_i - g_i l_j) / (l_i - l_j),   l = w^2.
         """
@@ -199,7 +198,7 @@ class ChangedEquation:
         by_mass = np.where(mixed, crossed, by_mass)
         neither = ~(damped[:, None] | damped)
         change = np.zeros((count, count))
-        for form, factor in ((stiffness, by_stiffness), (mass, by_mass)):
-            if form is not None:
-                change += np.where(neither, 0.0, factor) * form
+        for name, factor in (("stiffness", by_stiffness), ("mass", by_mass)):
+            if name in forms:
+                change += np.where(neither, 0.0, factor) * forms[name]
         return change

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, fields, replace
+from typing import Any, cast
 
 import numpy as np
 
@@ -11,8 +12,8 @@ from stickslip.contact.law.contact_pairs import ContactPairs
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.solver_input import SolverInput
 
-# Relative step of a parameter: differences of matrices and forces have an error of about 1e-8 by this step, and 1e-11 by
-# round-off.
+# Relative step of a parameter: differences of matrices and forces have an error of about 1e-8 by this step, and 1e-11
+# by round-off.
 STEP = 1e-4
 
 
@@ -61,15 +62,14 @@ def _of_excitation(base: SolverInput) -> Iterator[Parameter]:
 def _of_pairs(base: SolverInput) -> Iterator[Parameter]:
     pairs = base.pairs
     for group, law in enumerate(pairs.laws):
-        assert is_dataclass(law)
-        for item in fields(law):
+        for item in fields(cast("Any", law)):
             values = getattr(law, item.name)
             if not isinstance(values, np.ndarray) or values.dtype != float or not values.any():
                 continue
 
             def change(value: float, group: int = group, name: str = item.name) -> SolverInput:
                 changed = [
-                    replace(each, **{name: value * getattr(each, name)}) if at == group else each  # type: ignore[type-var]
+                    replace(cast("Any", each), **{name: value * getattr(each, name)}) if at == group else each
                     for at, each in enumerate(pairs.laws)
                 ]
                 return replace(base, pairs=ContactPairs.with_laws(pairs.operator, changed, pairs.members))

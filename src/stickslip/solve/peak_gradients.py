@@ -37,15 +37,15 @@ from stickslip.structure.superelement import Superelement
 # Distance of the places on the curve, over the width of the peak. Differences of fourth order have a relative error of
 # 1e-5 with it, and the small jumps of the slope by samples hardly enter.
 SPACING = 0.05
-# chosen: at a peak the contact force has at least so many samples, because its derivatives jump where a sample begins to
-# slip; with 128 samples the slope of the amplitude jumps by 3 % of amplitude over width, with 2048 by 0.1 %.
+# chosen: at a peak the contact force has at least so many samples, because its derivatives jump where a sample begins
+# to slip; with 128 samples the slope of the amplitude jumps by 3 % of amplitude over width, with 2048 by 0.1 %.
 LEAST_SAMPLES = 2048
 # Tolerance of points at a peak: derivatives amplify their error by the sharpness of the peak.
 TOLERANCE = 1e-11
-# chosen: a message reports an estimated error above this fraction of a derivative by which a change of the parameter by
-# REPORTED_CHANGE changes the peak by more than NOTABLE_EFFECT.
 # A friction energy below this fraction of the kinetic energy is round-off of pairs that stick.
 ROUND_OFF = 1e-12
+# chosen: a message reports an estimated error above this fraction of a derivative by which a change of the parameter by
+# REPORTED_CHANGE changes the peak by more than NOTABLE_EFFECT.
 LARGEST_ERROR, REPORTED_CHANGE, NOTABLE_EFFECT = 0.05, 0.1, 1e-3
 
 
@@ -111,8 +111,8 @@ class PeakSensitivity:
 
     def derivative(self, parameter: Parameter) -> _Derivatives:
         """The derivatives by a parameter, with its step to both sides. Raises InputError where the model rejects it."""
-        value, step = parameter.value, parameter.step
-        below, middle, above = (parameter.change(each) for each in (value - step, value, value + step))
+        at, step = parameter.value, parameter.step
+        below, middle, above = (parameter.change(each) for each in (at - step, at, at + step))
         sides = [
             self._of_peak(self._changed.derivative(*pair, step)) for pair in ((below, middle), (middle, above))
         ]  # fmt: skip
@@ -201,9 +201,8 @@ def peak_gradients(
             modal_damping_ratio, cast("Update", response.settings["update"]), report.stage,
         )  # fmt: skip
         report.stage("refinement of the peak", 0.1)
-        refined = RefinedPeak.of(
-            balances.exact(response.harmonics, count), row, _around(balances, response, top, count)
-        )
+        balance = balances.exact(response.harmonics, count)
+        refined = RefinedPeak.of(balance, row, _around(balance, response, top))
         _require_no_walk(balances, refined)
         report.stage("adjoint solutions at the peak", 0.3)
         sensitivity = PeakSensitivity(balances, base, refined)
@@ -230,8 +229,8 @@ def _require_own(superelement: Superelement, pairs: ContactPairs, response: Forc
         )
     if np.ptp(response.load_factor) > 0.0:
         raise InputError(
-            "the response is one at prescribed amplitude or phase; gradients are for peaks under a constant excitation, "
-            "of forced_response.",
+            "the response is one at prescribed amplitude or phase; gradients are for peaks under a constant "
+            "excitation, of forced_response.",
             arguments=["response"],
         )
     if output.shape != (superelement.size,) or not output.any():
@@ -256,12 +255,11 @@ def _chosen_peak(response: ForcedResponse, output: FloatArray, number: int) -> P
     return found[number]
 
 
-def _around(balances: Balances, response: ForcedResponse, peak: Peak, samples: int) -> list[BalancePoint]:
+def _around(balance: Balance, response: ForcedResponse, peak: Peak) -> list[BalancePoint]:
     """The computed points around a peak."""
-    curve = FrequencyCurve(balances.with_harmonics(response.harmonics, samples))
-    points = []
+    curve, points = FrequencyCurve(balance), []
     for point in range(peak.point - 1, peak.point + 2):
-        relative = (balances.pairs.operator @ response.displacement[point]).T
+        relative = (balance.pairs.operator @ response.displacement[point]).T
         relative[0] += response.pair_way(point).ravel()
         points.append(curve.at(relative, 2.0 * np.pi * float(response.frequency_hz[point])))
     return points
@@ -270,8 +268,8 @@ def _around(balances: Balances, response: ForcedResponse, peak: Peak, samples: i
 def _require_no_walk(balances: Balances, peak: RefinedPeak) -> None:
     if walking_points(balances.pairs, [peak.top.point.trial])[0].size:
         raise ConvergenceError(
-            "a body that only friction supports slides on in each cycle at the peak: its place is arbitrary, and so are "
-            "derivatives by it. Constrain the body along its free direction."
+            "a body that only friction supports slides on in each cycle at the peak: its position is arbitrary, and so "
+            "are derivatives by it. Constrain the body along its free direction."
         )
 
 
@@ -316,5 +314,5 @@ def _doubts(parameter: Parameter, found: _Derivatives, values: FloatArray) -> It
             yield (
                 f"The derivative of the peak {name} by {parameter.name} is uncertain by about "
                 f"{100.0 * found.error[place] / abs(found.value[place]):.0f} %: the contact changes its state close to "
-                "the peak. Compute the peak again with a changed value before you use it."
+                "the peak, or large effects cancel. Compute the peak again with a changed value before you use it."
             )

@@ -12,8 +12,8 @@ from stickslip.structure.factor import Backend, Factor, factorize
 from stickslip.structure.mesh import IntArray
 from stickslip.structure.superelement import Superelement
 
-# chosen: each correction of a vibrating interior reduces its error by the square of the frequency over that of the first
-# neglected mode, a factor of 10 or more.
+# chosen: each correction of a vibrating interior reduces its error by the square of the frequency over that of the
+# first neglected mode, a factor of 10 or more.
 CORRECTIONS = 3
 
 

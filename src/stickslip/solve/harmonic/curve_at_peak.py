@@ -141,8 +141,8 @@ class CurveAtPeak:
         slopes = [self.at(end).slope for end in self.ends]
         if not slopes[0] > 0.0 > slopes[1]:
             raise ConvergenceError(
-                "the amplitude does not rise on one side of the peak and fall on the other: the points of the curve are "
-                "too far apart. Use a smaller largest_step."
+                "the amplitude does not rise on one side of the peak and fall on the other: the points of the curve "
+                "are too far apart. Use a smaller largest_step."
             )
         extent = self.ends[1] - self.ends[0]
         place = scipy.optimize.brentq(lambda s: self.at(s).slope, *self.ends, xtol=PLACE * extent)

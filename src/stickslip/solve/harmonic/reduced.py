@@ -264,7 +264,8 @@ class BorderedSystem:
         answer = self._whole_factor().solve_transposed(right)
         result = relative + system.deviation_change_transposed(answer[: system.size])
         for row, scale, multiplier in zip(self._rows, self._row_scale, answer[system.size :], strict=True):
-            assert row.relative is not None and row.deviation is None
+            assert row.relative is not None
+            assert row.deviation is None
             result -= scale * float(multiplier) * row.relative
         return result
 
