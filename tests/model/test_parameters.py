@@ -85,9 +85,10 @@ def test_the_density_only_lowers_the_frequency() -> None:
     peak, model = peak_of(case), ss.build_model(case)
     parameter = next(each for each in ss.case_parameters(case, model) if each.name == "material.density")
     amplitude, hertz, energy = peak.gradient(parameter) * parameter.value / peak.values(peak.base)
+    # The motion of the mesh is that of the reduced model with an estimate of what its modes leave out.
     assert hertz == pytest.approx(-0.5, rel=1e-5)
-    assert amplitude == pytest.approx(0.0, abs=1e-6)
-    assert energy == pytest.approx(0.0, abs=1e-5)
+    assert amplitude == pytest.approx(0.0, abs=1e-4)
+    assert energy == pytest.approx(0.0, abs=1e-3)
 
 
 def test_each_number_of_the_study_is_a_parameter() -> None:
@@ -127,4 +128,5 @@ def test_rayleigh_damping() -> None:
     for name in ("damping.rayleigh_alpha", "damping.rayleigh_beta", "material.density"):
         parameter = parameters[name]
         found, expected = peak.gradient(parameter), peak.differences(resolved(case, name), 1e-4) / parameter.value
-        assert found == pytest.approx(expected, rel=1e-3, abs=1e-5 * float(np.abs(found).max())), name
+        noise = 1e-5 * peak.values(peak.base) / parameter.value
+        assert (np.abs(found - expected) <= 1e-3 * np.abs(expected) + noise).all(), name
