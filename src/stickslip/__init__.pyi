@@ -54,8 +54,10 @@ from .formats.meshes.read import read_model as read_model
 from .formats.meshes.read import register_model_format as register_model_format
 from .formats.profile_file import read_profile as read_profile
 from .model.model import build_model as build_model
+from .model.parameters import case_parameters as case_parameters
 from .results.nonlinear_mode import NonlinearMode as NonlinearMode
 from .results.other_solutions import OtherSolutions as OtherSolutions
+from .results.peak_gradients import PeakGradients as PeakGradients
 from .results.peak_ridge import PeakRidge as PeakRidge
 from .results.quasi_static_mode import QuasiStaticMode as QuasiStaticMode
 from .results.response import ForcedResponse as ForcedResponse
@@ -65,6 +67,7 @@ from .solve.excitation import Excitation as Excitation
 from .solve.forced import forced_response as forced_response
 from .solve.nonlinear_mode import nonlinear_mode as nonlinear_mode
 from .solve.other_solutions import search_other_solutions as search_other_solutions
+from .solve.parameters import Parameter as Parameter
 from .solve.path.continuation import Branch as Branch
 from .solve.path.newton import Newton as Newton
 from .solve.path.newton import NewtonSettings as NewtonSettings
@@ -72,8 +75,10 @@ from .solve.path.problem import Plane as Plane
 from .solve.path.problem import Problem as Problem
 from .solve.path.problem import Step as Step
 from .solve.path.stepping import ContinuationSettings as ContinuationSettings
+from .solve.peak_gradients import peak_gradients as peak_gradients
 from .solve.quasi_static_mode import quasi_static_mode as quasi_static_mode
 from .solve.ridge import peak_ridge as peak_ridge
+from .solve.solver_input import SolverInput as SolverInput
 from .solve.static.ramp_to_rest import static_preload as static_preload
 from .solve.static.state import StaticState as StaticState
 from .solve.transient.integrate import integrate_to_steady_state as integrate_to_steady_state

@@ -42,6 +42,10 @@ class AnalysisSection(Section):
     search_seed: Annotated[int, Count(at_least=0, at_most=LARGEST_INTEGER)] = Field(
         default=0, description="seed of the random states; the same seed, the same search"
     )
+    gradients: bool = Field(
+        default=False,
+        description="compute what each input changes at the highest peak (run --gradients); about a second for each",
+    )
 
 
 # A value of another key: it is read as that key, so a number is stored as its text.

@@ -147,6 +147,12 @@ def run(
             show_default=False,
         ),
     ] = None,
+    gradients: Annotated[
+        bool,
+        typer.Option(
+            "--gradients", help="Compute what each input changes at the peak, as analysis.gradients = true in FILE."
+        ),
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print only errors.")] = False,
     debug: Debug = False,
 ) -> None:
@@ -155,6 +161,7 @@ def run(
         case, places = _load(path, quiet)
         case = case.replace({"analysis.search": True}) if search else case
         case = case.replace(_ridge_keys(ridge)) if ridge is not None else case
+        case = case.replace({"analysis.gradients": True}) if gradients else case
         require_folder(out)  # before the packages of the solver are loaded, which takes seconds
         from stickslip.study import run as study
 

@@ -125,9 +125,14 @@ class Quantity:
         """``value`` (SI) as a study file shows it: a TOML string with the shown unit, or a plain number."""
         if not self.si_unit and not self.shown:
             return _short(value)
-        shown = self.shown or self.si_unit
-        factor = 1.0 if shown == self.si_unit else _factor_to_si(shown)
+        shown, factor = self.shown_unit
         return f'"{_short(value / factor)} {shown}"'
+
+    @property
+    def shown_unit(self) -> tuple[str, float]:
+        """The unit that texts show, "" for a pure number, and its size in SI units."""
+        shown = self.shown or self.si_unit
+        return shown, 1.0 if shown == self.si_unit else _factor_to_si(shown)
 
     def stored(self, value: float) -> str | float:
         """``value`` (SI) with every digit and its SI unit, for a record that ``parse`` reads back exactly."""

@@ -13,6 +13,7 @@ from typing import Any
 
 from stickslip.reporting import plots
 from stickslip.reporting.curve_plot import amplitude_frequency
+from stickslip.reporting.gradient_section import GRADIENTS
 from stickslip.reporting.look import Figure
 from stickslip.reporting.mode_section import NONLINEAR_MODE
 from stickslip.reporting.other_words import OTHER_SOLUTIONS
@@ -206,6 +207,7 @@ SECTIONS = (
     TRACTIONS,
     OTHER_SOLUTIONS,
     NONLINEAR_MODE,
+    GRADIENTS,
     Section(
         "Pressure at rest",
         """\

@@ -111,6 +111,8 @@ class ForcedResponse(ResponseData):
         the peaks over a key of the study; None without ``[analysis] kind = "ridge"``.
     performance_curve:
         of two blades: the peaks over centrifugal force over excitation force; None if it was not computed.
+    gradients:
+        derivatives of the highest peak by the inputs of the study; None without ``[analysis] gradients = true``.
 
     Raises
     ------

@@ -12,6 +12,7 @@ from stickslip.core.validation import FloatArray
 from stickslip.results.linear_curves import LinearCurves
 from stickslip.results.nonlinear_mode import NonlinearMode
 from stickslip.results.other_solutions import OtherSolutions
+from stickslip.results.peak_gradients import PeakGradients
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.periodic_motions import CURVE, PeriodicMotions
 from stickslip.results.stability import Bifurcation, BifurcationRows, ComplexNumbers
@@ -90,6 +91,7 @@ class ResponseData(PeriodicMotions):
     )
     peak_ridge: PeakRidge | None = field(default=None, metadata=stored(InGroup.of(PeakRidge, optional=True)))
     performance_curve: PeakRidge | None = field(default=None, metadata=stored(InGroup.of(PeakRidge, optional=True)))
+    gradients: PeakGradients | None = field(default=None, metadata=stored(InGroup.of(PeakGradients, optional=True)))
 
     def __post_init__(self) -> None:
         sizes = self._checked_sizes()

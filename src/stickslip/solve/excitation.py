@@ -42,6 +42,10 @@ class _Part:
     inertial: bool
     words: str
 
+    def times(self, factor: float) -> _Part:
+        """The term with another size."""
+        return replace(self, cos=factor * self.cos, sin=factor * self.sin)
+
 
 @dataclass(frozen=True, eq=False)
 class ExcitationForce:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -89,6 +90,11 @@ class Balances:
         """The balance with a number of harmonics, and of samples if they differ."""
         force = self.force.with_harmonics(harmonics)
         return Balance(self.stuck.compliance(harmonics), self.pairs, force, samples or self.samples)
+
+    def exact(self, harmonics: int, samples: int) -> Balance:
+        """The balance whose Newton matrix contains all modes, as adjoint solutions require."""
+        force = self.force.with_harmonics(harmonics)
+        return Balance(self.stuck.compliance(harmonics, near_range=math.inf), self.pairs, force, samples)
 
 
 def prepare_balances(

@@ -18,6 +18,7 @@ from stickslip.core.threads import thread_count
 from stickslip.model.model import Model
 from stickslip.results.measures import summary, summary_table
 from stickslip.results.nonlinear_mode import NonlinearMode
+from stickslip.results.peak_gradients import PeakGradients
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
@@ -39,6 +40,8 @@ from stickslip.study.sketching import MeshMotion
 from stickslip.study.solution import reported_model, solved
 from stickslip.study.stress import StressAtPeak
 from stickslip.study.stress_summary import fields_of, stress_rows
+
+STRONGEST = 5  # chosen: inputs whose gradients the command prints; the page has all
 
 
 @dataclass(frozen=True)
@@ -150,6 +153,8 @@ def _closing_words(response: ForcedResponse, record: StudyRecord) -> str:
     for title, ridge in (("Performance curve", response.performance_curve), ("Ridge of peaks", response.peak_ridge)):
         if ridge is not None:
             lines += _words_of_ridge(title, ridge)
+    if response.gradients is not None:
+        lines += _words_of_gradients(response.gradients)
     return "\n".join(lines)
 
 
@@ -167,6 +172,15 @@ def _words_of_mode(mode: NonlinearMode) -> Iterator[str]:
     yield f"  frequency      {mode.frequency_hz.min():.2f} to {mode.frequency_hz.max():.2f} Hz"
     yield f"  damping ratio  {100 * low:.3g} to {100 * high:.3g} %"
     yield from (f"Warning: {sentence}" for sentence in mode.warnings)
+
+
+def _words_of_gradients(gradients: PeakGradients) -> Iterator[str]:
+    """The strongest inputs, and the messages."""
+    yield "Change of the peak amplitude by 10 % more of an input, first order:"
+    changes, strongest = gradients.relative_changes(0.1)[0], gradients.order[:STRONGEST]
+    width = max((len(gradients.names[place]) for place in strongest), default=0)
+    yield from (f"  {gradients.names[place]:<{width}}  {100 * changes[place]:+.2g} %" for place in strongest)
+    yield from (f"Note: {sentence}" for sentence in gradients.messages)
 
 
 def report(folder: str | PathLike[str]) -> tuple[Path, ...]:

@@ -61,6 +61,12 @@ def plan_cases(case: Case, keys: tuple[SweptKey, ...]) -> tuple[PlannedCase, ...
 
     Raises StudyFileError that names the combinations which are not valid, InputError for too many cases.
     """
+    if case.analysis.gradients:
+        raise InputError(
+            "gradients is true, but the cases of a sweep have no gradients: they share a reduced structure without its "
+            "mesh. Set it to false for the sweep, and compute the gradients of single cases with stickslip run.",
+            ("analysis.gradients",),
+        )
     count = math.prod(len(key.values) for key in keys)
     if count > LARGEST_SWEEP:
         sizes = " x ".join(str(len(key.values)) for key in keys)

@@ -100,8 +100,8 @@ class Balance:
         undetermined = pairs.undetermined()
         self._free = np.flatnonzero(undetermined)  # rows whose mean no force depends on
         self._walking = np.flatnonzero(pairs.frictional())  # rows whose mean may be the way of many cycles
-        self._springs = np.repeat(springs.reshape(1, -1), 2 * self.harmonics + 1, axis=0)
-        self._springs[0] = (springs * ~undetermined).ravel()
+        self.springs = np.repeat(springs.reshape(1, -1), 2 * self.harmonics + 1, axis=0)
+        self.springs[0] = (springs * ~undetermined).ravel()
         self._terms = [(power, compliance.external(array)) for power, array in force.terms]
 
     def excited(self, by: SelfExcitation) -> Balance:
@@ -142,7 +142,7 @@ class Balance:
         """Contact force, deviation and residual; means that no force depends on follow (:meth:`determined`)."""
         coefficients = np.ascontiguousarray(relative.T).reshape(self.pairs.n_pairs, 3, -1)
         contact = self.pairs.period(coefficients, self.samples)
-        deviation = contact.force.reshape(self.rows, -1).T - self._springs * relative
+        deviation = contact.force.reshape(self.rows, -1).T - self.springs * relative
         # Where a force is that of the springs the deviation is zero by definition, without round-off.
         np.copyto(deviation, 0.0, where=~contact.moves.ravel())
         external = self._external(omega, load)
@@ -228,7 +228,7 @@ class Balance:
         """D (n_moving, 3, 2H+1, 3, 2H+1): derivative of the deviation of the moving pairs."""
         coefficients = np.ascontiguousarray(trial.relative.T).reshape(self.pairs.n_pairs, 3, -1)
         tangent = self.pairs.tangent(coefficients, self.samples, active.pairs, trial.contact)
-        springs = self._springs.T.reshape(self.pairs.n_pairs, 3, -1)[active.pairs]
+        springs = self.springs.T.reshape(self.pairs.n_pairs, 3, -1)[active.pairs]
         width = 2 * self.harmonics + 1
         diagonal = np.einsum("paqaq->paq", tangent.reshape(-1, 3, width, 3, width))
         diagonal -= springs

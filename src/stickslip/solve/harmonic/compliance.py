@@ -152,7 +152,12 @@ class Compliance:
         return np.asarray(self._contact_modes @ motion)
 
     def amplitude_transposed(self, omega: float, weights: FloatArray) -> FloatArray:
-        """Derivative (2H+1, m) of ``sum(weights * amplitude)`` by the deviation, for weights (2H, n).
+        """Derivative (2H+1, m) of ``sum(weights * amplitude)`` by the deviation, for weights (2H, n)."""
+        modal = self.adjoint_amplitude(omega, weights)
+        return np.vstack([np.zeros((1, len(self._operator))), -(modal @ self._contact_modes.T)])
+
+    def adjoint_amplitude(self, omega: float, weights: FloatArray) -> FloatArray:
+        """Derivative (2H, n) of ``sum(weights * amplitude)`` by the modal forces, for weights (2H, n).
 
         The gains are complex symmetric: the sines change sign twice, as in :meth:`NewtonCompliance.apply_transposed`.
         """
@@ -160,7 +165,7 @@ class Compliance:
         flipped[1::2] *= -1.0
         modal = self.gain.answer(omega, flipped)
         modal[1::2] *= -1.0
-        return np.vstack([np.zeros((1, len(self._operator))), -(modal @ self._contact_modes.T)])
+        return modal
 
     def mean_transposed(self, output: FloatArray) -> FloatArray:
         """Derivative (m,) of the mean of ``output @ u`` by the mean of the deviation."""
@@ -236,9 +241,9 @@ class StuckStructure:
         """(m, m) compliance of the pairs on the mean."""
         return np.asarray(self.pairs.operator @ self.mean.solve(self.pairs.operator.T))
 
-    def compliance(self, harmonics: int) -> Compliance:
-        """The compliance for a number of harmonics."""
-        near = int(np.searchsorted(self.circular_frequency, NEAR_RANGE * harmonics * self.highest_omega))
+    def compliance(self, harmonics: int, near_range: float = NEAR_RANGE) -> Compliance:
+        """The compliance for a number of harmonics; modes above ``near_range`` are springs in Newton's matrix."""
+        near = int(np.searchsorted(self.circular_frequency, near_range * harmonics * self.highest_omega))
         kind = DiagonalGain if self.modal_damping.ndim == 1 else CoupledGain
         gain = kind(self.circular_frequency, self.modal_damping, harmonics, near)
         return Compliance(self, gain)

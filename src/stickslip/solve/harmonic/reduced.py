@@ -65,6 +65,17 @@ class NewtonSystem:
         force = (self.tangent.reshape(active.pairs.size, width, width) @ local).reshape(-1, self.columns)
         return np.asarray(force[active.output_position].T).ravel()
 
+    def deviation_change_transposed(self, unknowns: FloatArray) -> FloatArray:
+        """D^T @ unknowns: (2H+1, m) from (size,)."""
+        active, width = self.active, 3 * self.columns
+        local = np.zeros((3 * active.pairs.size, self.columns))
+        local[active.output_position] = unknowns.reshape(self.columns, -1).T
+        tangent = self.tangent.reshape(active.pairs.size, width, width)
+        moved = (local.reshape(active.pairs.size, 1, width) @ tangent).reshape(-1, self.columns)
+        full = np.zeros((self.columns, self.rows))
+        full[:, active.inputs] = moved.T
+        return full
+
     def comply(self, unknowns: FloatArray) -> FloatArray:
         """A @ unknowns: (2H+1, m) from (size,)."""
         return self.compliance.apply(unknowns.reshape(self.columns, -1))
@@ -237,6 +248,26 @@ class BorderedSystem:
         system = self.system
         right = np.append(deviation[:, system.active.outputs].ravel(), np.asarray(self._column_scale) * parameters)
         return self._whole_factor().solve_transposed(right)[: system.size]
+
+    def multipliers(self, relative: FloatArray, deviation: FloatArray, parameters: FloatArray) -> FloatArray:
+        """(2H+1, m) multipliers z of the balance for weights (2H+1, m) of ``dx`` and of ``dd``, and (k,) of ``dp``.
+
+        If the residual R grows by e, the weighted sum of the solution changes by ``-z . e``, with the rows unchanged;
+        the rows may contain ``relative`` parts only.
+        """
+        system = self.system
+        by_deviation = deviation[:, system.active.outputs] - system.compliance.apply_transposed(relative)
+        by_parameters = [
+            at - float(np.vdot(relative, slope)) for at, slope in zip(parameters, self._slopes, strict=True)
+        ]
+        right = np.append(by_deviation.ravel(), np.asarray(self._column_scale) * by_parameters)
+        answer = self._whole_factor().solve_transposed(right)
+        result = relative + system.deviation_change_transposed(answer[: system.size])
+        for row, scale, multiplier in zip(self._rows, self._row_scale, answer[system.size :], strict=True):
+            assert row.relative is not None
+            assert row.deviation is None
+            result -= scale * float(multiplier) * row.relative
+        return result
 
     def _apply(self, unknowns: FloatArray) -> FloatArray:
         """The bordered matrix @ unknowns (size + k,)."""
