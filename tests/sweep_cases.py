@@ -28,6 +28,7 @@ QUICK = {
     "solver.harmonics": 1,
     "solver.samples": 128,
     "output.figure_formats": [],  # to draw takes longer than the curve
+    "analysis.performance_curve": False,  # so does this
 }
 
 

@@ -24,6 +24,7 @@ RIDGE = {
     "analysis.over": "excitation.amplitude",
     "analysis.over_from": "45 N",
     "analysis.over_to": "60 N",
+    "analysis.performance_curve": True,
 }
 
 
@@ -60,9 +61,7 @@ def test_a_ridge_over_the_friction_coefficient_agrees_with_a_whole_curve() -> No
     case = quick_case()
     peaks = ridge(case, "friction.coefficient", (0.2, 0.4))
     assert peaks.converged, peaks.message
-    fine = case.replace(
-        {"friction.coefficient": 0.27, "solver.largest_step": 0.02, "analysis.performance_curve": False}
-    )
+    fine = case.replace({"friction.coefficient": 0.27, "solver.largest_step": 0.02})
     solution = ss.solve_case(fine)
     highest = solution.response.amplitude(next(iter(solution.model.outputs.values()))).max()
     assert peaks.at(0.27).amplitude[0] == pytest.approx(highest, rel=1e-3)
@@ -72,7 +71,7 @@ def test_a_check_announces_the_ridges() -> None:
     shown = dict(dict(check(quick_case().replace(RIDGE)))["Would run"])
     assert shown["peaks over a key"] == "excitation.amplitude from 45 to 60 N"
     assert shown["performance curve"] == "centrifugal force 0.1 to 100 times the excitation force"
-    without = dict(dict(check(quick_case().replace({"analysis.performance_curve": False})))["Would run"])
+    without = dict(dict(check(quick_case()))["Would run"])
     assert "performance curve" not in without
     assert "peaks over a key" not in without
 

@@ -26,6 +26,7 @@ from stickslip.results.storage import load_results, results_bytes
 from stickslip.structure.joined import joined_modes
 from stickslip.structure.superelement import Superelement
 from stickslip.study.figure_process import PAGE_GRID, Drawing, NoFigures, SecondProcess, artist_of, rough_patch
+from stickslip.study.performance_curve import with_performance_curve
 from stickslip.study.places import (
     FIGURE_FOLDER,
     MODES_FILE,
@@ -80,6 +81,10 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
     then = '"stickslip report" writes its report'
     write_solved(out / RESULTS_FILE, results_bytes(response, record), "results", ResultsFileError, then)
     with _saved_results(out):
+        # It takes longer than the frequency curve, which is safe by now.
+        response = with_performance_curve(case, model, response, progress, threads)
+        if response is not solution.response:
+            write_solved(out / RESULTS_FILE, results_bytes(response, record), "results", ResultsFileError, then)
         progress.update("Files", 0.3, REPORT_FILE)
         page = _page(out, response, record)
         progress.update("Files", 0.5, "shapes for ParaView")

@@ -18,7 +18,6 @@ from stickslip.results.response import ForcedResponse
 from stickslip.structure.superelement import Superelement
 from stickslip.study.analyses import solve
 from stickslip.study.gradients import with_gradients
-from stickslip.study.performance_curve import with_performance_curve
 from stickslip.study.record import compare_modes, study_record, with_other_tractions
 from stickslip.study.sketching import MeshMotion, motion_at_peak, sketch_of
 from stickslip.study.stress import StressAtPeak, stress_at_peak
@@ -105,7 +104,6 @@ def solved(case: Case, model: Model, progress: Progress, threads: int) -> Soluti
     table = compare_modes(model.structure, model.superelement, pairs, model.pairs.resting_stiffness())
     progress.update("Structure", 1.0, f"{model.superelement.size} unknowns, {model.pairs.n_pairs} pairs")
     response = solve(case, model, progress, threads)
-    response = with_performance_curve(case, model, response, progress, threads)
     if case.analysis.gradients:
         response = with_gradients(case, model, response, progress, threads)
     record = study_record(case, model, table, response)
