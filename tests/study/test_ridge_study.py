@@ -30,7 +30,7 @@ RIDGE = {
 
 @pytest.mark.slow
 def test_run_writes_both_ridges_and_their_sections(tmp_path: Path) -> None:
-    case = quick_case().replace(RIDGE)
+    case = quick_case().replace(RIDGE | {"analysis.performance_curve": True})
     outcome = study.run(case, tmp_path)
     response = load_results(tmp_path / "results.nc").response
     assert response == outcome.response
@@ -68,7 +68,8 @@ def test_a_ridge_over_the_friction_coefficient_agrees_with_a_whole_curve() -> No
 
 
 def test_a_check_announces_the_ridges() -> None:
-    shown = dict(dict(check(quick_case().replace(RIDGE)))["Would run"])
+    case = quick_case().replace(RIDGE | {"analysis.performance_curve": True})
+    shown = dict(dict(check(case))["Would run"])
     assert shown["peaks over a key"] == "excitation.amplitude from 45 to 60 N"
     assert shown["performance curve"] == "centrifugal force 0.1 to 100 times the excitation force"
     without = dict(dict(check(quick_case()))["Would run"])
@@ -79,6 +80,7 @@ def test_a_check_announces_the_ridges() -> None:
 def test_only_two_blades_under_a_centrifugal_force_have_a_performance_curve() -> None:
     assert has_performance_curve(Case())
     assert not has_performance_curve(Case().replace({"preload.values": [1.0] * 110}))
+    assert not has_performance_curve(Case().replace({"preload.method": "solved"}))
     assert not has_performance_curve(mesh_case())
 
 

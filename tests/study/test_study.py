@@ -35,6 +35,7 @@ COARSE = {
     "excitation.amplitude": "60 N",
     "solver.harmonics": 3,
     "solver.samples": 128,
+    "analysis.performance_curve": False,  # tests/study/test_ridge_study.py
     "output.deflected_shape_frames": 8,
     "output.figure_formats": ["png"],
 }

@@ -45,10 +45,14 @@ MOST_CURVES = 1.8
 
 
 def has_performance_curve(case: Case) -> bool:
-    """Whether a run computes the curve: of two blades whose loads follow from a centrifugal force."""
+    """Whether a run computes the curve: of two blades whose loads follow from a centrifugal force.
+
+    A solved preload takes longer at each value than the peak, so there only :func:`stickslip.ridge` follows peaks.
+    """
     return (
         isinstance(case, TwoBladeCase)
         and case.analysis.performance_curve
+        and case.preload.method == "prescribed"
         and case.preload.centrifugal_force is not None
     )
 
@@ -59,6 +63,9 @@ def with_performance_curve(
     """The response with its performance curve, if the case has one; a warning where it could not be computed."""
     if not has_performance_curve(case):
         return response
+    if not response.converged:  # a peak of the study may be missing, and its work is no measure
+        why = "the frequency curve of the study is not complete."
+        return replace(response, warnings=(*response.warnings, f"The performance curve was not computed: {why}"))
     try:
         curve = performance_curve(case, model, response, progress, threads)
     except StickslipError as error:
