@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip.reporting.gradient_section import labels, table, tornado
+from stickslip.reporting.gradient_section import change_rows, derivative_rows, labels, tornado
 from stickslip.reporting.page import page
 from stickslip.reporting.view import View
 from stickslip.results.peak_gradients import PeakGradients
@@ -51,10 +51,14 @@ def test_the_page_shows_the_strongest_inputs_first() -> None:
     assert "<li>One message.</li>" in words
     assert "is no estimate" not in words
     assert "a &lt;b&gt; &amp; c.d_e" in words
-    rows = table(View.of(response, STUDY))
-    assert [row[0] for row in rows][:2] == ["geometry.airfoil_thickness", "a <b> & c.d_e"]
-    assert rows[0][1:] == ["7\u00a0mm", "−5.71", "−31.4", "28.6", "−20", "−22", "+20"]
-    assert rows[-1][1:] == ["3\u00a0µm", "0", "0", "0", "0", "0", "0"]
+    view = View.of(response, STUDY)
+    changes, derivatives = change_rows(view), derivative_rows(view)
+    assert [row[0] for row in changes][:2] == ["geometry.airfoil_thickness", "a <b> & c.d_e"]
+    assert [row[0] for row in derivatives] == [row[0] for row in changes]
+    assert changes[0][1:] == ["7\u00a0mm", "−20", "−22", "+20"]
+    assert derivatives[0][1:] == ["mm", "−5.71", "−31.4", "28.6"]
+    assert changes[-1][1:] == ["3\u00a0µm", "0", "0", "0"]
+    assert derivatives[-1][1:] == ["µm", "0", "0", "0"]
 
 
 def test_the_bars_go_to_both_sides() -> None:

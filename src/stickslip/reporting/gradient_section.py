@@ -22,8 +22,10 @@ CHANGE = 0.1
 MOST_BARS, LEAST_SHOWN = 15, 0.05
 # chosen: percent. Beyond this change of the peak the first order is no estimate, and the axis ends.
 BEYOND_FIRST_ORDER = 50.0
-# A relative change of the peak below ROUND_OFF is none, and the table shows no smaller number than SMALLEST.
-ROUND_OFF, SMALLEST = 1e-7, 1e-3
+# chosen: a relative change of the peak below NO_EFFECT is none, in percent NOTHING.
+NO_EFFECT, NOTHING = 1e-5, 1e-3
+# chosen: half of the axis that the longest bar takes; the values beside the bars need the rest on a narrow page.
+BARS = 0.6
 
 
 def _gradients(view: View) -> PeakGradients:
@@ -61,7 +63,7 @@ def tornado(view: View) -> Figure:
     percent = 100.0 * gradients.relative_changes(CHANGE)[0][shown]
     names = [labels(gradients.names)[place] for place in shown]
     most = float(np.abs(percent).max(initial=1.0))
-    end = min(most, BEYOND_FIRST_ORDER) / 0.7  # room for the values beside the bars
+    end = min(most, BEYOND_FIRST_ORDER) / BARS
     traces = [
         _bars(f"{sign}{100 * CHANGE:.0f} %", names, factor * percent, end, colour, pattern)
         for sign, factor, colour, pattern in (("+", 1.0, BLUE, ""), ("−", -1.0, ORANGE, "/"))
@@ -71,7 +73,7 @@ def tornado(view: View) -> Figure:
         90 + 26 * max(len(shown), 2),
         barmode="overlay",
         bargap=0.3,
-        xaxis=axis_look("Change of the peak amplitude, %", range=[-end, end], zeroline=True, zerolinecolor=INK),
+        xaxis=axis_look("Peak amplitude, %", range=[-end, end], zeroline=True, zerolinecolor=INK),
         yaxis=axis_look("", autorange="reversed", ticks="", showline=False, showgrid=False),
         hovermode="closest",
         margin={"l": 8, "r": 16, "t": 12, "b": 44},
@@ -86,9 +88,10 @@ def _bars(name: str, names: list[str], percent: FloatArray, end: float, colour: 
         "orientation": "h",
         "name": f"input {name}",
         "y": names,
-        "x": plain_list(np.clip(percent, -0.7 * end, 0.7 * end)),
+        "x": plain_list(np.clip(percent, -BARS * end, BARS * end)),
         "text": [_percent(value) for value in percent],
         "textposition": "outside",
+        "textfont": {"size": 11},
         "cliponaxis": False,
         "marker": {"color": colour, "line": {"color": INK, "width": 0.5}, "pattern": {"shape": pattern, "size": 5}},
         "hovertemplate": PlotMarkup("%{{y}} {}: %{{text}} %<extra></extra>").format(name),
@@ -96,35 +99,49 @@ def _bars(name: str, names: list[str], percent: FloatArray, end: float, colour: 
 
 
 def _percent(value: float) -> str:
-    if abs(value) < SMALLEST:
+    if abs(value) < NOTHING:
         return "0"
     return (f"{value:+.2g}" if abs(value) < 99.5 else f"{value:+.0f}").replace("-", "−")
 
 
-def table(view: View) -> list[list[str]]:
-    """Rows of all inputs: key, value, derivatives over the unit, and changes by CHANGE, the strongest first."""
+def change_rows(view: View) -> list[list[str]]:
+    """Rows of all inputs, the strongest first: key, value, and what CHANGE more does to the peak."""
     gradients = _gradients(view)
     changes = gradients.relative_changes(CHANGE)
-    rows = []
-    for place in gradients.order:
-        unit, change = gradients.units[place].replace("um", "µm"), np.abs(changes[:, place])
-        derivatives = (
-            MICRO * gradients.by_amplitude, gradients.by_frequency_hz, MICRO * gradients.by_friction_energy
-        )  # fmt: skip
-        rows.append(
-            [
-                gradients.names[place],
-                number(float(gradients.value[place])) + ("" if unit == "1" else f"\u00a0{unit}"),
-                *(
-                    number(float(by[place]), 3) if size > ROUND_OFF else "0"
-                    for by, size in zip(derivatives, change, strict=True)
-                ),
-                _percent(100.0 * changes[0, place]),
-                _percent(float(gradients.frequency_hz) * changes[1, place]),
-                _percent(100.0 * changes[2, place]),
-            ]
-        )
-    return rows
+    return [
+        [
+            gradients.names[place],
+            number(float(gradients.value[place])) + _unit(gradients, place, "\u00a0"),
+            _percent(100.0 * changes[0, place]),
+            _percent(float(gradients.frequency_hz) * changes[1, place]),
+            _percent(100.0 * changes[2, place]),
+        ]
+        for place in gradients.order
+    ]
+
+
+def derivative_rows(view: View) -> list[list[str]]:
+    """Rows of all inputs in the same order: key, its unit, and the derivatives; 0 without effect."""
+    gradients = _gradients(view)
+    changes = np.abs(gradients.relative_changes(CHANGE))
+    derivatives = MICRO * gradients.by_amplitude, gradients.by_frequency_hz, MICRO * gradients.by_friction_energy
+    return [
+        [
+            gradients.names[place],
+            _unit(gradients, place) or "1",
+            *(
+                number(float(by[place]), 3) if change[place] > NO_EFFECT else "0"
+                for by, change in zip(derivatives, changes, strict=True)
+            ),
+        ]
+        for place in gradients.order
+    ]
+
+
+def _unit(gradients: PeakGradients, place: int, before: str = "") -> str:
+    """The unit of an input after a separator; nothing for a pure number."""
+    unit = gradients.units[place].replace("um", "µm")
+    return "" if unit == "1" else before + unit
 
 
 def _words(view: View) -> Iterator[str]:
@@ -150,23 +167,30 @@ GRADIENTS = Section(
 <p class="note">{{ words }}</p>
   {{ parts.panel("tornado", "Change of the peak amplitude by 10 percent of each input, as in the table below") }}
 {% if messages %}<ul class="note">{% for message in messages %}<li>{{ message }}</li>{% endfor %}</ul>{% endif %}
-{% call parts.scrolled("Derivatives of the peak") %}<table><caption>Derivatives over the unit of the input, and the
-changes by 10 % more of it, first order</caption><thead><tr>
-{%- for heading, is_word in headings %}{{ parts.head_cell(heading, is_word) }}{% endfor -%}
+{%- for caption, headings, rows in tables %}
+{% call parts.scrolled(caption) %}<table><caption>{{ caption }}</caption><thead><tr>
+{%- for heading in headings %}{{ parts.head_cell(heading, loop.first) }}{% endfor -%}
 </tr></thead><tbody>
 {%- for row in rows %}<tr><th scope="row" class="word">{{ row[0] }}</th>
 {%- for value in row[1:] %}<td>{{ value }}</td>{% endfor -%}
 </tr>{% endfor -%}
-</tbody></table>{% endcall %}""",
+</tbody></table>{% endcall %}
+{% endfor -%}""",
     lambda view: {
         "words": " ".join(_words(view)),
         "messages": _gradients(view).messages,
-        "headings": [
-            ("Input", True), ("Value", False), ("Amplitude, µm per unit", False), ("Frequency, Hz per unit", False),
-            ("Friction energy, µJ per unit", False), ("Amplitude, % by +10 %", False),
-            ("Frequency, Hz by +10 %", False), ("Friction energy, % by +10 %", False),
+        "tables": [
+            (
+                f"Change of the peak by {100 * CHANGE:.0f} % more of an input, first order",
+                ["Input", "Value", "Amplitude, %", "Frequency, Hz", "Friction energy, %"],
+                change_rows(view),
+            ),
+            (
+                "Derivatives of the peak, over the unit of the input",
+                ["Input", "Unit", "Amplitude, µm", "Frequency, Hz", "Friction energy, µJ"],
+                derivative_rows(view),
+            ),
         ],
-        "rows": table(view),
     },
     lambda view: {"tornado": tornado(view)},
     applies=lambda view: view.response.gradients is not None,
