@@ -64,8 +64,11 @@ def test_the_tables_contain_the_numbers_of_the_result() -> None:
 
 def test_gradients_and_ridges_are_tables() -> None:
     one = np.array([2.0])
-    six = [one] * 6  # derivatives and their errors
-    gradients = PeakGradients(("friction.coefficient",), ("1",), one, one[0], one[0], one[0], *six)
+    peak = {"amplitude": one[0], "frequency_hz": one[0], "friction_energy": one[0]}
+    gradients = PeakGradients(
+        ("friction.coefficient",), ("1",), one, **peak, by_amplitude=one, by_frequency_hz=one, by_friction_energy=one,
+        error_amplitude=one, error_frequency_hz=one, error_friction_energy=one,
+    )  # fmt: skip
     ridge = ridge_of((np.array([1.0, 2.0]), np.array([3e-5, 4e-5])), (np.array([2.0]), np.array([5e-5])))
     response = replace(synthetic_response(), gradients=gradients, peak_ridge=ridge)
     made = {table.name: table for table in study_tables(response, synthetic_study())}
