@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from test_peak_ridge import ridge_of
 
 from sentences import rejects
 from stickslip.core.errors import InputError
 from stickslip.results.measures import summary
+from stickslip.results.peak_gradients import PeakGradients
 from stickslip.results.storage import save_results
 from stickslip.results.stress import Region, StressExtreme, StressSummary
 from stickslip.results.table_files import write_matlab, write_workbook
@@ -58,6 +60,23 @@ def test_the_tables_contain_the_numbers_of_the_result() -> None:
     assert ("load.centrifugal_force", "78 N") in list(made["inputs"].rows)
     assert {"linear_limits", "outputs_at_peak", "natural_frequencies", "modes", "derived", "provenance"} <= made.keys()
     assert "safety_factors" not in made  # without rows
+
+
+def test_gradients_and_ridges_are_tables() -> None:
+    one = np.array([2.0])
+    peak = {"amplitude": one[0], "frequency_hz": one[0], "friction_energy": one[0]}
+    gradients = PeakGradients(
+        ("friction.coefficient",), ("1",), one, **peak, by_amplitude=one, by_frequency_hz=one, by_friction_energy=one,
+        error_amplitude=one, error_frequency_hz=one, error_friction_energy=one,
+    )  # fmt: skip
+    ridge = ridge_of((np.array([1.0, 2.0]), np.array([3e-5, 4e-5])), (np.array([2.0]), np.array([5e-5])))
+    response = replace(synthetic_response(), gradients=gradients, peak_ridge=ridge)
+    made = {table.name: table for table in study_tables(response, synthetic_study())}
+    assert next(iter(made["gradients"].rows))[:3] == ("friction.coefficient", 2.0, "1")
+    points = [column(made["peak_ridge"], name).values for name in ("load", "amplitude of tip", "ridge")]
+    assert points == [(1.0, 2.0, 2.0), (3e-5, 4e-5, 5e-5), (1, 1, 2)]
+    assert column(made["peak_ridge"], "load").unit == "N"
+    assert "performance_curve" not in made
 
 
 def test_csv_has_every_digit_and_units_in_its_heading(folder: Path) -> None:

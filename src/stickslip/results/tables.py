@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,8 @@ from stickslip.contact.law.law import ContactState
 from stickslip.core.errors import InputError
 from stickslip.results.measures import SUMMARY_COLUMNS, energy_imbalance, equivalent_damping, state_counts, summary
 from stickslip.results.nonlinear_mode import NonlinearMode
+from stickslip.results.peak_gradients import PeakGradients
+from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.record import MODE_COLUMNS, StudyRecord
 from stickslip.results.response import ForcedResponse
 
@@ -64,6 +66,8 @@ def study_tables(response: ForcedResponse, study: StudyRecord) -> tuple[Table, .
         _modes(study),
         *_side_curves(response, study),
         *_nonlinear_mode(response.nonlinear_mode),
+        *_gradients(response.gradients),
+        *_ridges({"peak_ridge": response.peak_ridge, "performance_curve": response.performance_curve}),
         *_stress(study),
         _tuples("derived", "derived quantities", ("quantity", "value", "unit", "meaning"), study.derived),
         _tuples("inputs", "the study file", ("key", "value"), list(study.input_values().items())),
@@ -221,6 +225,42 @@ def _nonlinear_mode(mode: NonlinearMode | None) -> Iterator[Table]:
         column_of("dissipated energy", "J", mode.dissipated_energy.sum(axis=1)),
     )
     yield Table("nonlinear_mode", f"nonlinear mode {mode.mode}", columns)
+
+
+def _gradients(gradients: PeakGradients | None) -> Iterator[Table]:
+    """Derivatives of the peak, each over the unit of its parameter."""
+    if gradients is None:
+        return
+    columns = (
+        column_of("parameter", "", gradients.names),
+        column_of("value", "", gradients.value),
+        column_of("unit", "", gradients.units),
+        column_of("amplitude by it", "m", gradients.by_amplitude),
+        column_of("error of the amplitude", "m", gradients.error_amplitude),
+        column_of("frequency by it", "Hz", gradients.by_frequency_hz),
+        column_of("error of the frequency", "Hz", gradients.error_frequency_hz),
+        column_of("friction energy by it", "J", gradients.by_friction_energy),
+        column_of("error of the friction energy", "J", gradients.error_friction_energy),
+    )
+    yield Table("gradients", "derivatives of the peak by each parameter, for one unit of it", columns)
+
+
+def _ridges(ridges: Mapping[str, PeakRidge | None]) -> Iterator[Table]:
+    """Peaks against a parameter."""
+    for name, ridge in ridges.items():
+        if ridge is None:
+            continue
+        columns = (
+            column_of(ridge.parameter_name, ridge.parameter_unit, ridge.parameter),
+            column_of(f"amplitude of {ridge.output_name}", "m", ridge.amplitude),
+            column_of("frequency", "Hz", ridge.frequency_hz),
+            column_of("ridge", "", ridge.ridge + 1),
+            column_of("corner", "", ridge.is_corner),
+            column_of("pairs stuck", "", ridge.pairs_stuck),
+            column_of("pairs stick-slip", "", ridge.pairs_stick_slip),
+            column_of("pairs separating", "", ridge.pairs_separating),
+        )
+        yield Table(name, f"peaks against {ridge.parameter_name}, 0-to-peak", columns)
 
 
 def _stress(study: StudyRecord) -> Iterator[Table]:
