@@ -1,9 +1,13 @@
 """Contact stiffness of rough faces by boundary elements, case by case, into a table.
 
 Run ``python benchmarks/contact_truth.py SET FIRST LAST``; it appends rows to ``benchmarks/data/contact_truth.csv`` and
-omits those that are there. Sets: ``fit`` (the constants of the laws were chosen with these), ``test`` (other seeds,
-dimensions and bands, drawn by another generator; no constant saw them), ``wide`` (beyond the range of both),
-``resolution`` (cases of ``test`` with half and twice as many points). Requires the extra ``bench``.
+omits those that are there. Requires the extra ``bench``. Sets:
+
+* ``fit``: the constants of the laws were chosen with these;
+* ``test``: the same ranges, drawn again with other seeds; no constant saw them;
+* ``wide``: beyond the ranges of both;
+* ``seeds``: ten seeds of the same surface;
+* ``resolution``: cases of ``test`` with half and twice as many points.
 """
 
 from __future__ import annotations
@@ -91,8 +95,22 @@ def drawn(group: str, number: int) -> TruthCase:
     )
 
 
+def repeated(number: int) -> TruthCase:
+    """Case ``number`` of ``seeds``: D = 2.3, waves over a factor 16, elastic; ten seeds of six faces and loads."""
+    kind, seed = divmod(number - 1, 10)
+    waves, reach = (1, 2, 4)[kind // 2], (0.005, 0.1)[kind % 2]  # reach: p L / (E* Sq)
+    height, longest, modulus = 2e-6, 2e-3, 108e9
+    scale = fractal_roughness_from_sq(height, 2.3, longest, longest / 16.0, RATIO)
+    pressure = reach * modulus * height / longest
+    return TruthCase(
+        "seeds", number, max(256, 128 * waves), 2.3, scale, longest, longest / 16.0, waves, seed, modulus, nan, pressure
+    )
+
+
 def cases(group: str, first: int, last: int) -> list[TruthCase]:
     """The cases ``first`` to ``last`` of a set."""
+    if group == "seeds":
+        return [repeated(number) for number in range(first, last + 1)]
     if group != "resolution":
         return [drawn(group, number) for number in range(first, last + 1)]
     chosen = [drawn("test", number) for number in range(first, last + 1)]

@@ -186,6 +186,22 @@ def resolution() -> Iterator[str]:
             )
 
 
+def scatter() -> Iterator[str]:
+    """Lines on the scatter of the stiffness between surfaces that differ by their seed only."""
+    rows, _ = read("seeds")
+    kinds: dict[tuple[float, float], list[Row]] = {}
+    for row in rows:
+        kinds.setdefault((row["waves"], row["pressure"]), []).append(row)
+    for (waves, _), members in kinds.items():
+        stiffness = np.array([row["normal"] for row in members])
+        reach = members[0]["pressure"] * members[0]["longest"] / (members[0]["modulus"] * 2e-6)
+        law = LAWS["`persson`"](members[0]) / np.exp(np.log(stiffness).mean())
+        yield (
+            f"| {waves:g} | {reach:.3g} | {len(members)} | {100 * np.log(stiffness).std(ddof=1):.0f} % | "
+            f"{stiffness.max() / stiffness.min():.2f} | {law:.2f} |"
+        )
+
+
 def picture(rows: list[Row]) -> Figure:
     """Law over boundary elements against the reach of the load."""
     figure = Figure(figsize=(9.0, 4.2), layout="constrained")
@@ -214,7 +230,7 @@ def main(out: Path) -> None:
         tangential = np.array([[row["tangential_x"], row["tangential_y"]] for row in rows])
         over = tangential / np.array([[row["normal"]] for row in rows])
         print(f"\ntangential over normal: {over.min():.3f} to {over.max():.3f}, mean {over.mean():.4f}")
-    print("\n" + "\n".join(resolution()))
+    print("\n" + "\n".join([*resolution(), "", *scatter()]))
     picture(read("test")[0]).savefig(out / "stiffness_laws.svg", metadata={"Date": None})
 
 

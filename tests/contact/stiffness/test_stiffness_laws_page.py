@@ -25,7 +25,7 @@ def test_the_table_is_that_of_the_stored_boundary_elements(law: str) -> None:
     laws = benchmark_module("laws_against_boundary_elements")
     rows, _ = laws.read("test")
     ratio = laws.ratios(laws.LAWS[law], rows)
-    (row,) = [line for line in TEXT.splitlines() if line.startswith(f"| {law} |")]
+    row = next(line for line in TEXT.splitlines() if line.startswith(f"| {law} |"))
     _, without, least, median, largest, within, _ = [cell.strip() for cell in row.strip("|").split("|")]
     found = ratio[ratio > 0]
     assert int(without) == ratio.size - found.size
