@@ -134,6 +134,24 @@ def test_run_passes_the_case_and_names_the_files(study: Study, study_file: Path,
     assert result.stderr.splitlines() == ["Mesh ...", "Mesh: 5005 nodes", "Curve ..."]
 
 
+def test_run_with_a_ridge_changes_the_analysis(study: Study, study_file: Path, tmp_path: Path) -> None:
+    option = "preload.centrifugal_force = 50 N : 5 kN"
+    assert invoke("run", study_file, "--out", tmp_path / "out", "--ridge", option, "--quiet").exit_code == 0
+    ((_, case, _),) = study.calls
+    analysis = case.to_dict()["analysis"]
+    assert analysis["kind"] == "ridge"
+    assert [analysis[name] for name in ("over", "over_from", "over_to")] == [
+        "preload.centrifugal_force", "50 N", "5 kN",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("option", ["preload.centrifugal_force", "friction.coefficient=0.2", "=1:2", "a.b=1:"])
+def test_a_ridge_of_another_form_is_rejected(study: Study, study_file: Path, tmp_path: Path, option: str) -> None:
+    result = invoke("run", study_file, "--out", tmp_path / "out", "--ridge", option)
+    assert (result.exit_code, study.calls) == (2, [])
+    printed_sentence(result.stderr, option)
+
+
 def test_quiet_run_prints_nothing(study: Study, study_file: Path, tmp_path: Path) -> None:
     result = invoke("run", study_file, "--out", tmp_path / "out", "--quiet")
     assert (result.exit_code, result.stdout, result.stderr) == (0, "", "")
