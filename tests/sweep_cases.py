@@ -27,7 +27,6 @@ QUICK = {
     "solver.largest_step": 0.15,
     "solver.harmonics": 1,
     "solver.samples": 128,
-    "analysis.performance_curve": False,  # it takes three times as long as the curve
     "output.figure_formats": [],  # to draw takes longer than the curve
     "analysis.performance_curve": False,  # so does this
 }
