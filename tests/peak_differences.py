@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 import stickslip as ss
+from stickslip.case.case import Case
+from stickslip.case.continuous_keys import continuous_keys
 from stickslip.results.peaks import peaks
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
 from stickslip.solve.harmonic.peak_values import friction_energy
@@ -65,14 +68,48 @@ class SolvedPeak:
         return np.array([top.amplitude.value, trial.omega / (2.0 * np.pi), friction_energy(trial).value])
 
     def differences(self, parameter: ss.Parameter, step: float) -> np.ndarray:
-        """Central differences of fourth order of the solved peaks; ``step`` relative to the value."""
+        """Central differences of the solved peaks; ``step`` relative to the value."""
         distance = step * parameter.value
-        below2, below, above, above2 = (
-            self.values(parameter.change(parameter.value + factor * distance)) for factor in (-2, -1, 1, 2)
-        )
-        return np.asarray((8.0 * (above - below) - (above2 - below2)) / (12.0 * distance))
+        below, above = (self.values(parameter.change(parameter.value + sign * distance)) for sign in (-1, 1))
+        return np.asarray((above - below) / (2.0 * distance))
+
+    @cached_property
+    def own(self) -> RefinedPeak:
+        """The peak of the base."""
+        return self.refined(self.base)
+
+    @cached_property
+    def sensitivity(self) -> PeakSensitivity:
+        """The derivatives of this peak."""
+        return PeakSensitivity(self.balances(self.base), self.base, self.own)
 
     def gradient(self, parameter: ss.Parameter) -> np.ndarray:
         """The derivatives of amplitude, frequency and friction energy."""
-        sensitivity = PeakSensitivity(self.balances(self.base), self.base, self.refined(self.base))
-        return sensitivity.derivative(parameter).value
+        return self.sensitivity.derivative(parameter).value
+
+
+def solver_input(case: Case) -> SolverInput:
+    """The input of the solver for a case, with its first output."""
+    model = ss.build_model(case)
+    output = next(iter(model.outputs.values()))
+    return SolverInput(
+        model.superelement, model.pairs, model.excitation, output, case.damping.modal_damping_ratio
+    )  # fmt: skip
+
+
+def built_again(case: Case, name: str) -> ss.Parameter:
+    """A parameter that meshes, reduces and solves its model again."""
+    keys = [key for key in continuous_keys(case) if name.startswith(key.path) or key.path in _joined(name)]
+
+    def change(factor: float) -> SolverInput:
+        changed = case
+        for key in keys:
+            changed = key.changed(changed, key.shown * factor)
+        return solver_input(changed)
+
+    return ss.Parameter(name, "1", 1.0, change, 1e-4)
+
+
+def _joined(name: str) -> list[str]:
+    first, *others = name.split(" = ")
+    return [first, *(f"geometry.{other}" for other in others)]
