@@ -100,7 +100,7 @@ ROWS = (
     lambda: case_row("preload.centrifugal_force", (30.0, 30_000.0), {}),
     lambda: case_row("excitation.amplitude", (30.0, 1000.0), {}),
     lambda: case_row("friction.coefficient", (0.1, 0.8), {}),
-    lambda: case_row("contact_stiffness.tangential_stiffness", (1e7, 1e9), STIFFNESS),
+    lambda: case_row("contact_stiffness.tangential_stiffness", (3e7, 4e8), STIFFNESS),
     lambda: case_row("roughness.fractal_dimension", (2.38, 2.7), {}),
     lambda: case_row("roughness.fractal_roughness", (1e-9, 1e-7), {}),
     lambda: blade_row("force", (0.2, 3.0)),

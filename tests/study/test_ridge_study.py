@@ -71,7 +71,7 @@ def test_a_check_announces_the_ridges() -> None:
     case = quick_case().replace(RIDGE | {"analysis.performance_curve": True})
     shown = dict(dict(check(case))["Would run"])
     assert shown["peaks over a key"] == "excitation.amplitude from 45 to 60 N"
-    assert shown["performance curve"] == "centrifugal force 0.1 to 100 times the excitation force"
+    assert shown["performance curve"] == "centrifugal force 0.2 to 100 times the excitation force"
     without = dict(dict(check(quick_case()))["Would run"])
     assert "performance curve" not in without
     assert "peaks over a key" not in without

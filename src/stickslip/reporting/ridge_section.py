@@ -64,10 +64,11 @@ def _panel(ridge: PeakRidge, here: Optimum | None, of_amplitude: bool) -> list[d
         chosen(ridge.stuck_amplitude, ridge.stuck_frequency_hz),
         chosen(ridge.free_amplitude, ridge.free_frequency_hz),
     )
-    traces = [
-        line_trace("linear, all stuck", ridge.stuck_parameter, stuck, BLUE, "dash", hovertemplate=hover),
-        line_trace("linear, no contact", ridge.free_parameter, free, ORANGE, "dot", hovertemplate=hover),
-    ]
+    limits = (
+        ("linear, all stuck", ridge.stuck_parameter, stuck, BLUE, "dash"),
+        ("linear, no contact", ridge.free_parameter, free, ORANGE, "dot"),
+    )
+    traces = [line_trace(*limit, hovertemplate=hover) for limit in limits if limit[1].size]
     for place in range(ridge.n_ridges):
         points = ridge.of(place)
         values = chosen(ridge.amplitude[points], ridge.frequency_hz[points])

@@ -78,7 +78,8 @@ class PeakRidge(Labelled):
     iterations:
         (n_points,) of Newton's method for the peak.
     stuck_parameter, stuck_amplitude, stuck_frequency_hz:
-        (n_stuck,) highest peaks of the linear structure with stuck contacts at values of the parameter.
+        (n_stuck,) highest peaks of the linear structure with stuck contacts at values of the parameter; those at an end
+        of the frequency range are omitted.
     free_parameter, free_amplitude, free_frequency_hz:
         (n_free,) the same without contacts.
     ends:

@@ -59,8 +59,12 @@ def ridge_figure(picture: RidgePicture) -> Figure:
         (below, 1.0, picture.frequency_hz, picture.highest_hz, picture.stuck_hz, picture.free_hz),
     )
     for axes, scale, points, highest, stuck, free in panels:
-        axes.plot(picture.stuck_parameter, scale * stuck, "--", color=BLUE, label="linear, all stuck")
-        axes.plot(picture.free_parameter, scale * free, ":", color=ORANGE, linewidth=2.0, label="linear, no contact")
+        if stuck.size:
+            axes.plot(picture.stuck_parameter, scale * stuck, "--", color=BLUE, label="linear, all stuck")
+        if free.size:
+            axes.plot(
+                picture.free_parameter, scale * free, ":", color=ORANGE, linewidth=2.0, label="linear, no contact"
+            )
         for ridge in np.unique(picture.ridge):
             here = picture.ridge == ridge
             axes.plot(picture.parameter[here], scale * points[here], ".-", color=GREY, linewidth=0.8, markersize=4)

@@ -82,7 +82,7 @@ class RidgeMap:
         stage = self._make_stage(value, self._earlier)
         self.work.prepare(stage, self._earlier)
         self._earlier = stage
-        if stuck := stage.stuck_peaks(self._modes):
+        if (stuck := stage.stuck_peaks(self._modes)) and stuck[0].bracketed:
             self._stuck[value] = stuck[0]
         return stage.counted(self.work)
 
@@ -90,7 +90,8 @@ class RidgeMap:
         """Compute the whole frequency curve at a value, and follow its peaks that are on no ridge yet."""
         self._report.stage(f"frequency curve at {self._named(value)}")
         stage = self._stage_at(value)
-        self._free[value] = stage.free_peak()
+        if (free := stage.free_peak()).bracketed:
+            self._free[value] = free
         try:
             branch = stage.whole_curve()
         except ConvergenceError as error:
@@ -278,7 +279,8 @@ class RidgeMap:
         """The peak without contacts, which no contact changes, if no whole curve gave it."""
         if not self._free:
             stage = self._stage_at(self.ridges[0].points[0].parameter)
-            self._free |= dict.fromkeys(self._bounds, stage.free_peak())
+            free = stage.free_peak()
+            self._free |= dict.fromkeys(self._bounds, free) if free.bracketed else {}
 
     def _coverage(self, ridge: PeakRidge) -> tuple[bool, str]:
         """Whether the highest peak is known over the whole range, and words on it."""
