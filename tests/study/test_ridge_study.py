@@ -67,6 +67,17 @@ def test_a_ridge_over_the_friction_coefficient_agrees_with_a_whole_curve() -> No
     assert peaks.at(0.27).amplitude[0] == pytest.approx(highest, rel=1e-3)
 
 
+@pytest.mark.slow
+def test_a_study_with_an_accuracy_has_a_performance_curve_with_the_harmonics_of_its_peak(tmp_path: Path) -> None:
+    changes = {"solver.harmonics": None, "solver.accuracy": "1 %", "analysis.performance_curve": True}
+    response = study.run(quick_case().replace(changes), tmp_path).response
+    assert response.point_harmonics is not None
+    assert response.performance_curve is not None, response.warnings
+    row = load_results(tmp_path / "results.nc").study.outputs["blade tip A"]  # type: ignore[union-attr]
+    highest = float(response.amplitude(row).max())
+    assert response.performance_curve.at(500.0 / 50.0).amplitude[0] == pytest.approx(highest, rel=2e-3)
+
+
 def test_a_check_announces_the_ridges() -> None:
     case = quick_case().replace(RIDGE | {"analysis.performance_curve": True})
     shown = dict(dict(check(case))["Would run"])

@@ -126,7 +126,9 @@ def _ridge(case: Case, model: ReducedModel, listener: Progress, threads: int | N
     checked_range(case, analysis.over, limits, model.joint.layout)
     response = _forced(case, model, listener, threads)
     try:
-        peaks = ridge(case, analysis.over, limits, model=model, progress=listener, threads=threads)
+        peaks = ridge(
+            case, analysis.over, limits, harmonics=response.harmonics, model=model, progress=listener, threads=threads
+        )
     except ConvergenceError as error:  # the response is a result without it
         return replace(response, warnings=(*response.warnings, f"The ridge of peaks was not computed: {error}"))
     return replace(response, peak_ridge=peaks)

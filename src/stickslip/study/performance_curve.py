@@ -14,10 +14,11 @@ import numpy as np
 
 from stickslip.case.case import Case, TwoBladeCase
 from stickslip.core.errors import RoughnessError, StickslipError
+from stickslip.core.fourier import with_rows
 from stickslip.core.progress import Progress
 from stickslip.model.model import ReducedModel, load_joint
 from stickslip.results.peak_ridge import PeakRidge
-from stickslip.results.peaks import peaks
+from stickslip.results.peaks import Peak, peaks
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.ridge_map import LEAST_FRACTION, RidgeMap
 from stickslip.solve.ridge_stage import Work
@@ -90,14 +91,14 @@ def performance_curve(
     lowest = min(low, force)
     bounds = _lowest_force(family, model, lowest, force), max(high, force)
     report = StageReport(lambda fraction, detail: progress.update("Performance curve", fraction, detail))
-    options = ridge_options(case, TOLERANCE)
+    options = ridge_options(case, TOLERANCE, _harmonics_of_peaks(model, response))
     window = min(options.frequency_hz), max(options.frequency_hz)
     options = replace(options, frequency_hz=(window[0] / WIDER, window[1] * WIDER))
     stages = CaseStages(family, model, report, threads, options)
     modes = stages(force, None).modes_between(window)
     work = Work(MOST_CURVES * float(response.iterations.sum() + response.n_points))
     ridges = RidgeMap(stages, bounds, report, PACE, lambda value: f"{value:.4g} N", work, modes)
-    _follow_response(ridges, model, force, response)
+    _follow_response(ridges, model, force, response, options.harmonics)
     ridges.add_stuck(bounds[1])
     ridges.refine()
     name = next(iter(model.outputs))
@@ -132,12 +133,25 @@ def _lowest_force(family: CaseFamily, model: ReducedModel, low: float, force: fl
     return force
 
 
-def _follow_response(ridges: RidgeMap, model: ReducedModel, force: float, response: ForcedResponse) -> None:
-    """Follow the high peaks of the response of the case."""
-    output = next(iter(model.outputs.values()))
-    found = peaks(response.frequency_hz, response.amplitude(output), response.part)
-    for top in found:
-        if top.bracketed and top.amplitude >= LEAST_FRACTION * found[0].amplitude:
-            unknowns = response.pair_coefficients(top.point).reshape(3 * response.pairs.n_pairs, -1).T
-            omega = 2.0 * np.pi * float(response.frequency_hz[top.point])
-            ridges.add_from(force, unknowns, omega)
+def _high_peaks(model: ReducedModel, response: ForcedResponse) -> list[Peak]:
+    """The peaks of the first output that are followed."""
+    found = peaks(response.frequency_hz, response.amplitude(next(iter(model.outputs.values()))), response.part)
+    return [each for each in found if each.bracketed and each.amplitude >= LEAST_FRACTION * found[0].amplitude]
+
+
+def _harmonics_of_peaks(model: ReducedModel, response: ForcedResponse) -> int:
+    """The most harmonics that the high peaks of the response have, or all of its points."""
+    high = [each.point for each in _high_peaks(model, response)]
+    if response.point_harmonics is None or not high:
+        return response.harmonics
+    return int(response.point_harmonics[high].max())
+
+
+def _follow_response(
+    ridges: RidgeMap, model: ReducedModel, force: float, response: ForcedResponse, harmonics: int
+) -> None:
+    """Follow the high peaks of the response of the case, with this number of harmonics."""
+    for top in _high_peaks(model, response):
+        unknowns = response.pair_coefficients(top.point).reshape(3 * response.pairs.n_pairs, -1).T
+        omega = 2.0 * np.pi * float(response.frequency_hz[top.point])
+        ridges.add_from(force, with_rows(unknowns, 2 * harmonics + 1), omega)

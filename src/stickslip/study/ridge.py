@@ -107,12 +107,13 @@ class CaseStages:
         return connect(case, self.model.reduced, load_joint(case, self.model.joint.layout))
 
 
-def ridge_options(case: Case, tolerance: float) -> RidgeOptions:
-    """The options of [solver], with a tolerance of Newton's method."""
+def ridge_options(case: Case, tolerance: float, harmonics: int | None = None) -> RidgeOptions:
+    """The options of [solver], with a tolerance of Newton's method; with ``solver.accuracy``, which gives no number,
+    the ``harmonics``."""
     settings = case.solver
     return RidgeOptions(
         (settings.frequency_start, settings.frequency_stop),
-        settings.harmonics or DEFAULT_HARMONICS,
+        settings.harmonics or harmonics or DEFAULT_HARMONICS,
         settings.samples,
         settings.update,
         NewtonSettings(tolerance=tolerance),
@@ -139,6 +140,7 @@ def ridge(
     key: str,
     limits: tuple[float | str, float | str],
     *,
+    harmonics: int | None = None,
     model: ReducedModel | None = None,
     progress: Progress | None = None,
     threads: int | None = None,
@@ -154,6 +156,8 @@ def ridge(
         "excitation.amplitude", "friction.coefficient", "roughness.fractal_dimension".
     limits:
         (start, stop) of the key, each as in a study file: a number in SI units or a text with a unit; above zero.
+    harmonics:
+        of a case with ``solver.accuracy``, by default 5; those of its frequency curve have the accuracy.
     model:
         of the case, if it exists.
     progress, threads:
@@ -175,7 +179,7 @@ def ridge(
     family, bounds = checked_range(case, key, limits, layout)
     model = model or build_model(case, threads=count)
     report = StageReport(lambda fraction, detail: listener.update("Ridge of peaks", fraction, detail))
-    stages = CaseStages(family, model, report, count, ridge_options(case, case.solver.tolerance))
+    stages = CaseStages(family, model, report, count, ridge_options(case, case.solver.tolerance, harmonics))
     name = next(iter(model.outputs))
     result = ridge_between(stages, bounds, report, count, key, family.quantity.si_unit, name)
     return replace(result, provenance={**result.provenance, **run_provenance()})
