@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from band_tables import band_statistics
 from sketches import shaken, stacked_boxes
 from stickslip.papers.rough_damper.compute import Failure
 from stickslip.papers.rough_damper.items import Item, Picture
@@ -15,9 +16,11 @@ from stickslip.papers.rough_damper.page import write_page as write_paper_page
 from stickslip.papers.rough_damper.plan import Setting
 from stickslip.papers.rough_damper.tables import Column, Table
 from stickslip.papers.rough_damper.verdicts import Judgement, Verdict
+from stickslip.reporting.band_page import write_band_page
 from stickslip.reporting.page import write_page
 from stickslip.reporting.sweep_page import write_sweep_page
 from stickslip.reporting.sweep_view import SweepView
+from stickslip.results.band_statistics import BandStatistics
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.sweep_table import SweptKey
@@ -117,6 +120,29 @@ def hostile_sweep() -> tuple[SweepView, str, str, dict[str, str]]:
     return view, hostile("title"), hostile("inputs"), {"date": "2026", hostile("software"): hostile("version")}
 
 
+def hostile_band() -> tuple[BandStatistics, str, str, dict[str, str]]:
+    """Statistics, title, inputs and provenance of a band whose every text is hostile."""
+    statistics = band_statistics([1e-4 * (1 + place) for place in range(15)] + [None], ["peak_amplitude < 1 mm"])
+    rows = [
+        dataclasses.replace(row, message=hostile("row-message"), warnings=(hostile("row-warning"),))
+        for row in statistics.table.rows
+    ]
+    key = dataclasses.replace(
+        statistics.table.keys[0], name=f"forces.{hostile('key-0')}.amplitude", shown_unit=hostile("key-unit")
+    )
+    names = (key.name,)
+    statistics = dataclasses.replace(
+        statistics,
+        table=dataclasses.replace(statistics.table, keys=(key,), rows=tuple(rows)),
+        inputs=((key.name, hostile("text"), hostile("form"), hostile("range")),),
+        influences={name: dataclasses.replace(each, names=names) for name, each in statistics.influences.items()},
+    )
+    return statistics, hostile("title"), hostile("inputs"), {"date": "2026", hostile("software"): hostile("version")}
+
+
+BAND_FIELDS = _fields("title inputs software version key-0 text form range row-message row-warning")
+
+
 def _labels(name: str) -> tuple[str, str]:
     return hostile(f"{name}-0"), hostile(f"{name}-1")
 
@@ -173,9 +199,11 @@ def one_pixel() -> bytes:
 
 
 def write_hostile_pages(folder: Path) -> dict[str, tuple[str, ...]]:
-    """Write report.html, sweep.html and paper.html; returns the name of each and the fields that must be read in it."""
+    """Write the pages report, sweep, band and paper; returns the name of each and the fields that must be read in
+    it."""
     write_page(folder / "report.html", hostile_response(), hostile_study())
     write_sweep_page(folder / "sweep.html", *hostile_sweep())
+    write_band_page(folder / "band.html", *hostile_band())
     (folder / "sides.png").write_bytes(one_pixel())
     write_paper_page(folder / "paper.html", **hostile_paper_page(folder / "sides.png"))
-    return {"report": STUDY_FIELDS, "sweep": SWEEP_FIELDS, "paper": PAPER_FIELDS}
+    return {"report": STUDY_FIELDS, "sweep": SWEEP_FIELDS, "band": BAND_FIELDS, "paper": PAPER_FIELDS}

@@ -181,6 +181,22 @@ def test_guide_to_sweeps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
         assert option in options
 
 
+@pytest.mark.slow
+def test_guide_to_bands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """The script of docs/band.md on a coarse mesh; the options of its command."""
+    guide = (ROOT / "docs" / "band.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    quick_file(tmp_path)
+    script = re.findall(r"<!-- tested -->\n```python\n(.*?)```", guide, flags=re.DOTALL)[0]
+    exec(compile(script, "band.md", "exec"), {"__name__": "__main__"})
+    printed = capsys.readouterr().out
+    assert "90 % of the samples between" in printed
+    assert "is exceeded by 0 of 8 samples" in printed
+    options = CliRunner().invoke(app, ["band", "--help"]).output
+    for option in set(re.findall(r"--(?:scatter|limit|samples|out|workers|scheduler|threads)", guide)):
+        assert option in options
+
+
 def test_guide_to_matrices(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     guide = (ROOT / "docs" / "matrices.md").read_text(encoding="utf-8")
     monkeypatch.chdir(tmp_path)

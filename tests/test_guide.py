@@ -24,6 +24,7 @@ PAGES = (
     "choosing_harmonics_and_samples",
     "roughness",
     "sweeps",
+    "band",
     "comparing",
     "paper_study",
     "solved_preload",
@@ -40,7 +41,7 @@ def test_links_and_pictures_are_there(name: str) -> None:
 
 def test_the_guide_names_every_page_in_its_order() -> None:
     text = (DOCS / "guide.md").read_text(encoding="utf-8")
-    assert re.findall(r"^\d\. \[[^]]+\]\((\w+)\.md\)", text, flags=re.MULTILINE) == list(PAGES[1:])
+    assert re.findall(r"^\d+\. \[[^]]+\]\((\w+)\.md\)", text, flags=re.MULTILINE) == list(PAGES[1:])
 
 
 @pytest.mark.slow

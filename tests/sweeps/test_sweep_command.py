@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 from sentences import printed_sentence
 from stickslip.cli import main as cli
+from stickslip.cli import many_cases
 from stickslip.sweeps import work
 from sweep_cases import quick_case, quick_file
 
@@ -45,7 +46,7 @@ def test_failed_cases_are_exit_3_with_the_table(tmp_path: Path, monkeypatch: pyt
     assert result.stdout == ""
     printed_sentence(result.stderr, "fractal_roughness-0.0001m_", str(out / "sweep.csv"))
     assert (out / "sweep.csv").read_text(encoding="utf-8").count("\n") == 3
-    monkeypatch.setattr(cli, "SHOWN_FAILURES", 0)
+    monkeypatch.setattr(many_cases, "SHOWN_FAILURES", 0)
     monkeypatch.setattr(work, "solve", None)  # nothing is solved again
     printed_sentence(invoke(file, "--vary", rough, "--out", out, "--workers", 1, "--quiet").stderr)
 

@@ -7,7 +7,7 @@ import json
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any
 
@@ -71,33 +71,36 @@ class KeyPositions:
     """Lines of the keys of a study file, for errors after reading.
 
     ``data`` and ``lines`` are those of :func:`parse_toml` and :func:`key_lines`; for the keys ``varied`` a sweep
-    replaces the values of the file.
+    replaces the values of the file, by the ``option`` of its command. ``scattered``: key -> text of each distributed
+    input of the file (:mod:`stickslip.case.scatter_text`).
     """
 
     source: str
     data: Mapping[str, Any]
     lines: Mapping[tuple[str, ...], int]
     varied: tuple[str, ...] = ()
+    option: str = "--vary"
+    scattered: Mapping[str, str] = field(default_factory=dict)
 
     def sentence(self, error: InputError) -> str:
         """The message of an error after the file's name and the line of each of its keys."""
         if error.are_arguments:  # of a function, and the file may have a key of that name for something else
             where = []
-        elif len(error.keys) == 1 and error.keys[0] in str(error) and self._line(error.keys[0]):
-            where = [f"line {self._line(error.keys[0])}"]  # the message names the key itself
+        elif len(error.keys) == 1 and error.keys[0] in str(error) and self.line(error.keys[0]):
+            where = [f"line {self.line(error.keys[0])}"]  # the message names the key itself
         else:
             where = [self._position(key) for key in error.keys]
         return f"{', '.join([self.source, *where])}: {error}"
 
     def _position(self, key: str) -> str:
         if key in self.varied:
-            return f"--vary {key}"
+            return f"{self.option} {key}"
         if not _contains(self.data, key):
             return f"{key} (not in the file: default)"
-        line = self._line(key)
+        line = self.line(key)
         return f"line {line} ({key})" if line else key
 
-    def _line(self, key: str) -> int:
+    def line(self, key: str) -> int:
         """The line of a key of the file, else of its section; 0 if it is unknown or not in the file."""
         if key in self.varied or not _contains(self.data, key):
             return 0

@@ -7,16 +7,22 @@ once.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from stickslip.cli.errors import error_messages
+from stickslip.cli.many_cases import (
+    EXIT_NOT_CONVERGED,
+    SHOWN_FAILURES,
+    about_file,
+    close_cases,
+    require_one_place,
+    solving,
+)
 from stickslip.cli.process import tolerate_closed_output
-from stickslip.core.errors import InputError, OutputError, ResultsFileError
+from stickslip.core.errors import InputError, concerning
 from stickslip.core.files import require_folder, whole_file
 from stickslip.core.progress import terminal_progress
 from stickslip.core.terminal import echo
@@ -25,10 +31,6 @@ if TYPE_CHECKING:
     from stickslip.case.case import Case
     from stickslip.case.toml_text import KeyPositions
     from stickslip.study.run import StudyOutcome
-    from stickslip.sweeps.run import Sweep
-
-EXIT_NOT_CONVERGED = 3  # what was computed is written
-SHOWN_FAILURES = 10  # chosen: lines on failed cases
 
 app = typer.Typer(
     add_completion=False,
@@ -54,6 +56,16 @@ OutFolder = Annotated[
     typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False, parser=_folder),
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print only errors.")]
+Workers = Annotated[
+    int | None,
+    typer.Option("--workers", min=1, help="Processes; default one for each processor.", show_default=False),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option("--scheduler", metavar="ADDRESS", help="Solve on the Dask cluster with this scheduler."),
+]
+WorkerThreads = Annotated[int, typer.Option("--threads", min=1, help="Threads of each worker.")]
 
 
 def main() -> None:
@@ -111,7 +123,7 @@ def check(path: StudyFile, debug: Debug = False) -> None:
         case, places = _load(path)
         from stickslip.study.check import check as checked
 
-        with _about(places):
+        with about_file(places):
             sections = checked(case)
         for title, rows in sections:
             echo(f"\n{title}")
@@ -121,9 +133,7 @@ def check(path: StudyFile, debug: Debug = False) -> None:
 @app.command()
 def run(
     path: StudyFile,
-    out: Annotated[
-        Path, typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False, parser=_folder)
-    ],
+    out: OutFolder,
     threads: Annotated[
         int | None,
         typer.Option(
@@ -165,7 +175,7 @@ def run(
         require_folder(out)  # before the packages of the solver are loaded, which takes seconds
         from stickslip.study import run as study
 
-        with terminal_progress(quiet) as progress, _about(places):
+        with terminal_progress(quiet) as progress, about_file(places):
             outcome = study.run(case, out, progress=progress, threads=threads)
         _close(outcome, quiet)
 
@@ -194,43 +204,82 @@ def sweep(
             show_default=False,
         ),
     ],
-    out: Annotated[
-        Path, typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False, parser=_folder)
-    ],
-    workers: Annotated[
-        int | None,
-        typer.Option("--workers", min=1, help="Processes; default one for each processor.", show_default=False),
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option("--scheduler", metavar="ADDRESS", help="Solve on the Dask cluster with this scheduler."),
-    ] = None,
-    threads: Annotated[int, typer.Option("--threads", min=1, help="Threads of each worker.")] = 1,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print only errors.")] = False,
+    out: OutFolder,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    threads: WorkerThreads = 1,
+    quiet: Quiet = False,
     debug: Debug = False,
 ) -> None:
     """Solve a study for all combinations of some values; resumes an earlier sweep into DIR."""
     with error_messages(debug, log_folder=out, closing=FINISHED_CASES_NOTE):
-        if scheduler is not None and workers is not None:
-            raise InputError("--workers and --scheduler cannot both be given: the cluster has its own workers.")
+        require_one_place(workers, scheduler)
         case, places = _load(path, quiet)
-        from contextlib import nullcontext
         from dataclasses import replace
 
         from stickslip.sweeps import axes, run
-        from stickslip.sweeps.cluster import cluster_executor
 
         varied = axes.split_options(vary)
         axes.swept_keys(varied, case)  # a wrong key is reported before a folder is created or a cluster is contacted
         require_folder(out)
-        places = replace(places, varied=tuple(varied))
-        with (
-            terminal_progress(quiet) as progress,
-            _about(places),
-            cluster_executor(scheduler, progress) if scheduler is not None else nullcontext(None) as executor,
-        ):
+        with solving(replace(places, varied=tuple(varied)), scheduler, quiet) as (progress, executor):
             result = run.sweep(case, varied, executor, out, progress, workers=workers, threads=threads)
-        _close_sweep(result, quiet)
+        close_cases(result, quiet, "cases")
+
+
+@app.command()
+def band(
+    path: StudyFile,
+    out: OutFolder,
+    scatter: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--scatter",
+            metavar="KEY=DISTRIBUTION",
+            help='A key of the study file and its distribution, for example friction.coefficient="0.3 +- 0.1". FILE '
+            "itself may have distributions.",
+            show_default=False,
+        ),
+    ] = None,
+    limit: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--limit",
+            metavar="REQUIREMENT",
+            help='Compute the probability to exceed it, for example "peak_amplitude < 0.2 mm".',
+            show_default=False,
+        ),
+    ] = None,
+    samples: Annotated[int, typer.Option("--samples", min=8, help="Number of samples, best a power of two.")] = 64,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    threads: WorkerThreads = 1,
+    quiet: Quiet = False,
+    debug: Debug = False,
+) -> None:
+    """Percentiles of curve, peak and frequency with distributed inputs; resumes an earlier band into DIR."""
+    with error_messages(debug, log_folder=out, closing=FINISHED_CASES_NOTE):
+        require_one_place(workers, scheduler)
+        case, places = _load(path, quiet, central=False)
+        from dataclasses import replace
+
+        from stickslip.sweeps import axes, distributions
+        from stickslip.sweeps import band as bands
+
+        given = axes.split_options(scatter or [], "--scatter", 'friction.coefficient="0.3 +- 0.1"')
+        places = replace(places, varied=tuple(given), option="--scatter")
+        chosen, limits = {**places.scattered, **given}, limit or []
+        with about_file(places):  # reported before a folder is created or a cluster is contacted
+            for key in chosen:
+                with concerning(key):
+                    distributions.distributions({key: chosen[key]}, case)
+            bands.require_limits(limits, samples)
+        require_folder(out)
+        with solving(places, scheduler, quiet) as (progress, executor):
+            result = bands.band(
+                case, chosen, executor, out, progress, samples=samples, limits=limits, workers=workers, threads=threads
+            )
+        close_cases(result, quiet, "samples")
 
 
 @app.command()
@@ -379,14 +428,18 @@ def paper(
             raise typer.Exit(EXIT_NOT_CONVERGED)
 
 
-def _load(path: Path, quiet: bool = False) -> tuple[Case, KeyPositions]:
-    """The case of a study file and the lines of its keys; reports which values are defaults. Raises StudyFileError."""
+def _load(path: Path, quiet: bool = False, central: bool = True) -> tuple[Case, KeyPositions]:
+    """The case of a study file and the lines of its keys; reports which values are defaults, and which are the
+    ``central`` ones of distributed inputs. Raises StudyFileError."""
     from stickslip.case.case import load_case_and_positions
+    from stickslip.case.scatter_text import central_sentences
 
     case, places = load_case_and_positions(path)
     defaults = case.defaulted_keys()
     if defaults and not quiet:
         echo(f"Not in the file; stickslip uses the defaults: {', '.join(defaults)}", err=True)
+    for sentence in central_sentences(places.scattered) if central else ():
+        echo(f"Note: {sentence}", err=True)
     return case, places
 
 
@@ -401,34 +454,3 @@ def _close(outcome: StudyOutcome, quiet: bool) -> None:
         for file in outcome.files:
             echo(f"Wrote {file}")
         echo(outcome.message)
-
-
-def _close_sweep(result: Sweep, quiet: bool) -> None:
-    """Report the files and the failed cases; raises the exit of a sweep with such cases."""
-    failed, count = result.table.failed, len(result.table.rows)
-    for notice in result.notices:
-        echo(notice, err=True)
-    if not quiet:
-        for file in result.files:
-            echo(f"Wrote {file}")
-        echo(f"{count} cases, {result.found} of them from an earlier run; {len(failed)} failed.")
-        for remark in result.remarks:
-            echo(remark)
-    for row in failed[:SHOWN_FAILURES]:
-        echo(f"Failed: {row.name}: {row.message}", err=True)
-    if failed:
-        rest = len(failed) - SHOWN_FAILURES
-        more = f" {rest} more failed." if rest > 0 else ""
-        echo(f"{more} The table {result.files[0]} contains all cases with their messages.".lstrip(), err=True)
-        raise typer.Exit(EXIT_NOT_CONVERGED)
-
-
-@contextmanager
-def _about(places: KeyPositions) -> Iterator[None]:
-    """Put the study file's name and the lines of its keys before errors after reading."""
-    try:
-        yield
-    except (OutputError, ResultsFileError):
-        raise  # the study file is not the cause
-    except InputError as error:
-        raise error.reworded(places.sentence(error)) from error

@@ -254,6 +254,23 @@ class Respelled:
         return core_schema.no_info_before_validator_function(self.parse, handler(source))
 
 
+def number_and_unit(text: str) -> tuple[float, str]:
+    """The number of a text and its unit, "" without one. Raises InputError if it is not a finite number."""
+    match = _NUMBER_AND_UNIT.fullmatch(text)
+    if match is None or not math.isfinite(float(match[1])) or (match[2] and _UNIT.fullmatch(match[2]) is None):
+        raise InputError(f'"{text}" is not a number, nor a number with a unit.')
+    return float(match[1]), match[2]
+
+
+def in_unit(number: float, unit: str, other: str) -> float:
+    """``number unit`` in an ``other`` unit. Raises InputError if there is no such unit, or it is of another kind."""
+    if unit == other:
+        return number
+    if _root_unit(unit) is None or _root_unit(unit) != _root_unit(other):
+        raise InputError(f'has the units "{other}" and "{unit}", which are not of the same kind.')
+    return number * _factor_to_si(unit) / _factor_to_si(other)
+
+
 def _short(value: float) -> str:
     """At most 15 significant digits, so that 0.0367 m is 36.7 mm and not 36.699999999999996 mm; 1e8, not 100000000."""
     plain = f"{value:.15g}"

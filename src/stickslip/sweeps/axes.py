@@ -20,20 +20,24 @@ from stickslip.results.sweep_table import SweptKey, Value
 
 LARGEST_COUNT = 10_000
 _RANGE = "A range is start:stop:count, evenly spaced with both ends, or start:stop:count:log, for example 50:1000:10."
+KeyKind = Quantity | Count | tuple[str, ...]  # the last one: the words of a choice
 Vary = Mapping[str, str | Sequence[Value]]
 
 
-def split_options(options: Sequence[str]) -> dict[str, str]:
-    """Key -> values of texts ``section.key=values``. Raises InputError for another form or a key that comes twice."""
+def split_options(
+    options: Sequence[str], option: str = "--vary", example: str = "preload.centrifugal_force=100,300"
+) -> dict[str, str]:
+    """Key -> values of texts ``section.key=values``. Raises InputError for another form or a key that comes twice.
+
+    ``option`` and ``example`` are for messages.
+    """
     varied: dict[str, str] = {}
-    for option in options:
-        key, equals, values = (part.strip() for part in option.partition("="))
+    for text in options:
+        key, equals, values = (part.strip() for part in text.partition("="))
         if not (equals and key and values):
-            raise InputError(
-                f'--vary "{option}" must be section.key=values, for example --vary preload.centrifugal_force=100,300.'
-            )
+            raise InputError(f'{option} "{text}" must be section.key=values, for example {option} {example}.')
         if key in varied:
-            raise InputError(f"--vary {key} is given twice. Give it once, with all its values: {key}={varied[key]},...")
+            raise InputError(f"{option} {key} is given twice. Give it once, with all its values.")
         varied[key] = values
     return varied
 
@@ -55,21 +59,26 @@ def _swept_key(name: str, values: str | Sequence[Value], case: Case | None) -> S
     if isinstance(values, str):
         parsed = [value for item in values.split(",") for value in _item(name, kind, item.strip())]
     else:
-        parsed = [_single(name, kind, value) for value in values]
+        parsed = [single_value(name, kind, value) for value in values]
     if not parsed:
         raise InputError(f"{name} has no values. Give at least one.", arguments=[name])
     for place, value in enumerate(parsed):
         if value in parsed[:place]:
             raise InputError(
-                f"{name} has the value {_label(kind, value)} twice. Give each value once.", arguments=[name]
+                f"{name} has the value {value_label(kind, value)} twice. Give each value once.", arguments=[name]
             )
-    shown = tuple(_shown(kind, value)[0] for value in parsed if not isinstance(value, str))
-    labels = tuple(_label(kind, value) for value in parsed)
+    return key_with_values(name, kind, parsed)
+
+
+def key_with_values(name: str, kind: KeyKind, values: Sequence[Value]) -> SweptKey:
+    """A key with its values in SI, also in the units that engineers use."""
+    shown = tuple(shown_value(kind, value)[0] for value in values if not isinstance(value, str))
+    labels = tuple(value_label(kind, value) for value in values)
     unit = kind.si_unit if isinstance(kind, Quantity) else ""
-    return SweptKey(name, unit, tuple(parsed), shown, _shown(kind, parsed[0])[1], labels)
+    return SweptKey(name, unit, tuple(values), shown, shown_value(kind, values[0])[1], labels)
 
 
-def _item(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> list[Value]:
+def _item(name: str, kind: KeyKind, item: str) -> list[Value]:
     """The values of one item between commas."""
     if not item:
         raise InputError(
@@ -77,10 +86,10 @@ def _item(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> lis
         )
     if ":" in item:
         return _range(name, kind, item)
-    return [_single(name, kind, _number_or_text(item))]
+    return [single_value(name, kind, number_or_text(item))]
 
 
-def _single(name: str, kind: Quantity | Count | tuple[str, ...], value: Value) -> Value:
+def single_value(name: str, kind: KeyKind, value: Value) -> Value:
     """One value in SI, after checking that the key allows it. Raises InputError."""
     if isinstance(kind, tuple):
         value = _respelled(name, value)
@@ -103,7 +112,7 @@ def _respelled(name: str, value: Value) -> Value:
     return next((entry.parse(value) for entry in field.metadata if isinstance(entry, Respelled)), value)
 
 
-def _range(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> list[Value]:
+def _range(name: str, kind: KeyKind, item: str) -> list[Value]:
     """The values of ``start:stop:count`` or ``start:stop:count:log``. Raises InputError."""
     statement = f'{name} has the range "{item}"'
     parts = [part.strip() for part in item.split(":")]
@@ -113,7 +122,7 @@ def _range(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> li
         )
     if len(parts) not in (3, 4) or not all(parts) or (len(parts) == 4 and parts[3] != "log"):
         raise InputError(f"{statement}, which is not valid. {_RANGE}", arguments=[name])
-    start, stop = (float(_single(name, kind, _number_or_text(part))) for part in parts[:2])
+    start, stop = (float(single_value(name, kind, number_or_text(part))) for part in parts[:2])
     if not parts[2].isdecimal() or not 2 <= int(parts[2]) <= LARGEST_COUNT:
         raise InputError(
             f"{statement}, whose count is {parts[2]}: it must be a whole number from 2 to 10000. {_RANGE}",
@@ -145,7 +154,7 @@ def _range(name: str, kind: Quantity | Count | tuple[str, ...], item: str) -> li
     return [int(value) for value in values]
 
 
-def _number_or_text(item: str) -> Value:
+def number_or_text(item: str) -> Value:
     """A number as TOML would read it, or the text itself."""
     for kind in (int, float):
         try:
@@ -155,7 +164,7 @@ def _number_or_text(item: str) -> Value:
     return item
 
 
-def _shown(kind: Quantity | Count | tuple[str, ...], value: Value) -> tuple[float, str]:
+def shown_value(kind: KeyKind, value: Value) -> tuple[float, str]:
     """A value in the unit that study files show, and this unit; NaN for a choice."""
     if isinstance(value, str):
         return math.nan, ""
@@ -165,10 +174,11 @@ def _shown(kind: Quantity | Count | tuple[str, ...], value: Value) -> tuple[floa
     return float(number), unit
 
 
-def _label(kind: Quantity | Count | tuple[str, ...], value: Value) -> str:
+def value_label(kind: KeyKind, value: Value) -> str:
+    """A value in words, such as "500 N"."""
     if isinstance(value, str):
         return value
-    number, unit = _shown(kind, value)
+    number, unit = shown_value(kind, value)
     return f"{number:.6g} {unit}".rstrip()
 
 

@@ -7,6 +7,7 @@ import itertools
 import json
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -73,8 +74,18 @@ def plan_cases(case: Case, keys: tuple[SweptKey, ...]) -> tuple[PlannedCase, ...
         raise InputError(
             f"the sweep has {sizes} = {count} cases; at most {LARGEST_SWEEP} are allowed. Use fewer values."
         )
+    return plan_rows(case, keys, itertools.product(*(range(len(key.values)) for key in keys)))
+
+
+def plan_rows(
+    case: Case, keys: tuple[SweptKey, ...], rows: Iterable[tuple[int, ...]], of: str = "sweep"
+) -> tuple[PlannedCase, ...]:
+    """A case for each of the ``rows``, which are positions in the values of each key; ``of`` names them in messages.
+
+    Raises StudyFileError that names the rows which are not valid.
+    """
     planned, wrong = [], []
-    for places in itertools.product(*(range(len(key.values)) for key in keys)):
+    for places in rows:
         chosen = list(zip(keys, places, strict=True))
         try:
             valid = case.replace({key.name: study_value(key, place) for key, place in chosen})
@@ -90,7 +101,8 @@ def plan_cases(case: Case, keys: tuple[SweptKey, ...]) -> tuple[PlannedCase, ...
         planned.append(PlannedCase(name, key_of_case, structure, values, valid))
     if wrong:
         more = [f"  and {len(wrong) - _SHOWN_ERRORS} more"] if len(wrong) > _SHOWN_ERRORS else []
-        heading = f"{len(wrong)} of {count} cases of the sweep are not valid; nothing was solved."
+        count = len(wrong) + len(planned)
+        heading = f"{len(wrong)} of {count} cases of the {of} are not valid; nothing was solved."
         raise StudyFileError("\n".join([heading, *wrong[:_SHOWN_ERRORS], *more]))
     return tuple(planned)
 

@@ -102,15 +102,41 @@ def sweep(
         for keys, values or cases that are not valid, before anything is solved. ResultsFileError where files cannot be
         written. A case that fails raises nothing: its row has the message.
     """
+    keys = swept_keys(vary, case)
+    planned = plan_cases(case, keys)
+    run = solve_planned(
+        planned, out, (TABLE_FILE, DATASET_FILE, PAGE_FILE), executor, progress, workers=workers, threads=threads
+    )
+    table = SweepTable(keys, tuple(run.row(each) for each in planned))
+    curves = tuple(run.outcomes[each.key].curve for each in planned)
+    forces = np.array([kind_of(each.case).force_amplitude(each.case) for each in planned])
+    view = SweepView(table, curves, forces)
+    files = () if run.folder is None else _written(run.folder, case, view)
+    case_files = tuple(run.folder.path / row.file if run.folder and row.file else None for row in table.rows)
+    return Sweep(table, curves, case_files, files, run.found, tuple(run.notices), differing_limits(view))
+
+
+def solve_planned(
+    planned: tuple[PlannedCase, ...],
+    out: str | PathLike[str] | None,
+    files: tuple[str, ...],
+    executor: Executor | None,
+    progress: Progress | None,
+    *,
+    workers: int | None,
+    threads: int,
+) -> SolvedCases:
+    """Solve planned cases that differ from each other, with any executor; resumes in the folder ``out``.
+
+    ``files`` are the names of the files that the caller writes there; the other arguments are those of :func:`sweep`.
+    """
     for name, number in (("workers", workers), ("threads", threads)):
         if number is not None:
             whole_number(name, number, 1)
-    keys = swept_keys(vary, case)
-    planned = plan_cases(case, keys)
     folder = None if out is None else SweepFolder(Path(out))
     if folder is not None:
-        folder.make((TABLE_FILE, DATASET_FILE, PAGE_FILE))
-    run = _Run(planned, folder, progress or SilentProgress())
+        folder.make(files)
+    run = SolvedCases(planned, folder, progress or SilentProgress())
     run.find_finished()
     groups = run.check_joints(threads)
     if groups:
@@ -123,13 +149,7 @@ def sweep(
             wanted = workers or max(1, usable_cores() // threads)
             with local_executor(min(wanted, count)) as local:
                 run.solve(groups, local, _free_workers(local, None))
-    table = SweepTable(keys, tuple(run.row(each) for each in planned))
-    curves = tuple(run.outcomes[each.key].curve for each in planned)
-    forces = np.array([kind_of(each.case).force_amplitude(each.case) for each in planned])
-    view = SweepView(table, curves, forces)
-    files = () if run.folder is None else _written(run.folder, case, view)
-    case_files = tuple(run.folder.path / row.file if run.folder and row.file else None for row in table.rows)
-    return Sweep(table, curves, case_files, files, run.found, tuple(run.notices), differing_limits(view))
+    return run
 
 
 @contextmanager
@@ -156,8 +176,8 @@ def _free_workers(executor: Executor, workers: int | None) -> Callable[[], int]:
     return lambda: number
 
 
-class _Run:
-    """The cases of one sweep and their outcomes so far."""
+class SolvedCases:
+    """Planned cases and their outcomes so far: ``outcomes`` by the key of a case, ``row`` as a row of a table."""
 
     def __init__(self, planned: tuple[PlannedCase, ...], folder: SweepFolder | None, progress: Progress) -> None:
         self.planned, self.folder, self._progress = planned, folder, progress

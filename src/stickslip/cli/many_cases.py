@@ -1,0 +1,75 @@
+"""What the commands that solve a study file, or many cases of it, have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import typer
+
+from stickslip.core.errors import InputError, OutputError, ResultsFileError
+from stickslip.core.progress import terminal_progress
+from stickslip.core.terminal import echo
+
+if TYPE_CHECKING:
+    from stickslip.case.toml_text import KeyPositions
+    from stickslip.core.progress import Progress
+    from stickslip.sweeps.band import Band
+    from stickslip.sweeps.cluster import ClusterExecutor
+    from stickslip.sweeps.run import Sweep
+
+EXIT_NOT_CONVERGED = 3  # what was computed is written
+SHOWN_FAILURES = 10  # chosen: lines on failed cases
+
+
+@contextmanager
+def about_file(places: KeyPositions) -> Iterator[None]:
+    """Put the study file's name and the lines of its keys before errors after reading."""
+    try:
+        yield
+    except (OutputError, ResultsFileError):
+        raise  # the study file is not the cause
+    except InputError as error:
+        raise error.reworded(places.sentence(error)) from error
+
+
+def require_one_place(workers: int | None, scheduler: str | None) -> None:
+    """Raise InputError for both kinds of workers."""
+    if scheduler is not None and workers is not None:
+        raise InputError("--workers and --scheduler cannot both be given: the cluster has its own workers.")
+
+
+@contextmanager
+def solving(
+    places: KeyPositions, scheduler: str | None, quiet: bool
+) -> Iterator[tuple[Progress, ClusterExecutor | None]]:
+    """Progress of many cases and the executor of a cluster, if any; errors name the study file."""
+    from stickslip.sweeps.cluster import cluster_executor
+
+    with terminal_progress(quiet) as progress, about_file(places):
+        if scheduler is None:
+            yield progress, None
+            return
+        with cluster_executor(scheduler, progress) as executor:
+            yield progress, executor
+
+
+def close_cases(result: Sweep | Band, quiet: bool, cases: str) -> None:
+    """Report the files and the failed ``cases``; raises the exit of a sweep or band with such cases."""
+    failed, count = result.table.failed, len(result.table.rows)
+    for notice in result.notices:
+        echo(notice, err=True)
+    if not quiet:
+        for file in result.files:
+            echo(f"Wrote {file}")
+        echo(f"{count} {cases}, {result.found} of them from an earlier run; {len(failed)} failed.")
+        for remark in result.remarks:
+            echo(remark)
+    for row in failed[:SHOWN_FAILURES]:
+        echo(f"Failed: {row.name}: {row.message}", err=True)
+    if failed:
+        rest = len(failed) - SHOWN_FAILURES
+        more = f" {rest} more failed." if rest > 0 else ""
+        echo(f"{more} The table {result.files[0]} contains all {cases} with their messages.".lstrip(), err=True)
+        raise typer.Exit(EXIT_NOT_CONVERGED)

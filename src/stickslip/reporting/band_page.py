@@ -1,0 +1,169 @@
+"""The page of a band: one self-contained HTML file with its percentiles, limits, influences and samples."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stickslip.core.errors import InputError
+from stickslip.core.files import whole_file
+from stickslip.reporting import band_plots as plots
+from stickslip.reporting.look import plain_figures
+from stickslip.reporting.style import number, shown_number
+from stickslip.reporting.sweep_view import short_name
+from stickslip.reporting.templates import Notice, Tile, when, whole_page
+from stickslip.results.band import MEASURES, PERCENTILES, BandMeasure, Exceedance
+from stickslip.results.band_statistics import BandStatistics
+
+DRAWN_MEASURES = ("peak_amplitude", "peak_frequency")
+DRAWN_INPUTS = 6  # chosen: plots of peaks against inputs, those with the largest influence
+
+
+def write_band_page(
+    path: str | PathLike[str], statistics: BandStatistics, title: str, inputs: str, provenance: Mapping[str, str]
+) -> None:
+    """Write the page of a band to ``path``, completely or not at all. Raises InputError if it cannot be written.
+
+    ``inputs`` is the text of the study file with the central values.
+    """
+    text = band_page(statistics, title, inputs, provenance)
+    with whole_file(Path(path), "page of the band", InputError) as part:
+        part.write_text(text, encoding="utf-8")
+
+
+def band_page(statistics: BandStatistics, title: str, inputs: str, provenance: Mapping[str, str]) -> str:
+    """The page of a band as HTML."""
+    table = statistics.table
+    has_peaks = statistics.percentiles["peak_amplitude"].count > 0
+    resolved = [name for name in DRAWN_MEASURES if not statistics.influences[name].reason]
+    drawn = _drawn_inputs(statistics) if has_peaks else []
+    values = {
+        "title": title,
+        "description": f"Distributed inputs: {', '.join(name for name, *_ in statistics.inputs)}.",
+        "distributions": statistics.inputs,
+        "byline": f"{when(provenance)} · {len(table.rows)} samples · {len(table.failed)} failed",
+        "notices": list(_notices(statistics)),
+        "tiles": list(_tiles(statistics)),
+        "has_curves": statistics.curve_band is not None,
+        "has_peaks": has_peaks,
+        "percents": [f"{percent:g} %" for percent in PERCENTILES],
+        "percentiles": [_percentile_row(statistics, measure) for measure in MEASURES.values()],
+        "limits": [_limit_row(each) for each in statistics.exceedances],
+        "measures": [(name, MEASURES[name].words) for name in DRAWN_MEASURES],
+        "influences": [_influence_words(statistics, name) for name in DRAWN_MEASURES],
+        "resolved": resolved,
+        "drawn_inputs": [(place, table.keys[place].name) for place in drawn],
+        "omitted_inputs": len(table.keys) - len(drawn),
+        "headings": [*(_heading(statistics, i) for i in range(len(table.keys))), "Highest peak, µm", "Frequency, Hz"],
+        "rows": [_sample_row(statistics, i) for i in range(len(table.rows))],
+        "inputs": inputs,
+    }
+    figures = {"curves": plots.curves(statistics)} if statistics.curve_band is not None else {}
+    if has_peaks:
+        figures |= {f"distribution-{name}": plots.distribution(statistics, MEASURES[name]) for name in DRAWN_MEASURES}
+    figures |= {f"indices-{name}": plots.indices(statistics.influences[name]) for name in resolved}
+    figures |= {f"input-{place}": plots.against_input(statistics, place) for place in drawn}
+    return whole_page(
+        "band.html",
+        "Band of forced responses with distributed inputs",
+        values,
+        provenance,
+        head_title=f"{title}: band",
+        scripts=("sweep.js",),
+        data={"page-figures": plain_figures(figures)},
+    )
+
+
+def _drawn_inputs(statistics: BandStatistics) -> list[int]:
+    total = np.nan_to_num(statistics.influences["peak_amplitude"].total)
+    return [int(place) for place in np.argsort(-total, kind="stable")[:DRAWN_INPUTS]]
+
+
+def _notices(statistics: BandStatistics) -> Iterator[Notice]:
+    failed = [(place, row) for place, row in enumerate(statistics.table.rows) if not row.converged]
+    if failed:
+        heading = "1 sample failed" if len(failed) == 1 else f"{len(failed)} samples failed"
+        yield Notice("bad", heading, [f"Sample {place + 1}: {row.message}" for place, row in failed])
+    if statistics.remarks:
+        yield Notice("warn", "Before you use these numbers", statistics.remarks)
+
+
+def _tiles(statistics: BandStatistics) -> Iterator[Tile]:
+    for name, words in (("peak_amplitude", "Highest peak"), ("peak_frequency", "Peak frequency")):
+        result = statistics.percentiles[name]
+        if result.count:
+            low, middle, high = (_number(result.measure, value) for value in result.values)
+            more = f"{low} to {high} in 90 % of {result.count} samples"
+            yield Tile(f"{words}, median", middle, plots.SHOWN[result.measure.unit][1], more)
+    for each in statistics.exceedances:
+        least, most = (_percent(end) for end in each.interval)
+        more = f"{each.limit.text}; 95 % interval {least} to {most} %"
+        yield Tile("Limit not satisfied", _percent(each.probability), "%", more)
+    indices = statistics.influences["peak_amplitude"]
+    if not indices.reason:
+        place = int(np.argmax(indices.total))
+        more = f"of the variance of the peak: {indices.names[place]}, with interactions"
+        yield Tile("Largest influence", _percent(indices.total[place]), "%", more)
+
+
+def _number(measure: BandMeasure, value: float) -> str:
+    factor, unit = plots.SHOWN[measure.unit]
+    return "–" if math.isnan(value) else shown_number(factor * value, unit)
+
+
+def _percent(fraction: float) -> str:
+    return "–" if math.isnan(fraction) else number(100.0 * fraction, 3)
+
+
+def _percentile_row(statistics: BandStatistics, measure: BandMeasure) -> dict[str, Any]:
+    result = statistics.percentiles[measure.name]
+    cells = [_number(measure, value) for value in result.values]
+    ends = [f"{_end(measure, low)} to {_end(measure, high)}" for low, high in result.intervals]
+    words = f"{measure.words}, {plots.SHOWN[measure.unit][1]}"
+    return {"words": words, "cells": list(zip(cells, ends, strict=True)), "count": result.count}
+
+
+def _end(measure: BandMeasure, value: float) -> str:
+    return "?" if math.isnan(value) else _number(measure, value)
+
+
+def _limit_row(each: Exceedance) -> list[str]:
+    low, high = (_percent(end) for end in each.interval)
+    decided = each.count - each.undecided
+    return [
+        each.limit.text,
+        _percent(each.probability),
+        f"{low} to {high}",
+        f"{each.exceeded} of {decided}",
+        str(each.undecided),
+    ]
+
+
+def _influence_words(statistics: BandStatistics, name: str) -> tuple[str, str]:
+    result = statistics.influences[name]
+    if result.reason:
+        return name, f"Not resolved. {result.reason}"
+    return name, (
+        f"{_percent(result.unexplained)} % of the variance remain unexplained by the fitted polynomials "
+        f"({result.n_samples} samples)."
+    )
+
+
+def _heading(statistics: BandStatistics, place: int) -> str:
+    key = statistics.table.keys[place]
+    return f"{short_name(key)}{', ' + key.shown_unit if key.shown_unit else ''}"
+
+
+def _sample_row(statistics: BandStatistics, place: int) -> dict[str, Any]:
+    row = statistics.table.rows[place]
+    inputs = [key.labels[place] if key.is_choice else number(key.shown[place]) for key in statistics.table.keys]
+    results = [_number(MEASURES[name], row.measures.get(MEASURES[name].column, math.nan)) for name in DRAWN_MEASURES]
+    remark = "" if row.converged else f"Failed: {row.message}"
+    if row.converged and row.measures.get("peak_bracketed") != 1.0:
+        remark = "The largest amplitude is at an end of the range."
+    return {"cells": [str(place + 1), *inputs, *results], "remark": remark, "warnings": row.warnings}

@@ -1,0 +1,216 @@
+"""Percentiles of the curves and peaks of many samples, and probabilities that limits are exceeded."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.stats
+from numpy.typing import NDArray
+
+from stickslip.core.errors import InputError
+from stickslip.core.units import Quantity
+from stickslip.core.validation import FloatArray
+from stickslip.results.influence import CONFIDENCE
+from stickslip.results.sweep_table import SweepCurve, SweepTable
+
+PERCENTILES = (5.0, 50.0, 95.0)
+GRID_POINTS = 1001  # chosen: frequencies of the band of curves, dense where the curves have many points
+
+
+@dataclass(frozen=True)
+class BandMeasure:
+    """A result of each sample: its column of the table, unit and words."""
+
+    name: str
+    column: str
+    unit: str
+    words: str
+
+    def of(self, table: SweepTable) -> FloatArray:
+        """(n,) its values in SI; NaN for failed samples."""
+        values = np.array(table.column(self.column), dtype=float)
+        values[[not row.converged for row in table.rows]] = np.nan
+        return values
+
+
+MEASURES = {
+    each.name: each
+    for each in (
+        BandMeasure("peak_amplitude", "peak_amplitude_m", "m", "Highest peak"),
+        BandMeasure("peak_frequency", "peak_frequency_hz", "Hz", "Frequency of the highest peak"),
+        BandMeasure("upward_peak_amplitude", "upward_peak_amplitude_m", "m", "Peak of a slow sweep up"),
+        BandMeasure("upward_peak_frequency", "upward_peak_frequency_hz", "Hz", "Frequency of that peak, sweep up"),
+        BandMeasure("downward_peak_amplitude", "downward_peak_amplitude_m", "m", "Peak of a slow sweep down"),
+        BandMeasure(
+            "downward_peak_frequency", "downward_peak_frequency_hz", "Hz", "Frequency of that peak, sweep down"
+        ),
+    )
+}
+
+
+@dataclass(frozen=True)
+class Percentiles:
+    """Percentiles of a measure: ``values`` for each of PERCENTILES, and ``intervals`` that contain those of the
+    population with a confidence of 95 % (order statistics; NaN where the samples give no bound).
+
+    ``count`` of all samples have the measure.
+    """
+
+    measure: BandMeasure
+    values: tuple[float, ...]
+    intervals: tuple[tuple[float, float], ...]
+    count: int
+
+
+def percentiles(measure: BandMeasure, table: SweepTable) -> Percentiles:
+    """The percentiles of a measure over the samples that have it.
+
+    Sample k of n in order is the quantile (k - 1/2) / n, as fits low-discrepancy points: one in each n-th part.
+    """
+    values = measure.of(table)
+    values = values[np.isfinite(values)]
+    if not values.size:
+        return Percentiles(measure, (np.nan,) * 3, ((np.nan, np.nan),) * 3, 0)
+    quantiles = np.percentile(values, PERCENTILES, method="hazen")
+    intervals = (
+        scipy.stats.quantile_test(values, p=0.01 * percent).confidence_interval(CONFIDENCE) for percent in PERCENTILES
+    )
+    ends = tuple((float(each.low), float(each.high)) for each in intervals)
+    return Percentiles(measure, tuple(map(float, quantiles)), ends, values.size)
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A requirement such as ``peak_amplitude < 0.2 mm``: the text, its measure, sign and value in SI."""
+
+    text: str
+    measure: BandMeasure
+    is_upper: bool
+    value: float
+
+
+_LIMIT = re.compile(r"\s*([\w.]+)\s*([<>])(?!=)\s*(.+?)\s*")
+
+
+def limit_of(text: str) -> Limit:
+    """A limit from its text. Raises InputError."""
+    match = _LIMIT.fullmatch(text)
+    names = ", ".join(MEASURES)
+    if match is None:
+        raise InputError(
+            f'the limit "{text}" must be a measure, < or >, and a value with its unit, for example '
+            f'"peak_amplitude < 0.2 mm". Measures are {names}.',
+            arguments=["limits"],
+        )
+    measure = MEASURES.get(match[1])
+    if measure is None:
+        raise InputError(
+            f'the limit "{text}" is of {match[1]}, which is not a measure of a band. Measures are {names}.',
+            arguments=["limits"],
+        )
+    quantity = Quantity("length", example='"0.2 mm"', above=0.0)
+    if measure.unit == "Hz":
+        quantity = Quantity("frequency", above=0.0)
+    try:
+        value = quantity.parse(match[3])
+    except InputError as error:
+        raise InputError(f'the limit "{text}": {match[3]} {error}', arguments=["limits"]) from error
+    return Limit(text, measure, match[2] == "<", value)
+
+
+@dataclass(frozen=True)
+class Exceedance:
+    """How often a limit is exceeded.
+
+    exceeded:
+        number of samples beyond the limit.
+    undecided:
+        number of samples that failed, or whose largest amplitude is at an end of the range and within the limit.
+    count:
+        number of all samples.
+    probability:
+        fraction of the decided samples; NaN if there is none.
+    interval:
+        contains the probability with a confidence of 95 % (C. J. Clopper, E. S. Pearson, Biometrika 26, 1934); for its
+        lower end the undecided samples are within the limit, for its upper end beyond.
+    """
+
+    limit: Limit
+    exceeded: int
+    undecided: int
+    count: int
+    probability: float
+    interval: tuple[float, float]
+
+
+def exceedance(limit: Limit, table: SweepTable) -> Exceedance:
+    """The probability that a limit is exceeded."""
+    values = limit.measure.of(table)
+    beyond = values > limit.value if limit.is_upper else values < limit.value
+    is_open = np.array(table.column("peak_bracketed"), dtype=float) != 1.0
+    # the true peak is not lower than the largest amplitude, so one that is beyond an upper limit already is decided
+    undecided = is_open & (beyond != limit.is_upper if limit.measure.unit == "m" else True)
+    undecided |= np.isnan(values)
+    exceeded, open_count, count = int((beyond & ~undecided).sum()), int(undecided.sum()), values.size
+    decided = count - open_count
+    low = scipy.stats.binomtest(exceeded, count).proportion_ci(CONFIDENCE, "exact").low
+    high = scipy.stats.binomtest(exceeded + open_count, count).proportion_ci(CONFIDENCE, "exact").high
+    probability = exceeded / decided if decided else np.nan
+    return Exceedance(limit, exceeded, open_count, count, probability, (float(low), float(high)))
+
+
+@dataclass(frozen=True, eq=False)
+class CurveBand:
+    """Percentiles of the amplitude over the frequency.
+
+    frequency_hz:
+        (n_points,) common frequencies.
+    amplitude_m:
+        (3, n_points) for each of PERCENTILES; each curve counts with its highest branch. NaN without a curve.
+    count:
+        (n_points,) number of complete curves at each frequency.
+    """
+
+    frequency_hz: FloatArray
+    amplitude_m: FloatArray
+    count: NDArray[np.int64]
+
+
+def curve_band(curves: Sequence[SweepCurve]) -> CurveBand | None:
+    """The band of complete curves; None without one."""
+    if not curves:
+        return None
+    every = np.unique(np.concatenate([curve.frequency_hz for curve in curves]))
+    places = np.linspace(0.0, every.size - 1.0, min(GRID_POINTS, every.size))
+    grid = np.interp(places, np.arange(every.size), every)
+    heights = np.stack([highest_branch(curve, grid) for curve in curves])
+    count = np.isfinite(heights).sum(axis=0)
+    amplitude = np.full((len(PERCENTILES), grid.size), np.nan)
+    for number in np.unique(count[count > 0]):
+        columns = count == number
+        present = np.sort(heights[:, columns], axis=0)[:number]  # NaN is last
+        amplitude[:, columns] = np.percentile(present, PERCENTILES, axis=0, method="hazen")
+    return CurveBand(grid, amplitude, count)
+
+
+def highest_branch(curve: SweepCurve, grid: FloatArray) -> FloatArray:
+    """(n_points,) the largest amplitude of a curve at each frequency of an ascending grid, linear between its points.
+
+    NaN at frequencies that the curve does not pass.
+    """
+    result = np.full(grid.size, -np.inf)
+    x, y = curve.frequency_hz, curve.amplitude_m
+    low, high = np.minimum(x[:-1], x[1:]), np.maximum(x[:-1], x[1:])
+    first, stop = np.searchsorted(grid, low, "left"), np.searchsorted(grid, high, "right")
+    for i in np.flatnonzero((stop > first) & (curve.part[:-1] == curve.part[1:])):
+        inside = slice(first[i], stop[i])
+        if x[i] == x[i + 1]:
+            values = np.full(stop[i] - first[i], max(y[i], y[i + 1]))
+        else:
+            values = y[i] + (y[i + 1] - y[i]) * (grid[inside] - x[i]) / (x[i + 1] - x[i])
+        result[inside] = np.maximum(result[inside], values)
+    result[np.isneginf(result)] = np.nan
+    return result

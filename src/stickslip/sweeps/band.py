@@ -1,0 +1,140 @@
+"""A band: samples of distributed inputs, solved as the cases of a sweep, and their statistics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, fields
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+import scipy.stats
+
+from stickslip.case.case import Case, load_case_and_positions
+from stickslip.core.errors import InputError
+from stickslip.core.progress import Progress
+from stickslip.core.validation import FloatArray, whole_number
+from stickslip.reporting.band_page import write_band_page
+from stickslip.results.band import Limit, limit_of
+from stickslip.results.band_statistics import BandStatistics
+from stickslip.results.record import run_provenance
+from stickslip.results.sweep_table import SweepTable
+from stickslip.sweeps.distributions import described, distributions
+from stickslip.sweeps.plan import LARGEST_SWEEP, plan_rows
+from stickslip.sweeps.run import solve_planned
+
+TABLE_FILE, DATASET_FILE, PAGE_FILE = "band.csv", "band.nc", "band.html"
+DEFAULT_SAMPLES = 64
+LEAST_SAMPLES = 8  # chosen: fewer have no percentiles
+_SEED = 20_251_001  # of the scrambling: a band with more samples contains those of one with fewer
+
+
+@dataclass(frozen=True, eq=False)
+class Band(BandStatistics):
+    """The result of a band: its statistics (:class:`BandStatistics`) and files.
+
+    case_files:
+        results file of each row, None for a sample without one.
+    files:
+        table as CSV, statistics as NetCDF, and the page.
+    found:
+        number of samples that an earlier band had finished.
+    notices:
+        messages on files that could not be used.
+    """
+
+    case_files: tuple[Path | None, ...]
+    files: tuple[Path, ...]
+    found: int
+    notices: tuple[str, ...]
+
+
+def band(
+    case: Case | str | PathLike[str],
+    scatter: Mapping[str, str] | None = None,
+    executor: Executor | None = None,
+    out: str | PathLike[str] | None = None,
+    progress: Progress | None = None,
+    *,
+    samples: int = DEFAULT_SAMPLES,
+    limits: Sequence[str] = (),
+    workers: int | None = None,
+    threads: int = 1,
+) -> Band:
+    """Percentiles of the curve, of peaks and of their frequencies of a case with distributed inputs.
+
+    The inputs are independent. The samples are scrambled Sobol points with a fixed seed (A. B. Owen, J. Complexity 14,
+    1998), mapped by the inverse distribution functions. Sobol indices are those of polynomials that are fitted to the
+    samples (:mod:`stickslip.results.influence`).
+
+    Parameters
+    ----------
+    case:
+        the case, or the path of a study file, whose own distributions then apply.
+    scatter:
+        "section.key" -> distribution: "0.3 +- 0.1", "lognormal 0.3 */ 1.5", "0.2 .. 0.4", "0.2 .. 0.4 log",
+        "0.2 | 0.3 | 0.35" (docs/band.md). It replaces that of a study file.
+    samples:
+        number of samples, best a power of two.
+    limits:
+        requirements "peak_amplitude < 0.2 mm" whose probability to be exceeded is computed; < or >, and one of
+        peak_amplitude, upward_peak_amplitude, downward_peak_amplitude, peak_frequency, upward_peak_frequency,
+        downward_peak_frequency.
+    executor, out, progress, workers, threads:
+        as for :func:`stickslip.sweep`. A band into a folder with finished samples solves only the others; more samples
+        contain those of fewer.
+
+    Raises
+    ------
+    InputError
+        for keys, distributions, limits or cases that are not valid, before anything is solved. ResultsFileError where
+        files cannot be written. A sample that fails raises nothing: its row has the message.
+    """
+    own: Mapping[str, str] = {}
+    if not isinstance(case, Case):
+        case, places = load_case_and_positions(case)
+        own = places.scattered
+    chosen = distributions({**own, **(scatter or {})}, case)
+    required = require_limits(limits, samples)
+    points = sample_points(len(chosen), samples)
+    keys = tuple(each.key(points[:, place]) for place, each in enumerate(chosen))
+    planned = plan_rows(case, keys, ((row,) * len(keys) for row in range(samples)), of="band")
+    # listed values can give one case several times
+    different = tuple({each.key: each for each in planned}.values())
+    run = solve_planned(
+        different, out, (TABLE_FILE, DATASET_FILE, PAGE_FILE), executor, progress, workers=workers, threads=threads
+    )
+    table = SweepTable(keys, tuple(run.row(each) for each in planned))
+    curves = tuple(run.outcomes[each.key].curve for each in planned)
+    coordinates = [each.coordinate(points[:, place]) for place, each in enumerate(chosen)]
+    inputs = [described(each) for each in chosen]
+    statistics = BandStatistics.of(table, curves, inputs, coordinates, required)
+    files = () if run.folder is None else _written(run.folder.path, case, statistics)
+    case_files = tuple(run.folder.path / row.file if run.folder and row.file else None for row in table.rows)
+    content = {field.name: getattr(statistics, field.name) for field in fields(statistics)}
+    return Band(**content, case_files=case_files, files=files, found=run.found, notices=tuple(run.notices))
+
+
+def require_limits(limits: Sequence[str], samples: int) -> list[Limit]:
+    """The limits of a band. Raises InputError for an unknown one, or a number of samples that is not possible."""
+    whole_number("samples", samples, LEAST_SAMPLES)
+    if samples > LARGEST_SWEEP:
+        raise InputError(f"samples is {samples}, but at most {LARGEST_SWEEP} are allowed.", arguments=["samples"])
+    return [limit_of(text) for text in limits]
+
+
+def sample_points(inputs: int, samples: int) -> FloatArray:
+    """(samples, inputs) scrambled Sobol points in the open unit cube; the first ones of any larger number."""
+    sobol = scipy.stats.qmc.Sobol(inputs, scramble=True, seed=np.random.default_rng(_SEED))
+    points: FloatArray = sobol.random_base2(max(samples - 1, 1).bit_length())[:samples]
+    return points
+
+
+def _written(folder: Path, case: Case, statistics: BandStatistics) -> tuple[Path, ...]:
+    """Table, statistics and page."""
+    files = tuple(folder / name for name in (TABLE_FILE, DATASET_FILE, PAGE_FILE))
+    statistics.table.to_csv(files[0])
+    statistics.to_netcdf(files[1])
+    write_band_page(files[2], statistics, case.study.title, case.to_text(), run_provenance())
+    return files

@@ -1,0 +1,105 @@
+"""The page of a band: its figures contain the percentiles, limits and indices; failed samples have their messages."""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from band_tables import band_statistics
+from browser_pages import LARGEST_PAGE, WIDTHS, opened_page, require_readable
+from helpers import opened_browser
+from sentences import rejects
+from stickslip.core.errors import InputError
+from stickslip.reporting.band_page import band_page, write_band_page
+from stickslip.results.band_statistics import BandStatistics
+
+PEAKS = (1e-4 * (1.0 + 2.0 * (np.arange(32) + 0.5) / 32)).tolist()
+PROVENANCE = {"date": "2026-01-01T00:00:00+00:00", "stickslip": "0"}
+
+
+def page_of(statistics: BandStatistics) -> str:
+    return band_page(statistics, "Two <blades>", "[study]", PROVENANCE)
+
+
+def figures_of(statistics: BandStatistics) -> dict[str, Any]:
+    match = re.search(r'id="page-figures">(.*?)</script>', page_of(statistics), flags=re.DOTALL)
+    assert match is not None
+    figures: dict[str, Any] = json.loads(match.group(1))
+    return figures
+
+
+def named(figure: dict[str, Any], name: str) -> dict[str, Any]:
+    return next(trace for trace in figure["data"] if html.unescape(trace["name"]) == name)
+
+
+def test_the_band_of_curves_is_that_of_the_samples() -> None:
+    statistics = band_statistics(PEAKS, ["peak_amplitude < 0.25 mm"])
+    figure = figures_of(statistics)["curves"]
+    band = statistics.curve_band
+    assert band is not None
+    assert named(figure, "median")["y"] == pytest.approx(1e6 * band.amplitude_m[1], rel=1e-6)
+    assert max(named(figure, "5 % to 95 % of the samples")["y"]) == pytest.approx(290.0, rel=1e-4)
+    assert named(figure, "limit: peak_amplitude < 0.25 mm")["y"] == [250.0, 250.0]
+    lines = named(figure, "32 samples")["y"]
+    assert lines.count(None) == 32
+    assert max(value for value in lines if value is not None) == pytest.approx(1e6 * max(PEAKS), rel=1e-5)
+
+
+def test_the_distribution_shows_what_exceeds_the_limit() -> None:
+    statistics = band_statistics(PEAKS, ["peak_amplitude < 0.25 mm"])
+    figure = figures_of(statistics)["distribution-peak_amplitude"]
+    assert sum(named(figure, "in the interval")["y"]) == pytest.approx(100.0)
+    above = named(figure, "above the value")
+    below = [y for x, y in zip(above["x"], above["y"], strict=True) if x < 250.0]
+    assert below[-1] == pytest.approx(25.0)
+    text = page_of(statistics)
+    assert "8 of 32" in text
+    assert statistics.exceedances[0].probability == 0.25
+
+
+def test_indices_have_their_intervals() -> None:
+    figure = figures_of(band_statistics(PEAKS))["indices-peak_amplitude"]
+    assert [trace["x"] for trace in figure["data"]] == [[100.0], [100.0]]
+    assert figure["data"][0]["error_x"]["array"] == pytest.approx([0.0], abs=1e-6)
+
+
+def test_failed_and_open_samples_are_notices_and_rows() -> None:
+    text = page_of(band_statistics([*PEAKS[:10], None, None], at_end=(3,)))
+    assert "2 samples failed" in text
+    assert "Sample 11: No &lt;first&gt; point." in text
+    assert "2 of 12 samples failed" in text
+    assert "The largest amplitude of 1 of 12 samples is at an end" in text
+    assert text.count("Failed: No &lt;first&gt; point.") == 2
+    assert "12 samples are not a power of two" in text
+
+
+def test_a_band_without_any_result_has_a_page() -> None:
+    text = page_of(band_statistics([None] * 8))
+    assert "No sample has a complete curve." in text
+    assert "0 samples have a result" in text
+
+
+def test_a_folder_that_does_not_exist_is_reported(tmp_path: Path) -> None:
+    with rejects(InputError):
+        write_band_page(tmp_path / "no" / "band.html", band_statistics(PEAKS), "t", "", PROVENANCE)
+
+
+@pytest.mark.slow
+def test_the_page_in_a_browser(tmp_path: Path) -> None:
+    path = tmp_path / "band.html"
+    statistics = band_statistics([*PEAKS, None], ["peak_amplitude < 0.25 mm"], at_end=(3,))
+    write_band_page(path, statistics, "Two blades", "[study]", PROVENANCE)
+    assert path.stat().st_size < LARGEST_PAGE
+    with opened_browser() as browser:
+        for width in WIDTHS:
+            with opened_page(browser, path, width) as page:
+                require_readable(page)
+                assert page.locator(".js-plotly-plot").count() == 5
+                page.click("#scale")
+                assert page.evaluate("document.getElementById('curves').layout.yaxis.type") == "log"

@@ -1,0 +1,112 @@
+"""Percentiles, limits and curves of samples, against closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.stats
+
+from band_tables import band_table
+from sentences import rejects
+from stickslip.core.errors import InputError
+from stickslip.results.band import MEASURES, curve_band, exceedance, highest_branch, limit_of, percentiles
+from stickslip.results.sweep_table import SweepCurve
+
+PEAK = MEASURES["peak_amplitude"]
+
+
+def curve(frequency: list[float], amplitude: list[float], part: list[int] | None = None) -> SweepCurve:
+    return SweepCurve(
+        np.array(frequency), np.array(amplitude), np.ones(len(frequency), bool), np.array(part or [0] * len(frequency))
+    )
+
+
+def test_percentiles_of_evenly_distributed_samples_are_those_of_the_distribution() -> None:
+    """Peaks proportional to a force that is uniform between 1 and 3 N, one sample in each n-th part."""
+    table = band_table((1.0 + 2.0 * (np.arange(64) + 0.5) / 64).tolist())
+    result = percentiles(PEAK, table)
+    assert result.values == pytest.approx((1.1, 2.0, 2.9), rel=1e-12)
+    assert result.count == 64
+    for (low, high), value in zip(result.intervals, result.values, strict=True):
+        assert not low > value
+        assert not high < value
+    assert np.isnan(result.intervals[0][0])  # 64 samples have no lower bound for 5 %
+    # of 64 samples, the 24th and the 41st contain the median: P(24 <= B(64, 1/2) < 41) is the first above 95 %
+    assert result.intervals[1] == pytest.approx((1.0 + 2.0 * 23.5 / 64, 1.0 + 2.0 * 40.5 / 64))
+    assert scipy.stats.binom.cdf(40, 64, 0.5) - scipy.stats.binom.cdf(23, 64, 0.5) > 0.95
+
+
+def test_failed_samples_are_counted_out_of_percentiles() -> None:
+    result = percentiles(PEAK, band_table([1.0, None, 2.0, 3.0, None]))
+    assert (result.values[1], result.count) == (2.0, 3)
+    assert np.isnan(percentiles(PEAK, band_table([None, None])).values).all()
+
+
+def test_the_interval_of_a_probability_is_that_of_clopper_and_pearson() -> None:
+    limit = limit_of("peak_amplitude < 2.5 m")
+    result = exceedance(limit, band_table([1.0, 2.0, 3.0, 4.0]))
+    assert (result.exceeded, result.undecided, result.count, result.probability) == (2, 0, 4, 0.5)
+    beta = scipy.stats.beta
+    assert result.interval == pytest.approx((beta.ppf(0.025, 2, 3), beta.ppf(0.975, 3, 2)))
+
+
+def test_undecided_samples_widen_the_interval_to_both_outcomes() -> None:
+    """A failed sample, and a curve that rises at its end below the limit; one above the limit is decided."""
+    limit = limit_of("peak_amplitude < 2.5 m")
+    result = exceedance(limit, band_table([1.0, None, 2.0, 3.0], at_end=(2, 3)))
+    assert (result.exceeded, result.undecided, result.probability) == (1, 2, 0.5)
+    beta = scipy.stats.beta
+    assert result.interval == pytest.approx((beta.ppf(0.025, 1, 4), beta.ppf(0.975, 4, 1)))
+    lower = exceedance(limit_of("peak_amplitude > 2.5 m"), band_table([1.0, 2.0, 3.0], at_end=(0, 2)))
+    assert (lower.exceeded, lower.undecided) == (1, 1)  # the open peak of 3 m is above, that of 1 m may be
+    frequency = exceedance(limit_of("peak_frequency > 470 Hz"), band_table([1.0, 2.0], at_end=(1,)))
+    assert (frequency.exceeded, frequency.undecided) == (1, 1)
+    nothing = exceedance(limit, band_table([None, None]))
+    assert np.isnan(nothing.probability)
+    assert nothing.interval == (0.0, 1.0)
+
+
+def test_limits_are_si() -> None:
+    limit = limit_of(" upward_peak_amplitude<0.2 mm ")
+    assert (limit.measure.column, limit.is_upper, limit.value) == ("upward_peak_amplitude_m", True, 2e-4)
+    assert limit_of("peak_frequency > 0.45 kHz").value == 450.0
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["peak < 1 mm", "peak_amplitude <= 1 mm", "peak_amplitude 1 mm", "peak_amplitude < 0.2", "peak_amplitude < 5 Hz",
+     "peak_amplitude < -1 mm", "peak_frequency > nan Hz", "stress < 1 MPa", ""],
+)  # fmt: skip
+def test_unknown_limits_are_rejected(text: str) -> None:
+    with rejects(InputError, "limits"):
+        limit_of(text)
+
+
+def test_a_folded_curve_counts_with_its_highest_branch() -> None:
+    folded = curve([1.0, 3.0, 2.0, 4.0], [0.0, 2.0, 3.0, 1.0])
+    # branches: rises 0 to 2 on (1, 3), back from 2 to 3 on (3, 2), falls 3 to 1 on (2, 4)
+    grid = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5])
+    expected = [np.nan, 0.0, 0.5, 3.0, 2.5, 2.0, 1.5, 1.0, np.nan]
+    np.testing.assert_allclose(highest_branch(folded, grid), expected)
+    np.testing.assert_allclose(highest_branch(curve([4.0, 1.0], [1.0, 4.0]), grid[1:8]), 5.0 - grid[1:8])
+
+
+def test_a_gap_between_parts_has_no_amplitude() -> None:
+    parted = curve([1.0, 2.0, 3.0, 4.0], [1.0, 1.0, 2.0, 2.0], [0, 0, 1, 1])
+    grid = np.array([1.5, 2.0, 2.5, 3.0, 3.5])
+    np.testing.assert_allclose(highest_branch(parted, grid), [1.0, 1.0, np.nan, 2.0, 2.0])
+    band = curve_band([parted, curve([1.0, 2.5, 4.0], [3.0, 3.0, 3.0])])
+    assert band is not None
+    place = int(np.flatnonzero(band.frequency_hz == 2.5)[0])
+    assert (band.count[place], band.amplitude_m[1, place]) == (1, 3.0)
+    assert band.count[0] == 2
+
+
+def test_the_band_of_proportional_curves_is_proportional() -> None:
+    shape = [1.0, 4.0, 2.0, 1.0]
+    factors = 1.0 + 2.0 * (np.arange(32) + 0.5) / 32
+    band = curve_band([curve([10.0, 11.0, 12.0, 14.0], [factor * each for each in shape]) for factor in factors])
+    assert band is not None
+    expected = np.interp(band.frequency_hz, [10.0, 11.0, 12.0, 14.0], shape)
+    np.testing.assert_allclose(band.amplitude_m, np.outer((1.1, 2.0, 2.9), expected), rtol=1e-12)
+    assert curve_band([]) is None
