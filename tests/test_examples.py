@@ -117,6 +117,7 @@ def test_readme_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
         "export",
         "roughness",
         "sweep",
+        "band",
         "paper",
     ]
     for line in commands[:-1]:

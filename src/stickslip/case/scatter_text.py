@@ -23,6 +23,7 @@ from stickslip.core.errors import InputError
 from stickslip.core.units import in_unit, number_and_unit
 
 Form = Literal["normal", "lognormal", "uniform", "loguniform", "listed"]
+LONGEST_PATH = 4  # of a key: section.NAME.table.key; what lies deeper in a file is an error that others report
 FORMS = (
     'Forms are "0.3 +- 0.1" (mean, standard deviation), "lognormal 0.3 */ 1.5" (median, factor), "0.2 .. 0.4", '
     '"0.2 .. 0.4 log" and "0.2 | 0.3 | 0.35".'
@@ -129,7 +130,7 @@ def split_scatter(
     scattered: dict[str, str] = {}
     for key, value in data.items():
         path = (*above, key)
-        if isinstance(value, Mapping):
+        if isinstance(value, Mapping) and len(path) < LONGEST_PATH:
             central[key], inner = split_scatter(value, may_scatter, path)
             scattered |= inner
             continue
