@@ -14,6 +14,8 @@ from stickslip.case.case import Case
 from stickslip.core.errors import InputError
 from sweep_cases import quick_case
 
+pytestmark = pytest.mark.slow
+
 
 @cache
 def peak_of(case: Case) -> SolvedPeak:
@@ -90,7 +92,6 @@ def test_values_that_have_no_derivative_are_rejected() -> None:
         ss.case_parameters(case, model, "no output")
 
 
-@pytest.mark.slow
 def test_rayleigh_damping() -> None:
     """Rayleigh damping follows the changed matrices."""
     case = quick_case().replace({"damping.rayleigh_alpha": "8 1/s", "reduction.modes": 30})

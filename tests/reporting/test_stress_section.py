@@ -24,6 +24,8 @@ from stickslip.results.record import StudyRecord
 from stickslip.results.stress import Region, StressExtreme, StressSummary, SurfaceStress
 from synthetic import synthetic_response, synthetic_study
 
+pytestmark = pytest.mark.slow
+
 APART = StressExtreme("alternating stress", 31.9e6, "box <1>", (0.01, 0.0, -0.02), Region.CONSTRAINED)
 INSIDE = StressExtreme("alternating stress", 77.7e6, "box 2", (0.05, 0.05, 0.1), Region.CONTACT)
 SAFETY = StressExtreme("safety factor", 2.5, "box 2", (0.05, 0.05, 0.11), Region.ORDINARY)
@@ -96,7 +98,6 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.slow
 def test_the_list_colours_every_surface_and_takes_the_colours_back(browser: Any, report: Path) -> None:
     look = """() => document.getElementById('structure-plot')._fullData.filter(trace => trace.type === 'mesh3d').map(
       trace => [trace.intensity ? Math.max(...trace.intensity) : null, trace.opacity, Boolean(trace.showscale)])"""
@@ -114,7 +115,6 @@ def test_the_list_colours_every_surface_and_takes_the_colours_back(browser: Any,
         assert page.evaluate(look) == before
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_page_with_a_stress_can_be_read(browser: Any, report: Path, width: int) -> None:
     with opened_page(browser, report, width) as page:

@@ -42,6 +42,7 @@ def test_a_product_of_two_factors_has_its_closed_form() -> None:
     assert (result.names, result.reason, result.n_samples) == (("x", "z"), "", 32)
 
 
+@pytest.mark.slow
 def test_indices_of_a_function_with_strong_interactions() -> None:
     """T. Ishigami, T. Homma (1990): y = sin a + 7 sin^2 b + 0.1 c^4 sin a on (-pi, pi)^3."""
     drawn = points(3, 256)

@@ -23,6 +23,8 @@ from stickslip.core.errors import ConvergenceError, InputError
 from stickslip.solve.parameters import parameters_of
 from stickslip.solve.solver_input import SolverInput
 
+pytestmark = pytest.mark.slow
+
 # In metres, and three unknowns of one pair with slip, variable normal load and separation.
 STIFFNESS = 1e6 * np.array([[3.0, -1.0, 0.2], [-1.0, 2.5, -0.5], [0.2, -0.5, 2.0]])
 MASS = np.diag([1.0, 0.6, 0.8])
@@ -180,7 +182,6 @@ def test_the_peak_of_a_linear_oscillator() -> None:
     printed_sentence(found.messages[0])
 
 
-@pytest.mark.slow
 def test_the_blade_with_many_pairs(blade: Blade) -> None:
     """Fold and many samples that switch: the secant between two forces is between the derivatives at both."""
     found = []

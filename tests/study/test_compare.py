@@ -26,6 +26,8 @@ from stickslip.results.sweep_table import SweepCurve
 from stickslip.study.compare import compare
 from synthetic import synthetic_response, synthetic_study
 
+pytestmark = pytest.mark.slow
+
 
 def scaled(factor: float) -> ForcedResponse:
     """The response with all displacements times a factor."""
@@ -167,7 +169,6 @@ def test_the_command_writes_the_page_and_exits_with_two_for_a_wrong_folder(two: 
     assert (two[1] / "tables.xlsx").exists()
 
 
-@pytest.mark.slow
 def test_the_page_is_readable_in_a_browser(two: list[Path], tmp_path: Path) -> None:
     (target,) = compare(two, tmp_path / "page.html")
     with opened_browser() as browser:

@@ -16,10 +16,11 @@ from stickslip.sweeps.axes import swept_keys
 from stickslip.sweeps.plan import plan_cases
 from sweep_cases import quick_case
 
+pytestmark = pytest.mark.slow
+
 GRADIENTS = {"analysis.gradients": True}
 
 
-@pytest.mark.slow
 def test_run_writes_the_gradients_and_their_section(tmp_path: Path) -> None:
     outcome = study.run(quick_case().replace(GRADIENTS), tmp_path)
     saved = load_results(tmp_path / "results.nc").response.gradients

@@ -182,6 +182,7 @@ def over_boundary_elements(row: dict[str, float]) -> float:
     return float(face.normal(np.array([row["pressure"]]))[0] / row["normal"])
 
 
+@pytest.mark.slow
 def test_the_law_agrees_with_boundary_elements_that_it_was_not_fitted_to() -> None:
     """Goal: a factor 2 in 95 % of the cases, and 30 % in the median."""
     ratio = np.array([over_boundary_elements(row) for row in truth("test")])
