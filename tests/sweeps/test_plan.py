@@ -14,7 +14,7 @@ from stickslip.case.case import Case
 from stickslip.core.errors import InputError, StudyFileError
 from stickslip.sweeps import plan, work
 from stickslip.sweeps.axes import swept_keys
-from stickslip.sweeps.plan import PlannedCase, plan_cases
+from stickslip.sweeps.plan import PlannedCase, plan_cases, plan_rows
 
 
 def planned(vary: dict, case: Case | None = None) -> tuple[PlannedCase, ...]:
@@ -114,3 +114,12 @@ def test_cases_that_are_not_valid_together_are_all_named_before_anything_runs() 
 def test_a_sweep_without_end_is_rejected() -> None:
     with rejects(InputError):
         planned({"friction.coefficient": "0.1:0.5:10000", "preload.centrifugal_force": "1:11:11"})
+
+
+@pytest.mark.parametrize("of", ["sweep", "band"])
+@pytest.mark.parametrize("key", ["kind", "gradients"])
+def test_an_analysis_that_no_table_contains_is_rejected(key: str, of: str) -> None:
+    case = Case().replace({"analysis.kind": "ridge"} if key == "kind" else {"analysis.gradients": True})
+    keys = swept_keys({"friction.coefficient": [0.2, 0.3]})
+    with rejects(InputError, f"analysis.{key}"):
+        plan_rows(case, keys, [(0,), (1,)], of)

@@ -16,10 +16,11 @@ from stickslip.case.quantities import (
     Density,
     Direction,
     Distance,
+    FatigueLimit,
     FileName,
     Force,
     PoissonRatio,
-    Strength,
+    TensileStrength,
     YoungModulus,
     require_printable,
 )
@@ -153,14 +154,8 @@ class OwnMaterialSection(Section):
     young_modulus: Annotated[YoungModulus, Required(_MATERIAL)]
     poisson_ratio: Annotated[PoissonRatio, Required(_MATERIAL)]
     density: Annotated[Density, Required(_MATERIAL)]
-    fatigue_limit: Strength | None = Field(
-        default=None,
-        description="alternating stress endured without mean stress, for the Goodman check",
-        examples=["450 MPa"],
-    )
-    tensile_strength: Strength | None = Field(
-        default=None, description="ultimate strength, for the Goodman check", examples=["1000 MPa"]
-    )
+    fatigue_limit: FatigueLimit = None
+    tensile_strength: TensileStrength = None
 
 
 class BodySection(Section):
@@ -169,14 +164,8 @@ class BodySection(Section):
     young_modulus: YoungModulus | None = Field(default=None, examples=["197 GPa"])
     poisson_ratio: PoissonRatio | None = Field(default=None, examples=[0.3])
     density: Density | None = Field(default=None, examples=["7800 kg/m^3"])
-    fatigue_limit: Strength | None = Field(
-        default=None,
-        description="alternating stress endured without mean stress, for the Goodman check",
-        examples=["450 MPa"],
-    )
-    tensile_strength: Strength | None = Field(
-        default=None, description="ultimate strength, for the Goodman check", examples=["1000 MPa"]
-    )
+    fatigue_limit: FatigueLimit = None
+    tensile_strength: TensileStrength = None
 
 
 class OwnPreloadSection(PreloadSection):

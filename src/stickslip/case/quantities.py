@@ -9,7 +9,7 @@ from pathlib import PurePath
 from typing import Annotated, Any
 from unicodedata import category
 
-from pydantic import AfterValidator, PlainValidator
+from pydantic import AfterValidator, Field, PlainValidator
 
 from stickslip.core.errors import InputError
 from stickslip.core.units import LARGEST_FORCE, LARGEST_STIFFNESS, Count, Quantity
@@ -37,6 +37,13 @@ YoungModulus = Annotated[float, Quantity("pressure", shown="GPa", at_least=1e3, 
 # Foams endure 10 kPa, whiskers 20 GPa.
 Strength = Annotated[
     float, Quantity("pressure", shown="MPa", at_least=1e3, at_most=1e12, usual=(1e4, 1e11), example='"450 MPa"')
+]
+FatigueLimit = Annotated[
+    Strength | None,
+    Field(description="alternating stress endured without mean stress, for the Goodman check", examples=["450 MPa"]),
+]
+TensileStrength = Annotated[
+    Strength | None, Field(description="ultimate strength, for the Goodman check", examples=["1000 MPa"])
 ]
 # Aerogels have 1 kg/m^3, osmium 22,590 kg/m^3; less serves as a body without mass, more as a lumped one.
 Density = Annotated[float, Quantity("density", at_least=1e-6, at_most=1e9)]

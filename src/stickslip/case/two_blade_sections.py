@@ -7,7 +7,17 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from stickslip.case.quantities import Density, Direction, Elements, Force, Length, PoissonRatio, Strength, YoungModulus
+from stickslip.case.quantities import (
+    Density,
+    Direction,
+    Elements,
+    FatigueLimit,
+    Force,
+    Length,
+    PoissonRatio,
+    TensileStrength,
+    YoungModulus,
+)
 from stickslip.case.section import Section, instead_of, without_default
 from stickslip.case.sections import PreloadSection, StructureSection
 from stickslip.core.units import Quantity
@@ -70,14 +80,8 @@ class MaterialSection(Section):
     young_modulus: YoungModulus = Field(default=197e9)
     poisson_ratio: PoissonRatio = Field(default=0.3)
     density: Density = Field(default=7800.0)
-    fatigue_limit: Strength | None = Field(
-        default=None,
-        description="alternating stress endured without mean stress, for the Goodman check",
-        examples=["450 MPa"],
-    )
-    tensile_strength: Strength | None = Field(
-        default=None, description="ultimate strength, for the Goodman check", examples=["1000 MPa"]
-    )
+    fatigue_limit: FatigueLimit = None
+    tensile_strength: TensileStrength = None
 
 
 class ExcitationSection(Section):

@@ -6,6 +6,7 @@ import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Annotated
 
 import typer
 
@@ -17,6 +18,7 @@ from stickslip.core.thread_variables import require_thread_variables
 EXIT_FAULT = 1  # a defect of the program
 EXIT_INTERRUPTED = 130  # 128 + 2, as shells report Ctrl-C
 LOG_NAME = "stickslip-error.log"
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 
 @contextmanager

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip.cli.errors import error_messages
+from stickslip.cli import result_commands
+from stickslip.cli.errors import Debug, error_messages
 from stickslip.cli.many_cases import (
     EXIT_NOT_CONVERGED,
     SHOWN_FAILURES,
@@ -55,7 +56,6 @@ OutFolder = Annotated[
     Path,
     typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False, parser=_folder),
 ]
-Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print only errors.")]
 Workers = Annotated[
     int | None,
@@ -282,55 +282,8 @@ def band(
         close_cases(result, quiet, "samples")
 
 
-@app.command()
-def report(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder with results.nc.", show_default=False)],
-    debug: Debug = False,
-) -> None:
-    """Write the report of a solved study again, without a new solution."""
-    with error_messages(debug):
-        if not folder.is_dir():
-            raise InputError(f'the folder "{folder}" does not exist. Give the --out folder of a run, with results.nc.')
-        from stickslip.study import run as study
-
-        for file in study.report(folder):
-            echo(f"Wrote {file}")
-
-
-@app.command()
-def compare(
-    folders: Annotated[
-        list[Path], typer.Argument(metavar="DIR DIR...", help="Folders of runs; the first is the reference.")
-    ],
-    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="The page.")] = Path("compare.html"),
-    to: Annotated[str | None, typer.Option("--to", help="Also write the tables: csv, xlsx or mat.")] = None,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
-    debug: Debug = False,
-) -> None:
-    """Show several solved studies on one page: curves, differences, inputs that differ."""
-    with error_messages(debug):
-        from stickslip.study.compare import compare as write_comparison
-
-        for file in write_comparison(folders, out, force, to):
-            echo(f"Wrote {file}")
-
-
-@app.command()
-def export(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder with results.nc.", show_default=False)],
-    to: Annotated[str, typer.Option("--to", help="csv (a folder of files), xlsx or mat.")] = "csv",
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="PATH", help="File or folder; default DIR/tables.")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
-    debug: Debug = False,
-) -> None:
-    """Write every table of a solved study as CSV, Excel or MATLAB."""
-    with error_messages(debug):
-        from stickslip.study.export import export_tables
-
-        for file in export_tables(folder, to, out, force):
-            echo(f"Wrote {file}")
+for _command in (result_commands.report, result_commands.compare, result_commands.export):
+    app.command()(_command)
 
 
 @app.command()

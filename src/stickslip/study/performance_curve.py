@@ -91,14 +91,15 @@ def performance_curve(
     lowest = min(low, force)
     bounds = _lowest_force(family, model, lowest, force), max(high, force)
     report = StageReport(lambda fraction, detail: progress.update("Performance curve", fraction, detail))
-    options = ridge_options(case, TOLERANCE, _harmonics_of_peaks(model, response))
+    found = _high_peaks(model, response)
+    options = ridge_options(case, TOLERANCE, _harmonics_of(found, response))
     window = min(options.frequency_hz), max(options.frequency_hz)
     options = replace(options, frequency_hz=(window[0] / WIDER, window[1] * WIDER))
     stages = CaseStages(family, model, report, threads, options)
     modes = stages(force, None).modes_between(window)
     work = Work(MOST_CURVES * float(response.iterations.sum() + response.n_points))
     ridges = RidgeMap(stages, bounds, report, PACE, lambda value: f"{value:.4g} N", work, modes)
-    _follow_response(ridges, model, force, response, options.harmonics)
+    _follow_response(ridges, found, force, response, options.harmonics)
     ridges.add_stuck(bounds[1])
     ridges.refine()
     name = next(iter(model.outputs))
@@ -139,19 +140,18 @@ def _high_peaks(model: ReducedModel, response: ForcedResponse) -> list[Peak]:
     return [each for each in found if each.bracketed and each.amplitude >= LEAST_FRACTION * found[0].amplitude]
 
 
-def _harmonics_of_peaks(model: ReducedModel, response: ForcedResponse) -> int:
-    """The most harmonics that the high peaks of the response have, or all of its points."""
-    high = [each.point for each in _high_peaks(model, response)]
-    if response.point_harmonics is None or not high:
+def _harmonics_of(found: list[Peak], response: ForcedResponse) -> int:
+    """The most harmonics that the peaks have, or all points of the response."""
+    if response.point_harmonics is None or not found:
         return response.harmonics
-    return int(response.point_harmonics[high].max())
+    return int(response.point_harmonics[[each.point for each in found]].max())
 
 
 def _follow_response(
-    ridges: RidgeMap, model: ReducedModel, force: float, response: ForcedResponse, harmonics: int
+    ridges: RidgeMap, found: list[Peak], force: float, response: ForcedResponse, harmonics: int
 ) -> None:
-    """Follow the high peaks of the response of the case, with this number of harmonics."""
-    for top in _high_peaks(model, response):
+    """Follow peaks of the response of the case, with this number of harmonics."""
+    for top in found:
         unknowns = response.pair_coefficients(top.point).reshape(3 * response.pairs.n_pairs, -1).T
         omega = 2.0 * np.pi * float(response.frequency_hz[top.point])
         ridges.add_from(force, with_rows(unknowns, 2 * harmonics + 1), omega)

@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from stickslip.case.analysis import RidgeAnalysis
 from stickslip.case.case import Case
 from stickslip.case.key_kinds import UNSWEPT_SECTIONS
 from stickslip.core.errors import InputError, StudyFileError
@@ -62,12 +63,6 @@ def plan_cases(case: Case, keys: tuple[SweptKey, ...]) -> tuple[PlannedCase, ...
 
     Raises StudyFileError that names the combinations which are not valid, InputError for too many cases.
     """
-    if case.analysis.gradients:
-        raise InputError(
-            "gradients is true, but the cases of a sweep have no gradients: they share a reduced structure without its "
-            "mesh. Set it to false for the sweep, and compute the gradients of single cases with stickslip run.",
-            ("analysis.gradients",),
-        )
     count = math.prod(len(key.values) for key in keys)
     if count > LARGEST_SWEEP:
         sizes = " x ".join(str(len(key.values)) for key in keys)
@@ -84,6 +79,7 @@ def plan_rows(
 
     Raises StudyFileError that names the rows which are not valid.
     """
+    _require_one_curve(case, of)
     planned, wrong = [], []
     for places in rows:
         chosen = list(zip(keys, places, strict=True))
@@ -105,6 +101,22 @@ def plan_rows(
         heading = f"{len(wrong)} of {count} cases of the {of} are not valid; nothing was solved."
         raise StudyFileError("\n".join([heading, *wrong[:_SHOWN_ERRORS], *more]))
     return tuple(planned)
+
+
+def _require_one_curve(case: Case, of: str) -> None:
+    """Raise InputError for an analysis of more than the frequency curve that no table of cases contains."""
+    if case.analysis.gradients:
+        raise InputError(
+            f"gradients is true, but the cases of a {of} have no gradients: they share a reduced structure without its "
+            f"mesh. Set it to false for the {of}, and compute the gradients of single cases with stickslip run.",
+            ("analysis.gradients",),
+        )
+    if isinstance(case.analysis, RidgeAnalysis):
+        raise InputError(
+            f'kind is "ridge", but the table of a {of} contains no ridges, and each takes the time of several curves. '
+            f'Set kind = "forced" for the {of}, and follow the peaks of single cases with stickslip run.',
+            ("analysis.kind",),
+        )
 
 
 def _bare(name: str) -> str:

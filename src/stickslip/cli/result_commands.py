@@ -1,0 +1,60 @@
+"""The commands on results of solved studies: report, compare, export."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stickslip.cli.errors import Debug, error_messages
+from stickslip.core.errors import InputError
+from stickslip.core.terminal import echo
+
+
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder with results.nc.", show_default=False)],
+    debug: Debug = False,
+) -> None:
+    """Write the report of a solved study again, without a new solution."""
+    with error_messages(debug):
+        if not folder.is_dir():
+            raise InputError(f'the folder "{folder}" does not exist. Give the --out folder of a run, with results.nc.')
+        from stickslip.study import run as study
+
+        for file in study.report(folder):
+            echo(f"Wrote {file}")
+
+
+def compare(
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="DIR DIR...", help="Folders of runs; the first is the reference.")
+    ],
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="The page.")] = Path("compare.html"),
+    to: Annotated[str | None, typer.Option("--to", help="Also write the tables: csv, xlsx or mat.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
+    debug: Debug = False,
+) -> None:
+    """Show several solved studies on one page: curves, differences, inputs that differ."""
+    with error_messages(debug):
+        from stickslip.study.compare import compare as write_comparison
+
+        for file in write_comparison(folders, out, force, to):
+            echo(f"Wrote {file}")
+
+
+def export(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder with results.nc.", show_default=False)],
+    to: Annotated[str, typer.Option("--to", help="csv (a folder of files), xlsx or mat.")] = "csv",
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="PATH", help="File or folder; default DIR/tables.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
+    debug: Debug = False,
+) -> None:
+    """Write every table of a solved study as CSV, Excel or MATLAB."""
+    with error_messages(debug):
+        from stickslip.study.export import export_tables
+
+        for file in export_tables(folder, to, out, force):
+            echo(f"Wrote {file}")
