@@ -1,0 +1,274 @@
+"""Measured frequency and damping of a bolted two-beam structure against computed nonlinear modes.
+
+``python benchmarks/two_beam.py FOLDER OUT`` reads ``two_beam/`` of FOLDER and writes OUT/two_beam.csv and
+OUT/two_beam.svg. Measurement and matrices: N. N. Balaji, GitHub Nidish96/Computational-Work-For-ASB-Project (2020);
+both stay in FOLDER. docs/validation.md explains the model and the result.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.io
+import scipy.linalg
+import scipy.optimize
+from matplotlib.figure import Figure
+
+import stickslip as ss
+
+# 20 Nm on a bolt with 5/16-inch thread; the force is in the matrix files' description.
+BOLT_FORCE_N = 11_580.0
+# m, the cone of compressed material at the interface (VDI 2230:2015): head 12.7 mm across flats, 12.7 mm of steel
+# below it, tan(phi) = 0.362 + 0.032 ln(1) + 0.153 ln(2).
+CONE_RADIUS_M = 0.0123
+POISSON = 0.29
+TANGENTIAL_RATIO = 2.0 * (1.0 - POISSON) / (2.0 - POISSON)
+# Pairs at one position: asperities of one stiffness, with the exponential distribution of loads of Greenwood and
+# Williamson. Eight give the friction of a continuous distribution within 5 % (docs/validation.md).
+ASPERITIES = 8
+FRICTION_BAND = (0.2, 0.4, 0.6)
+POINTS_PER_DECADE = 16
+# The mode of each configuration, from 1 in the order of the stuck frequencies.
+MODES = {"CD1": 1, "C1": 1, "C2": 2, "C4": 2}
+_SQUARE = [(0.238328, -0.010828), (0.238328, -0.032672), (0.260172, -0.010828), (0.260172, -0.032672)]
+_LAP = [(-0.03, 0.0), (0.0, 0.0), (0.03, 0.0)]
+
+
+@dataclass(frozen=True)
+class TwoBeam:
+    """A configuration: superelement, and the elements of its interface.
+
+    ``motion`` (n, 3, n_unknowns) are t1, t2, n of the relative motion at the centre of each element, ``area`` (n,) m2,
+    ``pressure`` (n,) Pa from the bolts.
+    """
+
+    superelement: ss.Superelement
+    motion: np.ndarray
+    area: np.ndarray
+    pressure: np.ndarray
+
+    def pairs(self, stiffness_n_m3: float, friction: float) -> ss.ContactPairs:
+        """Contact pairs where the bolts press, ASPERITIES at each position."""
+        pressed = self.pressure > 0.0
+        area, load = self.area[pressed], (self.pressure * self.area)[pressed]
+        spring = np.repeat(stiffness_n_m3 * area / ASPERITIES, ASPERITIES)
+        loads = np.outer(load, exponential_loads(ASPERITIES) / ASPERITIES).ravel()
+        rows = np.repeat(self.motion[pressed], ASPERITIES, axis=0)
+        return ss.ContactPairs(
+            rows.reshape(-1, rows.shape[2]), spring, TANGENTIAL_RATIO * spring, friction, normal_load=loads
+        )
+
+    def stuck_frequency(self, stiffness_n_m3: float, mode: int) -> float:
+        """Hz."""
+        pressed = self.pressure > 0.0
+        springs = stiffness_n_m3 * np.outer(self.area[pressed], [TANGENTIAL_RATIO, TANGENTIAL_RATIO, 1.0])
+        joint = np.einsum("psi,ps,psj->ij", self.motion[pressed], springs, self.motion[pressed], optimize=True)
+        square = scipy.linalg.eigvalsh(self.superelement.stiffness + joint, self.superelement.mass)
+        return math.sqrt(square[mode - 1]) / (2.0 * math.pi)
+
+    def stiffness_for(self, frequency_hz: float, mode: int) -> float:
+        """N/m3, with which a stuck mode has a frequency."""
+        root = scipy.optimize.brentq(
+            lambda logarithm: self.stuck_frequency(math.exp(logarithm), mode) - frequency_hz,
+            math.log(1e9),
+            math.log(1e15),
+        )
+        return math.exp(root)
+
+
+def exponential_loads(count: int) -> np.ndarray:
+    """(count,) means of an exponential distribution of mean 1 in equally probable intervals."""
+    edges = -np.log1p(-np.arange(count) / count)
+    beyond = np.append((edges + 1.0) * np.exp(-edges), 0.0)
+    return -count * np.diff(beyond)
+
+
+def read_two_beam(folder: Path, name: str) -> TwoBeam:
+    """Configuration ``name`` ("CD1", "C1", ...) of the folder."""
+    raw = scipy.io.loadmat(folder / "two_beam" / f"MAT_NULLRED_{name}.mat", squeeze_me=True)
+    patches = int(raw["Npatches"])
+    rows = slice(0, 6 * patches)
+    # The file's patches hang on the faces by springs of `cnum` N/m3: numerical aids, 30 times softer than the contact.
+    # Without them the mean motion of each face patch (transposed LamT) is the only motion of the joint.
+    aid = raw["L"][rows] - raw["LamT"].T
+    stiffness = raw["K"] - float(raw["cnum"]) * aid.T @ _dense(raw["GTG"]) @ aid
+    mesh = raw["MESH"][()]
+    nodes, quads = np.asarray(_plain(mesh["Nds"]), float), np.asarray(_plain(mesh["Quad"]), int)[:, 1:] - 1
+    motion, area, centre = [], [], []
+    for patch in range(patches):
+        corners = nodes[quads[np.asarray(raw["Pels"][patch], int) - 1]]
+        middle, size = corners.mean(axis=1), _areas(corners)
+        arm = middle - np.average(middle, axis=0, weights=size)
+        motion.append(_rigid(arm) @ raw["LamT"][:, 6 * patch : 6 * patch + 6].T)
+        area.append(size)
+        centre.append(middle)
+    areas = np.concatenate(area)
+    bolts = np.array(_LAP if name.startswith("CD") else _SQUARE)
+    return TwoBeam(
+        ss.Superelement(raw["M"], 0.5 * (stiffness + stiffness.T)),
+        np.concatenate(motion),
+        areas,
+        bolt_pressure(np.concatenate(centre), areas, bolts),
+    )
+
+
+def bolt_pressure(
+    position: np.ndarray, area: np.ndarray, bolts: np.ndarray, radius: float = CONE_RADIUS_M
+) -> np.ndarray:
+    """(n,) Pa: a paraboloid below each bolt that ends at the cone and carries the force of the bolt."""
+    distance = np.linalg.norm(position[:, None, :2] - bolts, axis=2)
+    shape = np.clip(1.0 - (distance / radius) ** 2, 0.0, None)
+    return (shape * (BOLT_FORCE_N / (area @ shape))).sum(axis=1)
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if getattr(value, "shape", None) == () else value
+
+
+def _dense(value: Any) -> np.ndarray:
+    value = _plain(value)
+    return np.asarray(value.toarray() if hasattr(value, "toarray") else value)
+
+
+def _areas(corners: np.ndarray) -> np.ndarray:
+    """(n,) m2 of flat quadrilaterals (n, 4, 3) with normal z."""
+    first, second = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
+    return 0.5 * np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+
+
+def _rigid(arm: np.ndarray) -> np.ndarray:
+    """(n, 3, 6) displacement at ``arm`` (n, 3) m from three translations and three rotations."""
+    result = np.zeros((len(arm), 3, 6))
+    result[:, range(3), range(3)] = 1.0
+    x, y, z = arm.T
+    result[:, 0, 4], result[:, 0, 5] = z, -y
+    result[:, 1, 3], result[:, 1, 5] = -z, x
+    result[:, 2, 3], result[:, 2, 4] = y, -x
+    return result
+
+
+@dataclass(frozen=True)
+class Backbone:
+    """Frequency (Hz) and damping ratio of friction against modal amplitude, m kg^0.5."""
+
+    stiffness_n_m3: float
+    friction: float
+    amplitude: np.ndarray
+    frequency_hz: np.ndarray
+    damping_ratio: np.ndarray
+
+
+def backbone(
+    beam: TwoBeam, mode: int, stiffness_n_m3: float, friction: float, amplitude: tuple[float, float]
+) -> Backbone:
+    """The mode with one stiffness and friction coefficient."""
+    result = ss.quasi_static_mode(
+        beam.superelement, beam.pairs(stiffness_n_m3, friction), mode, amplitude, points_per_decade=POINTS_PER_DECADE
+    )
+    if not result.converged:
+        raise SystemExit(result.message)
+    return Backbone(stiffness_n_m3, friction, result.modal_amplitude, result.frequency_hz, result.damping_ratio)
+
+
+def calibrated(
+    beam: TwoBeam, mode: int, frequency_hz: float, friction: float, amplitude: tuple[float, float]
+) -> Backbone:
+    """The mode with the stiffness that gives ``frequency_hz`` at the lowest amplitude: pairs slip there already."""
+    target = frequency_hz
+    for _ in range(3):
+        curve = backbone(beam, mode, beam.stiffness_for(target, mode), friction, amplitude)
+        error = frequency_hz / curve.frequency_hz[0]
+        if abs(error - 1.0) < 1e-5:
+            break
+        target *= error
+    return curve
+
+
+def measured(folder: Path, name: str) -> np.ndarray:
+    """Table of the measurement, by column names."""
+    return np.genfromtxt(folder / "two_beam" / f"two_beam_{name}.csv", delimiter=",", names=True)
+
+
+def compare(folder: Path, name: str) -> tuple[np.ndarray, list[Backbone]]:
+    """Measurement of a configuration, and its computed modes over the friction band."""
+    table, beam = measured(folder, name), read_two_beam(folder, name)
+    amplitude = (float(table["modal_amplitude"][0]), float(table["modal_amplitude"][-1]))
+    lowest = float(table["frequency_hz"][0])
+    return table, [calibrated(beam, MODES[name], lowest, friction, amplitude) for friction in FRICTION_BAND]
+
+
+def total_damping(table: np.ndarray, curve: Backbone) -> np.ndarray:
+    """Damping ratio of friction, and a background that makes the lowest amplitude agree (not below zero)."""
+    return curve.damping_ratio + max(0.0, float(table["damping_ratio"][0] - curve.damping_ratio[0]))
+
+
+def main() -> None:
+    """Solve all configurations with a measurement, print, write and plot them."""
+    folder, out = Path(sys.argv[1]), Path(sys.argv[2])
+    if not (folder / "two_beam").is_dir():
+        raise SystemExit(f"{folder} has no folder two_beam: nothing to compare with.")
+    out.mkdir(parents=True, exist_ok=True)
+    results = {}
+    with (out / "two_beam.csv").open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(
+            ["configuration", "friction", "stiffness_n_m3", "modal_amplitude", "frequency_hz", "damping_ratio",
+             "measured_frequency_hz", "measured_damping_ratio"]
+        )  # fmt: skip
+        for name in MODES:
+            table, curves = results[name] = compare(folder, name)
+            for curve in curves:
+                total, amplitude = total_damping(table, curve), table["modal_amplitude"]
+                at = np.log(amplitude)
+                frequency = np.interp(at, np.log(curve.amplitude), curve.frequency_hz)
+                damping = np.interp(at, np.log(curve.amplitude), total)
+                for row in zip(
+                    amplitude, frequency, damping, table["frequency_hz"], table["damping_ratio"], strict=True
+                ):
+                    writer.writerow([name, curve.friction, f"{curve.stiffness_n_m3:.3e}", *(f"{x:.6g}" for x in row)])
+                ratio = damping / table["damping_ratio"]
+                shift = 100.0 * (frequency[-1] / frequency[0] - 1.0)
+                true = 100.0 * (table["frequency_hz"][-1] / table["frequency_hz"][0] - 1.0)
+                print(
+                    f"{name} mu {curve.friction}: {curve.stiffness_n_m3:.2e} N/m3, shift {shift:.3f} % (measured "
+                    f"{true:.3f} %), damping {damping[0]:.2e} to {damping[-1]:.2e} (measured "
+                    f"{table['damping_ratio'][0]:.2e} to {table['damping_ratio'][-1]:.2e}), ratio {ratio.min():.2f} to "
+                    f"{ratio.max():.2f}, background {total[0] - curve.damping_ratio[0]:.2e}",
+                    flush=True,
+                )
+    draw(results).savefig(out / "two_beam.svg")
+
+
+def draw(results: dict[str, tuple[np.ndarray, list[Backbone]]]) -> Figure:
+    """Frequency and damping of each configuration: measurement as points, friction band as area."""
+    figure = Figure(figsize=(11.0, 5.2), layout="constrained")
+    panels = figure.subplots(2, len(results), squeeze=False)
+    for (name, (table, curves)), column in zip(results.items(), panels.T, strict=True):
+        at = 1e6 * curves[0].amplitude
+        for panel, key in zip(column, ("frequency_hz", "damping_ratio"), strict=True):
+            scale = 100.0 if key == "damping_ratio" else 1.0
+            lines = [curve.frequency_hz if scale == 1.0 else scale * total_damping(table, curve) for curve in curves]
+            panel.fill_between(at, np.min(lines, axis=0), np.max(lines, axis=0), color="#0072b2", alpha=0.25, lw=0)
+            for curve, line, style in zip(curves, lines, ("--", "-", ":"), strict=True):
+                panel.semilogx(at, line, style, color="#0072b2", label=f"computed, friction {curve.friction:g}")
+            panel.semilogx(
+                1e6 * table["modal_amplitude"], scale * table[key], "o", ms=4, color="#d55e00", label="measured"
+            )
+            panel.grid(color="#e8ecf0", which="both")
+        column[0].set_title(name)
+        column[0].ticklabel_format(axis="y", useOffset=False)
+        column[1].set(xlabel="Modal amplitude, 1e-6 m kg$^{1/2}$", ylim=(0.0, None))
+    panels[0, 0].set_ylabel("Frequency, Hz")
+    panels[1, 0].set_ylabel("Damping ratio, %")
+    panels[1, 0].legend(frameon=False, fontsize="small")
+    return figure
+
+
+if __name__ == "__main__":
+    main()
