@@ -30,14 +30,19 @@ CONE_RADIUS_M = 0.0123
 POISSON = 0.29
 TANGENTIAL_RATIO = 2.0 * (1.0 - POISSON) / (2.0 - POISSON)
 # Pairs at one position: asperities of one stiffness, with the exponential distribution of loads of Greenwood and
-# Williamson. Eight give the friction of a continuous distribution within 5 % (docs/validation.md).
+# Williamson. Eight give the friction of a continuous distribution within 6 % (docs/validation.md).
 ASPERITIES = 8
 FRICTION_BAND = (0.2, 0.4, 0.6)
 POINTS_PER_DECADE = 16
 # The mode of each configuration, from 1 in the order of the stuck frequencies.
 MODES = {"CD1": 1, "C1": 1, "C2": 2, "C4": 2}
-_SQUARE = [(0.238328, -0.010828), (0.238328, -0.032672), (0.260172, -0.010828), (0.260172, -0.032672)]
-_LAP = [(-0.03, 0.0), (0.0, 0.0), (0.03, 0.0)]
+# Measurements that are not in the folder: modes and amplitudes of predictions, with the stiffness of C1 and C2.
+PREDICTED = {"C3": ((1, 2), (8e-6, 1e-4)), "C4a": ((1, 2), (1e-6, 1.35e-5))}
+# Other assumptions on CD1: radius of the cone of pressure, m.
+OTHER_RADII_M = (0.011, 0.014)
+# m, bolts from the centre of the interface.
+_SQUARE = 0.010922 * np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
+_LAP = 0.03 * np.array([(-1, 0), (0, 0), (1, 0)])
 
 
 @dataclass(frozen=True)
@@ -89,7 +94,7 @@ def exponential_loads(count: int) -> np.ndarray:
     return -count * np.diff(beyond)
 
 
-def read_two_beam(folder: Path, name: str) -> TwoBeam:
+def read_two_beam(folder: Path, name: str, radius_m: float = CONE_RADIUS_M) -> TwoBeam:
     """Configuration ``name`` ("CD1", "C1", ...) of the folder."""
     raw = scipy.io.loadmat(folder / "two_beam" / f"MAT_NULLRED_{name}.mat", squeeze_me=True)
     patches = int(raw["Npatches"])
@@ -103,27 +108,26 @@ def read_two_beam(folder: Path, name: str) -> TwoBeam:
     motion, area, centre = [], [], []
     for patch in range(patches):
         corners = nodes[quads[np.asarray(raw["Pels"][patch], int) - 1]]
-        middle, size = corners.mean(axis=1), _areas(corners)
-        arm = middle - np.average(middle, axis=0, weights=size)
+        position, size = corners.mean(axis=1), _areas(corners)
+        arm = position - np.average(position, axis=0, weights=size)
         motion.append(_rigid(arm) @ raw["LamT"][:, 6 * patch : 6 * patch + 6].T)
         area.append(size)
-        centre.append(middle)
+        centre.append(position)
     areas = np.concatenate(area)
-    bolts = np.array(_LAP if name.startswith("CD") else _SQUARE)
+    middle = 0.5 * (nodes.min(axis=0) + nodes.max(axis=0))[:2]
+    bolts = middle + (_LAP if name.startswith("CD") else _SQUARE)
     return TwoBeam(
         ss.Superelement(raw["M"], 0.5 * (stiffness + stiffness.T)),
         np.concatenate(motion),
         areas,
-        bolt_pressure(np.concatenate(centre), areas, bolts),
+        bolt_pressure(np.concatenate(centre), areas, bolts, radius_m),
     )
 
 
-def bolt_pressure(
-    position: np.ndarray, area: np.ndarray, bolts: np.ndarray, radius: float = CONE_RADIUS_M
-) -> np.ndarray:
+def bolt_pressure(position: np.ndarray, area: np.ndarray, bolts: np.ndarray, radius_m: float) -> np.ndarray:
     """(n,) Pa: a paraboloid below each bolt that ends at the cone and carries the force of the bolt."""
     distance = np.linalg.norm(position[:, None, :2] - bolts, axis=2)
-    shape = np.clip(1.0 - (distance / radius) ** 2, 0.0, None)
+    shape = np.clip(1.0 - (distance / radius_m) ** 2, 0.0, None)
     return (shape * (BOLT_FORCE_N / (area @ shape))).sum(axis=1)
 
 
@@ -195,9 +199,9 @@ def measured(folder: Path, name: str) -> np.ndarray:
     return np.genfromtxt(folder / "two_beam" / f"two_beam_{name}.csv", delimiter=",", names=True)
 
 
-def compare(folder: Path, name: str) -> tuple[np.ndarray, list[Backbone]]:
+def compare(folder: Path, name: str, radius_m: float = CONE_RADIUS_M) -> tuple[np.ndarray, list[Backbone]]:
     """Measurement of a configuration, and its computed modes over the friction band."""
-    table, beam = measured(folder, name), read_two_beam(folder, name)
+    table, beam = measured(folder, name), read_two_beam(folder, name, radius_m)
     amplitude = (float(table["modal_amplitude"][0]), float(table["modal_amplitude"][-1]))
     lowest = float(table["frequency_hz"][0])
     return table, [calibrated(beam, MODES[name], lowest, friction, amplitude) for friction in FRICTION_BAND]
@@ -208,41 +212,97 @@ def total_damping(table: np.ndarray, curve: Backbone) -> np.ndarray:
     return curve.damping_ratio + max(0.0, float(table["damping_ratio"][0] - curve.damping_ratio[0]))
 
 
+COLUMNS = (
+    "configuration", "cone_radius_m", "friction", "stiffness_n_m3", "modal_amplitude", "frequency_hz", "damping_ratio",
+    "measured_frequency_hz", "measured_damping_ratio",
+)  # fmt: skip
+
+
+def table_rows(name: str, radius_m: float, table: np.ndarray, curve: Backbone) -> list[dict[str, Any]]:
+    """Computed and measured values at the measured amplitudes."""
+    at, place = np.log(table["modal_amplitude"]), np.log(curve.amplitude)
+    columns = (
+        table["modal_amplitude"],
+        np.interp(at, place, curve.frequency_hz),
+        np.interp(at, place, total_damping(table, curve)),
+        table["frequency_hz"],
+        table["damping_ratio"],
+    )
+    given = [name, radius_m, curve.friction, f"{curve.stiffness_n_m3:.3e}"]
+    return [
+        dict(zip(COLUMNS, [*given, *(f"{value:.6g}" for value in row)], strict=True))
+        for row in zip(*columns, strict=True)
+    ]
+
+
+def summary(rows: list[dict[str, Any]]) -> str:
+    """One line on a curve: shift and damping, computed and measured."""
+    column = {key: np.array([float(row[key]) for row in rows]) for key in COLUMNS[4:]}
+    shift, true = (
+        100.0 * (column[key][-1] / column[key][0] - 1.0) for key in ("frequency_hz", "measured_frequency_hz")
+    )
+    damping, known = column["damping_ratio"], column["measured_damping_ratio"]
+    ratio = damping / known
+    head = ", ".join(f"{key} {rows[0][key]}" for key in COLUMNS[:4])
+    return (
+        f"{head}: shift {shift:.3f} % (measured {true:.3f} %), damping {damping[0]:.2e} to {damping[-1]:.2e} "
+        f"(measured {known[0]:.2e} to {known[-1]:.2e}), computed over measured {ratio.min():.2f} to {ratio.max():.2f}"
+    )
+
+
+def predictions(folder: Path, stiffness_n_m3: float) -> list[dict[str, Any]]:
+    """Frequency and friction damping of configurations without a measurement in the folder."""
+    rows = []
+    for name, (modes, amplitude) in PREDICTED.items():
+        beam = read_two_beam(folder, name)
+        for mode in modes:
+            for friction in FRICTION_BAND:
+                curve = backbone(beam, mode, stiffness_n_m3, friction, amplitude)
+                for at in np.geomspace(*amplitude, 5):
+                    values = [
+                        np.interp(np.log(at), np.log(curve.amplitude), each)
+                        for each in (curve.frequency_hz, curve.damping_ratio)
+                    ]
+                    rows.append(
+                        {
+                            "configuration": name,
+                            "mode": mode,
+                            "friction": friction,
+                            "stiffness_n_m3": f"{stiffness_n_m3:.3e}",
+                            "modal_amplitude": f"{at:.3e}",
+                            "frequency_hz": f"{values[0]:.4f}",
+                            "friction_damping_ratio": f"{values[1]:.2e}",
+                        }
+                    )
+    return rows
+
+
+def write_table(path: Path, rows: list[dict[str, Any]]) -> None:
+    """A CSV file of rows with the same keys."""
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.DictWriter(stream, list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+
+
 def main() -> None:
-    """Solve all configurations with a measurement, print, write and plot them."""
+    """Solve all configurations, print, write and plot them."""
     folder, out = Path(sys.argv[1]), Path(sys.argv[2])
     if not (folder / "two_beam").is_dir():
         raise SystemExit(f"{folder} has no folder two_beam: nothing to compare with.")
     out.mkdir(parents=True, exist_ok=True)
-    results = {}
-    with (out / "two_beam.csv").open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream)
-        writer.writerow(
-            ["configuration", "friction", "stiffness_n_m3", "modal_amplitude", "frequency_hz", "damping_ratio",
-             "measured_frequency_hz", "measured_damping_ratio"]
-        )  # fmt: skip
-        for name in MODES:
-            table, curves = results[name] = compare(folder, name)
-            for curve in curves:
-                total, amplitude = total_damping(table, curve), table["modal_amplitude"]
-                at = np.log(amplitude)
-                frequency = np.interp(at, np.log(curve.amplitude), curve.frequency_hz)
-                damping = np.interp(at, np.log(curve.amplitude), total)
-                for row in zip(
-                    amplitude, frequency, damping, table["frequency_hz"], table["damping_ratio"], strict=True
-                ):
-                    writer.writerow([name, curve.friction, f"{curve.stiffness_n_m3:.3e}", *(f"{x:.6g}" for x in row)])
-                ratio = damping / table["damping_ratio"]
-                shift = 100.0 * (frequency[-1] / frequency[0] - 1.0)
-                true = 100.0 * (table["frequency_hz"][-1] / table["frequency_hz"][0] - 1.0)
-                print(
-                    f"{name} mu {curve.friction}: {curve.stiffness_n_m3:.2e} N/m3, shift {shift:.3f} % (measured "
-                    f"{true:.3f} %), damping {damping[0]:.2e} to {damping[-1]:.2e} (measured "
-                    f"{table['damping_ratio'][0]:.2e} to {table['damping_ratio'][-1]:.2e}), ratio {ratio.min():.2f} to "
-                    f"{ratio.max():.2f}, background {total[0] - curve.damping_ratio[0]:.2e}",
-                    flush=True,
-                )
+    results, rows = {}, []
+    for name, radius in [*((name, CONE_RADIUS_M) for name in MODES), *(("CD1", radius) for radius in OTHER_RADII_M)]:
+        table, curves = compare(folder, name, radius)
+        if radius == CONE_RADIUS_M:
+            results[name] = table, curves
+        for curve in curves:
+            rows += (block := table_rows(name, radius, table, curve))
+            print(summary(block), flush=True)
+    write_table(out / "two_beam.csv", rows)
     draw(results).savefig(out / "two_beam.svg")
+    fitted = [results[name][1][1].stiffness_n_m3 for name in ("C1", "C2")]
+    write_table(out / "two_beam_predictions.csv", predictions(folder, math.sqrt(fitted[0] * fitted[1])))
 
 
 def draw(results: dict[str, tuple[np.ndarray, list[Backbone]]]) -> Figure:

@@ -16,6 +16,8 @@ from .contact.law.iwan import IwanJoint as IwanJoint
 from .contact.law.jenkins import JenkinsElement as JenkinsElement
 from .contact.law.law import ContactLaw as ContactLaw
 from .contact.law.law import ContactState as ContactState
+from .contact.law.loop_fit import LoopFit as LoopFit
+from .contact.law.loop_fit import fit_loops as fit_loops
 from .contact.law.normal_law import PressureGapLaw as PressureGapLaw
 from .contact.law.registry import register_contact_law as register_contact_law
 from .contact.pairing.pairing import pair_faces as pair_faces

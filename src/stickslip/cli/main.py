@@ -1,4 +1,4 @@
-"""The command line: ``stickslip new | check | run | sweep | report | compare | export | roughness | import | paper``.
+"""The command line: ``stickslip new | check | run | sweep | report | compare | export | roughness | fit | ...``.
 
 Exit codes: 0 done, 1 fault of the program, 2 bad input, 3 not converged (what was computed is kept), 130 interrupted,
 128 + n stopped by signal n. Large packages are imported inside the commands, so that ``stickslip --help`` answers at
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip.cli import result_commands
+from stickslip.cli import loop_command, result_commands
 from stickslip.cli.errors import Debug, error_messages
 from stickslip.cli.many_cases import (
     EXIT_NOT_CONVERGED,
@@ -26,7 +26,7 @@ from stickslip.cli.process import tolerate_closed_output
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.files import require_folder, whole_file
 from stickslip.core.progress import terminal_progress
-from stickslip.core.terminal import echo
+from stickslip.core.terminal import echo, echo_rows
 
 if TYPE_CHECKING:
     from stickslip.case.case import Case
@@ -127,7 +127,7 @@ def check(path: StudyFile, debug: Debug = False) -> None:
             sections = checked(case)
         for title, rows in sections:
             echo(f"\n{title}")
-            _print_rows(rows)
+            echo_rows(rows)
 
 
 @app.command()
@@ -315,7 +315,7 @@ def roughness(
         if hardness is not None:
             measured_roughness.require_hardness(hardness)
         measured = measured_roughness.measure(path, position_unit or unit, height_unit or unit, scales, longest_wave)
-        _print_rows(measured_roughness.rows(measured))
+        echo_rows(measured_roughness.rows(measured))
         for sentence in measured.fit.warnings:
             echo(f"Warning: {sentence}")
         for file in measured_roughness.write(out, measured) if out is not None else ():
@@ -323,8 +323,11 @@ def roughness(
         lines = measured_roughness.study_lines(measured.fit, hardness)
         echo(measured_roughness.contact_message(measured.fit, hardness))
         echo("\nNormal contact stiffness per area of a face of 1 cm2 with the waves of the measurement:")
-        _print_rows(measured_roughness.stiffness_rows(measured, hardness))
+        echo_rows(measured_roughness.stiffness_rows(measured, hardness))
         echo(f"\nFor the study file:\n{lines.rstrip()}")
+
+
+app.command("fit")(loop_command.fit)
 
 
 @app.command("import")
@@ -346,12 +349,6 @@ def import_model(
         from stickslip.cli.model_listing import print_model
 
         print_model(path, length_unit, unit_system, includes_outside)
-
-
-def _print_rows(rows: list[tuple[str, str]]) -> None:
-    width = max((len(label) for label, _ in rows), default=0)
-    for label, value in rows:
-        echo(f"  {label:<{width}}  {value}")
 
 
 @app.command()
