@@ -21,6 +21,7 @@ import stickslip as ss
 TENSIONS_LB = (20, 35)
 # Columns of the data: time (s), displacement (in), force of the damper (kip), velocity, forces of the band (lb).
 DISPLACEMENT, FORCE = 1, 2
+SHOWN = 20  # every 20th point is in the picture
 
 
 def fitted(folder: Path, tension_lb: int) -> ss.LoopFit:
@@ -70,12 +71,12 @@ def draw(fits: dict[int, ss.LoopFit]) -> Figure:
     figure = Figure(figsize=(9.0, 3.6), layout="constrained")
     for panel, (tension, fit) in zip(figure.subplots(1, len(fits)), fits.items(), strict=True):
         along = 1e3 * fit.displacement
-        panel.plot(along, 1e-3 * fit.force, ".", ms=1.5, color="#e69f00", label="measured")
+        panel.plot(along[::SHOWN], 1e-3 * fit.force[::SHOWN], ".", ms=3.0, color="#e69f00", label="measured")
         panel.plot(along, 1e-3 * fit.fitted, "-", lw=1.0, color="#0072b2", label="fit with backlash")
         panel.set(title=f"Belt tension {tension} lb", xlabel="Displacement, mm", ylabel="Force, kN, offset removed")
         panel.grid(color="#e8ecf0")
     handles, labels = panel.get_legend_handles_labels()
-    figure.legend(handles, labels, frameon=False, loc="outside upper center", ncols=2, markerscale=4)
+    figure.legend(handles, labels, frameon=False, loc="outside upper center", ncols=2, markerscale=2)
     return figure
 
 

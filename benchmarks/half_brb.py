@@ -50,6 +50,9 @@ class Mode:
         omega = 2.0 * math.pi * self.frequency_hz
         stiffness = self.mass * omega**2
         joint = JOINT_FRACTION * stiffness
+        # The resonance is lower than the frequency without slip, so the displacement is larger.
+        displacement = acceleration / omega**2
+        displacement *= 1.0 + 0.5 * self.coefficient * displacement / stiffness
         pairs = ss.ContactPairs.with_laws(
             [[1.0], [0.0], [0.0]],
             [ss.IwanJoint(np.array([joint]), np.array([0.5 * joint**2 / self.coefficient]), np.zeros(1), np.zeros(1))],
@@ -64,7 +67,7 @@ class Mode:
             ss.Excitation.force(np.array([1.0])),
             np.array([1.0]),
             frequency_hz=(0.985 * self.frequency_hz, 1.005 * self.frequency_hz),
-            amplitude=acceleration / omega**2,
+            amplitude=displacement,
             harmonics=5,
             continuation=ss.ContinuationSettings(largest_step=0.01),
         )
@@ -116,8 +119,9 @@ def fitted_mode(folder: Path) -> Mode:
     background = loss[0] - growth * low.acceleration
     # A cycle of amplitude X dissipates 4 R X^3 / 6 (chi = 0), a force F in phase with the velocity pi F X.
     coefficient = 1.5 * math.pi * growth * omega**4
-    # Slip has lowered the frequency of the lowest level already: stiffness K - 4 R X / (3 pi) on average of a cycle.
-    lowered = 4.0 * coefficient * low.acceleration / omega**2 / (3.0 * math.pi)
+    # Slip has lowered the frequency of the lowest level already: the loop has the stiffness K - R X / 2 in its first
+    # harmonic.
+    lowered = 0.5 * coefficient * low.acceleration / omega**2
     stuck = math.sqrt(omega**2 + lowered / mass)
     return Mode(mass, stuck / (2.0 * math.pi), 0.5 * background / mass, coefficient)
 

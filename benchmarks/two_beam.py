@@ -42,7 +42,7 @@ PERIODIC = ("CD1",)
 # Measurements that are not in the folder: modes and amplitudes of predictions, with the stiffness of C1 and C2.
 PREDICTED = {"C3": ((1, 2), (8e-6, 1e-4)), "C4a": ((1, 2), (1e-6, 1.35e-5))}
 # Other assumptions on CD1: radius of the cone of pressure, m.
-OTHER_RADII_M = (0.011, 0.014)
+OTHER_RADII_M = (0.011,)
 # m, bolts from the centre of the interface.
 _SQUARE = 0.010922 * np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
 _LAP = 0.03 * np.array([(-1, 0), (0, 0), (1, 0)])
