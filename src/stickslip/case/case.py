@@ -238,7 +238,10 @@ class Case(CaseContent):
 
 
 class TwoBladeCase(Case):
-    """A study of two blades and the damper between them."""
+    """A study of two blades and the damper between them: the parametric structure, and the default of a study.
+
+    Sections as in a study file, all values in SI units; a wrong value raises StudyFileError (docs/studies.md).
+    """
 
     structure: TwoBladeStructureSection = TwoBladeStructureSection()
     geometry: GeometrySection = GeometrySection()
@@ -313,7 +316,10 @@ class OwnCase(PressedInterfaces, Case):
 
 
 class MeshCase(OwnCase):
-    """A study of bodies from a mesh file."""
+    """A study of bodies from a mesh file, with interfaces, forces and responses on its sets of nodes and faces.
+
+    Sections as in a study file, all values in SI units; a wrong value raises StudyFileError (docs/models.md).
+    """
 
     structure: MeshStructureSection
     bodies: dict[BodyName, BodySection] = Field(default={}, description=BodySection.__doc__)
@@ -328,7 +334,10 @@ class MeshCase(OwnCase):
 
 
 class MatrixCase(OwnCase):
-    """A study of matrices of another program."""
+    """A study of mass and stiffness matrices of another program, with contact pairs between their unknowns.
+
+    Sections as in a study file, all values in SI units; a wrong value raises StudyFileError (docs/matrices.md).
+    """
 
     structure: MatrixStructure
     interfaces: dict[Name, MatrixInterface] = Field(default={})
