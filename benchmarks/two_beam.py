@@ -32,7 +32,7 @@ POISSON = 0.29
 TANGENTIAL_RATIO = 2.0 * (1.0 - POISSON) / (2.0 - POISSON)
 # Pairs at one position: asperities of one stiffness, with the exponential distribution of loads of Greenwood and
 # Williamson.
-ASPERITIES = 4
+ASPERITIES = 8
 FRICTION_BAND = (0.2, 0.4, 0.6)
 POINTS_PER_DECADE = 16
 # The mode of each configuration, from 1 in the order of the stuck frequencies.

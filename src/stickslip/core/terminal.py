@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Sequence
 
 # Characters that reorder or hide text (Unicode TR 9 and TR 36), beside the control characters: marks, embeddings,
 # overrides and isolates of direction, line and paragraph separators.
@@ -30,10 +29,3 @@ def echo(text: str, err: bool = False) -> None:
 def _shown(letter: str) -> str:
     acts = unicodedata.category(letter) in ("Cc", "Cs") and letter not in "\n\t"
     return letter.encode("unicode_escape").decode("ascii") if acts or letter in _TERMINAL_CONTROLS else letter
-
-
-def echo_rows(rows: Sequence[tuple[str, str]]) -> None:
-    """Print (label, value) with the values below each other."""
-    width = max((len(label) for label, _ in rows), default=0)
-    for label, value in rows:
-        echo(f"  {label:<{width}}  {value}")
