@@ -6,8 +6,6 @@ import csv
 from os import PathLike
 from pathlib import Path
 
-import numpy as np
-
 from stickslip.contact.law.loop_fit import Interval, LoopFit, fit_loops
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.files import whole_file
@@ -87,10 +85,8 @@ def predicted_rows(fit: LoopFit, normal_load: str | None) -> list[tuple[str, str
     load = _load("--predict", normal_load)
     if fit.normal_load is None:
         raise InputError('--predict requires the normal load of the measurement, such as --normal-load "90 N".')
-    return [
-        (f"{1e3 * amplitude:.4g} mm", f"{fit.energy_per_cycle(float(amplitude), load):.4g} J per cycle")
-        for amplitude in np.unique(np.round(fit.cycle_amplitude, 9))
-    ]
+    shown = {f"{1e3 * amplitude:.3g} mm": float(amplitude) for amplitude in sorted(fit.cycle_amplitude)}
+    return [(label, f"{fit.energy_per_cycle(amplitude, load):.4g} J per cycle") for label, amplitude in shown.items()]
 
 
 def study_lines(fit: LoopFit) -> str:
