@@ -163,6 +163,13 @@ def run(
             "--gradients", help="Compute what each input changes at the peak, as analysis.gradients = true in FILE."
         ),
     ] = False,
+    traction_band: Annotated[
+        bool,
+        typer.Option(
+            "--traction-band",
+            help="Bound the peak over the residual tractions of the pairs, as analysis.traction_band = true in FILE.",
+        ),
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print only errors.")] = False,
     debug: Debug = False,
 ) -> None:
@@ -172,6 +179,7 @@ def run(
         case = case.replace({"analysis.search": True}) if search else case
         case = case.replace(_ridge_keys(ridge)) if ridge is not None else case
         case = case.replace({"analysis.gradients": True}) if gradients else case
+        case = case.replace({"analysis.traction_band": True}) if traction_band else case
         require_folder(out)  # before the packages of the solver are loaded, which takes seconds
         from stickslip.study import run as study
 

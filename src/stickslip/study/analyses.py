@@ -61,6 +61,7 @@ def _forced(case: Case, model: ReducedModel, listener: Progress, threads: int | 
         newton=newton,
         continuation=continuation,
         traction_band=next(iter(model.outputs.values())) if analysis.traction_band else None,
+        traction_starts=analysis.traction_starts,
         threads=threads,
         progress=lambda fraction, detail: listener.update("Response", fraction, detail),
     )

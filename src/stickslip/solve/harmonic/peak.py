@@ -99,7 +99,7 @@ class PeakSearch:
 
     ``mean_row`` gives the row of the output for the mean of a trial, without the way of a body that walks;
     ``stuck_omega`` (n,) are the frequencies of the stuck modes in rad/s; searches at other values may share the
-    ``last`` factor.
+    ``last`` factor. A parabola supplies at most ``last_rise`` of the amplitude.
     """
 
     def __init__(
@@ -110,6 +110,7 @@ class PeakSearch:
         mean_row: Callable[[Trial], FloatArray],
         stuck_omega: FloatArray,
         last: LastFactor,
+        last_rise: float = LAST_RISE,
     ) -> None:
         self.curve = curve
         self._newton = newton
@@ -117,6 +118,7 @@ class PeakSearch:
         self._mean_row = mean_row
         self.stuck_omega = stuck_omega
         self.last_factor = last
+        self._last_rise = last_rise
         self.on_point: Callable[[], None] = lambda: None
 
     @property
@@ -195,10 +197,10 @@ class PeakSearch:
                 rising = probe
             else:
                 falling = probe
-            if curvature < 0.0 and probe.slope**2 <= 2.0 * LAST_RISE * -curvature:
+            if curvature < 0.0 and probe.slope**2 <= 2.0 * self._last_rise * -curvature:
                 return self._inside(_peak_of(probe, curvature, False, iterations))
             if rising is not None and falling is not None:
-                if _rise_of_corner(rising, falling) <= LAST_RISE:
+                if _rise_of_corner(rising, falling) <= self._last_rise:
                     best = max(rising, falling, key=lambda each: each.amplitude)
                     return self._inside(_peak_of(best, curvature, True, iterations))
                 step = _inside_bracket(rising, falling, count % 2 == 0) - probe.lag
