@@ -99,6 +99,16 @@ def test_the_lowest_of_two_bowls_is_where_both_agree() -> None:
     assert np.abs(found.traction).max() < 0.02
 
 
+def test_the_lowest_of_two_planes_is_between_their_extreme_tractions() -> None:
+    """``max(1 + T1, 1 - T1)``: all weights but one lead to a limit of the pair, yet the lowest value is at zero."""
+
+    def plane(sign: float) -> Callable[[np.ndarray], tuple[float, np.ndarray]]:
+        return lambda traction: (1.0 + sign * float(traction[0, 0]), np.array([[sign, 0.0]]))
+
+    found = extreme(Known((plane(1.0), plane(-1.0))), lowest)
+    assert found.amplitude == pytest.approx(1.0, rel=1e-6)
+
+
 def test_the_highest_of_a_bowl_is_opposite_its_bottom_on_the_limit() -> None:
     found = extreme(Known((bowl((0.3, 0.4), 1.0), bowl((0.3, 0.4), 0.0))), highest, limit=2.0)
     assert found.traction == pytest.approx(np.array([[-1.2, -1.6]]), abs=0.1)
@@ -203,5 +213,5 @@ def test_the_optimised_band_is_not_narrower_than_that_to_first_order(count: int)
     assert band.lowered_peaks is not None
     assert high == pytest.approx(band.raised_peaks.max(), rel=RESOLUTION)
     assert low == pytest.approx(band.lowered_peaks.min(), rel=RESOLUTION)
-    if count == 1:  # the estimate is not sufficient where the lowest peak is at a kink
+    if count == 1:  # the estimate misses the lowest peak, which is not opposite the highest one
         assert low < (1.0 - 2.0 * RESOLUTION) * min(to_first_order)

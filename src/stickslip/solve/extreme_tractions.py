@@ -39,6 +39,8 @@ LAST_RISE = 1e-6
 WORTHWHILE, SHORTEST, MOST_PEAKS = 1e-4, 1e-3, 40
 # chosen: a step counts if it gains this fraction of what it promises, and the next is longer if it gains GOOD.
 ENOUGH, GOOD, LONGER, SHORTER = 0.1, 0.5, 2.0, 0.3
+# Accuracy of the weight of the dual problem, with a reserve.
+WEIGHT_ACCURACY = 1e-4
 # chosen: a way that Newton's method does not take at once is halved so many times.
 HALVINGS = 4
 
@@ -173,9 +175,15 @@ def lowest(
         one, other = values(there)
         return -(weight * one + (1.0 - weight) * other + float(((_over(there, limit) - y) ** 2).sum()) / (2.0 * length))
 
-    best = scipy.optimize.minimize_scalar(negative_dual, bounds=(0.0, 1.0), method="bounded")
-    there = ahead(float(best.x))
-    return there, max(values(there))
+    weight = float(scipy.optimize.minimize_scalar(negative_dual, bounds=(0.0, 1.0), method="bounded").x)
+    # Tractions jump where the mixed derivative of a pair vanishes: the solution is between those of both sides.
+    before, after = (ahead(min(1.0, max(0.0, weight + side * WEIGHT_ACCURACY))) for side in (-1.0, 1.0))
+    (one, other), (one_after, other_after) = values(before), values(after)
+    bend = (one - other) - (one_after - other_after)
+    crossing = min(1.0, max(0.0, (one - other) / bend)) if bend else 0.0
+    fractions = (0.0, crossing, 1.0)
+    choices = [before + fraction * (after - before) for fraction in fractions]
+    return min(((there, max(values(there))) for there in choices), key=lambda choice: choice[1])
 
 
 def local_extreme(peaks: PeakOverTractions, start: TractionPeak, select: Selection, limit: FloatArray) -> TractionPeak:
