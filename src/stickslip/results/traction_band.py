@@ -68,9 +68,14 @@ class TractionBand(SideCurves):
         )
 
     def peak_range(self, output: ArrayLike, harmonic: int | None = None) -> tuple[float, float]:
-        """Lowest and highest peak of the curves, as amplitudes of an output (:meth:`curves`). Raises InputError."""
-        tops = [peaks(each.frequency_hz, each.amplitude)[0].amplitude for each in self.curves(output, harmonic)]
-        return min(tops), max(tops)
+        """Lowest and highest peak of the curves, as amplitudes of an output (:meth:`curves`). Raises InputError.
+
+        The lowest is that of complete curves, if there are any: one that ends early may end below its peak.
+        """
+        curves = self.curves(output, harmonic)
+        tops = [peaks(each.frequency_hz, each.amplitude)[0].amplitude for each in curves]
+        whole = [top for top, each in zip(tops, curves, strict=True) if each.complete]
+        return min(whole or tops), max(tops)
 
     def jump_range_hz(self, direction: Direction, output: ArrayLike) -> tuple[float, float] | None:
         """Lowest and highest frequency at which a slow sweep "up" or "down" jumps most; None if no curve has a jump.

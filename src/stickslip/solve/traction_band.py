@@ -261,12 +261,13 @@ class TractionBandSearch:
                 "not converge. The band is that of extreme tractions to first order."
             )
             return
+        effects = self._extremes(still, still.top)
         sides = ((RAISED, raised, highest, max), (LOWERED, lowered, lowest, min))
         for name, traced, select, best_of in sides:
             self._report.stage(f"band of residual tractions: {name}, optimised")
             found = [
                 local_extreme(tops, start, select, self._limit)
-                for start in self._starting_peaks(tops, still_peak, traced)
+                for start in self._starting_peaks(tops, still_peak, traced, effects)
             ]
             self._extremes_found[name] = np.array([each.amplitude for each in found])
             best = best_of(found, key=lambda each: each.amplitude)
@@ -274,17 +275,23 @@ class TractionBandSearch:
             if best_of(best.amplitude, reached) != reached and abs(best.amplitude - reached) > FURTHER * reached:
                 self._follow(f"{name}, optimised", best.traction, span)
 
-    def _starting_peaks(self, tops: PeakOverTractions, still: TractionPeak, extreme: _Traced) -> Iterator[TractionPeak]:
+    def _starting_peaks(
+        self, tops: PeakOverTractions, still: TractionPeak, extreme: _Traced, effects: Sequence[Quantity]
+    ) -> Iterator[TractionPeak]:
         """The peak without traction, that of the extreme to first order, and those of random tractions, of which every
-        other has all pairs at their limits."""
+        other has all pairs at their limits.
+
+        Pairs that stick far below their limits have none (``LEAST_SHARE``).
+        """
         yield still
         if np.any(extreme.traction) and (first := tops.near(extreme.traction, extreme.points[extreme.top])):
             yield first
         random = np.random.default_rng(SEED)
+        limit = self._limit * np.any([each.by_traction.any(axis=1) for each in effects], axis=0)
         for number in range(self._starts):
             angle = random.uniform(0.0, 2.0 * np.pi, self._limit.size)
             size = np.sqrt(random.uniform(0.0, 1.0, self._limit.size)) if number % 2 else 1.0
-            traction = (self._limit * size)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+            traction = (limit * size)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
             if (there := tops.moved(still, traction)) is not None:
                 yield there
 
