@@ -118,8 +118,7 @@ class PeakOverTractions:
         curve = BoundedCurve(self._with_traction(self._near, traction), self._last, self._window)
         return PeakSearch(
             curve, Newton(curve, self._newton, self._on_iteration), self._output,
-            lambda trial: self._balances.mean_row(trial, self._output), self._balances.stuck.circular_frequency,
-            self._last, LAST_RISE,
+            lambda trial: self._balances.mean_row(trial, self._output), self._last, LAST_RISE,
         )  # fmt: skip
 
     @staticmethod
