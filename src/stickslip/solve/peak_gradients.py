@@ -80,6 +80,19 @@ class RefinedPeak:
         """The peak."""
         return self.places[len(self.places) // 2]
 
+    def corners(self) -> Iterator[str]:
+        """A sentence if pairs change their state close to the peak."""
+        states = np.array([place.point.trial.contact.state for place in self.places])
+        changing = int((states != states[0]).any(axis=0).sum())
+        if changing:
+            hertz = [place.point.trial.omega / (2.0 * np.pi) for place in self.places]
+            yield (
+                f"{changing} of {states.shape[1]} pairs change between sticking, slipping and separating close to the "
+                f"peak, between {min(hertz):.3f} and {max(hertz):.3f} Hz: the curve can have a corner beside the peak, "
+                "and derivatives can differ on its two sides. Compute the peak again with a changed value before you "
+                "use them for a larger change."
+            )
+
     def along(self, values: Sequence[float] | FloatArray) -> FloatArray:
         """Derivative along the curve of values (5, ...) at the places, by central differences of fourth order."""
         before2, before, _, after, after2 = values
@@ -125,7 +138,7 @@ class PeakSensitivity:
 
     def __init__(self, balances: Balances, base: SolverInput, peak: RefinedPeak) -> None:
         top, output = peak.top, base.output
-        self._peak, trial = peak, top.point.trial
+        self.peak, trial = peak, top.point.trial
         self._others = frequency(trial), friction_energy(trial)
         adjoints = [Adjoint.of(place, place.amplitude, balances, output) for place in peak.places]
         adjoints += [Adjoint.of(top, value, balances, output) for value in self._others]
@@ -153,7 +166,7 @@ class PeakSensitivity:
         across zero by a sample, the rest of the slope enters. The place of the peak, where ``a'(s, p) = 0``, moves by
         ``-(da'/dp) / a''``.
         """
-        peak, top = self._peak, self._peak.top
+        peak, top = self.peak, self.peak.top
         amplitude = at_places[:5]
         moves = -peak.along(amplitude) / self._bends[0], -peak.along_outer(amplitude) / self._bends[1]
         along = np.array([top.slope, *(top.along(value) for value in self._others)])
@@ -321,6 +334,7 @@ def _result(sensitivity: PeakSensitivity, parameters: Sequence[Parameter], repor
         )
     by = np.array([each.value for each in found]).reshape(-1, 3).T
     errors = np.array([each.error for each in found]).reshape(-1, 3).T
+    messages += sensitivity.peak.corners()
     return PeakGradients(
         names=tuple(each.name for each in differentiated),
         units=tuple(each.unit for each in differentiated),
