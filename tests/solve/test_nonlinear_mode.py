@@ -44,6 +44,17 @@ def at_amplitude(result: NonlinearMode, amplitude: np.ndarray, values: np.ndarra
     return np.asarray(CubicSpline(np.log(result.modal_amplitude[rising]), values[rising])(np.log(amplitude)))
 
 
+def test_an_amplitude_at_which_a_spring_no_longer_resists_is_rejected() -> None:
+    """``k + 3 k3 x^2 = 0`` at 1 mm; the mass of 4 kg moves by half of the modal amplitude."""
+    structure = ss.Superelement(np.array([[4.0]]), np.array([[1e5]]))
+    springs = ss.CubicSpring(np.array([[3e5, 0.0, 0.0]]), np.array([[-1e11, 0.0, 0.0]]))
+    pairs = ss.ContactPairs.with_laws(np.array([[1.0], [0.0], [0.0]]), [springs])
+    with rejects(ss.InputError, "amplitude"):
+        ss.nonlinear_mode(structure, pairs, 1, (1e-5, 2.02e-3))
+    below = ss.nonlinear_mode(structure, pairs, 1, (1e-4, 1e-3), harmonics=1, samples=64)
+    assert below.frequency_hz[-1] < below.frequency_hz[0]
+
+
 def test_one_mass_with_a_slider_is_its_closed_form() -> None:
     """With one harmonic the balance is that of the first harmonic of the friction force."""
     superelement, pairs = one_mass(ratio=0.002)

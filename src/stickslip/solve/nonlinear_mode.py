@@ -33,7 +33,7 @@ from stickslip.solve.harmonic.mode_shapes import (
     sliding_limit,
     step_warnings,
 )
-from stickslip.solve.linear_mode import Limit, LinearMode, checked_amplitudes
+from stickslip.solve.linear_mode import Limit, LinearMode, checked_amplitudes, require_allowed_amplitude
 from stickslip.solve.mode_checks import harmonics_warnings, sample_warnings
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.newton import Newton, NewtonSettings
@@ -94,7 +94,8 @@ def nonlinear_mode(
     Raises
     ------
     InputError
-        for inputs that cannot be used, such as a mode that does not exist. ConvergenceError if there is no first point.
+        for inputs that cannot be used, such as a mode that does not exist, or an amplitude at which a law has no
+        restoring force. ConvergenceError if there is no first point.
     """
     began = time.perf_counter()
     lowest, highest = checked_amplitudes(amplitude)
@@ -104,6 +105,7 @@ def nonlinear_mode(
     with threadpool_limits(limits=blas_threads(3 * pairs.n_pairs, threads)):
         report.stage("linear modes")
         start = LinearMode.of(superelement, pairs, mode, limit)
+        require_allowed_amplitude(pairs, start, highest)
         balances = prepare_balances(
             superelement, pairs, Excitation.force(superelement.mass @ start.load_shape), start.omega, harmonics,
             samples, modal_damping_ratio, update, report.stage,

@@ -15,7 +15,7 @@ from stickslip.model.model import ReducedModel
 from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import DEFAULT_HARMONICS, forced_response
-from stickslip.solve.linear_mode import LinearMode
+from stickslip.solve.linear_mode import LinearMode, require_allowed_amplitude
 from stickslip.solve.nonlinear_mode import nonlinear_mode
 from stickslip.solve.other_solutions import search_other_solutions
 from stickslip.solve.path.newton import NewtonSettings
@@ -97,6 +97,8 @@ def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | No
             "that of the mode. Choose another mode, or another first output.",
             ("analysis.mode",),
         )
+    with concerning("analysis.largest_amplitude"):
+        require_allowed_amplitude(model.pairs, linear, analysis.largest_amplitude / shape, shape)
     response = _forced(case, model, listener, threads)
     try:
         mode = nonlinear_mode(
