@@ -183,7 +183,7 @@ def test_a_band_survives_its_file(tmp_path: Path) -> None:
     assert words.startswith("TractionBand(4 curves from ")
     assert again.traction_band is not None
     assert again.traction_band.raised_peaks is not None
-    assert again.traction_band.raised_peaks.size == 6
+    assert again.traction_band.raised_peaks.size == 4
     assert "peak raised" in words
     assert "NOT" not in words
 

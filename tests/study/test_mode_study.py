@@ -65,7 +65,7 @@ def test_a_mode_above_the_unknowns_is_rejected_before_the_reduction(monkeypatch:
     case = quick_case().replace(MODE | {"analysis.mode": 99_999})
     for run in (check, solve_case):
         with rejects(InputError, "analysis.mode"):
-            run(case)  # type: ignore[operator]
+            run(case)
 
 
 def test_a_mode_that_does_not_exist_is_rejected_before_the_curve(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -33,7 +33,7 @@ class AnalysisSection(Section):
         description="bound the peak over the residual tractions of pairs (run --traction-band); time of several curves",
     )
     traction_starts: Annotated[int, Count(at_least=0, at_most=MOST_STARTS)] = Field(
-        default=4, description="random tractions from which this band is optimised, beside zero and estimated extremes"
+        default=2, description="random tractions from which this band is optimised, beside zero and estimated extremes"
     )
     search: bool = Field(
         default=False,

@@ -34,9 +34,9 @@ from stickslip.solve.setting_up import Balances
 
 # chosen: relative rise that is left to a parabola at a peak: a hundredth of what a step gains at least.
 LAST_RISE = 1e-6
-# chosen: the search ends where no tractions promise this fraction more, to first order, where steps of SHORTEST no
-# longer gain, or after so many peaks.
-WORTHWHILE, SHORTEST, MOST_PEAKS = 1e-4, 1e-3, 40
+# chosen: the search ends where no tractions promise this fraction more, to first order, where STEPS steps together gain
+# less than a tenth of it, where steps of SHORTEST no longer gain, or after so many steps.
+WORTHWHILE, STEPS, SHORTEST, MOST_STEPS = 5e-4, 3, 1e-3, 30
 # chosen: a step counts if it gains this fraction of what it promises, and the next is longer if it gains GOOD.
 ENOUGH, GOOD, LONGER, SHORTER = 0.1, 0.5, 2.0, 0.3
 # Accuracy of the weight of the dual problem, with a reserve.
@@ -193,7 +193,8 @@ def local_extreme(peaks: PeakOverTractions, start: TractionPeak, select: Selecti
         return best  # no pair slips: small changes of tractions have no effect
     full = 2.0 / largest  # the most sensitive pair crosses its disc
     length = full
-    for _ in range(MOST_PEAKS):
+    reached = [best.amplitude]
+    for _ in range(MOST_STEPS):
         promised = select(best.extremes, best.traction, limit, math.inf)[1]
         if abs(promised - best.amplitude) <= WORTHWHILE * best.amplitude:
             break
@@ -208,6 +209,10 @@ def local_extreme(peaks: PeakOverTractions, start: TractionPeak, select: Selecti
             break
         else:
             length *= SHORTER
+            continue
+        reached.append(best.amplitude)
+        if len(reached) > STEPS and abs(reached[-1] - reached[-1 - STEPS]) <= 0.1 * WORTHWHILE * best.amplitude:
+            break
     return best
 
 

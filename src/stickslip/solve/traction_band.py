@@ -51,7 +51,7 @@ AS_GOOD = 0.95
 # chosen: an optimised peak gets a curve if it is farther out by this fraction.
 FURTHER = 1e-3
 # chosen: random tractions from which the optimisation begins, and their seed: the same model gives the same band.
-DEFAULT_STARTS, SEED = 4, 20_241_114
+DEFAULT_STARTS, SEED = 2, 20_241_114
 RAISED, LOWERED = "peak raised", "peak lowered"
 # Tractions are this fraction of the friction limit at most, so that round-off does not exceed it.
 WITHIN = 1.0 - 1e-9
@@ -210,6 +210,19 @@ class TractionBandSearch:
         self._traced.append(traced)
         return traced
 
+    def _follow_from(self, name: str, peak: TractionPeak, span: tuple[float, float]) -> None:
+        """The curve with a residual traction from its peak to both sides, so that it contains the peak even if the path
+        follower loses it."""
+        self._report.stage(f"band of residual tractions: {name}")
+        balances = replace(self._balances, pairs=with_residual_traction(self._balances.pairs, peak.traction))
+        curve = FrequencyCurve(balances.with_harmonics(self._harmonics))
+        newton = Newton(curve, self._newton, self._report.iteration)
+        start = peak.peak.probe.point
+        sides = [Branch(newton, start, end, self._continuation, landmarks=self._landmarks) for end in span]
+        below, above = ([each.point for each in side.follow()] for side in sides)
+        complete = all(side.complete for side in sides)
+        self._traced.append(self._as_traced(name, peak.traction, curve, [*below[:0:-1], *above], complete))
+
     def _attempt(self, name: str, traction: FloatArray, span: tuple[float, float]) -> _Traced | None:
         balances = replace(self._balances, pairs=with_residual_traction(self._balances.pairs, traction))
         curve = FrequencyCurve(balances.with_harmonics(self._harmonics))
@@ -219,11 +232,17 @@ class TractionBandSearch:
         except ConvergenceError:
             return None
         branch = Branch(newton, start, span[1], self._continuation, landmarks=self._landmarks)
-        points = [each.point for each in branch.follow()]
+        return self._as_traced(name, traction, curve, [each.point for each in branch.follow()], branch.complete)
+
+    def _as_traced(
+        self, name: str, traction: FloatArray, curve: FrequencyCurve, points: Sequence[BalancePoint], complete: bool
+    ) -> _Traced:
+        """A curve with the motion and the amplitude of its points."""
         trials = [point.trial for point in points]
-        motion, _ = balances.motion(trials, curve.balance.displacement(trials))
-        amplitude = periodic_amplitude(motion @ self._output)
-        return _Traced(name, traction, curve.balance, points, branch.complete, motion, amplitude)
+        motion, _ = self._balances.motion(trials, curve.balance.displacement(trials))
+        return _Traced(
+            name, traction, curve.balance, points, complete, motion, periodic_amplitude(motion @ self._output)
+        )
 
     @staticmethod
     def _covers_peak(traced: _Traced) -> bool:
@@ -273,7 +292,7 @@ class TractionBandSearch:
             best = best_of(found, key=lambda each: each.amplitude)
             reached = best_of(each.highest_peak for each in self._traced)
             if best_of(best.amplitude, reached) != reached and abs(best.amplitude - reached) > FURTHER * reached:
-                self._follow(f"{name}, optimised", best.traction, span)
+                self._follow_from(f"{name}, optimised", best, (low, high))
 
     def _starting_peaks(
         self, tops: PeakOverTractions, still: TractionPeak, extreme: _Traced, effects: Sequence[Quantity]
