@@ -67,7 +67,7 @@ class Known:
         )
         return TractionPeak(traction, cast("Any", None), cast("tuple[Quantity, Quantity]", extremes))
 
-    def moved(self, start: TractionPeak, traction: np.ndarray) -> TractionPeak | None:
+    def moved(self, start: TractionPeak, traction: np.ndarray, halvings: int = 0) -> TractionPeak | None:
         return None if np.abs(traction - start.traction).max() > self.reach else self.at(traction)
 
 

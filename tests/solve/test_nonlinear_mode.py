@@ -225,6 +225,32 @@ def test_high_damping_has_a_warning() -> None:
 
 
 @pytest.mark.slow
+def test_harmonics_grow_until_the_accuracy_is_reached() -> None:
+    """Rigid friction: beside a mode with many more harmonics, the error is below the accuracy at all points."""
+    problem = two_masses(1e2)
+    by_accuracy = ss.nonlinear_mode(*problem, 1, (0.3, 10.0), limit="sliding", accuracy=0.01)
+    assert by_accuracy.harmonics > 3
+    assert not any("accuracy" in sentence for sentence in by_accuracy.warnings)
+    assert by_accuracy.settings["accuracy"] == 0.01
+    exact = ss.nonlinear_mode(*problem, 1, (0.3, 10.0), limit="sliding", harmonics=21)
+    ratio = at_amplitude(exact, by_accuracy.modal_amplitude, exact.damping_ratio)
+    assert np.abs(by_accuracy.damping_ratio / ratio - 1.0).max() < 0.01
+    assert by_accuracy.frequency_hz == pytest.approx(
+        at_amplitude(exact, by_accuracy.modal_amplitude, exact.frequency_hz), rel=5e-4
+    )
+
+
+def test_an_accuracy_that_is_not_reached_has_a_warning() -> None:
+    coarse = ss.nonlinear_mode(*one_mass(ratio=0.002), 1, (1e-5, 1e-4), accuracy=1e-5, samples=64)
+    assert coarse.harmonics == 15
+    printed_sentence(next(sentence for sentence in coarse.warnings if "accuracy" in sentence))
+
+
+def test_harmonics_and_accuracy_together_are_rejected() -> None:
+    with rejects(ss.InputError, "harmonics", "accuracy"):
+        ss.nonlinear_mode(*two_masses(1e2), 1, (0.3, 10.0), harmonics=5, accuracy=0.01)
+
+
 def test_too_few_harmonics_have_a_warning() -> None:
     """Rigid friction excites many harmonics: the warning tells that one is not enough, and is silent with 15."""
     few = ss.nonlinear_mode(*two_masses(1e2), 1, (0.3, 10.0), harmonics=1, samples=256)

@@ -41,8 +41,8 @@ WORTHWHILE, STEPS, SHORTEST, MOST_STEPS = 5e-4, 3, 1e-3, 30
 ENOUGH, GOOD, LONGER, SHORTER = 0.1, 0.5, 2.0, 0.3
 # Accuracy of the weight of the dual problem, with a reserve.
 WEIGHT_ACCURACY = 1e-4
-# chosen: a way that Newton's method does not take at once is halved so many times.
-HALVINGS = 4
+# chosen: a way that Newton's method does not take at once is halved so many times; a step is shortened anyway.
+HALVINGS, HALVINGS_OF_STEPS = 4, 1
 
 
 def with_residual_traction(pairs: ContactPairs, traction: FloatArray) -> ContactPairs:
@@ -200,7 +200,7 @@ def local_extreme(peaks: PeakOverTractions, start: TractionPeak, select: Selecti
             break
         traction, promised = select(best.extremes, best.traction, limit, length)
         gain = promised - best.amplitude
-        after = peaks.moved(best, traction)
+        after = peaks.moved(best, traction, HALVINGS_OF_STEPS)
         gained = 0.0 if after is None else (after.amplitude - best.amplitude) / gain if gain else 0.0
         if after is not None and gained >= ENOUGH:
             best = after

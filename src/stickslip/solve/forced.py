@@ -127,7 +127,7 @@ def forced_response(
     settings = continuation or ContinuationSettings()
     report = StageReport(progress)
     start_omega, stop_omega = (2.0 * np.pi * f for f in window)
-    least = _least_harmonics(harmonics, accuracy, samples, excitation)
+    least = least_harmonics(harmonics, accuracy, samples, excitation)
     with threadpool_limits(limits=blas_threads(3 * pairs.n_pairs, threads)):
         balances = prepare_balances(
             superelement, pairs, excitation, max(start_omega, stop_omega), least, samples, modal_damping_ratio,
@@ -194,7 +194,7 @@ def forced_response(
     return replace(response, warnings=unbounded + response.warnings, provenance=response.provenance | seconds)
 
 
-def _least_harmonics(harmonics: int | None, accuracy: float | None, samples: int, excitation: Excitation) -> int:
+def least_harmonics(harmonics: int | None, accuracy: float | None, samples: int, excitation: Excitation) -> int:
     """The harmonics of the solution, or the fewest of it with an accuracy. Raises InputError."""
     if accuracy is None:
         return DEFAULT_HARMONICS if harmonics is None else harmonics

@@ -14,7 +14,7 @@ from stickslip.core.progress import Progress, SilentProgress
 from stickslip.model.model import ReducedModel
 from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.forced import DEFAULT_HARMONICS, forced_response
+from stickslip.solve.forced import forced_response
 from stickslip.solve.linear_mode import LinearMode, require_allowed_amplitude
 from stickslip.solve.nonlinear_mode import nonlinear_mode
 from stickslip.solve.other_solutions import search_other_solutions
@@ -107,7 +107,8 @@ def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | No
             analysis.mode,
             (analysis.smallest_amplitude / shape, analysis.largest_amplitude / shape),
             limit=analysis.limit,
-            harmonics=settings.harmonics or DEFAULT_HARMONICS,
+            harmonics=settings.harmonics,
+            accuracy=settings.accuracy,
             samples=settings.samples,
             modal_damping_ratio=case.damping.modal_damping_ratio,
             update=settings.update,
