@@ -112,7 +112,7 @@ def test_the_lowest_of_two_planes_is_between_their_extreme_tractions() -> None:
 def test_the_highest_of_a_bowl_is_opposite_its_bottom_on_the_limit() -> None:
     found = extreme(Known((bowl((0.3, 0.4), 1.0), bowl((0.3, 0.4), 0.0))), highest, limit=2.0)
     assert found.traction == pytest.approx(np.array([[-1.2, -1.6]]), abs=0.25)
-    assert found.amplitude == pytest.approx(1.0 + 2.5**2, rel=1e-3)
+    assert found.amplitude == pytest.approx(1.0 + 2.5**2, rel=2e-3)
 
 
 def test_a_peak_that_gets_lost_on_long_steps_is_followed_with_short_ones() -> None:

@@ -36,13 +36,13 @@ from stickslip.solve.setting_up import Balances
 LAST_RISE = 1e-6
 # chosen: the search ends where no tractions promise this fraction more, to first order, where STEPS steps together gain
 # less than a tenth of it, where steps of SHORTEST no longer gain, or after so many steps.
-WORTHWHILE, STEPS, SHORTEST, MOST_STEPS = 5e-4, 3, 1e-3, 30
+WORTHWHILE, STEPS, SHORTEST, MOST_STEPS = 2e-4, 3, 1e-3, 30
 # chosen: a step counts if it gains this fraction of what it promises, and the next is longer if it gains GOOD.
 ENOUGH, GOOD, LONGER, SHORTER = 0.1, 0.5, 2.0, 0.3
 # Accuracy of the weight of the dual problem, with a reserve.
 WEIGHT_ACCURACY = 1e-4
 # chosen: a way that Newton's method does not take at once is halved so many times; a step is shortened anyway.
-HALVINGS, HALVINGS_OF_STEPS = 4, 1
+HALVINGS, HALVINGS_OF_STEPS = 2, 1
 
 
 def with_residual_traction(pairs: ContactPairs, traction: FloatArray) -> ContactPairs:
