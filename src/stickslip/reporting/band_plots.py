@@ -34,7 +34,7 @@ def curves(statistics: BandStatistics) -> Figure:
     x, low, middle, high = x[has], low[has], middle[has], high[has]
     first, _, last = (f"{percent:g} %" for percent in PERCENTILES)
     hover = PlotMarkup("{}<br>%{{x:.2f}} Hz<br>%{{y:.4g}} µm<extra></extra>")
-    traces = [*_samples(statistics), *_other_tractions(statistics)]
+    traces = list(_samples(statistics))
     traces += [
         line_trace(first, x, low, BLUE, "dot", 1.2, showlegend=False, hovertemplate=hover.format(first)),
         line_trace(
@@ -43,6 +43,7 @@ def curves(statistics: BandStatistics) -> Figure:
         ),
         line_trace("median", x, middle, BLUE, "solid", 2.4, hovertemplate=hover.format("median")),
     ]  # fmt: skip
+    traces += _other_tractions(statistics)
     for each in statistics.exceedances:
         if each.limit.measure.unit == "m":
             level = MICRO * each.limit.value
