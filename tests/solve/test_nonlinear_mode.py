@@ -126,8 +126,8 @@ def test_a_mode_about_any_rest_balances_its_energies(blade: Blade, rest: str) ->
     assert result.converged, result.message
     assert (result.contact_state[-1] == ss.ContactState.SEPARATING).all()
     assert result.residual.max() < 1e-8
-    # A pair that just reaches its limit creeps by 1e-6 of its motion a cycle; the energy counts only pairs that slip.
-    assert energy_ratio(result, superelement.mass) == pytest.approx(result.damping_ratio, rel=2e-5)
+    # Also where a pair just reaches its limit and creeps by 1e-6 of its motion a cycle.
+    assert energy_ratio(result, superelement.mass) == pytest.approx(result.damping_ratio, rel=1e-6)
 
 
 def test_the_virtual_beam_starts_at_its_published_frequency() -> None:
