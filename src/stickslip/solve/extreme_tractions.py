@@ -43,6 +43,9 @@ ENOUGH, GOOD, LONGER, SHORTER = 0.1, 0.5, 2.0, 0.3
 WEIGHT_ACCURACY = 1e-4
 # chosen: a way that Newton's method does not take at once is halved so many times; a step is shortened anyway.
 HALVINGS, HALVINGS_OF_STEPS = 2, 1
+# chosen: most iterations of Newton's method in one search of a peak, five times the usual number: where all pairs of a
+# large joint bounce, an iteration takes seconds, and a search that does not arrive soon does not arrive.
+MOST_ITERATIONS = 60
 
 
 def with_residual_traction(pairs: ContactPairs, traction: FloatArray) -> ContactPairs:
@@ -52,6 +55,10 @@ def with_residual_traction(pairs: ContactPairs, traction: FloatArray) -> Contact
         for law, members in zip(pairs.laws, pairs.members, strict=True)
     ]
     return ContactPairs.with_laws(pairs.operator, laws, pairs.members)
+
+
+class _TooMuchWorkError(Exception):
+    """A search took more iterations than it may."""
 
 
 @dataclass(frozen=True)
@@ -94,18 +101,19 @@ class PeakOverTractions:
         self._near, self._exact = (
             each(harmonics, balances.samples) for each in (balances.with_harmonics, balances.exact)
         )
-        self._newton, self._on_iteration, self._last = newton, on_iteration, LastFactor()
+        self._newton, self._listen, self._last = newton, on_iteration, LastFactor()
+        self._left = 0
 
     def near(self, traction: FloatArray, point: BalancePoint) -> TractionPeak | None:
         """The peak near a point of the curve with this traction; None where the search fails."""
-        return self._found(traction, self._search(traction).from_point(point))
+        return self._found(traction, lambda search: search.from_point(point))
 
     def moved(self, start: TractionPeak, traction: FloatArray, halvings: int = HALVINGS) -> TractionPeak | None:
         """The peak that a peak becomes with another traction; None where it gets lost on the way."""
         probe = start.peak.probe
         after = self._found(
             traction,
-            self._search(traction).from_estimate(
+            lambda search: search.from_estimate(
                 probe.point.unknowns, probe.point.trial.omega, probe.tangent, start.peak.curvature
             ),
         )
@@ -117,9 +125,17 @@ class PeakOverTractions:
     def _search(self, traction: FloatArray) -> PeakSearch:
         curve = BoundedCurve(self._with_traction(self._near, traction), self._last, self._window)
         return PeakSearch(
-            curve, Newton(curve, self._newton, self._on_iteration), self._output,
+            curve, Newton(curve, self._newton, self._count), self._output,
             lambda trial: self._balances.mean_row(trial, self._output), self._last, LAST_RISE,
         )  # fmt: skip
+
+    def _count(self, number: int, error: float) -> None:
+        """Report an iteration; raises _TooMuchWorkError after too many of one search."""
+        if self._listen is not None:
+            self._listen(number, error)
+        self._left -= 1
+        if self._left < 0:
+            raise _TooMuchWorkError
 
     @staticmethod
     def _with_traction(balance: Balance, traction: FloatArray) -> Balance:
@@ -127,7 +143,12 @@ class PeakOverTractions:
             balance.compliance, with_residual_traction(balance.pairs, traction), balance.force, balance.samples
         )
 
-    def _found(self, traction: FloatArray, peak: CurvePeak | str) -> TractionPeak | None:
+    def _found(self, traction: FloatArray, searched: Callable[[PeakSearch], CurvePeak | str]) -> TractionPeak | None:
+        self._left = MOST_ITERATIONS
+        try:
+            peak = searched(self._search(traction))
+        except _TooMuchWorkError:
+            return None
         if isinstance(peak, str):
             return None
         point, along = peak.probe.point, peak.probe.tangent.unknowns

@@ -281,30 +281,25 @@ class TractionBandSearch:
             )
             return
         effects = self._extremes(still, still.top)
+        starts = [still_peak, *self._random_peaks(tops, still_peak, effects)]
         sides = ((RAISED, raised, highest, max), (LOWERED, lowered, lowest, min))
         for name, traced, select, best_of in sides:
             self._report.stage(f"band of residual tractions: {name}, optimised")
-            found = [
-                local_extreme(tops, start, select, self._limit)
-                for start in self._starting_peaks(tops, still_peak, traced, effects)
-            ]
+            own = tops.near(traced.traction, traced.points[traced.top]) if traced.traction.any() else None
+            found = [local_extreme(tops, start, select, self._limit) for start in (*starts, *([own] if own else []))]
             self._extremes_found[name] = np.array([each.amplitude for each in found])
             best = best_of(found, key=lambda each: each.amplitude)
-            reached = best_of(each.highest_peak for each in self._traced)
+            reached = best_of(each.highest_peak for each in self._traced if each.complete)
             if best_of(best.amplitude, reached) != reached and abs(best.amplitude - reached) > FURTHER * reached:
                 self._follow_from(f"{name}, optimised", best, (low, high))
 
-    def _starting_peaks(
-        self, tops: PeakOverTractions, still: TractionPeak, extreme: _Traced, effects: Sequence[Quantity]
+    def _random_peaks(
+        self, tops: PeakOverTractions, still: TractionPeak, effects: Sequence[Quantity]
     ) -> Iterator[TractionPeak]:
-        """The peak without traction, that of the extreme to first order, and those of random tractions, of which every
-        other has all pairs at their limits.
+        """The peaks of random tractions, of which every other has all pairs at their limits.
 
         Pairs that stick far below their limits have none (``LEAST_SHARE``).
         """
-        yield still
-        if np.any(extreme.traction) and (first := tops.near(extreme.traction, extreme.points[extreme.top])):
-            yield first
         random = np.random.default_rng(SEED)
         limit = self._limit * np.any([each.by_traction.any(axis=1) for each in effects], axis=0)
         for number in range(self._starts):
