@@ -18,16 +18,17 @@ from stickslip.core.validation import FloatArray
 from stickslip.results.band import BandMeasure, Limit
 from stickslip.results.sweep_table import SweepCurve
 
-PEAK, PEAK_FREQUENCY, STRESS, ALTERNATING_STRESS = "peak", "peak_frequency", "stress", "alternating_stress"
+PEAK = "peak"
+PEAK_FREQUENCY = "peak_frequency"
+STRESS = "stress"
+ALTERNATING_STRESS = "alternating_stress"
 DESIGN_MEASURES = {
     each.name: each
     for each in (
         BandMeasure(PEAK, "peak_amplitude_m", "m", "Highest peak"),
         BandMeasure(PEAK_FREQUENCY, "peak_frequency_hz", "Hz", "Frequency of the highest peak"),
-        BandMeasure(STRESS, "stress_pa", "Pa", "Largest von Mises stress at the highest peak"),
-        BandMeasure(
-            ALTERNATING_STRESS, "alternating_stress_pa", "Pa", "Largest alternating stress at the highest peak"
-        ),
+        BandMeasure(STRESS, "stress_pa", "Pa", "Largest von Mises stress at the peak"),
+        BandMeasure(ALTERNATING_STRESS, "alternating_stress_pa", "Pa", "Largest alternating stress at the peak"),
     )
 }
 STRESSES = (STRESS, ALTERNATING_STRESS)

@@ -51,7 +51,9 @@ class Requirements:
         values = [case.value(measure.name) for case in cases]
         return max(values) if is_upper else min(values)
 
-    def evaluated(self, number: int, request: Request, values: tuple[float, ...], cases: tuple[DesignCase, ...]) -> Evaluation:  # fmt: skip
+    def evaluated(
+        self, number: int, request: Request, values: tuple[float, ...], cases: tuple[DesignCase, ...]
+    ) -> Evaluation:
         """The evaluation of solved cases."""
         failed = any(case.failure for case in cases)
         objective = math.nan if failed else self.worst(cases, self.measure, True)

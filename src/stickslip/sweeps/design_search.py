@@ -156,15 +156,13 @@ def _sharpness(cases: DesignCases, best: Evaluation, below: _Side, above: _Side)
     at = np.array([each.coordinates[place] for each in rows])
     objective = np.array([each.objective for each in rows])
     optimum = best.coordinates[place]
-    ends = [
-        None if distance is None else key.at(optimum + sign * distance)
-        for sign, distance in ((-1.0, below.crossing()), (1.0, above.crossing()))
-    ]
+    lower, upper = below.crossing(), above.crossing()
     return Sharpness(
         key.name,
         np.array([each.values[place] for each in rows]),
         objective,
         np.array([each.excess for each in rows]),
-        *ends,
+        None if lower is None else key.at(optimum - lower),
+        None if upper is None else key.at(optimum + upper),
         shape_of(key, optimum, at, objective / best.objective),
     )

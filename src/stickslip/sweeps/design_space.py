@@ -100,8 +100,8 @@ class DesignSpace:
                 try:
                     self._check(values, load_case, layouts)
                 except StickslipError as error:
-                    where = [f"{key.name} = {key.label(value)}" for key, value in zip(self.keys, values, strict=True)]
-                    wrong.append((", ".join([*where, *filter(None, [load_case.words])]), error))
+                    named = [f"{key.name} = {key.label(value)}" for key, value in zip(self.keys, values, strict=True)]
+                    wrong.append((", ".join([*named, *filter(None, [load_case.words])]), error))
                     break
         if wrong:
             where, first = wrong[0]
@@ -147,7 +147,7 @@ def _design_key(case: Case, name: str, limits: Range) -> DesignKey:
             f"{name} has the range from {given[0]} to {given[1]}. FROM must be below TO.",
             arguments=[name],
         )
-    return DesignKey(name, kind, *ends, start=_own_value(case, name))
+    return DesignKey(name, kind, ends[0], ends[1], _own_value(case, name))
 
 
 def _own_value(case: Case, name: str) -> float:

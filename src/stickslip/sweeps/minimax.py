@@ -127,7 +127,9 @@ class _StoppedError(Exception):
     """The requests of the others could not be answered."""
 
 
-def in_step(tasks: Sequence[Callable[[Callable[[Any], Any]], Any]], answer: Callable[[list[Any]], list[Any]]) -> list:
+def in_step(
+    tasks: Sequence[Callable[[Callable[[Any], Any]], Any]], answer: Callable[[list[Any]], list[Any]]
+) -> list[Any]:
     """Run tasks that ask for values, each in its own thread; the requests of all of them are answered together.
 
     ``tasks`` receive a function ``ask(request)``; ``answer(requests)`` runs in this thread, in the order of the tasks,
