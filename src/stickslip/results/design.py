@@ -336,7 +336,10 @@ def optimum_sentences(result: DesignResult) -> Iterator[str]:
             f"The optimum is at a corner along {', '.join(corners)}: the {result.measure.words.lower()} rises with a "
             "finite slope to both sides."
         )
-    if not (on_bound or active or equal or corners):
+    edges = [each.key for each in result.sharpness if np.isnan(each.objective).any()]
+    if edges:
+        yield f"Close to the optimum, designs along {', '.join(edges)} have no result; it may be at their edge."
+    if not (on_bound or active or equal or corners or edges):
         yield "The optimum is interior: no bound, no limit, and one highest peak."
 
 
