@@ -96,7 +96,8 @@ class FakeSolver:
             return CaseOutcome(converged=False, message="The curve ended.", measures={})
         step = 1e-6 * limit
         beside = [np.array(sorted(self._peaks_of(limit + sign * step), reverse=True)) for sign in (-1.0, 1.0)]
-        slopes = (beside[1] - beside[0]) / (2.0 * step)
+        known = beside[0].shape == beside[1].shape  # not at an edge beyond which there is no result
+        slopes = (beside[1] - beside[0]) / (2.0 * step) if known else np.zeros((len(found), 2))
         rows = []
         for (height, hertz), (by_height, by_hertz) in zip(found, slopes, strict=True):
             row = {"amplitude_m": height, "frequency_hz": hertz, "bracketed": hertz < 22.0}

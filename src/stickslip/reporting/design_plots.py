@@ -99,10 +99,11 @@ def against_key(result: DesignResult, place: int) -> Figure:
     best = result.optimum
     if best is not None:
         along = result.sharpness[place]
-        x = [key.shown(float(value)) for value in along.values]
+        has = np.isfinite(along.objective)
+        x = [key.shown(float(value)) for value in along.values[has]]
         name = "through the optimum, other keys constant"
         hover = PlotMarkup("%{{x:.5g}} {}<br>%{{y:.5g}} {}<extra>{}</extra>").format(key.unit, unit, name)
-        traces.append(line_trace(name, x, factor * along.objective, INK, "solid", 2.0, hovertemplate=hover))
+        traces.append(line_trace(name, x, factor * along.objective[has], INK, "solid", 2.0, hovertemplate=hover))
         level = [COST * factor * best.objective] * 2
         ends = [key.shown(key.low), key.shown(key.high)]
         cost = f"{100.0 * (COST - 1.0):.0f} % above the optimum"

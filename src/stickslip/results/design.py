@@ -65,8 +65,8 @@ class DesignKey:
 
     def at(self, coordinate: float) -> float:
         """The value in SI at a coordinate from 0 (low) to 1 (high)."""
-        if coordinate <= 0.0 or coordinate >= 1.0:
-            return self.low if coordinate <= 0.0 else self.high
+        if min(coordinate, 1.0 - coordinate) < 1e-9:  # a step to a bound, with its round-off
+            return self.low if coordinate < 0.5 else self.high
         if self.is_logarithmic:
             value = self.low * (self.high / self.low) ** coordinate
         else:

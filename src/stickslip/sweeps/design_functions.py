@@ -13,7 +13,7 @@ import numpy as np
 
 from stickslip.core.validation import FloatArray
 from stickslip.results.band import Limit
-from stickslip.results.design import PEAK, PEAK_FREQUENCY, DesignCase, DesignPeak, Evaluation
+from stickslip.results.design import PEAK, PEAK_FREQUENCY, STRESSES, DesignCase, DesignPeak, Evaluation
 from stickslip.sweeps.design_cases import DesignCases, Request
 from stickslip.sweeps.design_task import MOST_PEAKS
 from stickslip.sweeps.minimax import Functions
@@ -21,6 +21,7 @@ from stickslip.sweeps.minimax import Functions
 FAR_BELOW = math.log(2.0)
 # chosen: the optimiser satisfies limits with this room, in logarithms, because it stops within its tolerance of them.
 ROOM = 5e-4
+FAR_FROM_LIMIT = 0.7  # chosen: of the limit of a stress
 DIFFERENCE_STEP = 0.01  # chosen: of the range of a key, to both sides
 Ask = Callable[[list[Request]], list[Evaluation]]
 
@@ -101,7 +102,10 @@ class DesignFunctions:
 
         rows = column(requirements.measure.name)
         for limit in requirements.limits:
-            rows += [-slope if limit.is_upper else slope for slope in column(limit.measure.name)]
+            slopes = column(limit.measure.name)
+            if _is_far(limit, evaluation):
+                slopes = [by_coordinate * _slopes(case, PEAK, key.name)[0] for case in evaluation.cases]
+            rows += [-slope if limit.is_upper else slope for slope in slopes]
         return np.array(rows)
 
     def _differences(self, evaluation: Evaluation, places: Sequence[int]) -> list[FloatArray]:
@@ -132,6 +136,14 @@ class DesignFunctions:
             matched.append(DesignCase("", "", "", peaks, neighbour.stresses))
         found = self._functions(Evaluation(0, "", other.coordinates, other.values, tuple(matched), 0.0, (), 0.0))
         return np.concatenate([found.functions, found.constraints])
+
+
+def _is_far(limit: Limit, evaluation: Evaluation) -> bool:
+    """Whether a stress is so far below its limit that the slope of a peak does for its own, which takes two further
+    solutions for each key: the constraint then has no effect on the next step."""
+    if limit.measure.name not in STRESSES or not limit.is_upper:
+        return False
+    return all(case.value(limit.measure.name) < FAR_FROM_LIMIT * limit.value for case in evaluation.cases)
 
 
 def _room(limit: Limit, logarithm: float) -> float:
