@@ -118,6 +118,7 @@ def test_readme_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
         "roughness",
         "sweep",
         "band",
+        "design",
         "paper",
     ]
     for line in commands[:-1]:
@@ -195,6 +196,23 @@ def test_guide_to_bands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys:
     assert "is exceeded by 0 of 8 samples" in printed
     options = CliRunner().invoke(app, ["band", "--help"]).output
     for option in set(re.findall(r"--(?:scatter|limit|samples|out|workers|scheduler|threads)", guide)):
+        assert option in options
+
+
+@pytest.mark.slow
+def test_guide_to_designs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """The script of docs/design.md on a coarse mesh; the options of its command."""
+    guide = (ROOT / "docs" / "design.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    quick_file(tmp_path)
+    script = re.findall(r"<!-- tested -->\n```python\n(.*?)```", guide, flags=re.DOTALL)[0]
+    exec(compile(script, "design.md", "exec"), {"__name__": "__main__"})
+    assert re.search(r"^\d+ N: peak [\d.]+ um$", capsys.readouterr().out, flags=re.MULTILINE)
+    assert (tmp_path / "best" / "optimum.toml").is_file()
+    options = CliRunner().invoke(app, ["design", "--help"]).output
+    for option in set(
+        re.findall(r"--(?:over|minimise|subject-to|worst-of|samples|starts|out|workers|scheduler)", guide)
+    ):
         assert option in options
 
 

@@ -25,6 +25,7 @@ PAGES = (
     "roughness",
     "sweeps",
     "band",
+    "design",
     "comparing",
     "paper_study",
     "solved_preload",

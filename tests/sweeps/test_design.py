@@ -243,7 +243,7 @@ def test_wrong_input_is_rejected_before_a_folder_is_made(case: Case, tmp_path: P
         (RANGE, {"starts": 0}, ("starts",)),
     ):
         with rejects(InputError, *expected):
-            ss.design(case, over, out=out, **options)  # type: ignore[arg-type]
+            ss.design(case, over, out=out, **options)
     assert not out.exists()
 
 
