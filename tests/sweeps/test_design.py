@@ -70,7 +70,7 @@ def test_the_optimum_is_that_of_the_closed_form(damper: tuple[Design, Path]) -> 
     assert best.objective == pytest.approx(optimum()[1], rel=1e-3)
     assert best.values[0] == pytest.approx(optimum()[0], rel=0.02)  # flat: 2 % of the limit change the peak by 0.04 %
     for limit, peak in values_of(result):
-        assert peak == pytest.approx(jenkins_peak(limit), rel=1e-3)
+        assert peak == pytest.approx(jenkins_peak(limit), rel=3e-3)  # those of samples are interpolated
     assert [each.same_place for each in result.starts] == [True, True]
     assert result.sharpness[0].shape == "smooth"
     printed_sentence(result.remarks[0])
