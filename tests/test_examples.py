@@ -118,7 +118,6 @@ def test_readme_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
         "roughness",
         "sweep",
         "band",
-        "design",
         "paper",
     ]
     for line in commands[:-1]:

@@ -91,7 +91,9 @@ def _tiles(result: DesignResult) -> Iterator[Tile]:
     unit = plots.SHOWN[result.measure.unit][1]
     yield Tile(result.measure.words, _value(result.measure, best.objective), unit, more)
     for key, value, along in zip(result.keys, best.values, result.sharpness, strict=True):
-        yield Tile(key.name, number(key.shown(value)), key.unit, f"5 % more for {_cost(key, along)}")
+        yield Tile(
+            _heading(key).partition(",")[0], number(key.shown(value)), key.unit, f"5 % more for {_cost(key, along)}"
+        )
 
 
 def _value(measure: BandMeasure, value: float) -> str:
@@ -141,7 +143,7 @@ def _load_row(words: str, case: DesignCase) -> list[str]:
     for peak in peaks + [None] * (2 - len(peaks)):
         cells += ["–", "–"] if peak is None else [number(1e6 * peak.amplitude_m), shown_number(peak.frequency_hz, "Hz")]
     stress = case.stresses.get("stress")
-    return [*cells, "–" if stress is None else number(1e-6 * stress), case.file]
+    return [*cells, "–" if stress is None else number(1e-6 * stress), case.name]
 
 
 def _start_row(result: DesignResult, place: int, start: StartResult) -> list[str]:

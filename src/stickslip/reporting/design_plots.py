@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -28,7 +29,7 @@ def axis_words(measure: BandMeasure) -> str:
 def start_design(result: DesignResult) -> Evaluation | None:
     """The evaluation of the study itself, if it is inside the ranges and has a result."""
     first = result.evaluations[0]
-    is_study = all(key.start == value for key, value in zip(result.keys, first.values, strict=True))
+    is_study = all(math.isclose(key.start, at) for key, at in zip(result.keys, first.values, strict=True))
     return first if is_study and not first.failure else None
 
 
@@ -95,13 +96,14 @@ def against_key(result: DesignResult, place: int) -> Figure:
     """The objective of all designs against a key, and along the key through the optimum."""
     factor, unit = SHOWN[result.measure.unit]
     key = result.keys[place]
-    traces = list(_marks(result, [(each, key.shown(each.values[place])) for each in result.evaluations]))
+    marks = _marks(result, [(each, key.shown(each.values[place])) for each in result.evaluations])
+    traces = [trace | {"showlegend": False} for trace in marks]  # the path has their legend
     best = result.optimum
     if best is not None:
         along = result.sharpness[place]
         has = np.isfinite(along.objective)
         x = [key.shown(float(value)) for value in along.values[has]]
-        name = "through the optimum, other keys constant"
+        name = "through the optimum"
         hover = PlotMarkup("%{{x:.5g}} {}<br>%{{y:.5g}} {}<extra>{}</extra>").format(key.unit, unit, name)
         traces.append(line_trace(name, x, factor * along.objective[has], INK, "solid", 2.0, hovertemplate=hover))
         level = [COST * factor * best.objective] * 2

@@ -211,6 +211,12 @@ class Sharpness:
     upper: float | None
     shape: str
 
+    @property
+    def is_beside_failure(self) -> bool:
+        """Whether the design next to the optimum, on one of its sides, has no result."""
+        best = int(np.nanargmin(np.where(self.excess > 0.0, np.nan, self.objective)))
+        return bool(np.isnan(self.objective[max(0, best - 1) : best + 2]).any())
+
 
 @dataclass(frozen=True, eq=False)
 class DesignResult:
@@ -336,9 +342,9 @@ def optimum_sentences(result: DesignResult) -> Iterator[str]:
             f"The optimum is at a corner along {', '.join(corners)}: the {result.measure.words.lower()} rises with a "
             "finite slope to both sides."
         )
-    edges = [each.key for each in result.sharpness if np.isnan(each.objective).any()]
+    edges = [each.key for each in result.sharpness if each.is_beside_failure]
     if edges:
-        yield f"Close to the optimum, designs along {', '.join(edges)} have no result; it may be at their edge."
+        yield f"Beside the optimum, designs along {', '.join(edges)} have no result; it may be at their edge."
     if not (on_bound or active or equal or corners or edges):
         yield "The optimum is interior: no bound, no limit, and one highest peak."
 
