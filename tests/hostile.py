@@ -228,8 +228,8 @@ def one_pixel() -> bytes:
 
 
 def write_hostile_pages(folder: Path) -> dict[str, tuple[str, ...]]:
-    """Write the pages report, sweep, band, design and paper; returns the name of each and the fields that must be read in
-    it."""
+    """Write the pages report, sweep, band, design and paper; returns the name of each and the fields that must be read
+    in it."""
     write_page(folder / "report.html", hostile_response(), hostile_study())
     write_sweep_page(folder / "sweep.html", *hostile_sweep())
     write_band_page(folder / "band.html", *hostile_band())

@@ -104,7 +104,7 @@ def against_key(result: DesignResult, place: int) -> Figure:
         has = np.isfinite(along.objective)
         x = [key.shown(float(value)) for value in along.values[has]]
         name = "through the optimum"
-        hover = PlotMarkup("%{{x:.5g}} {}<br>%{{y:.5g}} {}<extra>{}</extra>").format(key.unit, unit, name)
+        hover = PlotMarkup("{}<br>%{{x:.5g}} {}<br>%{{y:.5g}} {}<extra></extra>").format(name, key.unit, unit)
         traces.append(line_trace(name, x, factor * along.objective[has], INK, "solid", 2.0, hovertemplate=hover))
         level = [COST * factor * best.objective] * 2
         ends = [key.shown(key.low), key.shown(key.high)]
@@ -171,5 +171,5 @@ def _marks(result: DesignResult, rows: Sequence[tuple[Evaluation, float]]) -> It
                     "opacity": 0.85,
                 },
                 "text": [f"design {each.number}" for each, _ in chosen],
-                "hovertemplate": PlotMarkup("%{{text}}<br>%{{y:.5g}} {}<extra>{}</extra>").format(unit, name),
+                "hovertemplate": PlotMarkup("{}, %{{text}}<br>%{{y:.5g}} {}<extra></extra>").format(name, unit),
             }
