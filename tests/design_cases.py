@@ -15,7 +15,8 @@ import numpy as np
 import scipy.optimize
 
 from law_studies import REST, interface_text, write_masses, write_study
-from stickslip.case.case import Case, load_case
+from stickslip.case.case import Case
+from stickslip.case.load import load_case
 from stickslip.results.sweep_table import SweepCurve
 from stickslip.sweeps.design_task import DesignTask
 from stickslip.sweeps.work import CaseOutcome

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip.cli import result_commands
+from stickslip.cli import input_commands, result_commands
 from stickslip.cli.design_command import design
 from stickslip.cli.errors import Debug, error_messages
 from stickslip.cli.many_cases import (
@@ -33,6 +33,7 @@ from stickslip.cli.options import (
     Workers,
     WorkerThreads,
     folder,
+    print_rows,
 )
 from stickslip.cli.process import tolerate_closed_output
 from stickslip.core.errors import InputError, concerning
@@ -112,7 +113,7 @@ def check(path: StudyFile, debug: Debug = False) -> None:
             sections = checked(case)
         for title, rows in sections:
             echo(f"\n{title}")
-            _print_rows(rows)
+            print_rows(rows)
 
 
 @app.command()
@@ -267,76 +268,15 @@ def band(
         close_cases(result, quiet, "samples")
 
 
-for _command in (design, result_commands.report, result_commands.compare, result_commands.export):
+for _command in (
+    design,
+    result_commands.report,
+    result_commands.compare,
+    result_commands.export,
+    input_commands.roughness,
+):
     app.command()(_command)
-
-
-@app.command()
-def roughness(
-    path: Annotated[Path, typer.Argument(metavar="FILE", help="Profile, or map of an instrument.", show_default=False)],
-    unit: Annotated[str | None, typer.Option("--unit", help="Unit of both columns, such as um.")] = None,
-    position_unit: Annotated[str | None, typer.Option("--position-unit", help="Unit of the first column.")] = None,
-    height_unit: Annotated[str | None, typer.Option("--height-unit", help="Unit of the second column.")] = None,
-    scales: Annotated[
-        tuple[str, str] | None, typer.Option("--scales", help='Shortest and longest lag: "4 um" "0.2 mm".')
-    ] = None,
-    longest_wave: Annotated[
-        str | None, typer.Option("--longest-wave", help='Longest wave, such as the cut-off of a filter: "0.8 mm".')
-    ] = None,
-    hardness: Annotated[
-        str | None, typer.Option("--hardness", help='Hardness of the face, for the load that it requires: "3 GPa".')
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Folder for plot and table.", parser=folder)
-    ] = None,
-    debug: Debug = False,
-) -> None:
-    """Fractal dimension, fractal roughness and contact stiffness of a measured profile or map."""
-    with error_messages(debug):
-        if out is not None:
-            require_folder(out)
-        from stickslip.cli import measured_roughness
-
-        if hardness is not None:
-            measured_roughness.require_hardness(hardness)
-        measured = measured_roughness.measure(path, position_unit or unit, height_unit or unit, scales, longest_wave)
-        _print_rows(measured_roughness.rows(measured))
-        for sentence in measured.fit.warnings:
-            echo(f"Warning: {sentence}")
-        for file in measured_roughness.write(out, measured) if out is not None else ():
-            echo(f"Wrote {file}")
-        lines = measured_roughness.study_lines(measured.fit, hardness)
-        echo(measured_roughness.contact_message(measured.fit, hardness))
-        echo("\nNormal contact stiffness per area of a face of 1 cm2 with the waves of the measurement:")
-        _print_rows(measured_roughness.stiffness_rows(measured, hardness))
-        echo(f"\nFor the study file:\n{lines.rstrip()}")
-
-
-@app.command("import")
-def import_model(
-    path: Annotated[Path, typer.Argument(metavar="FILE", help=".inp, .bdf, .msh, .vtu, .med", show_default=False)],
-    length_unit: Annotated[
-        str | None, typer.Option("--length-unit", help="Unit of the coordinates: mm, m, ...")
-    ] = None,
-    unit_system: Annotated[
-        str | None, typer.Option("--unit-system", help="System of materials: mm-t-s, SI, ...")
-    ] = None,
-    includes_outside: Annotated[
-        bool, typer.Option("--includes-outside", help="Let a deck include files outside of its folder.")
-    ] = False,
-    debug: Debug = False,
-) -> None:
-    """Show bodies, sets, masses and size of a model file."""
-    with error_messages(debug):
-        from stickslip.cli.model_listing import print_model
-
-        print_model(path, length_unit, unit_system, includes_outside)
-
-
-def _print_rows(rows: list[tuple[str, str]]) -> None:
-    width = max((len(label) for label, _ in rows), default=0)
-    for label, value in rows:
-        echo(f"  {label:<{width}}  {value}")
+app.command("import")(input_commands.import_model)
 
 
 @app.command()

@@ -29,7 +29,7 @@ SHOWN_FAILURES = 10  # chosen: lines on failed cases
 def load_study(path: Path, quiet: bool = False, central: bool = True) -> tuple[Case, KeyPositions]:
     """The case of a study file and the lines of its keys; reports which values are defaults, and which are the
     ``central`` ones of distributed inputs. Raises StudyFileError."""
-    from stickslip.case.case import load_case_and_positions
+    from stickslip.case.load import load_case_and_positions
     from stickslip.case.scatter_text import central_sentences
 
     case, places = load_case_and_positions(path)

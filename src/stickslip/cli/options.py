@@ -1,4 +1,4 @@
-"""Options that several commands have."""
+"""What several commands read and print in the same form."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from stickslip.core.terminal import echo
 
 
 def folder(text: str) -> Path:
@@ -31,3 +33,10 @@ Scheduler = Annotated[
     typer.Option("--scheduler", metavar="ADDRESS", help="Solve on the Dask cluster with this scheduler."),
 ]
 WorkerThreads = Annotated[int, typer.Option("--threads", min=1, help="Threads of each worker.")]
+
+
+def print_rows(rows: list[tuple[str, str]]) -> None:
+    """Print labels and values in two columns."""
+    width = max((len(label) for label, _ in rows), default=0)
+    for label, value in rows:
+        echo(f"  {label:<{width}}  {value}")
