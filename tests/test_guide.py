@@ -26,6 +26,7 @@ PAGES = (
     "loops",
     "sweeps",
     "band",
+    "design",
     "comparing",
     "paper_study",
     "solved_preload",

@@ -102,6 +102,7 @@ from .study.run import report as report
 from .study.run import run as run
 from .study.solution import solve_case as solve_case
 from .sweeps.band import band as band
+from .sweeps.design import design as design
 from .sweeps.run import sweep as sweep
 
 __all__: list[str]
