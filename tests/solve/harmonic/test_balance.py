@@ -13,7 +13,8 @@ from stickslip.solve.harmonic import reduced
 from stickslip.solve.harmonic.balance import ActiveRows, Balance, Trial
 from stickslip.solve.harmonic.compliance import stuck_structure
 from stickslip.solve.harmonic.curves import FrequencyCurve
-from stickslip.solve.harmonic.reduced import BorderedSystem, LastFactor, NewtonSystem, Row
+from stickslip.solve.harmonic.factors import LastFactor
+from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem, Row
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import NO_PARAMETERS, Plane
 from stickslip.structure.superelement import Superelement

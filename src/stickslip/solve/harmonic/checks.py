@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
+from stickslip.solve.harmonic.factors import LastFactor
 from stickslip.solve.harmonic.neglected import CurveAccuracy, chord_of, neglected
-from stickslip.solve.harmonic.reduced import LastFactor
 
 LARGEST_SAMPLE_RESIDUAL = 2e-3  # chosen: 0.2 % of the relative displacement, below what a plot shows
 LARGEST_NEGLECTED = 1e-2  # chosen: 1 % of the motion of the structure, with the margin of the estimate

@@ -23,7 +23,7 @@ from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
-from stickslip.solve.harmonic.reduced import LastFactor
+from stickslip.solve.harmonic.factors import LastFactor
 from stickslip.solve.path.arc_length import Tangent
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.path.problem import Plane, Step

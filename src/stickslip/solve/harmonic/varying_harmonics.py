@@ -18,6 +18,7 @@ from stickslip.core.resolution import SAMPLES_PER_HARMONIC
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
+from stickslip.solve.harmonic.factors import LastFactor
 from stickslip.solve.harmonic.neglected import (
     CurveAccuracy,
     Neglected,
@@ -26,7 +27,6 @@ from stickslip.solve.harmonic.neglected import (
     plane_across,
     resized_plane,
 )
-from stickslip.solve.harmonic.reduced import LastFactor
 from stickslip.solve.path.arc_length import Tangent, chord_between
 from stickslip.solve.path.continuation import Branch
 from stickslip.solve.path.landmarks import LandmarkSource
