@@ -2,7 +2,8 @@
 
 The point is evaluated with more harmonics, and Newton's equations are solved, usually once and to few digits, with the
 tangent of the contact in all of them: what the neglected harmonics of the force move, what their motion changes in the
-others, and how slip limits it. (The residual of the neglected harmonics alone is no estimate: it is the motion of the
+others, and how slip limits it. Where the steps stop with a part of the residual left, the estimate is as much larger
+as if further steps went on like this; it is infinite where they lower nothing. (The residual of the neglected harmonics alone is no estimate: it is the motion of the
 structure with all contacts stuck, whose high modes may have a resonance there, and no damping.)
 
 The error is the distance between the point and the curve with more harmonics, up to a shift in time: the change of the
@@ -33,11 +34,13 @@ LEAST_MORE = 4
 # chosen: factor for harmonics beyond these and for the linearisation. Without it the estimate is 0.5 to 1.1 of the true
 # error in 9 of 10 points (benchmarks/accuracy.py).
 MARGIN = 1.5
-# Relative accuracy of the first step; an estimate needs no more.
+# Relative accuracy of the linear solution of a step; an estimate needs no more.
 TOLERANCE = 2e-2
 # chosen: a step that leaves less than this fraction of the residual is enough; usually that is the first one. Contact
 # that changes its state within the step requires more, at most this number.
-ENOUGH, MOST_STEPS = 0.2, 10
+ENOUGH, MOST_STEPS = 0.2, 6
+# chosen: steps that leave more than this fraction say nothing.
+NOTHING = 0.9
 # A residual below that of converged points (NewtonSettings) is round-off, which no step lowers.
 ROUND_OFF = 1e-8
 # Floor of the width of a resonance without damping, over its frequency.
@@ -71,12 +74,16 @@ class Neglected:
 
 @dataclass(frozen=True)
 class CurveAccuracy:
-    """What a curve of varying harmonics has: the wanted accuracy, and harmonics and errors of its points."""
+    """What a curve of varying harmonics has: the wanted accuracy, and harmonics and errors of its points.
+
+    ``limited`` is True if some point has fewer harmonics than it requires, because more of them are too much work.
+    """
 
     accuracy: float
     harmonics: NDArray[np.int64]  # (n_points,)
     errors: FloatArray  # (n_points,) estimated, relative
     at_peak: float  # that of the point with the largest motion
+    limited: bool = False
 
     def words(self) -> str:
         """For the provenance."""
@@ -132,25 +139,29 @@ def neglected(trial: Trial, own: Balance, fine: Balance, along: Tangent, last: L
     rows = 2 * fine.harmonics + 1
     curve, plane = FrequencyCurve(fine, trial.load, last), resized_plane(plane_across(trial, own, along), rows)
     start = curve.at(with_rows(trial.relative, rows), trial.omega)
-    point = _corrected(curve, start, plane)
-    if point is None:
+    point = _FewDigits.corrected(curve, start, plane)
+    left = point.error / start.error if start.error > ROUND_OFF else 0.0
+    if left > NOTHING:
         return Neglected(np.inf, None)
     away = point.measured - with_rows(trial.amplitude, rows - 1), point.trial.omega - trial.omega
     error = distance(trial, own, away, (with_rows(along.measured, rows - 1), along.parameter))
+    if left > ENOUGH:
+        error /= 1.0 - left
     return Neglected(MARGIN * error, Step(point.unknowns - start.unknowns, point.parameters - start.parameters))
 
 
-def _corrected(curve: FrequencyCurve, start: BalancePoint, plane: Plane) -> BalancePoint | None:
-    """A point on the plane that has only a fraction of the residual of ``start``; None for singular equations."""
-    step = curve.linearised(start, plane).solve(start.residual, start.conditions, 0.0, TOLERANCE)
-    if not (np.isfinite(step.unknowns).all() and np.isfinite(step.parameters).all()):
-        return None
-    first = curve.evaluate(start.unknowns + step.unknowns, start.parameters + step.parameters)
-    enough = max(ENOUGH * start.error, ROUND_OFF)
-    if first.error <= enough:
-        return first
-    settings = NewtonSettings(tolerance=enough, max_iterations=MOST_STEPS, round_off_factor=1.0)
-    return Newton(curve, settings).correct(min(first, start, key=lambda point: point.error), plane).point
+class _FewDigits(Newton[BalancePoint]):
+    """Newton's method with steps of few digits, until a fraction of the residual is left."""
+
+    @classmethod
+    def corrected(cls, curve: FrequencyCurve, start: BalancePoint, plane: Plane) -> BalancePoint:
+        """A point on the plane that has only a fraction of the residual of ``start``, or the best one."""
+        enough = max(ENOUGH * start.error, ROUND_OFF)
+        settings = NewtonSettings(tolerance=enough, max_iterations=MOST_STEPS, round_off_factor=1.0)
+        return cls(curve, settings).correct(start, plane).point
+
+    def _step_tolerance(self, error: float, sharper: float) -> float:
+        return TOLERANCE
 
 
 def distance(trial: Trial, own: Balance, away: tuple[FloatArray, float], along: tuple[FloatArray, float]) -> float:
