@@ -3,8 +3,9 @@
 The point is evaluated with more harmonics, and Newton's equations are solved, usually once and to few digits, with the
 tangent of the contact in all of them: what the neglected harmonics of the force move, what their motion changes in the
 others, and how slip limits it. Where the steps stop with a part of the residual left, the estimate is as much larger
-as if further steps went on like this; it is infinite where they lower nothing. (The residual of the neglected harmonics alone is no estimate: it is the motion of the
-structure with all contacts stuck, whose high modes may have a resonance there, and no damping.)
+as if further steps went on like this; it is infinite where they lower nothing. (The residual of the neglected harmonics
+alone is no estimate: it is the motion of the structure with all contacts stuck, whose high modes may have a resonance
+there, and no damping.)
 
 The error is the distance between the point and the curve with more harmonics, up to a shift in time: the change of the
 motion of the structure over that motion (mass norm), and the change of the frequency over the half-power width ``2 zeta
@@ -93,9 +94,16 @@ class CurveAccuracy:
         )
 
 
-def more_harmonics(harmonics: int, samples: int) -> int:
-    """The number of harmonics of an estimate; ``samples`` of a period resolve no more than their half."""
-    return min(harmonics + max(harmonics, LEAST_MORE), (samples - 1) // 2)
+def more_harmonics(harmonics: int, samples: int, damped: int | None = None) -> int:
+    """The number of harmonics of an estimate; ``samples`` of a period resolve no more than their half.
+
+    Harmonics above those that are ``damped``, if given, meet modes without damping: their resonances, which are
+    properties of the model and not of the structure, are left out.
+    """
+    more = harmonics + max(harmonics, LEAST_MORE)
+    if damped is not None:
+        more = min(more, max(damped, harmonics + LEAST_MORE))
+    return min(more, (samples - 1) // 2)
 
 
 def resized_plane(plane: Plane, rows: int) -> Plane:

@@ -46,9 +46,9 @@ AIM_OF_FEWER = 0.5
 # A smaller estimate, over the accuracy, counts as this: harmonics above those of the estimate can be as large (a true
 # error of 0.11 of the accuracy where the estimate was 0.05, in the default two-blade case).
 LEAST_ESTIMATE = 0.1
-# chosen: more harmonics than the first number only if the largest system, that of the estimate, has no more rows than the
-# second (110 pairs that all separate, 286 rows: 9 harmonics). With 26,600 rows (23 harmonics) a step of the estimate
-# takes seconds, and the error falls slowly: 2.8 % with 7 harmonics, 1.3 % with 15, 0.3 % with 23.
+# chosen: more harmonics than the first number only if a system with twice as many, that of the estimate, has no more
+# rows than the second (110 pairs that all separate, 286 coordinates: 9 harmonics). With 26,600 rows (23 harmonics) a
+# step of the estimate takes seconds, and the error falls slowly: 2.8 % with 7 harmonics, 1.3 % with 15, 0.3 % with 23.
 ALWAYS_HARMONICS, MOST_ROWS = 7, 12_000
 # chosen: where the last estimate is below a fraction of the accuracy so many next points have none at first, and then
 # the larger one of their neighbours, unless this is above the accuracy.
@@ -157,6 +157,8 @@ class HarmonicsByAccuracy:
         smallest number of harmonics, such as that of the excitation.
     samples:
         samples of a period.
+    damped:
+        see :func:`stickslip.solve.harmonic.neglected.more_harmonics`.
     """
 
     def __init__(
@@ -167,8 +169,9 @@ class HarmonicsByAccuracy:
         samples: int,
         settings: NewtonSettings,
         on_iteration: Callable[[int, float], None],
+        damped: int | None = None,
     ) -> None:
-        self._accuracy, self._samples = accuracy, samples
+        self._accuracy, self._samples, self._damped = accuracy, samples, damped
         first = max(least, LEAST_HARMONICS)
         most = samples // SAMPLES_PER_HARMONIC
         self._ladder = sorted({first, *(each for each in LADDER if first < each <= most)})
@@ -266,7 +269,7 @@ class HarmonicsByAccuracy:
             self._skip = 0
 
     def _fine(self, point: VaryingPoint) -> Balance:
-        return self.curve.with_harmonics(more_harmonics(point.harmonics, self._samples)).balance
+        return self.curve.with_harmonics(more_harmonics(point.harmonics, self._samples, self._damped)).balance
 
     def _own(self, point: VaryingPoint) -> Balance:
         return self.curve.with_harmonics(point.harmonics).balance
@@ -322,7 +325,7 @@ class HarmonicsByAccuracy:
         more = next((each for each in self._ladder if each > point.harmonics), None)
         if more is None or more <= ALWAYS_HARMONICS:
             return more
-        rows = int(point.trial.contact.moves.sum()) * (2 * more_harmonics(more, self._samples) + 1)
+        rows = int(point.trial.contact.moves.sum()) * (4 * more + 1)
         if rows <= MOST_ROWS:
             return more
         self._limited = True
