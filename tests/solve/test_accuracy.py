@@ -15,6 +15,7 @@ from stickslip.model.model import build_model
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.forced import forced_response
 from stickslip.solve.harmonic import neglected, varying_harmonics
+from stickslip.solve.harmonic.checks import ResolutionCheck
 
 pytestmark = pytest.mark.slow
 
@@ -153,12 +154,19 @@ def test_a_limit_of_the_work_is_reported(monkeypatch: pytest.MonkeyPatch) -> Non
     printed_sentence(sentence, "exceed the limit of the work", numbers=False)
 
 
-def test_steps_that_lower_nothing_are_no_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_steps_that_help_the_tangent_alone_gives_the_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is of the size of the usual one, not zero."""
+    name = "error_by_neglected_harmonics"
+    usual = float(make("gaps", 1).solve(harmonics=3).settings[name])
     monkeypatch.setattr(neglected, "MOST_STEPS", 0)
-    response = make("gaps", 1).solve(harmonics=3)
-    assert response.settings["error_by_neglected_harmonics"] == np.inf
-    (sentence,) = (each for each in response.warnings if "neglected harmonics" in each)
-    printed_sentence(sentence, "is not known at", numbers=False)
+    tangent_alone = float(make("gaps", 1).solve(harmonics=3).settings[name])
+    assert 0.5 * usual < tangent_alone < 3.0 * usual
+
+
+def test_an_error_of_the_whole_motion_is_reported() -> None:
+    check = ResolutionCheck(1e-4, 1.0, neglected.UNKNOWN, 2.0 * np.pi * 50.0, None, accuracy=0.005)
+    (sentence,) = check.warnings(7, 256)
+    printed_sentence(sentence, "or not known")
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from stickslip.core.fourier import with_rows
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.factors import LastFactor
-from stickslip.solve.harmonic.neglected import CurveAccuracy, chord_of, neglected
+from stickslip.solve.harmonic.neglected import UNKNOWN, CurveAccuracy, chord_of, neglected
 
 LARGEST_SAMPLE_RESIDUAL = 2e-3  # chosen: 0.2 % of the relative displacement, below what a plot shows
 LARGEST_NEGLECTED = 1e-2  # chosen: 1 % of the motion of the structure, with the margin of the estimate
@@ -61,10 +61,10 @@ class ResolutionCheck:
                 f"Run again with samples = {2 * samples}."
             )
         where = f"{self.neglected_omega / (2.0 * np.pi):.2f} Hz"
-        if not np.isfinite(self.neglected_error):
+        if self.neglected_error >= UNKNOWN:
             sentences.append(
-                f"The error by neglected harmonics is not known at {where}: Newton's method with more harmonics comes "
-                f"no nearer to a solution there. Run again with harmonics = {2 * harmonics}, and compare."
+                f"The error by neglected harmonics is as large as the motion at {where}, or not known: the solution "
+                f"with more harmonics is far away. Run again with harmonics = {2 * harmonics}, and compare."
             )
         elif self.accuracy is not None and self.neglected_error > self.accuracy:
             remedy = f"Run again with samples = {2 * samples}, which allow more harmonics, or with a coarser accuracy."

@@ -2,10 +2,9 @@
 
 The point is evaluated with more harmonics, and Newton's equations are solved, usually once and to few digits, with the
 tangent of the contact in all of them: what the neglected harmonics of the force move, what their motion changes in the
-others, and how slip limits it. Where the steps stop with a part of the residual left, the estimate is as much larger
-as if further steps went on like this; it is infinite where they lower nothing. (The residual of the neglected harmonics
-alone is no estimate: it is the motion of the structure with all contacts stuck, whose high modes may have a resonance
-there, and no damping.)
+others, and how slip limits it. Where the steps stop with much of the residual left, the estimate is at least the first
+one, which the tangent alone determines. (The residual of the neglected harmonics alone is no estimate: it is the motion
+of the structure with all contacts stuck, whose high modes may have a resonance there, and no damping.)
 
 The error is the distance between the point and the curve with more harmonics, up to a shift in time: the change of the
 motion of the structure over that motion (mass norm), and the change of the frequency over the half-power width ``2 zeta
@@ -40,8 +39,8 @@ TOLERANCE = 2e-2
 # chosen: a step that leaves less than this fraction of the residual is enough; usually that is the first one. Contact
 # that changes its state within the step requires more, at most this number.
 ENOUGH, MOST_STEPS = 0.2, 6
-# chosen: steps that leave more than this fraction say nothing.
-NOTHING = 0.9
+# The estimate where the equations are singular: the whole motion.
+UNKNOWN = 1.0
 # A residual below that of converged points (NewtonSettings) is round-off, which no step lowers.
 ROUND_OFF = 1e-8
 # Floor of the width of a resonance without damping, over its frequency.
@@ -141,20 +140,22 @@ def chord_of(before: Trial, after: Trial) -> Tangent:
 def neglected(trial: Trial, own: Balance, fine: Balance, along: Tangent, last: LastFactor | None = None) -> Neglected:
     """The estimate for a trial of the balance ``own``, with the harmonics of ``fine``.
 
-    ``along`` is the direction of the curve at the trial, ``last`` a factor for large systems. The error is infinite
+    ``along`` is the direction of the curve at the trial, ``last`` a factor for large systems. The error is UNKNOWN
     where the equations are singular.
     """
     rows = 2 * fine.harmonics + 1
     curve, plane = FrequencyCurve(fine, trial.load, last), resized_plane(plane_across(trial, own, along), rows)
     start = curve.at(with_rows(trial.relative, rows), trial.omega)
     point = _FewDigits.corrected(curve, start, plane)
-    left = point.error / start.error if start.error > ROUND_OFF else 0.0
-    if left > NOTHING:
-        return Neglected(np.inf, None)
+    ahead = with_rows(along.measured, rows - 1), along.parameter
     away = point.measured - with_rows(trial.amplitude, rows - 1), point.trial.omega - trial.omega
-    error = distance(trial, own, away, (with_rows(along.measured, rows - 1), along.parameter))
-    if left > ENOUGH:
-        error /= 1.0 - left
+    error = distance(trial, own, away, ahead)
+    if point.error > max(ENOUGH * start.error, ROUND_OFF):
+        first = curve.linearised(start, plane).solve(start.residual, start.conditions, 0.0, TOLERANCE)
+        if not (np.isfinite(first.unknowns).all() and np.isfinite(first.parameters).all()):
+            return Neglected(UNKNOWN, None)
+        straight = curve.measured_change(start, first), float(first.parameters[0])
+        error = max(error, distance(trial, own, straight, ahead))
     return Neglected(MARGIN * error, Step(point.unknowns - start.unknowns, point.parameters - start.parameters))
 
 

@@ -30,8 +30,8 @@ FIRST_SAMPLES, SAMPLES_PER_HARMONIC, FINEST = 128, 16, 4
 # number: 97 of 100 multipliers above 0.9 of the benchmark blades and the default two-blade case, against four times the
 # samples.
 FIRST_ERROR, LARGEST_ERROR = 0.15, 0.01
-# A point with a larger multiplier is unstable whatever the error by samples, so it needs no second number of samples: its
-# others, near the circle, change no verdict, only where the numbers of those outside change along an unstable part.
+# A point with a larger multiplier is unstable whatever the error by samples, so it needs no second number of samples:
+# its others, near the circle, change no verdict, only where their numbers change along an unstable part.
 SURELY_OUTSIDE = 1.5
 # Round-off of the march, where no contact changes.
 ROUND_OFF = 1e-7
