@@ -40,8 +40,8 @@ class RunningIn:
         before = sq(section.fractal_dimension, scale, section.sample_length, section.shortest_length)
         if not end < before:
             raise InputError(
-                f"running_in_sq is {1e6 * end:.4g} um, but the faces have Sq {1e6 * before:.4g} um before the wear, and "
-                "running in makes them smoother. Give a smaller running_in_sq.",
+                f"running_in_sq is {1e6 * end:.4g} um, but the faces have Sq {1e6 * before:.4g} um before "
+                "the wear, and running in makes them smoother. Give a smaller running_in_sq.",
                 ("analysis.running_in_sq",),
             )
         return cls(before, end, depth)

@@ -131,8 +131,9 @@ class Wear(Labelled):
         )
         change = 100.0 * (last / first - 1.0)
         yield (
-            f"The amplitude {'rises' if last > first else 'falls'} from {_MICRO * first:.4g} to {_MICRO * last:.4g} µm "
-            f"({change:+.3g} %), the frequency goes from {self.frequency_hz[0]:.2f} to {self.frequency_hz[-1]:.2f} Hz."
+            f"The amplitude goes from {_MICRO * first:.4g} to {_MICRO * last:.4g} µm ({change:+.2g} %), between "
+            f"{_MICRO * self.amplitude.min():.4g} and {_MICRO * self.amplitude.max():.4g} µm; the frequency from "
+            f"{self.frequency_hz[0]:.2f} to {self.frequency_hz[-1]:.2f} Hz."
         )
         before, after = int(self.open_pairs[0]), int(self.open_pairs[-1])
         if after or before:

@@ -152,7 +152,7 @@ def wear(
         energy_wear_coefficient=alpha,
         converged=not history.trouble,
         message=history.trouble or f"The wear covers {count:.4g} cycles.",
-        warnings=tuple(history.warnings()),
+        warnings=tuple(history.warnings(vibration.unrefined)),
         settings={
             "cycles": count,
             "accuracy": tolerance,
@@ -214,8 +214,13 @@ class _History:
         self.trouble = f"The wear ends at {self.cycles[-1]:.4g} cycles: {why}"
         return self
 
-    def warnings(self) -> Iterator[str]:
-        """Sentences on what the states do not show."""
+    def warnings(self, unrefined: int) -> Iterator[str]:
+        """Sentences on what the states do not show; ``unrefined`` motions are not quite at a peak."""
+        if unrefined:
+            yield (
+                f"{unrefined} of the motions are those of the highest point of a frequency curve, because no peak was "
+                "found next to it; their amplitudes may be slightly low."
+            )
         if self.switches:
             places = ", ".join(f"{each:.4g}" for each in self.switches)
             yield (

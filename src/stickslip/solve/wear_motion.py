@@ -84,7 +84,7 @@ class WornVibration:
         self._ratio = modal_damping_ratio
         self._report = report
         self.last: WornState | None = None
-        self.motions = self.curves = 0
+        self.motions = self.curves = self.unrefined = 0
 
     def state_after(self, depth: FloatArray) -> WornState:
         """The joint and its motion with worn depths (n_pairs,) m. Raises ConvergenceError."""
@@ -116,21 +116,25 @@ class WornVibration:
         return self._highest(stage, pairs)
 
     def _highest(self, stage: RidgeStage, pairs: ContactPairs) -> WornState:
-        """The motion at the highest peak of the whole curve. Raises ConvergenceError."""
+        """The motion at the highest peak of the whole curve, or at its highest point where no peak is found next to
+        it. Raises ConvergenceError."""
         self.curves += 1
         branch = stage.whole_curve()
         if not branch.complete:
             raise ConvergenceError(f"the frequency curve of the worn joint is not complete. {branch.message}")
         points = [each.point for each in branch.points]
-        top = int(stage.amplitude(points).argmax())
+        amplitude = stage.amplitude(points)
+        top = int(amplitude.argmax())
         if top in (0, len(points) - 1):
             raise ConvergenceError(
                 "the largest amplitude of the worn joint is at an end of the frequency range. Widen the range."
             )
-        peak = stage.search.from_point(points[top])
-        if isinstance(peak, str):
-            raise ConvergenceError(f"the peak of the worn joint was not found: {peak}.")
-        return WornState.at_peak(stage, pairs, peak)
+        for place in (top, top - 1, top + 1):
+            peak = stage.search.from_point(points[place])
+            if not isinstance(peak, str) and peak.amplitude >= (1.0 - HIGHER) * amplitude[top]:
+                return WornState.at_peak(stage, pairs, peak)
+        self.unrefined += 1
+        return WornState.at_point(stage, pairs, points[top])
 
     def accept(self, state: WornState) -> WornState:
         """The state from which the wear goes on: the given one, or that at a higher peak of the whole curve.
