@@ -24,10 +24,8 @@ def punch(gaps: FloatArray) -> tuple[ss.Superelement, ss.ContactPairs, ss.Excita
     """A rigid punch, unknowns x and z, pressed by LOAD, on a drive so stiff that x has the amplitude SLIP."""
     operator = np.zeros((3 * gaps.size, 2))
     operator[0::3, 0] = operator[2::3, 1] = 1.0
-    down = max((LOAD / SPRING + gaps[:closed].sum()) / closed for closed in range(1, gaps.size + 1)
-               if (LOAD / SPRING + gaps[:closed].sum()) / closed > gaps[closed - 1])  # fmt: skip
-    closed = gaps < down
-    down = (LOAD / SPRING + gaps[closed].sum()) / closed.sum()
+    # Of the rising gaps those are closed whose pairs reach equilibrium with the least approach.
+    down = min((LOAD / SPRING + gaps[:closed].sum()) / closed for closed in range(1, gaps.size + 1))
     pairs = ss.ContactPairs(operator, SPRING, 1e9, FRICTION, SPRING * (down - gaps))
     drive = 1e10
     structure = ss.Superelement(np.eye(2), np.diag([drive, 1e-3]), np.diag([1e3, 1e3]))
@@ -45,7 +43,9 @@ def test_the_loads_of_a_flat_punch_approach_each_other_as_the_closed_form() -> N
     assert np.abs(worn.normal_load - exact).max() < 0.01 * np.abs(before - LOAD / COUNT).max()
     assert worn.normal_load.sum(axis=1) == pytest.approx(LOAD)
     # In the mean all of the load slips 4 SLIP in each cycle, less the elastic part.
-    assert worn.mean_depth[-1] == pytest.approx(ALPHA * 4.0 * FRICTION * SLIP * LOAD / COUNT / AREA * worn.cycles[-1], rel=2e-3)
+    assert worn.mean_depth[-1] == pytest.approx(
+        ALPHA * 4.0 * FRICTION * SLIP * LOAD / COUNT / AREA * worn.cycles[-1], rel=2e-3
+    )
     assert worn.converged
 
 
@@ -63,7 +63,7 @@ def test_a_finer_accuracy_gives_smaller_errors_of_the_depth() -> None:
     closure = LOAD / COUNT / SPRING
     assert errors[0] < 0.05 * closure
     assert errors[1] < 0.005 * closure
-    assert errors[2] < 0.2 * errors[0]
+    assert errors[2] < 0.5 * errors[0]
 
 
 def test_small_wear_does_not_depend_on_the_jump() -> None:
@@ -98,7 +98,7 @@ def test_archard_is_the_energy_over_the_friction_coefficient_of_each_pair() -> N
     assert worn.depth[-1] == pytest.approx(archard * pairs.preload * 4.0 * SLIP * 100.0 / AREA, rel=5e-3)
 
 
-# A rigid block on four pairs, unknowns x, z and tilt; its normal spring and the pairs carry it, so that wear unloads it.
+# A rigid block on four pairs, unknowns x, z and tilt, which springs hold too, so that wear unloads the pairs.
 PLACES = np.array([-30e-3, -10e-3, 10e-3, 30e-3])
 
 
@@ -122,34 +122,36 @@ def loads_after(depth: FloatArray) -> FloatArray:
 
 def test_a_fixed_frequency_agrees_with_explicit_cycle_jumps() -> None:
     structure, pairs, excitation = block()
-    hertz, cycles, jumps, alpha = 250.0, 4e6, 12, 5e-14
-    worn = ss.wear(structure, pairs, excitation, [1.0, 0.0, 0.0], area=AREA, energy_wear_coefficient=alpha, cycles=cycles,
-                   frequency_hz=hertz, accuracy=1e-3, harmonics=3)  # fmt: skip
+    hertz, cycles, jumps, alpha = 250.0, 1.5e6, 6, 5e-14
+    worn = ss.wear(structure, pairs, excitation, [1.0, 0.0, 0.0], area=AREA, energy_wear_coefficient=alpha,
+                   cycles=cycles, frequency_hz=hertz, accuracy=1e-3, harmonics=3)  # fmt: skip
 
     def rate(depth: FloatArray) -> FloatArray:
         now = ss.ContactPairs(pairs.operator, 2e6, 1e6, 0.3, loads_after(depth))
-        curve = ss.forced_response(structure, now, excitation, (hertz, 1.0001 * hertz), harmonics=3, samples=256)
+        curve = ss.forced_response(
+            structure, now, excitation, frequency_hz=(hertz, 1.0001 * hertz), harmonics=3, samples=256
+        )
         return alpha * curve.friction_energy[0] / AREA
 
     depth = np.zeros(4)
     for _ in range(jumps):  # midpoint rule
         depth = depth + cycles / jumps * rate(depth + 0.5 * cycles / jumps * rate(depth))
-    assert worn.depth[-1] == pytest.approx(depth, rel=5e-3)
+    assert worn.depth[-1] == pytest.approx(depth, rel=3e-3)
     assert worn.normal_load[-1] == pytest.approx(loads_after(worn.depth[-1]), rel=1e-9)
-    assert worn.normal_load[-1].sum() < 0.8 * worn.normal_load[0].sum()
+    assert worn.normal_load[-1].sum() < 0.9 * worn.normal_load[0].sum()
     assert worn.frequency_hz == pytest.approx(hertz)
 
 
 def test_the_motion_is_that_of_the_highest_peak_of_the_worn_joint() -> None:
     structure, pairs, excitation = block()
-    worn = ss.wear(structure, pairs, excitation, [1.0, 0.0, 0.0], area=AREA, energy_wear_coefficient=5e-14, cycles=2e6,
-                   frequency_hz=(150.0, 450.0), harmonics=1, samples=128)  # fmt: skip
+    worn = ss.wear(structure, pairs, excitation, [1.0, 0.0, 0.0], area=AREA, energy_wear_coefficient=5e-14, cycles=1e6,
+                   frequency_hz=(215.0, 245.0), harmonics=1, samples=128)  # fmt: skip
     assert worn.converged, worn.message
     assert not worn.warnings
     assert worn.frequency_hz[-1] < worn.frequency_hz[0]
     for place in (0, -1):
         now = ss.ContactPairs(pairs.operator, 2e6, 1e6, 0.3, worn.normal_load[place])
-        curve = ss.forced_response(structure, now, excitation, (150.0, 450.0), harmonics=1, samples=128)
+        curve = ss.forced_response(structure, now, excitation, frequency_hz=(215.0, 245.0), harmonics=1, samples=128)
         assert worn.amplitude[place] == pytest.approx(curve.amplitude([1.0, 0.0, 0.0]).max(), rel=2e-3)
 
 
@@ -159,16 +161,16 @@ def test_another_peak_that_becomes_the_highest_takes_over() -> None:
     spring = 0.3 * omega[0] ** 2
     stiffness = np.diag(omega**2 - [spring, 0.0])
     structure = ss.Superelement(np.eye(2), stiffness, np.diag(0.02 * omega))
-    pairs = ss.ContactPairs(np.array([[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]]), 1.0, spring, 0.5, 14.0)
+    pairs = ss.ContactPairs(np.array([[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]]), 1.0, spring, 0.5, 26.0)
     excitation, cycles = ss.Excitation.force([1.0, 1.8]), 2e3
-    worn = ss.wear(structure, pairs, excitation, [1.0, 1.0], area=1.0, energy_wear_coefficient=5e-2, cycles=cycles,
+    worn = ss.wear(structure, pairs, excitation, [1.0, 1.0], area=1.0, energy_wear_coefficient=5.0, cycles=cycles,
                    frequency_hz=(5.0, 20.0), harmonics=1, samples=128)  # fmt: skip
     assert worn.frequency_hz[0] < 11.0
     assert worn.frequency_hz[-1] > 14.0
     assert len(worn.warnings) == 1
-    for place in range(worn.n_states):
+    for place in (0, -2, -1):
         now = ss.ContactPairs(pairs.operator, 1.0, spring, 0.5, worn.normal_load[place])
-        curve = ss.forced_response(structure, now, excitation, (5.0, 20.0), harmonics=1, samples=128)
+        curve = ss.forced_response(structure, now, excitation, frequency_hz=(5.0, 20.0), harmonics=1, samples=128)
         assert worn.amplitude[place] == pytest.approx(curve.amplitude([1.0, 1.0]).max(), rel=3e-3)
 
 
@@ -206,7 +208,7 @@ def test_wear_ends_with_a_reason_where_no_motion_is_found() -> None:
     structure, pairs, excitation = block()
     # The frequency range begins just below the peak, which wear moves down.
     worn = ss.wear(structure, pairs, excitation, [1.0, 0.0, 0.0], area=AREA, energy_wear_coefficient=5e-14, cycles=1e7,
-                   frequency_hz=(266.0, 450.0), harmonics=1, samples=128)  # fmt: skip
+                   frequency_hz=(227.5, 240.0), harmonics=1, samples=128)  # fmt: skip
     assert not worn.converged
     assert worn.message.startswith(f"The wear ends at {worn.cycles[-1]:.4g} cycles: the largest amplitude")
     assert 0.0 < worn.cycles[-1] < 1e7
@@ -232,7 +234,7 @@ def test_arguments_that_cannot_be_used_are_rejected(argument: str, changes: dict
 
 
 def _with_another_law(operator: FloatArray) -> ss.ContactPairs:
-    return ss.ContactPairs.with_laws(operator, [ss.JenkinsElement(1, 1e9, 100.0, axis=0)], [[0]])
+    return ss.ContactPairs.with_laws(operator, [ss.JenkinsElement([1e9], [100.0])], [[0]])
 
 
 @pytest.mark.parametrize(

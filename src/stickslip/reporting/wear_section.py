@@ -76,7 +76,7 @@ def _sentences(view: View) -> Iterator[str]:
     low, high = number(float(alpha.min())), number(float(alpha.max()))
     yield (
         f"Friction removes {low if low == high else f'{low} to {high}'} mm³ for each joule, "
-        + ("while the joint vibrates at its highest peak, " if motion == "highest peak" else f"while it vibrates at {motion}, ")
+        + f"while the joint vibrates at {'its highest peak' if motion == 'highest peak' else motion}, "
         + f"and the pairs that wear most lose load to others. The amplitude is that of {view.study.response_output}."
     )
     yield from wear.words()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
 
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray, require_positive
@@ -106,12 +107,12 @@ class Wear(Labelled):
 
     @property
     def energy_volume(self) -> FloatArray:
-        """(n_states,) m3: coefficient times the friction energy so far, the trapezoidal sum over the states.
+        """(n_states,) m3: coefficient times the friction energy so far, integrated as a monotone cubic through the states.
 
         It differs from :attr:`volume` by the errors of both integrations, and where another peak takes over.
         """
-        rate = self.friction_energy @ self.energy_wear_coefficient
-        return np.append(0.0, np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(self.cycles)))
+        rate = PchipInterpolator(self.cycles, self.friction_energy @ self.energy_wear_coefficient)
+        return np.asarray(rate.antiderivative()(self.cycles))
 
     @property
     def open_pairs(self) -> NDArray[np.int64]:
