@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -47,6 +49,12 @@ def test_the_loads_of_a_flat_punch_approach_each_other_as_the_closed_form() -> N
         ALPHA * 4.0 * FRICTION * SLIP * LOAD / COUNT / AREA * worn.cycles[-1], rel=2e-3
     )
     assert worn.converged
+
+
+def test_the_example_of_the_theory_runs() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "theory_wear.md").read_text(encoding="utf-8")
+    (script,) = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
+    exec(compile(script, "theory_wear.md", "exec"), {})
 
 
 def test_volume_is_the_coefficient_times_the_friction_energy() -> None:
@@ -120,6 +128,7 @@ def loads_after(depth: FloatArray) -> FloatArray:
     return pairs.preload + 2e6 * (rows @ moved - depth)
 
 
+@pytest.mark.slow
 def test_a_fixed_frequency_agrees_with_explicit_cycle_jumps() -> None:
     structure, pairs, excitation = block()
     hertz, cycles, jumps, alpha = 250.0, 1.5e6, 6, 5e-14
@@ -142,6 +151,7 @@ def test_a_fixed_frequency_agrees_with_explicit_cycle_jumps() -> None:
     assert worn.frequency_hz == pytest.approx(hertz)
 
 
+@pytest.mark.slow
 def test_the_motion_is_that_of_the_highest_peak_of_the_worn_joint() -> None:
     structure, pairs, excitation = block()
     worn = ss.wear(structure, pairs, excitation, [1.0, 0.0, 0.0], area=AREA, energy_wear_coefficient=5e-14, cycles=1e6,
@@ -155,6 +165,7 @@ def test_the_motion_is_that_of_the_highest_peak_of_the_worn_joint() -> None:
         assert worn.amplitude[place] == pytest.approx(curve.amplitude([1.0, 0.0, 0.0]).max(), rel=2e-3)
 
 
+@pytest.mark.slow
 def test_another_peak_that_becomes_the_highest_takes_over() -> None:
     # Two masses that do not touch each other. Wear takes the load of the pair that holds the first one, which slips.
     omega = 2.0 * np.pi * np.array([10.0, 15.0])

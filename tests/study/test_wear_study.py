@@ -27,6 +27,7 @@ WEAR: dict[str, Any] = {
     "analysis.wear_coefficient": "2e-5 mm^3/(N m)",
     "analysis.wear_cycles": 3e7,
     "excitation.amplitude": "250 N",
+    "output.stress": False,
 }
 
 

@@ -107,7 +107,7 @@ class Wear(Labelled):
 
     @property
     def energy_volume(self) -> FloatArray:
-        """(n_states,) m3: coefficient times the friction energy so far, integrated as a monotone cubic through the states.
+        """(n_states,) m3: coefficient times the friction energy so far, a monotone cubic through the states.
 
         It differs from :attr:`volume` by the errors of both integrations, and where another peak takes over.
         """
