@@ -25,6 +25,7 @@ from stickslip.reporting.style import MICRO, number, shown_number
 from stickslip.reporting.sweep_words import sweep_words
 from stickslip.reporting.traction_words import TRACTIONS
 from stickslip.reporting.view import View
+from stickslip.reporting.wear_section import WEAR
 from stickslip.results.measures import summary_table
 from stickslip.results.record import StudyRecord, compared_model, reference_deviation
 from stickslip.results.rough_patch import RoughPatch
@@ -169,6 +170,7 @@ CURVE = Section(
 SECTIONS = (
     PERFORMANCE_CURVE,
     PEAK_RIDGE,
+    WEAR,
     STRUCTURE,
     STRESS,
     Section(

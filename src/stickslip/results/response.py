@@ -113,6 +113,8 @@ class ForcedResponse(ResponseData):
         of two blades: the peaks over centrifugal force over excitation force; None if it was not computed.
     gradients:
         derivatives of the highest peak by the inputs of the study; None without ``[analysis] gradients = true``.
+    wear:
+        wear of the joint over many cycles; None without ``[analysis] kind = "wear"``.
 
     Raises
     ------

@@ -27,6 +27,7 @@ from stickslip.results.variables import (
     require_shape,
     stored,
 )
+from stickslip.results.wear import Wear
 
 # The message of results of versions that did not compute it.
 NO_STABILITY = "These results do not contain the stability of the points."
@@ -92,6 +93,7 @@ class ResponseData(PeriodicMotions):
     peak_ridge: PeakRidge | None = field(default=None, metadata=stored(InGroup.of(PeakRidge, optional=True)))
     performance_curve: PeakRidge | None = field(default=None, metadata=stored(InGroup.of(PeakRidge, optional=True)))
     gradients: PeakGradients | None = field(default=None, metadata=stored(InGroup.of(PeakGradients, optional=True)))
+    wear: Wear | None = field(default=None, metadata=stored(InGroup.of(Wear, optional=True)))
 
     def __post_init__(self) -> None:
         sizes = self._checked_sizes()
