@@ -111,7 +111,7 @@ class TwoBladeStructureSection(StructureSection):
 
 class _WedgeKeys(Section):
     centrifugal_force: Force | None = Field(
-        default=500.0,
+        default=300.0,
         description="F of the damper, total over both ends; each face carries F / (2 (cos angle + mu_0 sin angle))",
     )
     friction_coefficient_at_assembly: Annotated[float, Quantity("pure number", at_least=0.0, at_most=10.0)] = Field(
