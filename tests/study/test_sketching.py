@@ -11,6 +11,7 @@ import pytest
 from scipy.spatial import KDTree
 
 from own_cases import EXAMPLE, mesh_case
+from rough_casting import casting_case
 from stickslip.case.case import Case, load_case
 from stickslip.core.validation import FloatArray
 from stickslip.model.model import Model, build_model, kind_of, load_joint, set_up
@@ -40,7 +41,7 @@ def areas(sketch: Sketch) -> np.ndarray:
 
 
 def two_blades(element: str) -> Callable[[], Case]:
-    return lambda: Case().replace(COARSE_MESH | {"geometry.excitation_height": "9 mm", "mesh.element": element})
+    return lambda: casting_case().replace(COARSE_MESH | {"geometry.excitation_height": "9 mm", "mesh.element": element})
 
 
 @pytest.mark.slow

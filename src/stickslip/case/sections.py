@@ -43,6 +43,7 @@ class ReductionSection(Section):
 
 FractalMode = Literal["consistent", "varying-curvature", "unloading"]
 FIRST_MODE: FractalMode = "consistent"
+_OF_FRACTAL = ("mode", "reference_area", "domain_extension")  # keys of this law alone: they choose it
 
 
 class RoughnessSection(Section):
@@ -68,7 +69,9 @@ class RoughnessSection(Section):
         ]
         | None
     ) = Field(
-        default=None, description="G, the scale of the heights, instead of sq; the unit is required", examples=["1e-12 m"]
+        default=None,
+        description="G, the scale of the heights, instead of sq; the unit is required",
+        examples=["1e-17 m"],
     )
     # Polished glass has 1 nm, a sand casting 100 um.
     sq: Annotated[float, Quantity("length", shown="um", at_least=1e-12, at_most=1e-2, usual=(1e-10, 1e-3))] | None = (
@@ -126,8 +129,8 @@ class RoughnessSection(Section):
     @model_validator(mode="before")
     @classmethod
     def _given_keys_replace_defaults(cls, data: Any) -> Any:
-        if isinstance(data, Mapping) and "law" not in data and data.get("mode") is not None:
-            data = {**data, "law": "fractal"}  # only this law has modes; earlier files name the mode alone
+        if isinstance(data, Mapping) and "law" not in data and any(data.get(key) is not None for key in _OF_FRACTAL):
+            data = {**data, "law": "fractal"}  # files of earlier versions have its keys without its name
         return without_default(data, ("fractal_roughness",), "sq")
 
     @field_validator("sq")
@@ -141,7 +144,7 @@ class RoughnessSection(Section):
     @classmethod
     def _of_the_law(cls, value: Any, info: ValidationInfo) -> Any:
         is_default = value in (cls.model_fields[str(info.field_name)].default, FIRST_MODE)
-        of_fractal = info.field_name in ("mode", "reference_area", "domain_extension")
+        of_fractal = info.field_name in _OF_FRACTAL
         if "law" in info.data and not is_default and of_fractal != (info.data["law"] == "fractal"):
             laws = 'the law "fractal"' if of_fractal else "the other laws"
             raise InputError(f'belongs to {laws}, but law is "{info.data["law"]}". Remove it, or choose another law.')
@@ -242,7 +245,7 @@ class SolverSection(Section):
     """Frequency range of the sweep, and its accuracy."""
 
     frequency_start: Frequency = Field(default=400.0, description="a start above the stop sweeps downwards")
-    frequency_stop: Frequency = Field(default=530.0)
+    frequency_stop: Frequency = Field(default=550.0)
     harmonics: Annotated[int, Count(at_least=1, at_most=200)] | None = Field(
         default=5, description="in addition to the mean, fixed, instead of accuracy; 5 without either"
     )

@@ -163,7 +163,11 @@ CURVE = Section(
   <p class="note">{{ stiffness }}</p>{% endif %}
   {{ parts.panel("curve", "Amplitude against frequency") }}
 """,
-    lambda view: {"output": view.study.response_output, "sweeps": sweep_words(view), "stiffness": stiffness_words(view)},
+    lambda view: {
+        "output": view.study.response_output,
+        "sweeps": sweep_words(view),
+        "stiffness": stiffness_words(view),
+    },
     lambda view: {"curve": amplitude_frequency(view)},
     beside='\n    <button type="button" id="scale" class="screen-only">Logarithmic axis</button>',
 )

@@ -18,6 +18,9 @@ from stickslip.results.stiffness_band import StiffnessBand
 from stickslip.study.analyses import solve
 
 KEY = "roughness.stiffness_factor"
+# chosen: of a curve whose stiffness is uncertain by a factor 3; harmonics of a finer accuracy take most of the time.
+ACCURACY = 0.02
+TOLERANCE = 1e-6
 # Stiffness over that of the study -> name of the curve.
 FACTORS = {1.0 / BAND: f"contact stiffness × 1/{BAND:g}", BAND: f"contact stiffness × {BAND:g}"}
 
@@ -65,7 +68,10 @@ def _curve(case: Case, model: ReducedModel, factor: float, progress: Progress, t
     Raises InputError, RoughnessError, ConvergenceError.
     """
     own = roughness_section(case).stiffness_factor
-    changed = case.replace({KEY: factor * own}).model_copy(update={"analysis": ForcedAnalysis()})
+    coarse: dict[str, float] = {"solver.tolerance": max(TOLERANCE, case.solver.tolerance)}
+    if case.solver.accuracy is not None:
+        coarse["solver.accuracy"] = max(ACCURACY, case.solver.accuracy)
+    changed = case.replace({KEY: factor * own, **coarse}).model_copy(update={"analysis": ForcedAnalysis()})
     joint = load_joint(changed, model.joint.layout)
     return solve(changed, connect(changed, model.reduced, joint), progress, threads)
 
