@@ -33,7 +33,7 @@ def test_a_key_of_the_fractal_law_alone_chooses_it(line: str) -> None:
 
 
 def test_a_law_that_is_named_remains() -> None:
-    assert roughness('law = "persson"\nmode = "consistent"').law == "persson"  # files of version 0.2
+    assert roughness('law = "persson"\nmode = "consistent"').law == "persson"  # files of earlier versions
     with rejects(StudyFileError, "roughness.mode"):
         roughness('law = "persson"\nmode = "unloading"')
 

@@ -1,4 +1,4 @@
-"""A contact stiffness that was not measured, on the page: the curves at both ends of its band, in words and as lines."""
+"""A contact stiffness that was not measured, on the page: both ends of its band, in words and as lines."""
 
 from __future__ import annotations
 
