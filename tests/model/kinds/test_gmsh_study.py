@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 import stickslip as ss
+from rough_casting import casting_case
 from stickslip.case.case import Case, load_case
 from stickslip.cli.main import app
 from stickslip.model.joint import Joint
@@ -37,7 +38,7 @@ def tetrahedra() -> tuple[Structure, Joint]:
 
 @pytest.fixture(scope="module")
 def bricks() -> tuple[Structure, Joint]:
-    return assembled(Case())
+    return assembled(casting_case())
 
 
 @pytest.mark.slow
