@@ -90,6 +90,17 @@ def test_page_file_and_tables_have_it(banded: tuple[Case, ReducedModel, ForcedRe
     assert table.columns
 
 
+@pytest.mark.slow
+def test_a_study_with_an_accuracy_has_a_band_with_the_harmonics_of_its_peak(tmp_path: Path) -> None:
+    case = quick_case().replace(BAND_ON | {"solver.harmonics": None, "solver.accuracy": "2 %"})
+    model = build_model(case)
+    response = with_stiffness_band(case, model, solve(case, model, threads=1), SilentProgress(), 1)
+    band = response.stiffness_band
+    assert band is not None
+    save_results(tmp_path / "results.nc", response)
+    assert load_results(tmp_path / "results.nc").response.stiffness_band == band
+
+
 def test_only_a_stiffness_from_roughness_has_a_band() -> None:
     assert has_stiffness_band(Case())
     assert not has_stiffness_band(Case().replace({"analysis.stiffness_band": False}))

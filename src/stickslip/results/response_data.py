@@ -110,7 +110,8 @@ class ResponseData(PeriodicMotions):
             )
             require_shape("traction_band.traction", band.traction[0], (sizes["pair"], 2))
         if self.stiffness_band is not None:
-            require_shape("stiffness_band.displacement", self.stiffness_band.displacement[0, :, 0], (sizes["unknown"],))
+            shape = sizes["unknown"], 2 * self.harmonics + 1
+            require_shape("stiffness_band.displacement", self.stiffness_band.displacement[0], shape)
         limit = (self.linear.frequency_hz.size, sizes["unknown"], 2 * self.harmonics + 1)
         require_shape("linear.stuck", self.linear.stuck, limit)
         require_shape("linear.free", self.linear.free, limit)

@@ -18,8 +18,7 @@ from stickslip.results.stiffness_band import StiffnessBand
 from stickslip.study.analyses import solve
 
 KEY = "roughness.stiffness_factor"
-# chosen: of a curve whose stiffness is uncertain by a factor 3; harmonics of a finer accuracy take most of the time.
-ACCURACY = 0.02
+# chosen: relative error of the balance of curves whose stiffness is uncertain by a factor 3.
 TOLERANCE = 1e-6
 # Stiffness over that of the study -> name of the curve.
 FACTORS = {1.0 / BAND: f"contact stiffness × 1/{BAND:g}", BAND: f"contact stiffness × {BAND:g}"}
@@ -51,34 +50,43 @@ def with_stiffness_band(
     warnings, curves = list(response.warnings), {}
     for place, factor in enumerate(FACTORS):
         try:
-            curve = _curve(case, model, factor, _Stage(progress, place), threads)
+            curve = solve(*_with_stiffness(case, model, response, factor), _Stage(progress, place), threads)
         except StickslipError as error:
             warnings.append(f"The curve with {FACTORS[factor]} was not computed: {error}")
             continue
         curves[factor] = curve
         if not curve.converged:
             warnings.append(f"The curve with {FACTORS[factor]} is not complete: {curve.message}")
-    band = _stored(curves) if curves else None
+    band = _stored(curves, 2 * response.harmonics + 1) if curves else None
     return replace(response, stiffness_band=band, warnings=tuple(warnings))
 
 
-def _curve(case: Case, model: ReducedModel, factor: float, progress: Progress, threads: int) -> ForcedResponse:
-    """The frequency curve of the case with ``factor`` times the stiffness of its rough faces.
+def _with_stiffness(
+    case: Case, model: ReducedModel, response: ForcedResponse, factor: float
+) -> tuple[Case, ReducedModel]:
+    """The case with ``factor`` times the stiffness of its rough faces, with the harmonics that its peak has, and its
+    model. Raises InputError, RoughnessError, ConvergenceError."""
+    changed = case.replace(
+        {
+            KEY: factor * roughness_section(case).stiffness_factor,
+            "solver.accuracy": None,
+            "solver.harmonics": _harmonics_of_peak(model, response),
+            "solver.tolerance": max(TOLERANCE, case.solver.tolerance),
+        }
+    ).model_copy(update={"analysis": ForcedAnalysis()})
+    return changed, connect(changed, model.reduced, load_joint(changed, model.joint.layout))
 
-    Raises InputError, RoughnessError, ConvergenceError.
-    """
-    own = roughness_section(case).stiffness_factor
-    coarse: dict[str, float] = {"solver.tolerance": max(TOLERANCE, case.solver.tolerance)}
-    if case.solver.accuracy is not None:
-        coarse["solver.accuracy"] = max(ACCURACY, case.solver.accuracy)
-    changed = case.replace({KEY: factor * own, **coarse}).model_copy(update={"analysis": ForcedAnalysis()})
-    joint = load_joint(changed, model.joint.layout)
-    return solve(changed, connect(changed, model.reduced, joint), progress, threads)
+
+def _harmonics_of_peak(model: ReducedModel, response: ForcedResponse) -> int:
+    """Harmonics of the highest peak of the first output."""
+    if response.point_harmonics is None:
+        return response.harmonics
+    amplitude = response.amplitude(next(iter(model.outputs.values())))
+    return int(response.point_harmonics[amplitude.argmax()])
 
 
-def _stored(curves: dict[float, ForcedResponse]) -> StiffnessBand:
-    """The curves as a result; with an accuracy the one with fewer harmonics has zeros in the others."""
-    width = max(each.displacement.shape[2] for each in curves.values())
+def _stored(curves: dict[float, ForcedResponse], width: int) -> StiffnessBand:
+    """The curves as a result, with ``width`` coefficients; those of harmonics beyond their own are zero."""
     padded = [
         np.pad(each.displacement, ((0, 0), (0, 0), (0, width - each.displacement.shape[2]))) for each in curves.values()
     ]
