@@ -149,7 +149,7 @@ def test_check_says_what_would_run() -> None:
     derived = dict(sections["Derived quantities"])
     assert derived["Normal load, left face"] == "288.7 N"
     assert derived["Sq"].endswith("µm")
-    assert dict(sections["Would run"])["sweep"] == "400 to 530 Hz"
+    assert dict(sections["Would run"])["sweep"] == "400 to 550 Hz"
 
 
 def test_check_shows_the_warnings_of_the_roughness() -> None:
