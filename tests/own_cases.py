@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from rough_casting import ROUGH_CASTING
-from stickslip.case.case import Case, load_case
+from stickslip.case.case import Case
+from stickslip.case.load import load_case
 from stickslip.formats.matrices.exchange import write_superelement
 from stickslip.model.model import build_model, load_joint, set_up
 

@@ -6,7 +6,8 @@ import pytest
 from typer.testing import CliRunner
 
 from sentences import rejects
-from stickslip.case.case import Case, load_case
+from stickslip.case.case import Case
+from stickslip.case.load import load_case
 from stickslip.cli.main import app
 from stickslip.core.errors import StudyFileError
 

@@ -3,7 +3,7 @@ from .case.case import Case as Case
 from .case.case import MatrixCase as MatrixCase
 from .case.case import MeshCase as MeshCase
 from .case.case import TwoBladeCase as TwoBladeCase
-from .case.case import load_case as load_case
+from .case.load import load_case as load_case
 from .contact.constants import constant as constant
 from .contact.law.component_law import ElasticLaw as ElasticLaw
 from .contact.law.contact_pairs import ContactPairs as ContactPairs

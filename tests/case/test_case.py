@@ -9,7 +9,8 @@ import pytest
 from pydantic import ValidationError
 
 from sentences import rejects
-from stickslip.case.case import Case, load_case
+from stickslip.case.case import Case
+from stickslip.case.load import load_case
 from stickslip.core.errors import StudyFileError
 
 

@@ -10,8 +10,9 @@ from typer.testing import CliRunner
 
 from own_cases import EXAMPLE, mesh_case
 from sentences import printed_sentence, rejects
-from stickslip.case.case import Case, MeshCase, TwoBladeCase, load_case
+from stickslip.case.case import Case, MeshCase, TwoBladeCase
 from stickslip.case.examples import EXAMPLES
+from stickslip.case.load import load_case
 from stickslip.cli.main import app
 from stickslip.core.errors import InputError, StudyFileError
 from stickslip.sweeps.axes import swept_keys

@@ -8,7 +8,8 @@ import pytest
 
 from law_studies import interface_text, write_masses, write_study
 from sentences import printed_sentence, rejects
-from stickslip.case.case import Case, load_case, load_case_and_positions
+from stickslip.case.case import Case
+from stickslip.case.load import load_case, load_case_and_positions
 from stickslip.case.scatter_text import central_sentences, scatter_text
 from stickslip.core.errors import InputError, StickslipWarning, StudyFileError
 

@@ -16,7 +16,7 @@ from stickslip.case.case import Case
 from stickslip.cli.main import app
 from stickslip.contact.stiffness import roughness_fit
 from stickslip.contact.stiffness.fractal import ContactStatus, fractal_contact
-from stickslip.model.joint import case_material, case_roughness
+from stickslip.model.rough_face import case_material, case_roughness
 
 PROFILE = Path(__file__).parents[2] / "examples" / "data" / "profile.csv"
 

@@ -13,7 +13,7 @@ import scipy.io
 
 from bombs import flat_memory
 from sentences import printed_sentence, rejects
-from stickslip.case.case import load_case
+from stickslip.case.load import load_case
 from stickslip.core import input_files
 from stickslip.core.errors import ImportFileError, InputError, ResultsFileError, StudyFileError
 from stickslip.core.input_files import UnsuitableFileError, open_regular, read_regular

@@ -10,8 +10,8 @@ from sentences import rejects
 from stickslip.case.case import Case
 from stickslip.contact.stiffness.fractal import fractal_contact
 from stickslip.core.errors import InputError, RoughnessError
-from stickslip.model.joint import case_roughness
 from stickslip.model.model import Model, build_joint, build_model, build_structure
+from stickslip.model.rough_face import case_roughness
 from stickslip.structure.elasticity import Structure
 from stickslip.study.facts import derived_quantities
 

@@ -9,8 +9,9 @@ import stickslip as ss
 from rough_casting import casting_case
 from sentences import printed_sentence, rejects
 from stickslip.case.case import TwoBladeCase
-from stickslip.model.joint import Joint, case_material, case_roughness
+from stickslip.model.joint import Joint
 from stickslip.model.model import load_joint, set_up
+from stickslip.model.rough_face import case_material, case_roughness
 from stickslip.study.facts import derived_quantities, study_warnings
 
 SMOOTH: dict[str, object] = {"roughness.fractal_roughness": "1e-12 m"}

@@ -14,8 +14,8 @@ from sentences import rejects
 from stickslip.contact.stiffness.asperities import fully_plastic_load
 from stickslip.contact.stiffness.fractal import fractal_contact
 from stickslip.core.errors import StudyFileError
-from stickslip.model.joint import case_roughness
 from stickslip.model.model import Model, build_model, load_joint, set_up
+from stickslip.model.rough_face import case_roughness
 from stickslip.results.storage import load_results
 from stickslip.study import run as study
 from sweep_cases import COARSE_MESH

@@ -12,7 +12,8 @@ from scipy.spatial import KDTree
 
 from own_cases import EXAMPLE, mesh_case
 from rough_casting import casting_case
-from stickslip.case.case import Case, load_case
+from stickslip.case.case import Case
+from stickslip.case.load import load_case
 from stickslip.core.validation import FloatArray
 from stickslip.model.model import Model, build_model, kind_of, load_joint, set_up
 from stickslip.results.response import ForcedResponse

@@ -21,7 +21,7 @@ from dask_processes import (
     worker_arguments,
 )
 from sentences import rejects
-from stickslip.case.case import load_case
+from stickslip.case.load import load_case
 from stickslip.core.errors import InputError, MissingPackageError
 from stickslip.sweeps import cluster
 from sweep_cases import quick_file

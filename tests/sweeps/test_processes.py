@@ -22,7 +22,7 @@ import stickslip as ss
 import sweep_deaths
 from helpers import unmeasured
 from sentences import printed_sentence, rejects
-from stickslip.case.case import load_case
+from stickslip.case.load import load_case
 from stickslip.core.errors import InputError, WorkersError
 from stickslip.core.threads import usable_cores
 from stickslip.sweeps import schedule, work
@@ -256,7 +256,7 @@ def test_what_a_worker_imports_lies_in_the_code_that_its_digest_covers(tmp_path:
 import sys
 from pathlib import Path
 import stickslip.sweeps.work as work
-from stickslip.case.case import load_case
+from stickslip.case.load import load_case
 from stickslip.model.model import load_joint, set_up
 case = load_case({str(tmp_path / "study.toml")!r})
 setup = set_up(case)

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Iterator, Mapping
-from os import PathLike
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, cast, get_args, get_origin
+from typing import Annotated, Any, Literal, Self, cast, get_args
 
 from pydantic import (
     BaseModel,
@@ -27,7 +25,6 @@ from stickslip.case.case_content import SECTIONS, CaseContent
 from stickslip.case.consistency import EntryError, excitation_errors, joint_errors, place_errors, preload_errors
 from stickslip.case.explained import explained
 from stickslip.case.interface_sections import InterfaceSection, MatrixInterface, MeshInterfaceSection
-from stickslip.case.law_constants import TABLE_FILE
 from stickslip.case.law_keys import CONSTANT_TABLES, StiffnessLawKeys, StiffnessLawSection, table_file
 from stickslip.case.own_sections import (
     BaseMotion,
@@ -48,7 +45,6 @@ from stickslip.case.own_sections import (
 from stickslip.case.plain import with_absolute_files
 from stickslip.case.pressed_interfaces import PressedInterfaces
 from stickslip.case.reference import ReferenceSection
-from stickslip.case.scatter_text import central_sentences, split_scatter
 from stickslip.case.section import chosen_by, instead_of, without_default
 from stickslip.case.sections import (
     ContactStiffnessSection,
@@ -62,7 +58,7 @@ from stickslip.case.sections import (
     StructureSection,
     StudySection,
 )
-from stickslip.case.template import is_named, metadata_of, section_types
+from stickslip.case.template import is_named, section_types
 from stickslip.case.two_blade_sections import (
     ExcitationSection,
     GeometrySection,
@@ -71,8 +67,7 @@ from stickslip.case.two_blade_sections import (
     TwoBladeStructureSection,
     WedgePreloadSection,
 )
-from stickslip.core.errors import InputError, StickslipWarning, StudyFileError
-from stickslip.core.units import Count, Quantity
+from stickslip.core.errors import StudyFileError
 
 Kind = Literal["two-blade", "mesh", "matrices"]
 FaceStiffness = Annotated[
@@ -243,7 +238,10 @@ class Case(CaseContent):
 
 
 class TwoBladeCase(Case):
-    """A study of two blades and the damper between them."""
+    """A study of two blades and the damper between them: the parametric structure, and the default of a study.
+
+    Sections as in a study file, all values in SI units; a wrong value raises StudyFileError (docs/studies.md).
+    """
 
     structure: TwoBladeStructureSection = TwoBladeStructureSection()
     geometry: GeometrySection = GeometrySection()
@@ -318,7 +316,10 @@ class OwnCase(PressedInterfaces, Case):
 
 
 class MeshCase(OwnCase):
-    """A study of bodies from a mesh file."""
+    """A study of bodies from a mesh file, with interfaces, forces and responses on its sets of nodes and faces.
+
+    Sections as in a study file, all values in SI units; a wrong value raises StudyFileError (docs/models.md).
+    """
 
     structure: MeshStructureSection
     bodies: dict[BodyName, BodySection] = Field(default={}, description=BodySection.__doc__)
@@ -333,7 +334,10 @@ class MeshCase(OwnCase):
 
 
 class MatrixCase(OwnCase):
-    """A study of matrices of another program."""
+    """A study of mass and stiffness matrices of another program, with contact pairs between their unknowns.
+
+    Sections as in a study file, all values in SI units; a wrong value raises StudyFileError (docs/matrices.md).
+    """
 
     structure: MatrixStructure
     interfaces: dict[Name, MatrixInterface] = Field(default={})
@@ -385,45 +389,3 @@ def _class_of(data: Any) -> Any:
     """The class of the kind of structure in the mappings of a study file; TwoBladeCase where there is none."""
     kind = _kind_in(data)
     return KINDS[kind] if kind in get_args(Kind) else _CaseOfSomeKind
-
-
-def load_case(path: str | PathLike[str]) -> Case:
-    """Read and validate a study file. Raises StudyFileError with one line for each error in the file.
-
-    A distributed input has its central value in the case (a StickslipWarning names both); ``ss.band(path)`` uses the
-    distribution.
-    """
-    case, places = load_case_and_positions(path)
-    for sentence in central_sentences(places.scattered):
-        warnings.warn(sentence, StickslipWarning, stacklevel=2)
-    return case
-
-
-def load_case_and_positions(path: str | PathLike[str]) -> tuple[Case, case_file.KeyPositions]:
-    """:func:`load_case` without warnings, and the lines of the keys of the file, for errors after reading."""
-    text = case_file.read_text(path)
-    data, lines = case_file.parse_toml(text, str(path)), case_file.key_lines(text)
-    try:
-        central, scattered = split_scatter(data, _may_scatter)
-    except InputError as error:
-        line = case_file.KeyPositions(str(path), data, lines).line(error.keys[0])
-        where = f"line {line}: " if line else ""
-        raise StudyFileError(f"{path}: 1 error.\n  {where}{error}", error.keys) from error
-    places = case_file.KeyPositions(str(path), data, lines, scattered=scattered)
-    try:
-        return Case.in_folder(central, Path(path).resolve().parent, places.source, lines), places
-    except StudyFileError as error:
-        named = [f'\n  {key} = "{scattered[key]}" has this central value.' for key in error.keys if key in scattered]
-        raise error.reworded(f"{error}{''.join(named)}") from error
-
-
-def _may_scatter(path: tuple[str, ...]) -> bool:
-    """Whether a key of the file may have a distribution: a quantity, a count or a choice, or a constant of a law."""
-    section, _, table, key = parts_of_key(".".join(path))
-    if table:
-        return key != TABLE_FILE
-    if key not in Case.allowed_keys().get(section, ()):
-        return False
-    model, field = Case.field_of(section, key)
-    has_numbers = any(isinstance(entry, Quantity | Count) for entry in metadata_of(model, key))
-    return has_numbers or any(get_origin(each) is Literal for each in (field.annotation, *get_args(field.annotation)))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stickslip.cli import result_commands
+from stickslip.cli import input_commands, result_commands
 from stickslip.cli.errors import Debug, error_messages
 from stickslip.cli.many_cases import (
     EXIT_NOT_CONVERGED,
@@ -22,6 +22,7 @@ from stickslip.cli.many_cases import (
     require_one_place,
     solving,
 )
+from stickslip.cli.options import folder, print_rows
 from stickslip.cli.process import tolerate_closed_output
 from stickslip.core.errors import InputError, concerning
 from stickslip.core.files import require_folder, whole_file
@@ -43,18 +44,11 @@ app = typer.Typer(
 )
 
 
-def _folder(text: str) -> Path:
-    """The folder of an option. Raises BadParameter for an empty text, which would be the current folder."""
-    if not text.strip():
-        raise typer.BadParameter("it is empty. Give a folder; the current one is .")
-    return Path(text)
-
-
 FINISHED_CASES_NOTE = "Completed cases are stored; the same command resumes with the others."
 StudyFile = Annotated[Path, typer.Argument(metavar="FILE", help="The study file (TOML).", show_default=False)]
 OutFolder = Annotated[
     Path,
-    typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False, parser=_folder),
+    typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False, parser=folder),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print only errors.")]
 Workers = Annotated[
@@ -127,7 +121,7 @@ def check(path: StudyFile, debug: Debug = False) -> None:
             sections = checked(case)
         for title, rows in sections:
             echo(f"\n{title}")
-            _print_rows(rows)
+            print_rows(rows)
 
 
 @app.command()
@@ -282,82 +276,15 @@ def band(
         close_cases(result, quiet, "samples")
 
 
-for _command in (result_commands.report, result_commands.compare, result_commands.export):
+for _command in (result_commands.report, result_commands.compare, result_commands.export, input_commands.roughness):
     app.command()(_command)
-
-
-@app.command()
-def roughness(
-    path: Annotated[Path, typer.Argument(metavar="FILE", help="Profile, or map of an instrument.", show_default=False)],
-    unit: Annotated[str | None, typer.Option("--unit", help="Unit of both columns, such as um.")] = None,
-    position_unit: Annotated[str | None, typer.Option("--position-unit", help="Unit of the first column.")] = None,
-    height_unit: Annotated[str | None, typer.Option("--height-unit", help="Unit of the second column.")] = None,
-    scales: Annotated[
-        tuple[str, str] | None, typer.Option("--scales", help='Shortest and longest lag: "4 um" "0.2 mm".')
-    ] = None,
-    longest_wave: Annotated[
-        str | None, typer.Option("--longest-wave", help='Longest wave, such as the cut-off of a filter: "0.8 mm".')
-    ] = None,
-    hardness: Annotated[
-        str | None, typer.Option("--hardness", help='Hardness of the face, for the load that it requires: "3 GPa".')
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Folder for plot and table.", parser=_folder)
-    ] = None,
-    debug: Debug = False,
-) -> None:
-    """Fractal dimension, fractal roughness and contact stiffness of a measured profile or map."""
-    with error_messages(debug):
-        if out is not None:
-            require_folder(out)
-        from stickslip.cli import measured_roughness
-
-        if hardness is not None:
-            measured_roughness.require_hardness(hardness)
-        measured = measured_roughness.measure(path, position_unit or unit, height_unit or unit, scales, longest_wave)
-        _print_rows(measured_roughness.rows(measured))
-        for sentence in measured.fit.warnings:
-            echo(f"Warning: {sentence}")
-        for file in measured_roughness.write(out, measured) if out is not None else ():
-            echo(f"Wrote {file}")
-        lines = measured_roughness.study_lines(measured.fit, hardness)
-        echo(measured_roughness.contact_message(measured.fit, hardness))
-        echo("\nNormal contact stiffness per area of a face of 1 cm2 with the waves of the measurement:")
-        _print_rows(measured_roughness.stiffness_rows(measured, hardness))
-        echo(f"\nFor the study file:\n{lines.rstrip()}")
-
-
-@app.command("import")
-def import_model(
-    path: Annotated[Path, typer.Argument(metavar="FILE", help=".inp, .bdf, .msh, .vtu, .med", show_default=False)],
-    length_unit: Annotated[
-        str | None, typer.Option("--length-unit", help="Unit of the coordinates: mm, m, ...")
-    ] = None,
-    unit_system: Annotated[
-        str | None, typer.Option("--unit-system", help="System of materials: mm-t-s, SI, ...")
-    ] = None,
-    includes_outside: Annotated[
-        bool, typer.Option("--includes-outside", help="Let a deck include files outside of its folder.")
-    ] = False,
-    debug: Debug = False,
-) -> None:
-    """Show bodies, sets, masses and size of a model file."""
-    with error_messages(debug):
-        from stickslip.cli.model_listing import print_model
-
-        print_model(path, length_unit, unit_system, includes_outside)
-
-
-def _print_rows(rows: list[tuple[str, str]]) -> None:
-    width = max((len(label) for label, _ in rows), default=0)
-    for label, value in rows:
-        echo(f"  {label:<{width}}  {value}")
+app.command("import")(input_commands.import_model)
 
 
 @app.command()
 def paper(
     out: Annotated[
-        Path, typer.Option("--out", metavar="DIR", help="Folder of the study.", show_default=False, parser=_folder)
+        Path, typer.Option("--out", metavar="DIR", help="Folder of the study.", show_default=False, parser=folder)
     ],
     workers: Annotated[int, typer.Option("--workers", min=1, help="Processes.")] = 2,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print only errors.")] = False,
@@ -384,7 +311,7 @@ def paper(
 def _load(path: Path, quiet: bool = False, central: bool = True) -> tuple[Case, KeyPositions]:
     """The case of a study file and the lines of its keys; reports which values are defaults, and which are the
     ``central`` ones of distributed inputs. Raises StudyFileError."""
-    from stickslip.case.case import load_case_and_positions
+    from stickslip.case.load import load_case_and_positions
     from stickslip.case.scatter_text import central_sentences
 
     case, places = load_case_and_positions(path)

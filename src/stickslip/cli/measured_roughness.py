@@ -19,7 +19,7 @@ from stickslip.core.files import whole_file
 from stickslip.core.units import Quantity
 from stickslip.formats.profile_file import Profile, read_profile
 from stickslip.formats.topography_file import Topography, is_topography, read_topography
-from stickslip.model.joint import case_material, case_roughness
+from stickslip.model.rough_face import case_material, case_roughness
 
 TABLE = "structure_function.csv"
 FORMATS = ("svg", "png")

@@ -16,13 +16,13 @@ from stickslip.core.validation import FloatArray
 from stickslip.model.joint import (
     FaceSettings,
     Joint,
-    case_roughness,
     describe_faces,
     face_allocation,
     face_law,
     pair_springs,
     pressure_warnings,
 )
+from stickslip.model.rough_face import case_roughness
 from stickslip.solve.static.ramp_to_rest import static_preload
 from stickslip.solve.static.state import StaticState
 from stickslip.structure.superelement import Superelement

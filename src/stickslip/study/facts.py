@@ -12,8 +12,9 @@ from stickslip.contact.constants import NORMAL_LOAD
 from stickslip.contact.law.law import BoolArray, ContactLaw, ContactState
 from stickslip.core.validation import FloatArray
 from stickslip.model.face_laws import NamedLaw
-from stickslip.model.joint import Joint, RoughFace, fractal_roughness_of, odd_values
+from stickslip.model.joint import Joint, odd_values
 from stickslip.model.layout import Derived, Setup
+from stickslip.model.rough_face import RoughFace, fractal_roughness_of
 from stickslip.results.measures import hertz, summary
 from stickslip.results.response import ForcedResponse
 from stickslip.solve.static.state import StaticState

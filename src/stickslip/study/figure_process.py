@@ -26,8 +26,8 @@ from stickslip.contact.stiffness.surface import draw_phases, fractal_surface, fr
 from stickslip.core.errors import InputError, StickslipError
 from stickslip.core.files import remove_abandoned, remove_own_unfinished
 from stickslip.core.processes import leave_signals_to_parent, python_command
-from stickslip.model.joint import fractal_roughness_of
 from stickslip.model.model import kind_of
+from stickslip.model.rough_face import fractal_roughness_of
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.rough_patch import RoughPatch

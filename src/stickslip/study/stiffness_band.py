@@ -11,8 +11,8 @@ from stickslip.case.case import Case
 from stickslip.contact.stiffness.believable import BAND
 from stickslip.core.errors import StickslipError
 from stickslip.core.progress import Progress
-from stickslip.model.joint import roughness_section
 from stickslip.model.model import ReducedModel, connect, load_joint
+from stickslip.model.rough_face import roughness_section
 from stickslip.results.response import ForcedResponse
 from stickslip.results.stiffness_band import StiffnessBand
 from stickslip.study.analyses import solve

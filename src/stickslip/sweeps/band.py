@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import scipy.stats
 
-from stickslip.case.case import Case, load_case_and_positions
+from stickslip.case.case import Case
+from stickslip.case.load import load_case_and_positions
 from stickslip.core.errors import InputError
 from stickslip.core.progress import Progress
 from stickslip.core.validation import FloatArray, whole_number

@@ -10,7 +10,8 @@ from typer.testing import CliRunner
 
 import stickslip as ss
 from rough_casting import casting_case
-from stickslip.case.case import Case, load_case
+from stickslip.case.case import Case
+from stickslip.case.load import load_case
 from stickslip.cli.main import app
 from stickslip.model.joint import Joint
 from stickslip.model.model import load_joint, set_up

@@ -14,7 +14,8 @@ from typer.testing import CliRunner
 
 from own_cases import MATRIX_STUDY, QUICK, mesh_case, write_matrices
 from sentences import printed_sentence, rejects
-from stickslip.case.case import Case, load_case
+from stickslip.case.case import Case
+from stickslip.case.load import load_case
 from stickslip.cli.main import app
 from stickslip.core.errors import ImportFileError, InputError
 from stickslip.formats.matrices.exchange import read_superelement, write_superelement

@@ -12,7 +12,8 @@ from typer.testing import CliRunner
 
 from own_cases import BELOW_THE_PEAK, EXAMPLE, QUICK, mesh_case, parts_deck
 from sentences import printed_sentence, rejects
-from stickslip.case.case import Case, load_case
+from stickslip.case.case import Case
+from stickslip.case.load import load_case
 from stickslip.cli.main import app
 from stickslip.core.errors import ImportFileError, InputError, StudyFileError
 from stickslip.model.model import build_model, load_joint, set_up

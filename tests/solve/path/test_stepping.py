@@ -49,9 +49,14 @@ def test_a_branch_that_hardly_advances_ends_with_a_sentence() -> None:
 
 def test_a_branch_that_advances_has_no_limit_but_that_of_its_points() -> None:
     curve = s_curve()
-    branch = Branch(Newton(curve, NewtonSettings()), curve.at(-2.0, -6.0), 6.0, ContinuationSettings())
+    newton = Newton(curve, NewtonSettings())
+    branch = Branch(newton, curve.at(-2.0, -6.0), 6.0, ContinuationSettings())
     branch.follow()
     assert branch.complete
+    assert repr(newton) == f"<Newton method for {type(curve).__name__}, tolerance 1e-09>"
+    assert repr(branch) == (
+        f"<Branch from {curve.named(-6.0)} to {curve.named(6.0)}, {len(branch.points)} points: {branch.message}>"
+    )
 
 
 @pytest.mark.parametrize("length", [0.0, 0.9 * STALL_LENGTH, STALL_LENGTH])

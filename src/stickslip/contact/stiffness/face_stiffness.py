@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Literal, get_args, overload
 
 import numpy as np
@@ -137,6 +138,7 @@ def persson_law(
     return PerssonStiffness(_spectrum(roughness, form_length), modulus, ratio, area, roughness.hardness, tangential_law)
 
 
+@lru_cache(maxsize=64)  # of the rough faces of a ridge or a sweep, whose loads alone differ
 def _spectrum(roughness: Roughness, form_length: float | None) -> HeightSpectrum:
     spectrum = HeightSpectrum.of_fractal(roughness)
     return spectrum if form_length is None else spectrum.up_to(form_length)

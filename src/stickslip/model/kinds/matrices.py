@@ -23,11 +23,11 @@ from stickslip.formats.matrices.model import MatrixModel
 from stickslip.formats.matrices.read import read_matrices
 from stickslip.formats.matrices.reduce import reduce_matrices
 from stickslip.formats.matrices.source import quoted
-from stickslip.model.joint import case_material
 from stickslip.model.kinds.own import OwnKind
 from stickslip.model.layout import Layout, NodeGroup
 from stickslip.model.nearest import nearest_node
 from stickslip.model.overlap import require_single_pairs
+from stickslip.model.rough_face import case_material
 from stickslip.structure.elasticity import Material
 from stickslip.structure.floating_parts import require_contact_bodies
 from stickslip.structure.mesh import IntArray, Mesh

@@ -12,8 +12,9 @@ from stickslip.contact.preload import prescribed_preload
 from stickslip.core.errors import InputError
 from stickslip.core.validation import FloatArray
 from stickslip.model.face_laws import NamedLaw, pressure_law
-from stickslip.model.joint import STARTING_PRESSURE, FaceSettings, roughness_section
+from stickslip.model.joint import STARTING_PRESSURE, FaceSettings
 from stickslip.model.layout import BaseMotionOfSupport, GroupForce, GroupUnbalance, Layout, Output
+from stickslip.model.rough_face import roughness_section
 
 OwnCaseT = TypeVar("OwnCaseT", bound=OwnCase)
 

@@ -12,9 +12,10 @@ from stickslip.contact.pairing.pairing import FacePairs, pair_faces
 from stickslip.contact.preload import prescribed_preload, uniform_preload
 from stickslip.core.errors import InputError, concerning, keys_of_section
 from stickslip.core.validation import FloatArray
-from stickslip.model.joint import STARTING_PRESSURE, FaceSettings, case_material
+from stickslip.model.joint import STARTING_PRESSURE, FaceSettings
 from stickslip.model.kinds.two_blade_mesh import BladePairElements, BladePairGeometry, blade_pair_mesh
 from stickslip.model.layout import Direction, GroupForce, GroupUnbalance, Layout, NodeGroup, Output
+from stickslip.model.rough_face import case_material
 from stickslip.structure.body_load import centrifugal_load
 from stickslip.structure.elasticity import Element, Material, Structure, assemble
 from stickslip.structure.mesh import Mesh

@@ -12,7 +12,7 @@ from stickslip.case.case import TwoBladeCase
 from stickslip.contact.stiffness.fractal import ContactStatus, ContactStiffness, Roughness, fractal_contact
 from stickslip.contact.stiffness.surface import draw_phases, fractal_surface, frequency_count, surface_statistics
 from stickslip.core.validation import FloatArray
-from stickslip.model.joint import case_material, case_roughness, roughness_section
+from stickslip.model.rough_face import case_material, case_roughness, roughness_section
 from stickslip.papers.rough_damper.claims import MICRO, Solutions
 from stickslip.papers.rough_damper.items import Item, ModelClaim, Picture
 from stickslip.papers.rough_damper.plan import MODES, law_of

@@ -13,7 +13,7 @@ from typing import Any
 from stickslip.case.case import TwoBladeCase
 from stickslip.contact.stiffness.fractal import StiffnessMode
 from stickslip.core.errors import StudyFileError
-from stickslip.model.joint import roughness_section
+from stickslip.model.rough_face import roughness_section
 from stickslip.papers.rough_damper.table2 import SOURCE, table2
 from stickslip.sweeps.plan import PlannedCase, case_hashes
 

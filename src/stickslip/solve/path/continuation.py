@@ -99,6 +99,10 @@ class Branch(Generic[PointT]):
         self.complete = self.closed = self.lost = False
         self.message = "The branch has no points yet."
 
+    def __repr__(self) -> str:
+        limits = f"{self._problem.named(self._origin)} to {self._problem.named(self._stop)}"
+        return f"<Branch from {limits}, {len(self.points)} points: {self.message}>"
+
     def follow(self) -> list[BranchPoint[PointT]]:
         """Follow to the stop, or as far as possible; returns the points of the branch."""
         self._accept(BranchPoint(self._start, 0))

@@ -67,6 +67,9 @@ class Newton(Generic[PointT]):
         self.settings = settings
         self.on_iteration = on_iteration or (lambda iteration, error: None)
 
+    def __repr__(self) -> str:
+        return f"<Newton method for {type(self.problem).__name__}, tolerance {self.settings.tolerance:g}>"
+
     def _step_tolerance(self, error: float, sharper: float) -> float:
         """Digits that a step can use: quadratic convergence ends far steps, the tolerance of Newton the last one.
 

@@ -94,7 +94,11 @@ PointT = TypeVar("PointT", bound=Point)
 
 
 class Problem(Protocol[PointT]):
-    """Equations with parameters."""
+    """Equations ``R(x, p) = 0``, ``c(x, p) = 0`` with unknowns ``x`` (n,) and parameters ``p`` (k,).
+
+    ``c`` are ``k - 1`` conditions, so that the solutions are a curve; Newton's method and path following use nothing
+    else of a problem. Its first parameter, in its own unit, is the one in which a branch has start and stop.
+    """
 
     def evaluate(self, unknowns: FloatArray, parameters: FloatArray) -> PointT:
         """The point with these unknowns and parameters (k,)."""

@@ -1,0 +1,127 @@
+"""The rough faces of a study: their material, their roughness, their contact stiffness under a load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stickslip.case.case import Case, OwnCase, TwoBladeCase
+from stickslip.case.sections import RoughnessSection
+from stickslip.contact.stiffness.believable import Believable, compared
+from stickslip.contact.stiffness.face_stiffness import law_of_roughness, persson_law
+from stickslip.contact.stiffness.fractal import (
+    ContactStiffness,
+    Roughness,
+    fractal_contact,
+    reduced_modulus,
+)
+from stickslip.contact.stiffness.scaled_law import ScaledStiffness
+from stickslip.contact.stiffness.stiffness_law import StiffnessLaw
+from stickslip.contact.stiffness.surface import SurfaceStatistics, fractal_roughness_from_sq, surface_statistics
+from stickslip.core.errors import InputError, concerning, keys_of_section
+from stickslip.structure.elasticity import Material
+
+
+@dataclass(frozen=True)
+class RoughFace:
+    """Contact stiffness and regime of one rough contact face under its preload."""
+
+    stiffness: ContactStiffness  # fractal law, of ``reference_area`` under the mean pressure of the face
+    statistics: SurfaceStatistics
+    reference_area: float  # m2, roughness.reference_area or the area of the face
+    believable: Believable | None  # the law of the study against Persson's; None for a face without load
+    messages: tuple[str, ...]  # on the law of the study under this pressure
+
+
+def rough_face(roughness: Roughness, section: RoughnessSection, area: float, load: float) -> RoughFace:
+    """A rough face of ``area`` (m2) under ``load`` (N): its fractal contact, and its law against Persson's."""
+    reference = section.reference_area or area
+    pressure = load / area
+    fractal = fractal_contact(roughness, pressure * reference, mode=section.fractal_mode, area=reference)
+    statistics = surface_statistics(roughness, section.sample_length, section.shortest_length)
+    if not load > 0.0:
+        return RoughFace(fractal, statistics, reference, None, fractal.messages)
+    law = law_of_section(roughness, section, area)
+    believable = compared(law, persson_law(roughness, area, section.form_length), pressure)
+    messages = fractal.messages if section.law == "fractal" else law.valid(np.array([pressure]))
+    if not believable.is_inside:
+        messages = (*messages, believable.message(f'the law "{section.law}"'))
+    return RoughFace(fractal, statistics, reference, believable, messages)
+
+
+def law_of_section(roughness: Roughness, section: RoughnessSection, area: float) -> StiffnessLaw:
+    """The law that [roughness] names, for a face of ``area`` (m2), times its factor."""
+    law = law_of_roughness(
+        roughness,
+        section.reference_area or area,
+        section.law,
+        mode=section.fractal_mode if section.law == "fractal" else None,
+        tangential_law=section.tangential_law,
+        form_length=section.form_length,
+    )
+    return law if section.stiffness_factor == 1.0 else ScaledStiffness(law, section.stiffness_factor)
+
+
+def case_material(case: TwoBladeCase | OwnCase) -> Material:
+    """The material of [material]. Raises InputError where a study of own structure has none."""
+    if case.material is None:
+        raise InputError("there is no section [material]. Give young_modulus, poisson_ratio and density.")
+    section = case.material
+    with keys_of_section("material"):
+        return Material(
+            section.young_modulus,
+            section.poisson_ratio,
+            section.density,
+            section.fatigue_limit,
+            section.tensile_strength,
+        )
+
+
+def roughness_section(case: Case) -> RoughnessSection:
+    """The section [roughness]. Raises InputError where a study has none, though a face has no stiffness of its own."""
+    if case.roughness is None:
+        raise InputError("there is no section [roughness]. Give it, or the stiffness of each face.")
+    return case.roughness
+
+
+def case_roughness(case: Case, first: Material, second: Material) -> Roughness:
+    """Roughness of a case that has one, between two bodies."""
+    section = roughness_section(case)
+    return Roughness(
+        fractal_dimension=section.fractal_dimension,
+        fractal_roughness=fractal_roughness_of(section),
+        hardness=section.hardness,
+        reduced_modulus=reduced_modulus(
+            first.young_modulus, first.poisson_ratio, second.young_modulus, second.poisson_ratio
+        ),
+        poisson_ratio=_joint_poisson_ratio(first, second),
+        domain_extension=section.domain_extension,
+        sample_length=section.sample_length,
+        shortest_length=section.shortest_length,
+    )
+
+
+def fractal_roughness_of(section: RoughnessSection) -> float:
+    """G in m of [roughness]: as given, or that of the surface with the given Sq. Raises InputError."""
+    if section.fractal_roughness is not None:
+        return section.fractal_roughness
+    if section.sq is None:
+        raise InputError("roughness.sq or roughness.fractal_roughness must be given.", ("roughness.sq",))
+    with concerning("roughness.sq"):
+        return fractal_roughness_from_sq(
+            section.sq, section.fractal_dimension, section.sample_length, section.shortest_length
+        )
+
+
+def _joint_poisson_ratio(first: Material, second: Material) -> float:
+    """The ratio nu for which two equal bodies have the K_t / K_n of these two, for the contact law of equal bodies.
+
+    Mindlin: K_t / K_n = 4 G* / E*, 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, which is 2 (1 - nu)/(2 - nu) for equal bodies.
+    """
+    if first == second:
+        return first.poisson_ratio
+    compliance = sum(2.0 * (2.0 - m.poisson_ratio) * (1.0 + m.poisson_ratio) / m.young_modulus for m in (first, second))
+    modulus = reduced_modulus(first.young_modulus, first.poisson_ratio, second.young_modulus, second.poisson_ratio)
+    ratio = 4.0 / (compliance * modulus)
+    return 2.0 * (1.0 - ratio) / (2.0 - ratio)
