@@ -51,6 +51,13 @@ OutFolder = Annotated[
     typer.Option("--out", metavar="DIR", help="Folder of the results.", show_default=False, parser=folder),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print only errors.")]
+TractionBand = Annotated[
+    bool,
+    typer.Option(
+        "--traction-band",
+        help="Bound the peak over the residual tractions of the pairs, as analysis.traction_band = true in FILE.",
+    ),
+]
 Workers = Annotated[
     int | None,
     typer.Option("--workers", min=1, help="Processes; default one for each processor.", show_default=False),
@@ -157,6 +164,7 @@ def run(
             "--gradients", help="Compute what each input changes at the peak, as analysis.gradients = true in FILE."
         ),
     ] = False,
+    traction_band: TractionBand = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print only errors.")] = False,
     debug: Debug = False,
 ) -> None:
@@ -166,6 +174,7 @@ def run(
         case = case.replace({"analysis.search": True}) if search else case
         case = case.replace(_ridge_keys(ridge)) if ridge is not None else case
         case = case.replace({"analysis.gradients": True}) if gradients else case
+        case = case.replace({"analysis.traction_band": True}) if traction_band else case
         require_folder(out)  # before the packages of the solver are loaded, which takes seconds
         from stickslip.study import run as study
 
@@ -245,6 +254,7 @@ def band(
         ),
     ] = None,
     samples: Annotated[int, typer.Option("--samples", min=8, help="Number of samples, best a power of two.")] = 64,
+    traction_band: TractionBand = False,
     workers: Workers = None,
     scheduler: Scheduler = None,
     threads: WorkerThreads = 1,
@@ -255,6 +265,7 @@ def band(
     with error_messages(debug, log_folder=out, closing=FINISHED_CASES_NOTE):
         require_one_place(workers, scheduler)
         case, places = _load(path, quiet, central=False)
+        case = case.replace({"analysis.traction_band": True}) if traction_band else case
         from dataclasses import replace
 
         from stickslip.sweeps import axes, distributions

@@ -20,6 +20,7 @@ from stickslip.study.facts import (
     sizes,
     study_warnings,
 )
+from stickslip.study.mode import require_mode
 from stickslip.study.performance_curve import HIGHEST_RATIO, LOWEST_RATIO, has_performance_curve
 from stickslip.study.record import CLOSED_AT_REST
 from stickslip.study.ridge import checked_range
@@ -31,11 +32,13 @@ def check(case: Case) -> list[tuple[str, list[tuple[str, str]]]]:
     """The content of a run, as sections of (label, value); builds the mesh and the joint, but reduces and solves
     nothing.
 
-    Raises InputError for a wrong geometry, RoughnessError for a contact without stiffness.
+    Raises InputError for a wrong geometry or a mode that does not exist, RoughnessError for a contact without
+    stiffness.
     """
     setup = set_up(case)
     joint = load_joint(case, setup.layout)
     structure = setup.assemble()
+    require_mode(case, structure, joint)
     numbers = [
         (name, f"{_short(value)} {unit}".rstrip("- ")) for name, value, unit, _ in derived_quantities(case, joint)
     ]
