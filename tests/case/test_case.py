@@ -81,6 +81,7 @@ def test_default_geometry_and_mesh_are_those_of_the_structure() -> None:
 
     geometry = Case().geometry.model_dump()
     geometry["platform_angle_deg"] = round(math.degrees(geometry.pop("platform_angle")), 12)
+    geometry["right_platform_angle_deg"] = geometry.pop("right_platform_angle")  # None: that of the other one
     assert geometry == asdict(BladePairGeometry())
     mesh = Case().mesh.model_dump()
     assert mesh.pop("element") == "incompatible"
