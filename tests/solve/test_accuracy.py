@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from helpers import Blade, benchmark_module
+from rough_casting import casting_case
 from sentences import printed_sentence, rejects
-from stickslip.case.case import Case
 from stickslip.core.errors import InputError
 from stickslip.model.model import build_model
 from stickslip.results.response import ForcedResponse
@@ -210,7 +210,7 @@ def test_wrong_accuracies_are_rejected(blade: Blade) -> None:
 def test_resonances_without_damping_are_no_false_alarm() -> None:
     """The default case with 15 harmonics: the stuck modes above 20 times the excitation have no damping, but the
     amplitude is that with 9 harmonics to 0.1 %."""
-    model = build_model(Case())
+    model = build_model(casting_case())
     (many, few) = (
         forced_response(
             model.superelement, model.pairs, model.excitation, frequency_hz=(454.5, 452.3), harmonics=harmonics,

@@ -29,6 +29,10 @@ class AnalysisSection(Section):
         default=True,
         description="two blades: peaks over centrifugal force over excitation force, in the time of up to three curves",
     )
+    stiffness_band: bool = Field(
+        default=True,
+        description="if it follows from roughness: curves with 1/3 and 3 times the contact stiffness; two curves more",
+    )
     traction_band: bool = Field(
         default=False,
         description="bound the peak over the residual tractions of pairs (run --traction-band); time of several curves",

@@ -24,6 +24,7 @@ from stickslip.study.mode import require_mode
 from stickslip.study.performance_curve import HIGHEST_RATIO, LOWEST_RATIO, has_performance_curve
 from stickslip.study.record import CLOSED_AT_REST
 from stickslip.study.ridge import checked_range
+from stickslip.study.stiffness_band import has_stiffness_band
 from stickslip.study.wear import energy_coefficients, worn_faces
 
 SHOWN_FREQUENCIES = 4  # chosen: the lowest ones, as a check of the model
@@ -104,6 +105,8 @@ def _ridge(case: Case, layout: Layout) -> Iterator[tuple[str, str]]:
     if isinstance(analysis, RidgeAnalysis):
         family, (low, high) = checked_range(case, analysis.over, (analysis.over_from, analysis.over_to), layout)
         yield "peaks over a key", f"{analysis.over} from {low:g} to {high:g} {family.quantity.si_unit}".rstrip()
+    if has_stiffness_band(case):
+        yield "stiffness band", "1/3 and 3 times the contact stiffness, which was not measured: two more curves"
     if has_performance_curve(case):
         yield "performance curve", f"centrifugal force {LOWEST_RATIO:g} to {HIGHEST_RATIO:g} times the excitation force"
 
