@@ -18,13 +18,18 @@ from stickslip.core.errors import InputError
 
 _NUMBER_AND_UNIT = re.compile(r"\s*([-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|nan|inf))\s*(.*?)\s*")
 _UNIT_NAME = r"[A-Za-zµμ%°]+(?:(?:\^|\*\*)[-+]?\d)?"
-_UNIT = re.compile(rf"(?:1\s*/\s*)?{_UNIT_NAME}(?:\s*[*/]\s*{_UNIT_NAME}|\s+{_UNIT_NAME})*")
+_PRODUCT = rf"{_UNIT_NAME}(?:\s*\*\s*{_UNIT_NAME}|\s+{_UNIT_NAME})*"
+# A product in brackets may end it, "mm^3/(N m)".
+_UNIT = re.compile(
+    rf"(?:1\s*/\s*)?{_UNIT_NAME}(?:\s*[*/]\s*{_UNIT_NAME}|\s+{_UNIT_NAME})*(?:\s*/\s*\(\s*{_PRODUCT}\s*\))?"
+)
 
 # name of the kind -> its SI unit and a value as an engineer would write it
 KINDS: dict[str, tuple[str, str]] = {
     "pure number": ("", "0.3"),
     "length": ("m", '"28 mm"'),
     "angle": ("rad", '"30 deg"'),
+    "mass": ("kg", '"20 g"'),
     "force": ("N", '"500 N"'),
     "pressure": ("Pa", '"197 GPa"'),
     "density": ("kg/m^3", '"7800 kg/m^3"'),
@@ -36,6 +41,7 @@ KINDS: dict[str, tuple[str, str]] = {
     "rate": ("1/s", '"0.5 1/s"'),
     "acceleration": ("m/s^2", '"9.81 m/s^2"'),
     "unbalance": ("kg m", '"2e-6 kg m"'),
+    "wear coefficient": ("m^3/J", '"1e-5 mm^3/(N m)"'),
 }
 
 

@@ -26,8 +26,8 @@ from stickslip.contact.law.coulomb import CoulombLaw
 from stickslip.core.validation import FloatArray
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curves import BalancePoint
+from stickslip.solve.harmonic.factors import LastFactor
 from stickslip.solve.harmonic.peak import BoundedCurve, CurvePeak, PeakSearch
-from stickslip.solve.harmonic.reduced import LastFactor
 from stickslip.solve.harmonic.traction_sensitivity import Quantity, TractionSensitivity
 from stickslip.solve.path.newton import Newton, NewtonSettings
 from stickslip.solve.setting_up import Balances

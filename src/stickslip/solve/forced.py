@@ -175,7 +175,9 @@ def forced_response(
             points: Sequence[BalancePoint] = [each.point for each in pieces.points]
             response = finished(pieces, solver, curve.balance)
         else:
-            varying = HarmonicsByAccuracy(balances.with_harmonics, accuracy, least, samples, newton, report.iteration)
+            varying = HarmonicsByAccuracy(
+                balances.with_harmonics, accuracy, least, samples, newton, report.iteration, balances.damped_harmonics
+            )
 
             def by_accuracy(point: BalancePoint, stop: float) -> Branch[VaryingPoint]:
                 return varying.follow(point, stop, settings, listen, resonances)

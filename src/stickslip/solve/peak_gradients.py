@@ -26,9 +26,9 @@ from stickslip.solve.forced import as_excitation
 from stickslip.solve.harmonic.balance import Balance
 from stickslip.solve.harmonic.curve_at_peak import TANGENT_TOLERANCE, CurveAtPeak, CurvePlace
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
+from stickslip.solve.harmonic.factors import LastFactor
 from stickslip.solve.harmonic.peak import BoundedCurve, CurvePeak, PeakSearch
 from stickslip.solve.harmonic.peak_values import frequency, friction_energy
-from stickslip.solve.harmonic.reduced import LastFactor
 from stickslip.solve.harmonic.walk import walking_points
 from stickslip.solve.parameters import Parameter, parameters_of
 from stickslip.solve.path.newton import Newton, NewtonSettings

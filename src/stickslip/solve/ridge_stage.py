@@ -14,8 +14,8 @@ from stickslip.core.validation import FloatArray
 from stickslip.results.peaks import Peak
 from stickslip.solve.excitation import Excitation
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve
+from stickslip.solve.harmonic.factors import LastFactor
 from stickslip.solve.harmonic.peak import BoundedCurve, PeakSearch
-from stickslip.solve.harmonic.reduced import LastFactor
 from stickslip.solve.harmonic.resonances import Resonances
 from stickslip.solve.harmonic.start import first_point
 from stickslip.solve.path.continuation import Branch

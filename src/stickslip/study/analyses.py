@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip.case.analysis import AnalysisSection, ForcedAnalysis, ModeAnalysis, RidgeAnalysis
+from stickslip.case.analysis import AnalysisSection, ForcedAnalysis, ModeAnalysis, RidgeAnalysis, WearAnalysis
 from stickslip.case.case import Case
 from stickslip.core.errors import ConvergenceError, InputError, concerning
 from stickslip.core.progress import Progress, SilentProgress
@@ -22,6 +22,7 @@ from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.transient.integrate import check_integration
 from stickslip.study.ridge import checked_range, ridge
+from stickslip.study.wear import wear_of_study, worn_faces
 
 # chosen: an output that moves less in a mode, over the largest unknown, is at a node of it.
 LEAST_MOTION = 1e-9
@@ -138,9 +139,21 @@ def _ridge(case: Case, model: ReducedModel, listener: Progress, threads: int | N
     return replace(response, peak_ridge=peaks)
 
 
+def _wear(case: Case, model: ReducedModel, listener: Progress, threads: int | None) -> ForcedResponse:
+    """The forced response, and beside it the wear of the joint. Raises InputError for a joint that cannot wear."""
+    worn_faces(case, model.joint)
+    response = _forced(case, model, listener, threads)
+    try:
+        worn = wear_of_study(case, model, response.harmonics, listener, threads)
+    except ConvergenceError as error:  # the response is a result without it
+        return replace(response, warnings=(*response.warnings, f"The wear was not computed: {error}"))
+    return replace(response, wear=worn)
+
+
 # Class of the section [analysis] -> function that computes it.
 _ANALYSES: dict[type[AnalysisSection], Analyse] = {
     ForcedAnalysis: _forced,
     ModeAnalysis: _mode,
     RidgeAnalysis: _ridge,
+    WearAnalysis: _wear,
 }

@@ -26,7 +26,8 @@ from stickslip.core.validation import FloatArray
 from stickslip.results.periodic_amplitude import periodic_maximum
 from stickslip.solve.harmonic.balance import Balance, Trial
 from stickslip.solve.harmonic.curves import BalancePoint, FrequencyCurve, amplitude_row
-from stickslip.solve.harmonic.reduced import BorderedSystem, LastFactor, NewtonSystem
+from stickslip.solve.harmonic.factors import LastFactor
+from stickslip.solve.harmonic.reduced import BorderedSystem, NewtonSystem
 from stickslip.solve.path.newton import Newton
 from stickslip.solve.path.problem import Plane, Step
 
