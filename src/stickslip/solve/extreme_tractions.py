@@ -46,6 +46,9 @@ HALVINGS, HALVINGS_OF_STEPS = 2, 1
 # chosen: most iterations of Newton's method in one search of a peak, five times the usual number: where all pairs of a
 # large joint bounce, an iteration takes seconds, and a search that does not arrive soon does not arrive.
 MOST_ITERATIONS = 60
+# chosen: a search for an extreme ends where so many of its steps lost the peak; later steps have at most this fraction
+# of the length of the last one that did.
+MOST_LOST, BELOW_LOST = 5, 0.9
 
 
 def with_residual_traction(pairs: ContactPairs, traction: FloatArray) -> ContactPairs:
@@ -214,7 +217,7 @@ def local_extreme(peaks: PeakOverTractions, start: TractionPeak, select: Selecti
         return best  # no pair slips: small changes of tractions have no effect
     full = 2.0 / largest  # the most sensitive pair crosses its disc
     length = full
-    reached = [best.amplitude]
+    reached, lost, longest = [best.amplitude], 0, math.inf
     for _ in range(MOST_STEPS):
         promised = select(best.extremes, best.traction, limit, math.inf)[1]
         if abs(promised - best.amplitude) <= WORTHWHILE * best.amplitude:
@@ -225,10 +228,12 @@ def local_extreme(peaks: PeakOverTractions, start: TractionPeak, select: Selecti
         gained = 0.0 if after is None else (after.amplitude - best.amplitude) / gain if gain else 0.0
         if after is not None and gained >= ENOUGH:
             best = after
-            length *= LONGER if gained >= GOOD else 1.0
-        elif length <= SHORTEST * full:
+            length = min(longest, length * (LONGER if gained >= GOOD else 1.0))
+        elif (after is None and lost == MOST_LOST) or length <= SHORTEST * full:
             break
         else:
+            if after is None:
+                lost, longest = lost + 1, BELOW_LOST * length
             length *= SHORTER
             continue
         reached.append(best.amplitude)
