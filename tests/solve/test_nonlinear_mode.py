@@ -240,6 +240,7 @@ def test_harmonics_grow_until_the_accuracy_is_reached() -> None:
     )
 
 
+@pytest.mark.slow
 def test_an_accuracy_that_is_not_reached_has_a_warning() -> None:
     coarse = ss.nonlinear_mode(*one_mass(ratio=0.002), 1, (1e-5, 1e-4), accuracy=1e-5, samples=64)
     assert coarse.harmonics == 15
