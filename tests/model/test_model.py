@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rough_casting import casting_case
+from rough_casting import ROUGH_CASTING, casting_case
 from sentences import rejects
 from stickslip.case.case import Case
 from stickslip.contact.stiffness.fractal import fractal_contact
@@ -39,7 +39,10 @@ def test_default_sizes(model: Model) -> None:
 def test_a_study_file_with_the_earlier_name_of_a_mode_gives_the_same_springs(structure: Structure) -> None:
     """K_n along the family of spots is 2 (3-d) / (3 (2-d)) times that at fixed curvature, d = 1.4 at D = 2.4."""
     plain, earlier, today = (
-        build_joint(Case.from_text(f'[roughness]\nmode = "{mode}"\n'), structure)
+        build_joint(
+            Case.from_text(f'[roughness]\nmode = "{mode}"\nfractal_dimension = 2.4\nfractal_roughness = "1e-8 m"\n'),
+            structure,
+        )
         for mode in ("consistent", "paper", "varying-curvature")
     )
     assert np.array_equal(earlier.normal_stiffness, today.normal_stiffness)
@@ -72,7 +75,8 @@ def test_pairs_follow_one_law_of_a_reference_area(structure: Structure, referenc
         "preload.values": [3.0 + 0.02 * number for number in range(110)],
     }
     joint = build_joint(
-        Case.from_mapping({"preload": {"values": changes.pop("preload.values")}}).replace(changes), structure
+        Case.from_mapping({"preload": {"values": changes.pop("preload.values")}}).replace(ROUGH_CASTING | changes),
+        structure,
     )
     area, (face, _) = joint.face_pairs.area, joint.rough_faces
     material = joint.layout.face_materials[0]
