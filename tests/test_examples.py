@@ -225,6 +225,14 @@ def test_guide_to_matrices(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caps
     assert printed.count("the file contains only the lower triangle") == 2
 
 
+def test_guide_to_loops(capsys: pytest.CaptureFixture[str]) -> None:
+    guide = (ROOT / "docs" / "loops.md").read_text(encoding="utf-8")
+    script = re.findall(r"<!-- tested -->\n```python\n(.*?)```", guide, flags=re.DOTALL)[0]
+    exec(compile(script, "loops.md", "exec"), {"__name__": "__main__"})
+    printed = capsys.readouterr().out
+    assert printed == re.findall(r"```text\n(.*?)```", guide, flags=re.DOTALL)[0]
+
+
 def test_make_targets_of_the_readme_exist() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     for target in re.findall(r"^make (\w+)", (ROOT / "README.md").read_text(encoding="utf-8"), flags=re.MULTILINE):

@@ -23,6 +23,7 @@ PAGES = (
     "reading_the_report",
     "choosing_harmonics_and_samples",
     "roughness",
+    "loops",
     "sweeps",
     "band",
     "design",

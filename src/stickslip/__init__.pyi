@@ -16,6 +16,8 @@ from .contact.law.iwan import IwanJoint as IwanJoint
 from .contact.law.jenkins import JenkinsElement as JenkinsElement
 from .contact.law.law import ContactLaw as ContactLaw
 from .contact.law.law import ContactState as ContactState
+from .contact.law.loop_fit import LoopFit as LoopFit
+from .contact.law.loop_fit import fit_loops as fit_loops
 from .contact.law.normal_law import PressureGapLaw as PressureGapLaw
 from .contact.law.registry import register_contact_law as register_contact_law
 from .contact.pairing.pairing import pair_faces as pair_faces
@@ -62,6 +64,7 @@ from .results.peak_ridge import PeakRidge as PeakRidge
 from .results.quasi_static_mode import QuasiStaticMode as QuasiStaticMode
 from .results.response import ForcedResponse as ForcedResponse
 from .results.traction_band import TractionBand as TractionBand
+from .results.wear import Wear as Wear
 from .solve.controlled import controlled_response as controlled_response
 from .solve.excitation import Excitation as Excitation
 from .solve.forced import forced_response as forced_response
@@ -83,6 +86,7 @@ from .solve.static.ramp_to_rest import static_preload as static_preload
 from .solve.static.state import StaticState as StaticState
 from .solve.transient.integrate import integrate_to_steady_state as integrate_to_steady_state
 from .solve.transient.integrate import start_from_response as start_from_response
+from .solve.wear import wear as wear
 from .structure.craig_bampton import craig_bampton as craig_bampton
 from .structure.elasticity import Material as Material
 from .structure.elasticity import Structure as Structure

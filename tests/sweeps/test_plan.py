@@ -117,9 +117,16 @@ def test_a_sweep_without_end_is_rejected() -> None:
 
 
 @pytest.mark.parametrize("of", ["sweep", "band"])
-@pytest.mark.parametrize("key", ["kind", "gradients"])
-def test_an_analysis_that_no_table_contains_is_rejected(key: str, of: str) -> None:
-    case = Case().replace({"analysis.kind": "ridge"} if key == "kind" else {"analysis.gradients": True})
+@pytest.mark.parametrize(
+    ("key", "changes"),
+    [
+        ("kind", {"analysis.kind": "ridge"}),
+        ("kind", {"analysis.kind": "wear", "analysis.wear_coefficient": 1e-14}),
+        ("gradients", {"analysis.gradients": True}),
+    ],
+)
+def test_an_analysis_that_no_table_contains_is_rejected(key: str, changes: dict[str, object], of: str) -> None:
+    case = Case().replace(changes)
     keys = swept_keys({"friction.coefficient": [0.2, 0.3]})
     with rejects(InputError, f"analysis.{key}"):
         plan_rows(case, keys, [(0,), (1,)], of)

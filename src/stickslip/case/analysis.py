@@ -6,11 +6,12 @@ A further kind is one more class here and one function in ``study/analyses.py``.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, cast
 
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator
 
-from stickslip.case.section import Section, of_kind
+from stickslip.case.quantities import Frequency
+from stickslip.case.section import Section, instead_of, of_kind
 from stickslip.core.errors import InputError
 from stickslip.core.units import LARGEST_INTEGER, Count, Quantity
 
@@ -28,9 +29,16 @@ class AnalysisSection(Section):
         default=True,
         description="two blades: peaks over centrifugal force over excitation force, in the time of up to three curves",
     )
+    stiffness_band: bool = Field(
+        default=True,
+        description="if it follows from roughness: curves with 1/3 and 3 times the contact stiffness; two curves more",
+    )
     traction_band: bool = Field(
         default=False,
-        description="compute how far the peak moves with the residual tractions of pairs; takes several curves more",
+        description="bound the peak over the residual tractions of pairs (run --traction-band); time of several curves",
+    )
+    traction_starts: Annotated[int, Count(at_least=0, at_most=MOST_STARTS)] = Field(
+        default=2, description="random tractions from which this band is optimised, beside zero and estimated extremes"
     )
     search: bool = Field(
         default=False,
@@ -54,7 +62,15 @@ Limit = Annotated[
 ]
 MODE_KEYS = ("mode", "limit", "smallest_amplitude", "largest_amplitude")
 RIDGE_KEYS = ("over", "over_from", "over_to")
-KIND = "forced, mode or ridge"
+WEAR_KEYS = (
+    "wear_coefficient", "energy_wear_coefficient", "wear_cycles", "wear_frequency", "running_in_sq", "running_in_depth",
+)  # fmt: skip
+KIND = "forced, mode, ridge or wear"
+# Rubber on emery loses 1e-10 m3/(N m), lubricated gears 1e-19; polished sapphire less.
+WearCoefficient = Annotated[
+    float,
+    Quantity("wear coefficient", shown="mm^3/(N m)", at_least=1e-30, at_most=1e-6, usual=(1e-20, 1e-10)),
+]
 
 
 def _foreign(kind: str, **keys: tuple[str, ...]) -> dict[str, str]:
@@ -69,9 +85,9 @@ def _foreign(kind: str, **keys: tuple[str, ...]) -> dict[str, str]:
 class ForcedAnalysis(AnalysisSection):
     """The computed result: forced is the periodic response to the excitation over the frequency range of [solver]; mode
     is this response and, beside it, a nonlinear mode over a range of amplitudes; ridge is this response and, beside it,
-    its peaks over a key."""
+    its peaks over a key; wear is this response and, beside it, the wear of the joint over many cycles."""
 
-    foreign: ClassVar[Mapping[str, str]] = _foreign("forced", mode=MODE_KEYS, ridge=RIDGE_KEYS)
+    foreign: ClassVar[Mapping[str, str]] = _foreign("forced", mode=MODE_KEYS, ridge=RIDGE_KEYS, wear=WEAR_KEYS)
 
     kind: Literal["forced"] = Field(default="forced", description=KIND)
 
@@ -79,7 +95,7 @@ class ForcedAnalysis(AnalysisSection):
 class RidgeAnalysis(AnalysisSection):
     """The forced response, and beside it the peaks of the first output while a key of the study changes."""
 
-    foreign: ClassVar[Mapping[str, str]] = _foreign("ridge", mode=MODE_KEYS)
+    foreign: ClassVar[Mapping[str, str]] = _foreign("ridge", mode=MODE_KEYS, wear=WEAR_KEYS)
 
     kind: Literal["ridge"] = Field(default="ridge", description=KIND)
     over: str = Field(
@@ -94,7 +110,7 @@ class RidgeAnalysis(AnalysisSection):
 class ModeAnalysis(AnalysisSection):
     """The forced response, and beside it a nonlinear mode: frequency and damping ratio against amplitude."""
 
-    foreign: ClassVar[Mapping[str, str]] = _foreign("mode", ridge=RIDGE_KEYS)
+    foreign: ClassVar[Mapping[str, str]] = _foreign("mode", ridge=RIDGE_KEYS, wear=WEAR_KEYS)
 
     kind: Literal["mode"] = Field(default="mode", description=KIND)
     mode: Annotated[int, Count(at_least=1, at_most=MOST_MODES)] = Field(
@@ -118,7 +134,59 @@ class ModeAnalysis(AnalysisSection):
         return value
 
 
+class WearAnalysis(AnalysisSection):
+    """The forced response, and beside it the wear of the joint over many cycles, with the first output."""
+
+    foreign: ClassVar[Mapping[str, str]] = _foreign("wear", mode=MODE_KEYS, ridge=RIDGE_KEYS)
+
+    kind: Literal["wear"] = Field(default="wear", description=KIND)
+    energy_wear_coefficient: WearCoefficient | None = Field(
+        default=None,
+        description="volume that both faces lose for each joule of friction; this or wear_coefficient",
+        examples=["1e-5 mm^3/J"],
+    )
+    wear_coefficient: WearCoefficient | None = Field(
+        default=None,
+        description="Archard's K: volume for each newton of normal force and metre of slip",
+        examples=["5e-6 mm^3/(N m)"],
+        validate_default=True,
+    )
+    wear_cycles: Annotated[float, Quantity("pure number", at_least=1.0, at_most=1e15)] = Field(
+        default=1e7, description="number of cycles of vibration"
+    )
+    wear_frequency: Frequency | None = Field(
+        default=None,
+        description="of the vibration; default: at each moment the frequency of the highest peak",
+        examples=["450 Hz"],
+    )
+    running_in_sq: Annotated[float, Quantity("length", shown="um", at_least=1e-12, at_most=1e-2)] | None = Field(
+        default=None,
+        description="Sq towards which the roughness falls while a face wears; default: roughness stays",
+        examples=["0.5 um"],
+    )
+    running_in_depth: Annotated[float, Quantity("length", shown="um", at_least=1e-12, at_most=1.0)] | None = Field(
+        default=None,
+        description="mean worn depth of a face in which the rest of its Sq above running_in_sq falls to 37 %",
+        examples=["1 um"],
+        validate_default=True,
+    )
+
+    @field_validator("wear_coefficient")
+    @classmethod
+    def _one_coefficient(cls, value: float | None, info: ValidationInfo) -> float | None:
+        if "energy_wear_coefficient" in info.data and value is info.data["energy_wear_coefficient"] is None:
+            raise InputError("or energy_wear_coefficient must be given. Give exactly one of them.")
+        return cast("float | None", instead_of(value, info, "energy_wear_coefficient"))
+
+    @field_validator("running_in_depth")
+    @classmethod
+    def _both_of_running_in(cls, value: float | None, info: ValidationInfo) -> float | None:
+        if "running_in_sq" in info.data and (value is None) != (info.data["running_in_sq"] is None):
+            raise InputError("and running_in_sq belong together. Give both of them, or none.")
+        return value
+
+
 Analysis = Annotated[
-    ForcedAnalysis | ModeAnalysis | RidgeAnalysis,
-    of_kind({"forced": ForcedAnalysis, "mode": ModeAnalysis, "ridge": RidgeAnalysis}, "forced"),
+    ForcedAnalysis | ModeAnalysis | RidgeAnalysis | WearAnalysis,
+    of_kind({"forced": ForcedAnalysis, "mode": ModeAnalysis, "ridge": RidgeAnalysis, "wear": WearAnalysis}, "forced"),
 ]

@@ -20,9 +20,16 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 
 from stickslip.case import toml_text as case_file
-from stickslip.case.analysis import Analysis, ForcedAnalysis
+from stickslip.case.analysis import Analysis, ForcedAnalysis, WearAnalysis
 from stickslip.case.case_content import SECTIONS, CaseContent
-from stickslip.case.consistency import EntryError, excitation_errors, joint_errors, place_errors, preload_errors
+from stickslip.case.consistency import (
+    EntryError,
+    excitation_errors,
+    joint_errors,
+    place_errors,
+    preload_errors,
+    wear_errors,
+)
 from stickslip.case.explained import explained
 from stickslip.case.interface_sections import InterfaceSection, MatrixInterface, MeshInterfaceSection
 from stickslip.case.law_keys import CONSTANT_TABLES, StiffnessLawKeys, StiffnessLawSection, table_file
@@ -126,6 +133,10 @@ class Case(CaseContent):
         """Raise EntryError for the first entry that contradicts another one."""
         for error in self._misfits():
             raise error
+        if isinstance(self.analysis, WearAnalysis):
+            interfaces = self.sections.get("interfaces", {})
+            for error in wear_errors(self.analysis, self.solver, self.preload, interfaces, self.has_rough_faces):
+                raise error
         return self
 
     @field_validator("contact_stiffness")

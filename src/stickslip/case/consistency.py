@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from stickslip.case.analysis import WearAnalysis
 from stickslip.case.interface_sections import InterfaceSection, MeshInterfaceSection
 from stickslip.case.own_sections import OwnPreloadSection, PlaceSection
 from stickslip.case.sections import PreloadSection, SolverSection
@@ -20,6 +21,40 @@ class EntryError(InputError):
     def __init__(self, path: tuple[str, ...], sentence: str) -> None:
         super().__init__(sentence)
         self.path = path
+
+
+def wear_errors(
+    analysis: WearAnalysis,
+    solver: SolverSection,
+    preload: PreloadSection,
+    interfaces: Mapping[str, InterfaceSection],
+    has_roughness: bool,
+) -> Iterator[EntryError]:
+    """What contradicts the wear of a study."""
+    low, high = sorted((solver.frequency_start, solver.frequency_stop))
+    if analysis.wear_frequency is not None and not low <= analysis.wear_frequency <= high:
+        yield EntryError(
+            ("analysis", "wear_frequency"),
+            f"is {analysis.wear_frequency:g} Hz, outside of the sweep from {low:g} to {high:g} Hz. Give a frequency of "
+            "the sweep, or widen it.",
+        )
+    if preload.method == "solved" and preload.residual_traction == "kept":
+        yield EntryError(
+            ("preload", "residual_traction"),
+            'is "kept", but wear removes the material that holds tractions. Set "released" for kind = "wear".',
+        )
+    for name, interface in interfaces.items():
+        if interface.other_law is not None:
+            yield EntryError(
+                ("interfaces", name, "law"),
+                f'is "{interface.other_law}", but wear requires Coulomb friction in all interfaces: other laws have no '
+                "slip under a normal load.",
+            )
+    if analysis.running_in_sq is not None and not has_roughness:
+        yield EntryError(
+            ("analysis", "running_in_sq"),
+            "requires the section [roughness], which runs in. Give it, or remove this key.",
+        )
 
 
 def preload_errors(preload: PreloadSection, loads: Sequence[str], pressed: bool) -> Iterator[EntryError]:

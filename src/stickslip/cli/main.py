@@ -1,4 +1,4 @@
-"""The command line: ``stickslip new | check | run | sweep | band | design | report | compare | export | ...``.
+"""The command line: ``stickslip new | check | run | sweep | band | design | report | compare | export | fit | ...``.
 
 Exit codes: 0 done, 1 fault of the program, 2 bad input, 3 not converged (what was computed is kept), 130 interrupted,
 128 + n stopped by signal n. Large packages are imported inside the commands, so that ``stickslip --help`` answers at
@@ -52,6 +52,15 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     help="Forced vibration of structures with rough, dry-friction joints.",
 )
+
+
+TractionBand = Annotated[
+    bool,
+    typer.Option(
+        "--traction-band",
+        help="Bound the peak over the residual tractions of the pairs, as analysis.traction_band = true in FILE.",
+    ),
+]
 
 
 def main() -> None:
@@ -149,6 +158,7 @@ def run(
             "--gradients", help="Compute what each input changes at the peak, as analysis.gradients = true in FILE."
         ),
     ] = False,
+    traction_band: TractionBand = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print only errors.")] = False,
     debug: Debug = False,
 ) -> None:
@@ -158,6 +168,7 @@ def run(
         case = case.replace({"analysis.search": True}) if search else case
         case = case.replace(_ridge_keys(ridge)) if ridge is not None else case
         case = case.replace({"analysis.gradients": True}) if gradients else case
+        case = case.replace({"analysis.traction_band": True}) if traction_band else case
         require_folder(out)  # before the packages of the solver are loaded, which takes seconds
         from stickslip.study import run as study
 
@@ -237,6 +248,7 @@ def band(
         ),
     ] = None,
     samples: Annotated[int, typer.Option("--samples", min=8, help="Number of samples, best a power of two.")] = 64,
+    traction_band: TractionBand = False,
     workers: Workers = None,
     scheduler: Scheduler = None,
     threads: WorkerThreads = 1,
@@ -247,6 +259,7 @@ def band(
     with error_messages(debug, log_folder=out, closing=FINISHED_CASES_NOTE):
         require_one_place(workers, scheduler)
         case, places = load_study(path, quiet, central=False)
+        case = case.replace({"analysis.traction_band": True}) if traction_band else case
         from dataclasses import replace
 
         from stickslip.sweeps import axes, distributions
@@ -274,6 +287,7 @@ for _command in (
     result_commands.compare,
     result_commands.export,
     input_commands.roughness,
+    input_commands.fit,
 ):
     app.command()(_command)
 app.command("import")(input_commands.import_model)

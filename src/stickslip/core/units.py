@@ -18,7 +18,11 @@ from stickslip.core.errors import InputError
 
 _NUMBER_AND_UNIT = re.compile(r"\s*([-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|nan|inf))\s*(.*?)\s*")
 _UNIT_NAME = r"[A-Za-zµμ%°]+(?:(?:\^|\*\*)[-+]?\d)?"
-_UNIT = re.compile(rf"(?:1\s*/\s*)?{_UNIT_NAME}(?:\s*[*/]\s*{_UNIT_NAME}|\s+{_UNIT_NAME})*")
+_PRODUCT = rf"{_UNIT_NAME}(?:\s*\*\s*{_UNIT_NAME}|\s+{_UNIT_NAME})*"
+# A product in brackets may end it, "mm^3/(N m)".
+_UNIT = re.compile(
+    rf"(?:1\s*/\s*)?{_UNIT_NAME}(?:\s*[*/]\s*{_UNIT_NAME}|\s+{_UNIT_NAME})*(?:\s*/\s*\(\s*{_PRODUCT}\s*\))?"
+)
 
 # name of the kind -> its SI unit and a value as an engineer would write it
 KINDS: dict[str, tuple[str, str]] = {
@@ -37,6 +41,7 @@ KINDS: dict[str, tuple[str, str]] = {
     "rate": ("1/s", '"0.5 1/s"'),
     "acceleration": ("m/s^2", '"9.81 m/s^2"'),
     "unbalance": ("kg m", '"2e-6 kg m"'),
+    "wear coefficient": ("m^3/J", '"1e-5 mm^3/(N m)"'),
 }
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -227,11 +227,16 @@ def describe_faces(
 
 
 def pair_springs(
-    case: Case, layout: Layout, preload: FloatArray, settings: Sequence[FaceSettings]
+    case: Case,
+    layout: Layout,
+    preload: FloatArray,
+    settings: Sequence[FaceSettings],
+    laws: Mapping[int, StiffnessLaw] | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Normal and tangential stiffness (n_pairs,) in N/m under the loads ``preload`` (n_pairs,) in N.
 
-    Raises RoughnessError where the roughness gives no usable contact.
+    ``laws`` are those of some faces, in place of their own. Raises RoughnessError where the roughness gives no usable
+    contact.
     """
     pairs = layout.face_pairs
     share = area_fraction(pairs.area, pairs.face)
@@ -243,7 +248,7 @@ def pair_springs(
         if own.stiffness is not None:
             normal[members], tangential[members] = ((value or 0.0) * share[members] for value in own.stiffness)
             continue
-        law = face_law(case, layout, face, own)
+        law = (laws or {}).get(face) or face_law(case, layout, face, own)
         with concerning(*_stiffness_keys(case, own)):
             normal[members], tangential[members] = springs_of_pairs(
                 law, pairs.area[members], preload[members], face_allocation(case, own)

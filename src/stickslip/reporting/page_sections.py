@@ -19,12 +19,14 @@ from stickslip.reporting.mode_section import NONLINEAR_MODE
 from stickslip.reporting.other_words import OTHER_SOLUTIONS
 from stickslip.reporting.ridge_section import PEAK_RIDGE, PERFORMANCE_CURVE
 from stickslip.reporting.section import Section
+from stickslip.reporting.stiffness_words import stiffness_words
 from stickslip.reporting.stress_section import STRESS
 from stickslip.reporting.structure_section import STRUCTURE
 from stickslip.reporting.style import MICRO, number, shown_number
 from stickslip.reporting.sweep_words import sweep_words
 from stickslip.reporting.traction_words import TRACTIONS
 from stickslip.reporting.view import View
+from stickslip.reporting.wear_section import WEAR
 from stickslip.results.measures import summary_table
 from stickslip.results.record import StudyRecord, compared_model, reference_deviation
 from stickslip.results.rough_patch import RoughPatch
@@ -158,10 +160,15 @@ CURVE = Section(
     "Amplitude against frequency",
     """\
   <p class="note">{{ output }}, 0-to-peak. Choose a point on the curve, or move the slider below: the figures after it
-  show that point.{% if sweeps %} {{ sweeps }}{% endif %}</p>
+  show that point.{% if sweeps %} {{ sweeps }}{% endif %}</p>{% if stiffness %}
+  <p class="note">{{ stiffness }}</p>{% endif %}
   {{ parts.panel("curve", "Amplitude against frequency") }}
 """,
-    lambda view: {"output": view.study.response_output, "sweeps": sweep_words(view)},
+    lambda view: {
+        "output": view.study.response_output,
+        "sweeps": sweep_words(view),
+        "stiffness": stiffness_words(view),
+    },
     lambda view: {"curve": amplitude_frequency(view)},
     beside='\n    <button type="button" id="scale" class="screen-only">Logarithmic axis</button>',
 )
@@ -169,6 +176,7 @@ CURVE = Section(
 SECTIONS = (
     PERFORMANCE_CURVE,
     PEAK_RIDGE,
+    WEAR,
     STRUCTURE,
     STRESS,
     Section(

@@ -9,6 +9,7 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stickslip.core.plain_figure import BLUE, GREY, INK, ORANGE, PURPLE, VERMILLION
 from stickslip.core.validation import FloatArray
@@ -73,13 +74,26 @@ def face_map(view: View, face: int, quantity: str) -> Figure:
 
 def rest_map(view: View, face: int) -> Figure:
     """The pressure at rest on one face; pairs that are open there are hollow."""
+    pressure = view.rest_pressure_mpa
+    return pair_map(view, face, pressure, np.isnan(pressure), "MPa", "MPa at rest", view.unloaded_words)
+
+
+def pair_map(
+    view: View, face: int, value: FloatArray, is_hollow: NDArray[np.bool_], unit: str, title: str, hollow: str
+) -> Figure:
+    """A value of each pair (n_pairs,) on one face, with one scale for all faces; NaN is shown as words alone.
+
+    Pairs that are hollow have the words ``hollow`` in their text.
+    """
     pairs = np.flatnonzero(view.study.pair_face == face)
-    position, pressure = 1e3 * view.study.pair_position[pairs], view.rest_pressure_mpa
-    marker = _scale(mark_size(position, _MAP, 17.0), pressure[pairs], float(np.nanmax(pressure)), "MPa at rest")
-    opened = np.isnan(pressure[pairs])
-    marker["color"] = plain_list(np.nan_to_num(pressure[pairs]))
-    marker["symbol"] = ["square-open" if is_open else "square" for is_open in opened]
-    words = [view.unloaded_words if math.isnan(value) else f"{value:.3g} MPa" for value in pressure[pairs]]
+    position, here = 1e3 * view.study.pair_position[pairs], value[pairs]
+    marker = _scale(mark_size(position, _MAP, 17.0), here, float(np.nanmax(value)), title)
+    marker["color"] = plain_list(np.nan_to_num(here))
+    marker["symbol"] = ["square-open" if each else "square" for each in is_hollow[pairs]]
+    words = [
+        ", ".join(filter(None, ["" if math.isnan(number) else f"{number:.3g} {unit}", hollow if is_open else ""]))
+        for number, is_open in zip(here, is_hollow[pairs], strict=True)
+    ]
     dots = {
         "type": "scatter",
         "mode": "markers",

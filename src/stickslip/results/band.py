@@ -51,6 +51,22 @@ MEASURES = {
 }
 
 
+@dataclass(frozen=True, eq=False)
+class TractionRange:
+    """Peaks of the case with central inputs over the residual tractions of its pairs, which are no inputs.
+
+    peak, low, high:
+        m: its highest peak, and the lowest and highest one over extreme residual tractions.
+    curves:
+        frequency in Hz and amplitude in m, 0-to-peak, of each of these tractions.
+    """
+
+    peak: float
+    low: float
+    high: float
+    curves: tuple[tuple[FloatArray, FloatArray], ...]
+
+
 @dataclass(frozen=True)
 class Percentiles:
     """Percentiles of a measure: ``values`` for each of PERCENTILES, and ``intervals`` that contain those of the

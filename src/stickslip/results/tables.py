@@ -16,6 +16,7 @@ from stickslip.results.peak_gradients import PeakGradients
 from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.record import MODE_COLUMNS, StudyRecord
 from stickslip.results.response import ForcedResponse
+from stickslip.results.wear import Wear
 
 Cell = float | int | str | None
 
@@ -68,6 +69,7 @@ def study_tables(response: ForcedResponse, study: StudyRecord) -> tuple[Table, .
         *_nonlinear_mode(response.nonlinear_mode),
         *_gradients(response.gradients),
         *_ridges({"peak_ridge": response.peak_ridge, "performance_curve": response.performance_curve}),
+        *_wear(response.wear),
         *_stress(study),
         _tuples("derived", "derived quantities", ("quantity", "value", "unit", "meaning"), study.derived),
         _tuples("inputs", "the study file", ("key", "value"), list(study.input_values().items())),
@@ -203,7 +205,11 @@ def _modes(study: StudyRecord) -> Table:
 def _side_curves(response: ForcedResponse, study: StudyRecord) -> Iterator[Table]:
     """Curves with extreme tractions, and motions that are not on the curve."""
     row = study.outputs[study.response_output]
-    sides = {"residual_tractions": response.traction_band, "other_solutions": response.other_solutions}
+    sides = {
+        "stiffness_band": response.stiffness_band,
+        "residual_tractions": response.traction_band,
+        "other_solutions": response.other_solutions,
+    }
     for name, side in sides.items():
         curves = () if side is None else side.curves(row)
         columns = (
@@ -261,6 +267,34 @@ def _ridges(ridges: Mapping[str, PeakRidge | None]) -> Iterator[Table]:
             column_of("pairs separating", "", ridge.pairs_separating),
         )
         yield Table(name, f"peaks against {ridge.parameter_name}, 0-to-peak", columns)
+
+
+def _wear(wear: Wear | None) -> Iterator[Table]:
+    """States of the wear, and the pairs at its end."""
+    if wear is None:
+        return
+    columns = (
+        column_of("cycles", "", wear.cycles),
+        column_of("amplitude", "m", wear.amplitude),
+        column_of("frequency", "Hz", wear.frequency_hz),
+        column_of("largest depth", "m", wear.depth.max(axis=1)),
+        column_of("mean depth", "m", wear.mean_depth),
+        column_of("volume", "m3", wear.volume),
+        column_of("volume from energy", "m3", wear.energy_volume),
+        column_of("friction energy per cycle", "J", wear.friction_energy.sum(axis=1)),
+        column_of("open pairs", "", wear.open_pairs),
+    )
+    yield Table("wear", "states of the wear against cycles; amplitude 0-to-peak", columns)
+    pairs = (
+        column_of("pair", "", np.arange(1, wear.area.size + 1)),
+        column_of("depth", "m", wear.depth[-1]),
+        column_of("normal load before", "N", wear.normal_load[0]),
+        column_of("normal load after", "N", wear.normal_load[-1]),
+        column_of("normal stiffness before", "N/m", wear.normal_stiffness[0]),
+        column_of("normal stiffness after", "N/m", wear.normal_stiffness[-1]),
+        column_of("area", "m2", wear.area),
+    )
+    yield Table("worn_pairs", "pairs at the end of the wear", pairs)
 
 
 def _stress(study: StudyRecord) -> Iterator[Table]:

@@ -7,21 +7,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from stickslip.case.analysis import AnalysisSection, ForcedAnalysis, ModeAnalysis, RidgeAnalysis
+from stickslip.case.analysis import AnalysisSection, ForcedAnalysis, ModeAnalysis, RidgeAnalysis, WearAnalysis
 from stickslip.case.case import Case
 from stickslip.core.errors import ConvergenceError, InputError, concerning
 from stickslip.core.progress import Progress, SilentProgress
 from stickslip.model.model import ReducedModel
 from stickslip.results.record import run_provenance
 from stickslip.results.response import ForcedResponse
-from stickslip.solve.forced import DEFAULT_HARMONICS, forced_response
-from stickslip.solve.linear_mode import LinearMode
+from stickslip.solve.forced import forced_response
+from stickslip.solve.linear_mode import LinearMode, require_allowed_amplitude
 from stickslip.solve.nonlinear_mode import nonlinear_mode
 from stickslip.solve.other_solutions import search_other_solutions
 from stickslip.solve.path.newton import NewtonSettings
 from stickslip.solve.path.stepping import ContinuationSettings
 from stickslip.solve.transient.integrate import check_integration
 from stickslip.study.ridge import checked_range, ridge
+from stickslip.study.wear import wear_of_study, worn_faces
 
 # chosen: an output that moves less in a mode, over the largest unknown, is at a node of it.
 LEAST_MOTION = 1e-9
@@ -61,6 +62,7 @@ def _forced(case: Case, model: ReducedModel, listener: Progress, threads: int | 
         newton=newton,
         continuation=continuation,
         traction_band=next(iter(model.outputs.values())) if analysis.traction_band else None,
+        traction_starts=analysis.traction_starts,
         threads=threads,
         progress=lambda fraction, detail: listener.update("Response", fraction, detail),
     )
@@ -96,6 +98,8 @@ def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | No
             "that of the mode. Choose another mode, or another first output.",
             ("analysis.mode",),
         )
+    with concerning("analysis.largest_amplitude"):
+        require_allowed_amplitude(model.pairs, linear, analysis.largest_amplitude / shape, shape)
     response = _forced(case, model, listener, threads)
     try:
         mode = nonlinear_mode(
@@ -104,7 +108,8 @@ def _mode(case: Case, model: ReducedModel, listener: Progress, threads: int | No
             analysis.mode,
             (analysis.smallest_amplitude / shape, analysis.largest_amplitude / shape),
             limit=analysis.limit,
-            harmonics=settings.harmonics or DEFAULT_HARMONICS,
+            harmonics=settings.harmonics,
+            accuracy=settings.accuracy,
             samples=settings.samples,
             modal_damping_ratio=case.damping.modal_damping_ratio,
             update=settings.update,
@@ -134,9 +139,21 @@ def _ridge(case: Case, model: ReducedModel, listener: Progress, threads: int | N
     return replace(response, peak_ridge=peaks)
 
 
+def _wear(case: Case, model: ReducedModel, listener: Progress, threads: int | None) -> ForcedResponse:
+    """The forced response, and beside it the wear of the joint. Raises InputError for a joint that cannot wear."""
+    worn_faces(case, model.joint)
+    response = _forced(case, model, listener, threads)
+    try:
+        worn = wear_of_study(case, model, response.harmonics, listener, threads)
+    except ConvergenceError as error:  # the response is a result without it
+        return replace(response, warnings=(*response.warnings, f"The wear was not computed: {error}"))
+    return replace(response, wear=worn)
+
+
 # Class of the section [analysis] -> function that computes it.
 _ANALYSES: dict[type[AnalysisSection], Analyse] = {
     ForcedAnalysis: _forced,
     ModeAnalysis: _mode,
     RidgeAnalysis: _ridge,
+    WearAnalysis: _wear,
 }

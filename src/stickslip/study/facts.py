@@ -21,6 +21,7 @@ from stickslip.results.response import ForcedResponse
 from stickslip.solve.static.state import StaticState
 from stickslip.structure.elasticity import Structure
 from stickslip.structure.superelement import Superelement
+from stickslip.study.mode import reduced_unknowns
 
 if TYPE_CHECKING:
     from stickslip.case.case import Case
@@ -220,7 +221,7 @@ def sizes(case: Case, setup: Setup, structure: Structure | Superelement, joint: 
     if isinstance(structure, Superelement):
         unknowns = [("unknowns", f"{structure.size}")]
     else:
-        boundary, modes = 3 * joint.layout.boundary_nodes.size, case.reduction.modes
+        boundary, modes = reduced_unknowns(case, structure, joint)
         unknowns = [
             ("unknowns of the full model", f"{structure.stiffness.shape[0]} free of {3 * structure.mesh.n_nodes}"),
             ("unknowns after reduction", f"{boundary + modes} ({boundary} of boundary nodes, {modes} modes)"),

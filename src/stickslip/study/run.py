@@ -23,6 +23,7 @@ from stickslip.results.peak_ridge import PeakRidge
 from stickslip.results.record import StudyRecord
 from stickslip.results.response import ForcedResponse
 from stickslip.results.storage import load_results, results_bytes
+from stickslip.results.wear import Wear
 from stickslip.structure.joined import joined_modes
 from stickslip.structure.superelement import Superelement
 from stickslip.study.figure_process import PAGE_GRID, Drawing, NoFigures, SecondProcess, artist_of, rough_patch
@@ -39,6 +40,7 @@ from stickslip.study.places import (
 )
 from stickslip.study.sketching import MeshMotion
 from stickslip.study.solution import reported_model, solved
+from stickslip.study.stiffness_band import with_stiffness_band
 from stickslip.study.stress import StressAtPeak
 from stickslip.study.stress_summary import fields_of, stress_rows
 
@@ -81,7 +83,8 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
     then = '"stickslip report" writes its report'
     write_solved(out / RESULTS_FILE, results_bytes(response, record), "results", ResultsFileError, then)
     with _saved_results(out):
-        # It takes longer than the frequency curve, which is safe by now.
+        # They take longer than the frequency curve, which is safe by now.
+        response = with_stiffness_band(case, model, response, progress, threads)
         response = with_performance_curve(case, model, response, progress, threads)
         if response is not solution.response:
             write_solved(out / RESULTS_FILE, results_bytes(response, record), "results", ResultsFileError, then)
@@ -98,7 +101,8 @@ def _run(case: Case, out: Path, progress: Progress, threads: int, artist: Second
     progress.update("Files", 1.0, f"{len(files)} files")
     mode = response.nonlinear_mode
     ridge = response.peak_ridge
-    converged = response.converged and (mode is None or mode.converged) and (ridge is None or ridge.converged)
+    besides = (mode, ridge, response.wear)
+    converged = response.converged and all(each is None or each.converged for each in besides)
     return StudyOutcome(response, tuple(files), converged, _closing_words(response, record))
 
 
@@ -158,6 +162,8 @@ def _closing_words(response: ForcedResponse, record: StudyRecord) -> str:
     for title, ridge in (("Performance curve", response.performance_curve), ("Ridge of peaks", response.peak_ridge)):
         if ridge is not None:
             lines += _words_of_ridge(title, ridge)
+    if response.wear is not None:
+        lines += _words_of_wear(response.wear)
     if response.gradients is not None:
         lines += _words_of_gradients(response.gradients)
     return "\n".join(lines)
@@ -168,6 +174,13 @@ def _words_of_ridge(title: str, ridge: PeakRidge) -> Iterator[str]:
     yield f"{title}: {ridge.message} {ridge.n_points} peaks."
     yield from (f"  {sentence}" for sentence in ridge.words())
     yield from (f"Warning: {sentence}" for sentence in ridge.warnings)
+
+
+def _words_of_wear(wear: Wear) -> Iterator[str]:
+    """The message of the wear, what it removes and changes, and its warnings."""
+    yield f"Wear: {wear.message} {wear.n_states} states."
+    yield from (f"  {sentence}" for sentence in wear.words())
+    yield from (f"Warning: {sentence}" for sentence in wear.warnings)
 
 
 def _words_of_mode(mode: NonlinearMode) -> Iterator[str]:

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from stickslip.case.analysis import RidgeAnalysis
+from stickslip.case.analysis import RidgeAnalysis, WearAnalysis
 from stickslip.case.case import Case
 from stickslip.case.key_kinds import UNSWEPT_SECTIONS
 from stickslip.core.errors import InputError, StudyFileError
@@ -114,6 +114,12 @@ def require_one_curve(case: Case, of: str) -> None:
         raise InputError(
             f'kind is "ridge", but the table of a {of} contains no ridges, and each takes the time of several curves. '
             f'Set kind = "forced" for the {of}, and follow the peaks of single cases with stickslip run.',
+            ("analysis.kind",),
+        )
+    if isinstance(case.analysis, WearAnalysis):
+        raise InputError(
+            f'kind is "wear", but the table of a {of} contains no wear, and it takes the time of many curves. '
+            f'Set kind = "forced" for the {of}, and compute the wear of single cases with stickslip run.',
             ("analysis.kind",),
         )
 

@@ -216,7 +216,8 @@ class LoadRamp:
         """``|K u + B^T f - load|`` over the forces."""
         contact = self._joint.pairs.operator.T @ force.ravel()
         unbalanced = self._joint.superelement.stiffness @ displacement + contact - self._joint.load
-        return float(np.linalg.norm(unbalanced) / (np.linalg.norm(self._joint.load) + np.linalg.norm(contact)))
+        size = float(np.linalg.norm(self._joint.load) + np.linalg.norm(contact))
+        return float(np.linalg.norm(unbalanced)) / max(size, 1e-300)  # 0 N where no unknown moves along a normal
 
     def _release_restraint(self, point: StepPoint, history: History) -> StepPoint:
         """The solution without friction and without a force of the restraint, which is moved until it carries none.

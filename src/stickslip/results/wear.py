@@ -1,0 +1,154 @@
+"""The result of wear: depth, normal load and response of a joint against the number of cycles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from os import PathLike
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+from stickslip.core.errors import InputError
+from stickslip.core.validation import FloatArray, require_positive
+from stickslip.results.groups import read_groups, write_groups
+from stickslip.results.variables import Attribute, Json, Labelled, Numbers, Text, stored
+from stickslip.results.wear_figure import wear_figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_MICRO, _CUBIC_MILLI = 1e6, 1e9  # m to µm, m3 to mm3
+_STATES, _PAIRS = ("wear_state",), ("wear_state", "pair")
+
+
+@dataclass(frozen=True, eq=False)
+class Wear(Labelled):
+    """A joint that wears: its states in the order of the cycles, the first one without wear (docs/theory_wear.md).
+
+    Parameters
+    ----------
+    cycles:
+        (n_states,) number of cycles, from 0.
+    depth:
+        (n_states, n_pairs) m, worn from both faces of a pair together.
+    normal_load:
+        (n_states, n_pairs) N at rest, 0 where wear opened the pair.
+    friction_energy:
+        (n_states, n_pairs) J per cycle.
+    amplitude, frequency_hz:
+        (n_states,) amplitude of the output, 0-to-peak (m for a displacement), and frequency of the motion in Hz.
+    normal_stiffness:
+        (n_states, n_pairs) N/m at rest.
+    area, energy_wear_coefficient:
+        (n_pairs,) m2, and m3/J: volume that both faces lose for each joule of friction.
+    converged, message:
+        whether the states cover all cycles, and a message.
+    warnings:
+        messages, for example on another peak that became the highest.
+    settings, provenance:
+        options of the run; software and machine.
+    """
+
+    DATASET_TITLE: ClassVar[str] = "Wear of a joint with rough, dry-friction contact"
+
+    cycles: FloatArray = field(metadata=stored(Numbers(_STATES, "1", "number of cycles")))
+    depth: FloatArray = field(metadata=stored(Numbers(_PAIRS, "m", "worn depth of both faces")))
+    normal_load: FloatArray = field(metadata=stored(Numbers(_PAIRS, "N", "normal load at rest")))
+    friction_energy: FloatArray = field(metadata=stored(Numbers(_PAIRS, "J", "energy of friction per cycle")))
+    amplitude: FloatArray = field(metadata=stored(Numbers(_STATES, "m", "amplitude of the output, 0-to-peak")))
+    frequency_hz: FloatArray = field(
+        metadata=stored(Numbers(_STATES, "Hz", "frequency of the motion", name="frequency"))
+    )
+    normal_stiffness: FloatArray = field(metadata=stored(Numbers(_PAIRS, "N m-1", "normal stiffness at rest")))
+    area: FloatArray = field(metadata=stored(Numbers(("pair",), "m2", "area of the pair")))
+    energy_wear_coefficient: FloatArray = field(
+        metadata=stored(Numbers(("pair",), "m3 J-1", "worn volume for each joule of friction"))
+    )
+    converged: bool = field(metadata=stored(Attribute(0, 1, bool)))
+    message: str = field(metadata=stored(Text("message of the wear at its end")))
+    warnings: tuple[str, ...] = field(metadata=stored(Json(list[str], "warnings, JSON list")))
+    settings: dict[str, str | float | int] = field(
+        metadata=stored(Json(dict[str, str | float | int | None], "settings of the wear, JSON object"))
+    )
+    provenance: dict[str, str] = field(metadata=stored(Json(dict[str, str], "software and machine, JSON object")))
+
+    def __post_init__(self) -> None:
+        n_states, n_pairs = np.shape(self.depth)
+        self._require_sizes({"wear_state": n_states, "pair": n_pairs})
+        require_positive("area", self.area, "A pair that wears has an area.")
+        if self.cycles[0] != 0.0 or (np.diff(self.cycles) <= 0.0).any():
+            raise InputError("cycles must begin with 0 and rise.", arguments=["cycles"])
+        object.__setattr__(self, "warnings", tuple(self.warnings))
+
+    def __repr__(self) -> str:
+        return (
+            f"Wear({self.cycles[-1]:.4g} cycles in {self.n_states} states: depth up to "
+            f"{_MICRO * self.depth[-1].max():.3g} um, amplitude {_MICRO * self.amplitude[0]:.4g} to "
+            f"{_MICRO * self.amplitude[-1]:.4g} um; {'converged' if self.converged else 'NOT converged'})"
+        )
+
+    @property
+    def n_states(self) -> int:
+        """Number of states, with that before the wear."""
+        return int(self.cycles.size)
+
+    @property
+    def volume(self) -> FloatArray:
+        """(n_states,) m3 worn so far from all pairs."""
+        return np.asarray(self.depth @ self.area)
+
+    @property
+    def mean_depth(self) -> FloatArray:
+        """(n_states,) m, volume over the area of all pairs."""
+        return np.asarray(self.volume / self.area.sum())
+
+    @property
+    def energy_volume(self) -> FloatArray:
+        """(n_states,) m3: coefficient times the friction energy so far, a monotone cubic through the states.
+
+        It differs from :attr:`volume` by the errors of both integrations, and where another peak takes over.
+        """
+        rate = PchipInterpolator(self.cycles, self.friction_energy @ self.energy_wear_coefficient)
+        return np.asarray(rate.antiderivative()(self.cycles))
+
+    @property
+    def open_pairs(self) -> NDArray[np.int64]:
+        """(n_states,) number of pairs without a load at rest."""
+        return np.asarray((self.normal_load == 0.0).sum(axis=1))
+
+    def words(self) -> Iterator[str]:
+        """Sentences on what wears, and what it does to the motion."""
+        first, last = self.amplitude[0], self.amplitude[-1]
+        if not self.depth[-1].any():
+            yield "No pair slips, so nothing wears."
+            return
+        yield (
+            f"After {self.cycles[-1]:.4g} cycles both faces of a pair together have lost up to "
+            f"{_MICRO * self.depth[-1].max():.3g} µm, {_MICRO * self.mean_depth[-1]:.3g} µm in the mean, in all "
+            f"{_CUBIC_MILLI * self.volume[-1]:.3g} mm³."
+        )
+        change = 100.0 * (last / first - 1.0)
+        yield (
+            f"The amplitude goes from {_MICRO * first:.4g} to {_MICRO * last:.4g} µm ({change:+.2g} %), between "
+            f"{_MICRO * self.amplitude.min():.4g} and {_MICRO * self.amplitude.max():.4g} µm; the frequency from "
+            f"{self.frequency_hz[0]:.2f} to {self.frequency_hz[-1]:.2f} Hz."
+        )
+        before, after = int(self.open_pairs[0]), int(self.open_pairs[-1])
+        if after or before:
+            yield f"Pairs without load at rest: {before} of {self.area.size} before, {after} after."
+
+    def plot(self) -> Figure:
+        """Amplitude, frequency, and largest and mean depth over the cycles, as a figure of matplotlib."""
+        return wear_figure(self.cycles, self.amplitude, self.frequency_hz, self.depth.max(axis=1), self.mean_depth)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write one NetCDF-4 file, completely or not at all. Raises ResultsFileError if it cannot be written."""
+        write_groups(path, self.to_groups())
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> Wear:
+        """Read a file of :meth:`save`; the object is equal. Raises ResultsFileError."""
+        return read_groups(path, cls.from_group)
