@@ -336,7 +336,7 @@ def optimum_sentences(result: DesignResult) -> Iterator[str]:
     if active:
         yield f"The optimum is at the limit {', '.join(active)}."
     if equal:
-        yield f"The optimum is at a switch: {', and '.join(equal)} are equally high within {100 * EQUALLY_HIGH:g} %."
+        yield f"The optimum is at a switch: {' and '.join(equal)} are equally high within {100 * EQUALLY_HIGH:g} %."
     if corners and not equal:
         yield (
             f"The optimum is at a corner along {', '.join(corners)}: the {result.measure.words.lower()} rises with a "
