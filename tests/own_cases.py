@@ -7,7 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from rough_casting import ROUGH_CASTING
+from castings import ROUGH_CASTING
 from stickslip.case.case import Case
 from stickslip.case.load import load_case
 from stickslip.formats.matrices.exchange import write_superelement

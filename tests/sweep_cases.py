@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from rough_casting import ROUGH_CASTING
+from castings import ROUGH_CASTING
 from stickslip.case.case import Case
 
 COARSE_MESH = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rough_casting import ROUGH_CASTING, casting_case
+from castings import ROUGH_CASTING, casting_case
 from sentences import rejects
 from stickslip.case.case import Case
 from stickslip.contact.stiffness.fractal import fractal_contact

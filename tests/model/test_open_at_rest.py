@@ -12,8 +12,8 @@ import meshio
 import numpy as np
 import pytest
 
+from castings import casting_case
 from own_cases import mesh_case
-from rough_casting import casting_case
 from sentences import rejects
 from stickslip.case.case import Case
 from stickslip.core.errors import InputError

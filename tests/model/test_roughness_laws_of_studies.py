@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stickslip as ss
-from rough_casting import casting_case
+from castings import casting_case
 from sentences import printed_sentence, rejects
 from stickslip.case.case import TwoBladeCase
 from stickslip.model.joint import Joint

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rough_casting import casting_case
+from castings import casting_case
 from sentences import rejects
 from stickslip.contact.stiffness.asperities import fully_plastic_load
 from stickslip.contact.stiffness.fractal import fractal_contact

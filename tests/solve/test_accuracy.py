@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from castings import casting_case
 from helpers import Blade, benchmark_module
-from rough_casting import casting_case
 from sentences import printed_sentence, rejects
 from stickslip.core.errors import InputError
 from stickslip.model.model import build_model

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
+from castings import casting_case
 from own_cases import EXAMPLE, mesh_case
-from rough_casting import casting_case
 from stickslip.case.case import Case
 from stickslip.case.load import load_case
 from stickslip.core.validation import FloatArray

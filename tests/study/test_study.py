@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from rough_casting import ROUGH_CASTING, casting_case
+from castings import ROUGH_CASTING, casting_case
 from sentences import printed_sentence, rejects
 from stickslip.case.case import Case
 from stickslip.cli.main import app

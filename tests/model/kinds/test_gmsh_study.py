@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 import stickslip as ss
-from rough_casting import casting_case
+from castings import casting_case
 from stickslip.case.case import Case
 from stickslip.case.load import load_case
 from stickslip.cli.main import app

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from plane_curves import PlaneCurve, PlanePoint, circle, corner, lemniscate, line_beside_an_ellipse, s_curve, step
 
-from rough_casting import casting_case
+from castings import casting_case
 from sentences import printed_sentence
 from stickslip.case.case import Case
 from stickslip.model.model import build_model, load_joint, set_up

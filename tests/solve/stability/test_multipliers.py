@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import stickslip as ss
+from castings import casting_case
 from helpers import Blade
-from rough_casting import casting_case
 from stickslip.contact.law.linear_steps import LinearSteps
 from stickslip.results.response_data import NO_STABILITY
 from stickslip.solve.harmonic.compliance import stuck_structure
